@@ -1,0 +1,1 @@
+"""How far loose interlocking flat parts can move."""

@@ -1,0 +1,59 @@
+"""The assembly: parts as they are made, gap applied, with roles."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.drawing.model import Drawing, Goal, Part
+
+
+@dataclass(frozen=True, eq=False)
+class Assembly:
+    """Parts as made, at rest, and their roles.
+
+    Parameters
+    ----------
+    parts : tuple of Part
+        Material after gap and offsets, each in its own frame; same order as in the drawing.
+    drawing : Drawing
+        Where they came from, with the gap that was applied in `drawing.gap`.
+    """
+
+    parts: tuple[Part, ...]
+    drawing: Drawing
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the parts, in order."""
+        return tuple(p.name for p in self.parts)
+
+    @property
+    def gap(self) -> float:
+        """The gap that was applied [mm]."""
+        return self.drawing.gap
+
+    @property
+    def goals(self) -> tuple[Goal, ...]:
+        """What the file asks for."""
+        return self.drawing.goals
+
+    @property
+    def rest(self) -> NDArray[np.float64]:
+        """Rest poses (n, 3) [mm, mm, rad]."""
+        return np.array([p.at for p in self.parts], dtype=float).reshape(-1, 3)
+
+    @property
+    def size(self) -> float:
+        """Longer side of the box round all parts at rest [mm]."""
+        points = np.vstack([place(r.outer, p.at) for p in self.parts for r in p.regions])
+        return float(np.ptp(points, axis=0).max())
+
+
+def place(points: NDArray[np.float64], pose: tuple[float, float, float]) -> NDArray[np.float64]:
+    """Points (n, 2) [mm] of a part's own frame in assembly coordinates at `pose` (x, y, angle) [mm, mm, rad]."""
+    x, y, angle = pose
+    c, s = np.cos(angle), np.sin(angle)
+    return points @ np.array([[c, s], [-s, c]]) + (x, y)

@@ -1,0 +1,139 @@
+"""What a file says, in millimetres and radians, before anything is worked out from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Points = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Region:
+    """One piece of material: an outer outline and its holes.
+
+    Parameters
+    ----------
+    outer : (n, 2) float64 [mm]
+        Corners, counter-clockwise, the first not repeated at the end.
+    holes : tuple of (m, 2) float64 [mm]
+        Corners of each hole, clockwise, so that material lies left of every edge.
+    """
+
+    outer: Points
+    holes: tuple[Points, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One rigid part: its material in a frame of its own, and where that frame lies.
+
+    Parameters
+    ----------
+    name : str
+        Unique in its drawing.
+    regions : tuple of Region [mm]
+        Material in the part's own frame, whose origin is the reference point.
+    at : (x, y, angle) [mm, mm, rad]
+        Rest pose: the material turns by `angle` about its origin, then moves by (x, y).
+    fixed : bool
+        True where the part does not move.
+    offset : float [mm]
+        Extra outward displacement of this part's boundary (negative: smaller, looser).
+    """
+
+    name: str
+    regions: tuple[Region, ...]
+    at: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    fixed: bool = False
+    offset: float = 0.0
+
+
+@dataclass(frozen=True)
+class JointGap:
+    """The gap of one joint [mm], in place of the assembly's."""
+
+    parts: tuple[str, str]
+    gap: float
+
+
+@dataclass(frozen=True)
+class Pull:
+    """Ask for the largest motion of a material point along a direction fixed in the world.
+
+    Parameters
+    ----------
+    part : str
+        Name of the pulled part.
+    direction : (dx, dy)
+        Any length but zero; it is normalised where it is used.
+    point : (x, y) [mm], optional
+        Assembly coordinates at rest; by default the part's reference point.
+    weight : float
+        Factor of this term in the objective.
+    """
+
+    part: str
+    direction: tuple[float, float]
+    point: tuple[float, float] | None = None
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Turn:
+    """Ask for the largest turn [rad] of a part; `sense` is "ccw" or "cw"."""
+
+    part: str
+    sense: str = "ccw"
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class W:
+    """The paper's objective: w . (x, y, theta) of one part's motion [mm, mm, rad], linear.
+
+    Source: Mind the Gap, section 4.4.
+    """
+
+    part: str
+    w: tuple[float, float, float]
+    weight: float = 1.0
+
+
+Goal = Pull | Turn | W
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """Everything a file says: parts as drawn, and who is fixed, glued, ignored, pulled.
+
+    Parameters
+    ----------
+    parts : tuple of Part
+        As drawn, before gap and offset.
+    gap : float [mm]
+        Clearance across every joint that the file asks for; 0 means as drawn.
+    glue : tuple of tuples of names
+        Groups of parts that move as one.
+    ignore : tuple of pairs of names
+        Parts that never collide.
+    gaps : tuple of JointGap
+        Joints with a gap of their own.
+    goals : tuple of Pull, Turn or W
+        What is asked; several add up.
+    source : str
+        The file's name, for messages.
+    notes : tuple of str
+        Things the user should know (left-out paths, assumed unit), one line each.
+    """
+
+    parts: tuple[Part, ...]
+    gap: float = 0.0
+    glue: tuple[tuple[str, ...], ...] = ()
+    ignore: tuple[tuple[str, str], ...] = ()
+    gaps: tuple[JointGap, ...] = ()
+    goals: tuple[Goal, ...] = ()
+    source: str = ""
+    notes: tuple[str, ...] = ()

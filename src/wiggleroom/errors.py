@@ -1,0 +1,36 @@
+"""One root error; its leaves carry part names and numbers, and every message says what, where and what would be right."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+
+class WiggleroomError(Exception):
+    """Root of every error that wiggleroom raises on purpose."""
+
+
+class InputError(WiggleroomError):
+    """The drawing, the assembly or the question cannot be used as given.
+
+    Parameters
+    ----------
+    findings : str or sequence of str
+        One plain line per finding: what, where (file, part, element), what would be right.
+    """
+
+    def __init__(self, findings: str | Sequence[str]) -> None:
+        self.findings: tuple[str, ...] = (findings,) if isinstance(findings, str) else tuple(findings)
+        super().__init__("\n".join(self.findings))
+
+
+class TouchingError(InputError):
+    """Two parts touch at rest after gap and offsets, so there is no room to move; carries names and the clearance [mm]."""
+
+    def __init__(self, finding: str, parts: tuple[str, str], clearance: float) -> None:
+        super().__init__(finding)
+        self.parts = parts
+        self.clearance = clearance
+
+
+class MissingExtraError(WiggleroomError):
+    """An optional library is needed; the message names the extra that installs it."""
