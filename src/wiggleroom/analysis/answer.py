@@ -1,0 +1,79 @@
+"""The answer to "how far can it move": a motion that was found and checked, and how sure it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.solve.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One place where two parts hold each other at the reported motion.
+
+    Parameters
+    ----------
+    parts : pair of names
+        The normal points from the first into the second.
+    point, normal : (x, y) [mm], unit vector
+        Assembly coordinates at the moved position.
+    force : float
+        Multiplier: objective gained per mm that this contact gives way.
+    """
+
+    parts: tuple[str, str]
+    point: tuple[float, float]
+    normal: tuple[float, float]
+    force: float
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """The largest safe motion that was found.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    goals : tuple of Pull, Turn or W
+        What was asked.
+    verdict : Verdict
+    objective : float or None
+        Sum of the goals [mm] (turns in [rad]); None where nothing stops the motion.
+    motion : (n, 3) float64 [mm, mm, rad]
+        Pose minus rest pose of every part, about its reference point.
+    waypoints : (k, n, 3) float64 [mm, mm, rad]
+        Motions along a way from rest (first, all zero) to `motion` (last).
+    path : str
+        "checked" where no two parts overlap anywhere along the way, else "not checked".
+    deepest_overlap : float [mm]
+        Largest overlap of any two parts at `motion`, by exact geometry.
+    leaves, turns : tuple of names
+        Parts that move away or turn without limit.
+    at_most : float or None
+        A value that no motion can exceed, where one was worked out.
+    """
+
+    assembly: Assembly
+    goals: tuple[Goal, ...]
+    verdict: Verdict
+    objective: float | None
+    motion: NDArray[np.float64]
+    waypoints: NDArray[np.float64]
+    contacts: tuple[Contact, ...]
+    path: str
+    collision_free: bool
+    deepest_overlap: float
+    model: str
+    solver: str
+    rounds: int
+    iterations: int
+    seconds: dict[str, float] = field(default_factory=dict)
+    leaves: tuple[str, ...] = ()
+    turns: tuple[str, ...] = ()
+    at_most: float | None = None
+    command: str = ""
