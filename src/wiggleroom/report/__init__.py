@@ -1,0 +1,1 @@
+"""Answers for people and programs: pictures, tables, records; none of them changes what was found."""

@@ -1,0 +1,46 @@
+# What developers type: make demo, make test, make lint, make types, make slow.
+# The environment .venv is made when it is needed and again only when pyproject.toml changes.
+
+BIN := .venv/bin
+FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
+PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
+	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
+
+.PHONY: demo test slow lint types clean
+
+demo: .venv/ready-demo
+	@mkdir -p out
+	$(BIN)/wiggleroom flex examples/drawings/pyjigsaw_4x5.svg --gap 1 --fix p1 --pull p20:+x --picture out/demo.svg
+	@echo "The picture is in $(CURDIR)/out/demo.svg"
+
+test: .venv/ready-test
+	$(BIN)/python -m pytest -m "not slow"
+
+slow: .venv/ready-test
+	$(BIN)/python -m pytest -m slow
+
+lint: .venv/ready-lint
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: .venv/ready-lint
+	$(BIN)/mypy
+
+clean:
+	rm -rf .venv out build
+
+.venv/bin/python:
+	@test -n "$(PYTHON)" || { echo "wiggleroom needs Python 3.11, 3.12 or 3.13 on the path" >&2; exit 1; }
+	$(PYTHON) -m venv .venv
+
+.venv/ready-demo: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --editable '.[ipopt]'
+	@touch $@
+
+.venv/ready-test: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --editable '.[ipopt,test]'
+	@touch $@
+
+.venv/ready-lint: pyproject.toml | .venv/bin/python
+	$(BIN)/python -m pip install --quiet --editable '.[lint]'
+	@touch $@

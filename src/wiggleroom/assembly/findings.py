@@ -1,0 +1,87 @@
+"""Everything that is wrong with a drawing, all at once: one plain line per finding."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from wiggleroom.assembly.gaps import make
+from wiggleroom.assembly.outlines import sound_parts
+from wiggleroom.assembly.overlaps import overlaps
+from wiggleroom.assembly.statements import glue_groups, statement_findings
+from wiggleroom.drawing.model import Drawing, Part
+
+
+def findings(drawing: Drawing) -> tuple[str, ...]:
+    """List what is wrong with a drawing, as drawn and as made; empty where it can be used.
+
+    Parameters
+    ----------
+    drawing : Drawing [mm]
+
+    Returns
+    -------
+    tuple of str
+        One plain line each: what, where, what would be right.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> line = Part("a", (Region(np.array([[0.0, 0.0], [1.0, 0.0]])),))
+    >>> print(*findings(Drawing((line,), gap=-1.0)), sep="; ")
+    gap is -1: it must be 0 or more; part "a" has 2 different corners: an outline needs at least 3
+    """
+    return examine(drawing)[1]
+
+
+def examine(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
+    """Parts as made, and everything that is wrong; parts are all there only where nothing is."""
+    sound, bad = sound_parts(drawing)
+    found = _located(drawing, [*statement_findings(drawing), *bad])
+    if not 0 <= drawing.gap < np.inf:
+        return (), found
+    names = {p.name for p in sound}
+    joints = tuple(
+        j for j in drawing.gaps if names.issuperset(j.parts) and j.parts[0] != j.parts[1] and 0 <= j.gap < np.inf
+    )
+    parts, gone = make(replace(drawing, parts=tuple(sound), gaps=joints))
+    return parts, (*found, *_located(drawing, [*gone, *_overlapping(drawing, parts)]))
+
+
+def _located(drawing: Drawing, lines: Sequence[str]) -> tuple[str, ...]:
+    """Lines that begin with the file's name."""
+    return tuple(f"{drawing.source}: {line}" if drawing.source else line for line in lines)
+
+
+def role_findings(drawing: Drawing) -> tuple[str, ...]:
+    """List what a question about motion lacks: a fixed part, a pull.
+
+    Examples
+    --------
+    >>> print(*role_findings(Drawing(())), sep="; ")
+    nothing is fixed: name the parts that stand with --fix NAME; nothing is pulled: say what moves with --pull NAME:+y
+    """
+    found = []
+    if not any(p.fixed for p in drawing.parts):
+        found.append("nothing is fixed: name the parts that stand with --fix NAME")
+    elif all(p.fixed for p in drawing.parts):
+        found.append("everything is fixed: leave at least one part free to move")
+    if not drawing.goals:
+        found.append("nothing is pulled: say what moves with --pull NAME:+y")
+    return _located(drawing, found)
+
+
+def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
+    """One line per pair that overlaps at rest and may not."""
+    group = glue_groups(drawing)
+    ignored = {frozenset(pair) for pair in drawing.ignore}
+    found = []
+    for i, j, depth in overlaps(parts):
+        a, b = parts[i].name, parts[j].name
+        if frozenset((a, b)) in ignored or (a in group and group[a] == group.get(b)):
+            continue
+        right = "draw them apart, ask for a larger gap, or glue or ignore them"
+        found.append(f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}')
+    return found

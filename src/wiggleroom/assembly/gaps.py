@@ -1,0 +1,244 @@
+"""The gap: every outline moved inward by half of it, and outward by its part's own offset."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.facing import Stretch, facing, split
+from wiggleroom.assembly.loops import (
+    Loops,
+    chained,
+    cleaned,
+    placed,
+    polygons,
+    region_rings,
+    signed_areas,
+)
+from wiggleroom.assembly.mitre import moved, resolved
+from wiggleroom.assembly.model import place
+from wiggleroom.drawing.model import Drawing, JointGap, Part, Points, Region
+
+
+@dataclass(frozen=True, eq=False)
+class _Shapes:
+    """Different outlines to move: parts that share regions and displacement share one shape.
+
+    Parameters
+    ----------
+    shape : (parts,) int
+        Shape of each part.
+    first : (shapes,) int
+        A part of each shape.
+    loops : Loops [mm]
+        Outlines of all shapes in their own frames, cleaned.
+    region : (loops,) int
+        Region of each loop, counted through all shapes.
+    owner : (regions,) int
+        Shape of each region.
+    """
+
+    shape: NDArray[np.int64]
+    first: list[int]
+    loops: Loops
+    region: NDArray[np.int64]
+    owner: NDArray[np.int64]
+
+    @property
+    def loop_shape(self) -> NDArray[np.int64]:
+        """Shape of each loop."""
+        return self.owner[self.region]
+
+    @property
+    def members(self) -> NDArray[np.int64]:
+        """First loop of each shape, and the number of loops (shapes + 1,)."""
+        return np.searchsorted(self.loop_shape, np.arange(len(self.first) + 1))
+
+
+def make(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
+    """Parts as made: gap, offsets and gaps of single joints applied with mitred corners.
+
+    Parameters
+    ----------
+    drawing : Drawing [mm]
+        Sound outlines and known names, see `wiggleroom.assembly.findings`.
+
+    Returns
+    -------
+    tuple of Part
+        Same order; offsets are 0, as they are in the outlines now. Parts that shared a region still do.
+        A part that could not be made is left out.
+    tuple of str
+        One line for each part that vanishes, falls apart or loses a hole, and for each joint that is none.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> parts, _ = make(Drawing((Part("a", (Region(square),)),), gap=0.5))
+    >>> parts[0].regions[0].outer.tolist()
+    [[0.25, 0.25], [1.75, 0.25], [1.75, 1.75], [0.25, 1.75]]
+    """
+    if not drawing.parts:
+        return (), ()
+    shapes = _shapes(drawing)
+    inward = drawing.gap / 2 - np.array([drawing.parts[i].offset for i in shapes.first])
+    loops, amounts, findings = _joints(drawing, shapes, inward)
+    regions, trouble = _moved_regions(loops, amounts, shapes)
+    by_shape: list[list[Region]] = [[] for _ in shapes.first]
+    for region, shape in zip(regions, shapes.owner, strict=True):
+        by_shape[shape] += [region] if region is not None else []
+    made_regions = [tuple(r) for r in by_shape]
+    findings += [_complaint(drawing, shapes, shape, wrong) for shape, wrong in trouble.items()]
+    parts = [
+        replace(part, regions=made_regions[shape], offset=0.0)
+        for part, shape in zip(drawing.parts, shapes.shape.tolist(), strict=True)
+        if shape not in trouble
+    ]
+    return tuple(parts), tuple(findings)
+
+
+def _shapes(drawing: Drawing) -> _Shapes:
+    """Different shapes of a drawing, cleaned; a part with a joint gap of its own is a shape of its own."""
+    alone = {name for joint in drawing.gaps for name in joint.parts}
+    keys: dict[tuple[object, ...], int] = {}
+    shape: list[int] = []
+    first: list[int] = []
+    for i, part in enumerate(drawing.parts):
+        key = (part.name,) if part.name in alone else (*map(id, part.regions), part.offset)
+        if key not in keys:
+            keys[key] = len(first)
+            first.append(i)
+        shape.append(keys[key])
+    chosen = [drawing.parts[i] for i in first]
+    rings, region = region_rings([r for p in chosen for r in p.regions])
+    owner = np.repeat(np.arange(len(chosen)), [len(p.regions) for p in chosen])
+    sizes = np.array([max(np.ptp(r.outer, axis=0).max() for r in p.regions) for p in chosen])
+    index = np.array(region)
+    loops = _oriented(cleaned(chained(rings), sizes[owner[index]]), index)
+    return _Shapes(np.array(shape), first, loops, index, owner)
+
+
+def _oriented(loops: Loops, region: NDArray[np.int64]) -> Loops:
+    """Outer loops counter-clockwise, holes clockwise, however they were drawn."""
+    outer = np.diff(region, prepend=-1) > 0
+    wrong = (signed_areas(loops) > 0) != outer
+    if not wrong.any():
+        return loops
+    return chained([ring[::-1] if w else ring for ring, w in zip(loops.rings(), wrong, strict=True)])
+
+
+def _joints(drawing: Drawing, shapes: _Shapes, inward: NDArray[np.float64]) -> tuple[Loops, Points, list[str]]:
+    """Outlines split where a joint's own gap begins and ends, and the displacement of every edge (n,) [mm]."""
+    loops = shapes.loops
+    if not drawing.gaps:
+        return loops, np.repeat(inward[shapes.loop_shape], loops.counts), []
+    stretches, findings = _stretches(drawing, shapes)
+    rings, amounts = [], []
+    for k, (ring, shape) in enumerate(zip(loops.rings(), shapes.loop_shape.tolist(), strict=True)):
+        points, moves = ring, np.full(len(ring), inward[shape])
+        if shape in stretches:
+            start = int(loops.starts[k] - loops.starts[shapes.members[shape]])
+            mine = [replace(s, edge=s.edge - start) for s in stretches[shape] if 0 <= s.edge - start < len(ring)]
+            points, moves = split(ring, float(inward[shape]), mine)
+        rings.append(points)
+        amounts.append(moves)
+    return chained(rings), np.concatenate(amounts), findings
+
+
+def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretch]], list[str]]:
+    """Stretches of edges that a joint's own gap moves, by shape; edges count through all loops of the shape."""
+    index = {part.name: i for i, part in enumerate(drawing.parts)}
+    size = max(np.ptp(place(r.outer, p.at), axis=0).max() for p in drawing.parts for r in p.regions)
+    stretches: dict[int, list[Stretch]] = defaultdict(list)
+    findings = []
+    rings = shapes.loops.rings()
+    for joint in drawing.gaps:
+        pair = [drawing.parts[index[name]] for name in joint.parts]
+        of = [int(shapes.shape[index[name]]) for name in joint.parts]
+        a, b = (
+            chained([place(ring, part.at) for ring in rings[shapes.members[s] : shapes.members[s + 1]]])
+            for s, part in zip(of, pair, strict=True)
+        )
+        reach, slack = _reach(joint, pair, drawing.gap, size)
+        both = facing(a, b, reach, slack), facing(b, a, reach, slack)
+        if not all(both):
+            findings.append(_apart(joint))
+        for found, s, part in zip(both, of, pair, strict=True):
+            stretches[s] += [Stretch(e, low, high, joint.gap / 2 - part.offset) for e, low, high in found]
+    return stretches, findings
+
+
+def _reach(joint: JointGap, pair: list[Part], gap: float, size: float) -> tuple[float, float]:
+    """How far apart edges of a joint may lie: the drawn distance, with room for flattened curves."""
+    shapes, owner = placed(pair)
+    drawn = float(shapely.distance(shapes[owner == 0][:, None], shapes[owner == 1]).min())
+    slack = 1e-6 * size + 0.1 * max(gap, joint.gap)
+    return drawn + slack, slack
+
+
+def _moved_regions(
+    loops: Loops, amounts: NDArray[np.float64], shapes: _Shapes
+) -> tuple[list[Region | None], dict[int, str]]:
+    """Every region as made, and what went wrong by shape."""
+    new, forward = moved(loops, amounts)
+    forward_regions = np.ones(len(shapes.owner), dtype=bool)
+    np.logical_and.at(forward_regions, shapes.region, forward)
+    fine = forward_regions & shapely.is_valid(polygons(new, shapes.region))
+    rings = new.rings()
+    members = np.searchsorted(shapes.region, np.arange(len(fine) + 1))
+    regions: list[Region | None] = []
+    trouble: dict[int, str] = {}
+    for i, (low, high) in enumerate(pairwise(members)):
+        if fine[i]:
+            regions.append(Region(rings[low], tuple(rings[low + 1 : high])))
+            continue
+        chosen = (shapes.region[loops.owner] == i).nonzero()[0]
+        pieces = resolved(Loops(loops.points[chosen], loops.counts[low:high]), amounts[chosen])
+        wrong = _what_went_wrong(pieces, high - low - 1)
+        regions.append(None if wrong else _region(pieces[0]))
+        if wrong:
+            trouble.setdefault(int(shapes.owner[i]), wrong)
+    return regions, trouble
+
+
+def _what_went_wrong(pieces: Sequence[shapely.Polygon], holes: int) -> str:
+    """Why pieces are not one region with as many holes as before; empty where they are."""
+    if not pieces:
+        return "vanishes"
+    if len(pieces) > 1:
+        return f"falls into {len(pieces)} pieces"
+    left = len(pieces[0].interiors)
+    if left < holes:
+        return "loses a hole" if holes - left == 1 else f"loses {holes - left} holes"
+    return "closes round a new hole" if left > holes else ""
+
+
+def _region(piece: shapely.Polygon) -> Region:
+    """Region of a shapely polygon."""
+    loops = chained([np.array(ring.coords)[:-1] for ring in (piece.exterior, *piece.interiors)])
+    size = np.ptp(loops.points, axis=0).max()
+    outer, *holes = cleaned(loops, np.full(len(loops.counts), size)).rings()
+    return Region(outer, tuple(holes))
+
+
+def _complaint(drawing: Drawing, shapes: _Shapes, shape: int, wrong: str) -> str:
+    """One line about a shape that the gap destroys."""
+    part = drawing.parts[shapes.first[shape]]
+    others = int((shapes.shape == shape).sum()) - 1
+    who = f'part "{part.name}"' + (f" (and {others} more of this shape)" if others else "")
+    if drawing.gap / 2 < part.offset:
+        return f"{who} {wrong} at offset {part.offset:g}: a smaller offset would leave it whole"
+    own = f", offset {part.offset:g}" if part.offset else ""
+    own += ", the gaps of its joints" if any(part.name in joint.parts for joint in drawing.gaps) else ""
+    return f"{who} {wrong} at gap {drawing.gap:g}{own}: a smaller gap would leave it whole"
+
+
+def _apart(joint: JointGap) -> str:
+    """One line about a joint whose parts do not face each other."""
+    return f'gaps: parts "{joint.parts[0]}" and "{joint.parts[1]}" face each other nowhere: name two neighbours'

@@ -1,0 +1,131 @@
+"""Closed outlines of many parts in one flat array, so that one numpy call works on all of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.drawing.model import Part, Points, Region
+
+SAME = 1e-9
+"""Corners closer than this, or off a straight line by less, are not corners [part size]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Loops:
+    """Closed outlines one after another.
+
+    Parameters
+    ----------
+    points : (n, 2) float64 [mm]
+        Corners; edge i runs from corner i to the next one of its loop.
+    counts : (k,) int
+        Corners of each loop.
+    """
+
+    points: Points
+    counts: NDArray[np.int64]
+
+    @property
+    def starts(self) -> NDArray[np.int64]:
+        """Index of the first corner of each loop (k,)."""
+        return np.cumsum(self.counts) - self.counts
+
+    @property
+    def owner(self) -> NDArray[np.int64]:
+        """Loop of each corner (n,)."""
+        return np.repeat(np.arange(len(self.counts)), self.counts)
+
+    @property
+    def before(self) -> NDArray[np.int64]:
+        """Corner before each corner (n,)."""
+        index = np.arange(len(self.points)) - 1
+        index[self.starts] += self.counts
+        return index
+
+    @property
+    def after(self) -> NDArray[np.int64]:
+        """Corner after each corner (n,)."""
+        index = np.arange(len(self.points)) + 1
+        index[self.starts + self.counts - 1] -= self.counts
+        return index
+
+    def rings(self) -> list[Points]:
+        """One array (m, 2) [mm] per loop."""
+        return np.split(self.points, self.starts[1:])
+
+
+def chained(rings: Sequence[Points]) -> Loops:
+    """Rings, each (m, 2) [mm] and not closed, one after another.
+
+    Examples
+    --------
+    >>> triangle = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    >>> chained([triangle, triangle]).after
+    array([1, 2, 0, 4, 5, 3])
+    """
+    counts = np.array([len(r) for r in rings], dtype=np.int64)
+    return Loops(np.concatenate(rings), counts)
+
+
+def region_rings(regions: Sequence[Region]) -> tuple[list[Points], list[int]]:
+    """Rings of regions, outer before its holes, and the region of each."""
+    rings = [ring for region in regions for ring in (region.outer, *region.holes)]
+    return rings, [i for i, region in enumerate(regions) for _ in range(1 + len(region.holes))]
+
+
+def polygons(loops: Loops, region: Sequence[int] | NDArray[np.int64]) -> NDArray[np.object_]:
+    """Shapely polygons of loops; `region` (k,) names the polygon of each loop, outer loop first."""
+    rings = shapely.linearrings(loops.points, indices=loops.owner)
+    return np.asarray(shapely.polygons(rings, indices=np.asarray(region)))
+
+
+def placed(parts: Sequence[Part]) -> tuple[NDArray[np.object_], NDArray[np.int64]]:
+    """Every region as a shapely polygon in assembly coordinates at rest, and the index of its part."""
+    owners = np.repeat(np.arange(len(parts)), [len(p.regions) for p in parts])
+    rings, region = region_rings([r for p in parts for r in p.regions])
+    loops = chained(rings)
+    at = np.array([p.at for p in parts], dtype=float)[owners[region]]
+    cosine, sine = (np.repeat(f(at[:, 2]), loops.counts) for f in (np.cos, np.sin))
+    x, y = loops.points.T
+    turned = np.column_stack([cosine * x - sine * y, sine * x + cosine * y])
+    return polygons(Loops(turned + np.repeat(at[:, :2], loops.counts, axis=0), loops.counts), region), owners
+
+
+def cleaned(loops: Loops, size: NDArray[np.float64]) -> Loops:
+    """Without repeated corners and corners on straight edges; `size` (k,) [mm] is that of each loop's part.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
+    >>> cleaned(chained([square]), np.array([2.0])).points.tolist()
+    [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]
+    """
+    while (drop := _droppable(loops, SAME * size)).any():
+        counts = loops.counts - np.add.reduceat(drop.astype(np.int64), loops.starts)
+        loops = Loops(loops.points[~drop], counts)
+    return loops
+
+
+def _droppable(loops: Loops, tolerance: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Corners that say nothing, no two of them neighbours: dropping neighbours together could flatten a fine curve."""
+    before, tol = loops.before, np.repeat(tolerance, loops.counts)
+    back, ahead = loops.points - loops.points[before], loops.points[loops.after] - loops.points
+    chord = np.hypot(*(back + ahead).T)
+    off = np.abs(back[:, 0] * ahead[:, 1] - back[:, 1] * ahead[:, 0])
+    straight = (off <= tol * chord) & ((back * ahead).sum(axis=1) > 0)
+    idle = straight | (np.hypot(*back.T) <= tol)
+    place = np.arange(len(idle)) - np.repeat(loops.starts, loops.counts)
+    odd = idle & (place % 2 == 1)
+    return odd if odd.any() else idle & ~((place == 0) & idle[before])
+
+
+def signed_areas(loops: Loops) -> NDArray[np.float64]:
+    """Area of each loop (k,) [mm²], positive counter-clockwise."""
+    points = loops.points - np.repeat(loops.points[loops.starts], loops.counts, axis=0)
+    after = points[loops.after]
+    return np.add.reduceat(points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0], loops.starts) / 2

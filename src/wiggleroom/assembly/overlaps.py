@@ -1,0 +1,61 @@
+"""Parts that overlap at rest, and how deep."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.loops import placed
+from wiggleroom.drawing.model import Part
+
+TOLERANCE = 1e-9
+"""Overlaps no deeper than this are rounding [size of the drawing]."""
+
+
+def overlaps(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
+    """Pairs of parts that overlap at rest, with depth [mm], in order.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
+    >>> overlaps([Part("a", (square,)), Part("b", (square,), at=(1.5, 0.0, 0.0))])
+    [(0, 1, 0.5)]
+    """
+    if not parts:
+        return []
+    shapes, owner = placed(parts)
+    size = np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0).max()
+    i, j = shapely.STRtree(shapes).query(shapes, predicate="intersects")
+    one_way = (owner[i] < owner[j]) & ~shapely.touches(shapes[i], shapes[j])
+    i, j = i[one_way], j[one_way]
+    common = shapely.intersection(shapes[i], shapes[j])
+    deepest: dict[tuple[int, int], float] = {}
+    for k in np.flatnonzero(shapely.area(common) > 0):
+        pair = int(owner[i[k]]), int(owner[j[k]])
+        depth = max(width(piece) for piece in shapely.get_parts(common[k]))
+        if depth > TOLERANCE * size:
+            deepest[pair] = max(depth, deepest.get(pair, 0.0))
+    return [(a, b, depth) for (a, b), depth in sorted(deepest.items())]
+
+
+def width(shape: shapely.Geometry) -> float:
+    """Smallest width [mm] of a piece of overlap: that of its hull, times how much of the hull it fills.
+
+    The second factor is 1 for a convex piece, and keeps a hair-thin bent one from looking thick.
+
+    Examples
+    --------
+    >>> width(shapely.box(0, 0, 3, 0.5))
+    0.5
+    """
+    hull = shapely.convex_hull(shape)
+    if hull.area <= 0:
+        return 0.0
+    corners: NDArray[np.float64] = shapely.get_coordinates(hull)
+    edges = np.diff(corners, axis=0)
+    normals = np.column_stack([-edges[:, 1], edges[:, 0]]) / np.hypot(*edges.T)[:, None]
+    return float(np.ptp(corners @ normals.T, axis=0).min() * (shape.area / hull.area))

@@ -1,0 +1,122 @@
+"""What a drawing says about its parts by name: references, numbers, roles, and what is wrong with them."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
+
+import numpy as np
+
+from wiggleroom.drawing.model import Drawing, Goal, Pull, Turn, W
+
+
+def statement_findings(drawing: Drawing) -> list[str]:
+    """Everything wrong with names, references, numbers and roles, whatever the outlines are."""
+    return [*_names(drawing), *_references(drawing), *_numbers(drawing), *_roles(drawing)]
+
+
+def unknown(name: str, names: Iterable[str]) -> str:
+    """Say that no part has this name, and which names come near.
+
+    Examples
+    --------
+    >>> unknown("a11", ["a1", "b7"])
+    'there is no part "a11": did you mean "a1"?'
+    """
+    known = list(names)
+    near = [f'"{n}"' for n in get_close_matches(name, known, n=3)]
+    if near:
+        return f'there is no part "{name}": did you mean {" or ".join(near)}?'
+    some = ", ".join(known[:8]) + (", ..." if len(known) > 8 else "")
+    return f'there is no part "{name}": the parts are {some}' if known else f'there is no part "{name}"'
+
+
+def _names(drawing: Drawing) -> list[str]:
+    if not drawing.parts:
+        return ["there are no parts: draw at least one closed outline"]
+    count = Counter(p.name for p in drawing.parts)
+    return [
+        f'{n} parts have the name "{name}": every part needs a name of its own' for name, n in count.items() if n > 1
+    ]
+
+
+def _references(drawing: Drawing) -> list[str]:
+    names = {p.name: None for p in drawing.parts}
+    uses = [("glue", name) for group in drawing.glue for name in group]
+    uses += [("ignore", name) for pair in drawing.ignore for name in pair]
+    uses += [("gaps", name) for joint in drawing.gaps for name in joint.parts]
+    uses += [(_kind(goal), goal.part) for goal in drawing.goals]
+    found = [f"{kind}: {unknown(name, names)}" for kind, name in dict.fromkeys(uses) if name not in names]
+    same = [j.parts[0] for j in drawing.gaps if j.parts[0] == j.parts[1]]
+    return found + [f'gaps: "{name}" is named twice: a joint lies between two parts' for name in same]
+
+
+def _numbers(drawing: Drawing) -> list[str]:
+    found = []
+    for what, gap in [("gap", drawing.gap), *((f"gap of {j.parts[0]} and {j.parts[1]}", j.gap) for j in drawing.gaps)]:
+        if not 0 <= gap < np.inf:
+            found.append(f"{what} is {gap:g}: it must be 0 or more")
+    for goal in drawing.goals:
+        found += _goal_numbers(goal)
+    return found
+
+
+def _goal_numbers(goal: Goal) -> list[str]:
+    where = f'{_kind(goal)} of "{goal.part}"'
+    found = [] if np.isfinite(goal.weight) else [f"{where}: weight is {goal.weight:g}: it must be a finite number"]
+    if isinstance(goal, Turn):
+        return found if goal.sense in ("ccw", "cw") else [*found, f'{where}: sense is "{goal.sense}": it is ccw or cw']
+    vector = goal.direction if isinstance(goal, Pull) else goal.w
+    if not np.isfinite(vector).all() or not np.any(vector):
+        word = "direction" if isinstance(goal, Pull) else "w"
+        found.append(f"{where}: {word} is {plain(vector)}: it must be finite and not all zero")
+    if isinstance(goal, Pull) and goal.point is not None and not np.isfinite(goal.point).all():
+        found.append(f"{where}: point is {plain(goal.point)}: it must be finite")
+    return found
+
+
+def plain(values: Sequence[float]) -> str:
+    """Write numbers as a tuple, no longer than needed."""
+    return "(" + ", ".join(f"{v:g}" for v in values) + ")"
+
+
+def _kind(goal: Goal) -> str:
+    return {Pull: "pull", Turn: "turn", W: "w"}[type(goal)]
+
+
+def _roles(drawing: Drawing) -> list[str]:
+    """Goals of parts that cannot move, themselves or through glue."""
+    still = {p.name: "it is fixed" for p in drawing.parts if p.fixed}
+    for anchor, name in _glued_to(drawing, still):
+        still.setdefault(name, f'it is glued to "{anchor}", which is fixed')
+    asked = dict.fromkeys((_kind(goal), goal.part) for goal in drawing.goals)
+    return [
+        f'"{name}" cannot be moved ({kind}), for {still[name]}: fix it or move it, not both'
+        for kind, name in asked
+        if name in still
+    ]
+
+
+def _glued_to(drawing: Drawing, fixed: Iterable[str]) -> list[tuple[str, str]]:
+    """Pairs of a fixed part and a part glued to it, directly or through others."""
+    group = glue_groups(drawing)
+    anchors = {group[name]: name for name in fixed if name in group}
+    return [(anchors[g], name) for name, g in group.items() if g in anchors]
+
+
+def glue_groups(drawing: Drawing) -> dict[str, int]:
+    """Find the rigid group of every glued part, as a number; groups that share a part are one.
+
+    Examples
+    --------
+    >>> glue_groups(Drawing((), glue=(("a", "b"), ("c", "d"), ("b", "e"))))
+    {'a': 0, 'b': 0, 'c': 1, 'd': 1, 'e': 0}
+    """
+    group: dict[str, int] = {}
+    for number, members in enumerate(drawing.glue):
+        merged = {group[m] for m in members if m in group}
+        lowest = min(merged, default=number)
+        group = {name: lowest if g in merged else g for name, g in group.items()}
+        group |= dict.fromkeys(members, lowest)
+    return group

@@ -1,0 +1,74 @@
+"""Command line."""
+
+from __future__ import annotations
+
+import os
+import sys
+
+ANSWERED, BAD_INPUT, NO_VERDICT = 0, 2, 3
+
+
+def main() -> int:
+    """Run what `sys.argv` says; the exit code is 0 answered, 2 bad input or usage, 3 no verdict."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")  # a name that the terminal cannot show must not end the program
+    try:
+        code = _run(sys.argv[1:])
+        sys.stdout.flush()
+    except (BrokenPipeError, SystemExit):  # whoever read our output has seen enough; rich leaves by SystemExit then
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return ANSWERED
+    except KeyboardInterrupt:
+        _say("interrupted")
+        return NO_VERDICT
+    except OSError as problem:
+        _say(f"{problem.filename or 'output'}: {(problem.strerror or str(problem)).lower()}")
+        return BAD_INPUT
+    return code
+
+
+def _run(argv: list[str]) -> int:
+    """Parse and run; whatever is wrong becomes plain lines on stderr."""
+    from cyclopts import CycloptsError
+
+    from wiggleroom.cli.app import build
+    from wiggleroom.errors import InputError, WiggleroomError
+
+    try:
+        return int(build()(argv) or ANSWERED)
+    except CycloptsError as problem:
+        _say(_usage(problem))
+    except InputError as problem:
+        for finding in problem.findings:
+            _say(finding)
+    except WiggleroomError as problem:
+        _say(str(problem))
+    except (OSError, KeyboardInterrupt):
+        raise
+    except Exception as problem:
+        _say(
+            f"this is a fault in wiggleroom, not in your drawing: {type(problem).__name__}: {problem}{_where(problem)}"
+        )
+        return NO_VERDICT
+    return BAD_INPUT
+
+
+def _usage(problem: Exception) -> str:
+    """Say what is wrong with the command line, in one line."""
+    unused = getattr(problem, "unused_tokens", None)
+    said = f"unexpected: {' '.join(unused)}" if unused else " ".join(str(problem).split())
+    return f"{said.rstrip('.')} (wiggleroom --help says more)"
+
+
+def _where(problem: BaseException) -> str:
+    """Place in the program where an error was raised."""
+    place, trace = "", problem.__traceback__
+    while trace is not None:
+        place = f" ({os.path.basename(trace.tb_frame.f_code.co_filename)}:{trace.tb_lineno})"
+        trace = trace.tb_next
+    return place
+
+
+def _say(line: str) -> None:
+    print(" ".join(line.split()), file=sys.stderr)  # noqa: T201

@@ -1,0 +1,42 @@
+"""Program: all commands, each from a file of its own; what is slow to import is imported inside them."""
+
+from __future__ import annotations
+
+from cyclopts import App
+
+from wiggleroom.cli.convert import convert
+from wiggleroom.cli.draw import draw
+from wiggleroom.cli.flex import flex
+from wiggleroom.cli.make import make
+
+_HELP = """How far loose interlocking flat parts can move.
+
+Say what is fixed and where it is pulled, and get the largest motion as a number and a picture:
+
+  wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
+
+Lengths are in mm, angles in degrees. Exit codes: 0 answered, 2 bad input or usage, 3 no verdict.
+"""
+
+
+def build() -> App:
+    """Program with all its commands."""
+    app = App(
+        name="wiggleroom",
+        help=_HELP,
+        version=_version,
+        help_format="plaintext",  # markdown would cost 50 ms here
+        exit_on_error=False,
+        print_error=False,
+        result_action="return_value",
+        suppress_keyboard_interrupt=False,
+    )
+    for command in (flex, convert, make, draw):
+        app.command(command, help_format="markdown")
+    return app
+
+
+def _version() -> str:
+    from importlib.metadata import version
+
+    return version("wiggleroom")

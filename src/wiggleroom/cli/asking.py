@@ -1,0 +1,64 @@
+"""What `--pull`, `--turn` and `--fix` say."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable
+
+from wiggleroom.drawing.model import Goal, Pull, Turn
+
+_AXES = {"+x": (1.0, 0.0), "-x": (-1.0, 0.0), "+y": (0.0, 1.0), "-y": (0.0, -1.0)}
+
+
+def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[str]]:
+    """Goals from the texts of `--pull` and `--turn`, and one line for each that cannot be read.
+
+    A name may hold colons: the last one ends it.
+
+    >>> goals(["a:b:+y@1,2"], ["c:ccw"])[0]
+    [Pull(part='a:b', direction=(0.0, 1.0), point=(1.0, 2.0), weight=1.0), Turn(part='c', sense='ccw', weight=1.0)]
+    """
+    found: list[Goal] = []
+    wrong: list[str] = []
+    for text in pulls:
+        name, _, way = text.rpartition(":")
+        along, at, place = way.partition("@")
+        direction, point = _AXES.get(along) or _two(along), _two(place)
+        if not name or direction is None or math.hypot(*direction) == 0:
+            wrong.append(f"--pull {text}: write NAME:+x, -x, +y or -y, or a direction of two numbers as NAME:0.6,0.8")
+        elif at and point is None:
+            wrong.append(f"--pull {text}: after @ write the pulled point in mm, as NAME:+y@12,1")
+        else:
+            found.append(Pull(name, direction, point))
+    for text in turns:
+        name, _, sense = text.rpartition(":")
+        if not name or sense not in ("ccw", "cw"):
+            wrong.append(f"--turn {text}: write NAME:ccw or NAME:cw")
+        else:
+            found.append(Turn(name, sense))
+    return found, wrong
+
+
+def names(texts: Iterable[str], known: set[str]) -> list[str]:
+    """Names from lists such as "A,B"; a name that itself holds a comma is recognised among the `known` ones.
+
+    >>> names(["a,b,c", "d"], {"a", "b,c", "d"})
+    ['a', 'b,c', 'd']
+    """
+    found: list[str] = []
+    for text in texts:
+        pieces = text.split(",")
+        while pieces:
+            longest = max((k for k in range(1, len(pieces) + 1) if ",".join(pieces[:k]) in known), default=1)
+            found.append(",".join(pieces[:longest]))
+            pieces = pieces[longest:]
+    return [name for name in found if name]
+
+
+def _two(text: str) -> tuple[float, float] | None:
+    """Two finite numbers "x,y", or None."""
+    number = r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*"
+    match = re.fullmatch(f"{number},{number}", text)
+    found = (float(match[1]), float(match[2])) if match else None
+    return found if found and all(map(math.isfinite, found)) else None

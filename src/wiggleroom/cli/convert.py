@@ -1,0 +1,39 @@
+"""`wiggleroom convert`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import check
+
+_NONE_ASKED = Asked()
+
+
+def convert(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
+    """Write a drawing as an assembly file, or ready to cut.
+
+    Example: wiggleroom convert puzzle.svg puzzle.json --gap 0.2 --fix p1 --pull p20:+x
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg) or an assembly file (.json).
+    out
+        .json: curves flattened for the gap, which the file carries, so that flex on it equals flex on the drawing.
+        .svg: the outlines as they are cut, gap and offsets applied.
+    """
+    from dataclasses import replace
+
+    from wiggleroom.cli.say import note
+    from wiggleroom.drawing import write_drawing
+
+    check(file, {"OUT": (out, (".json", ".svg"))})
+    assembly = read(file, asked)
+    drawing = assembly.drawing
+    if out.suffix.lower() == ".svg":
+        made = tuple(replace(part, offset=0.0) for part in assembly.parts)
+        drawing = replace(drawing, parts=made, gap=0.0, gaps=())
+    write_drawing(drawing, out)
+    note(f"{len(drawing.parts)} parts: {out}")
+    return 0

@@ -1,0 +1,94 @@
+"""`wiggleroom make`."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import Many
+from wiggleroom.cli.outputs import check
+
+
+def make(
+    pattern: Literal["grid", "chain", "frame", "jigsaw"],
+    nx: int,
+    ny: int | None = None,
+    /,
+    *,
+    output: Annotated[Path, Parameter(name=("--output", "-o"))],
+    joint: str | None = None,
+    gap: float = 0.01,
+    pitch: float = 1.0,
+    size: Many = (),
+) -> int:
+    """Make an assembly of joints: its first block is fixed, its last one pulled in +y.
+
+    Example: wiggleroom make grid 6 5 --joint swallowtail --size neck=0.15 --gap 0.02 -o grid.json
+
+    Parameters
+    ----------
+    pattern
+        grid: blocks joined on all sides. chain: blocks in a row. frame: the border of a grid.
+        jigsaw: pieces whose knobs are all different.
+    nx
+        Blocks in a row.
+    ny
+        Rows; a chain has none.
+    output
+        The assembly file that is written: .json.
+    joint
+        Family of the joints: tee, dovetail, swallowtail, revolute, finger or jigsaw. By default tee.
+    gap
+        Clearance across every joint [mm].
+    pitch
+        Side of a block [mm].
+    size
+        One size of the joint, as a fraction of the pitch: NAME=0.2. May repeat.
+    """
+    from wiggleroom.assembly import patterns
+    from wiggleroom.cli.say import note
+    from wiggleroom.drawing import write_drawing
+    from wiggleroom.errors import InputError
+
+    sizes, wrong = _sizes(size)
+    wrong += _misfits(pattern, ny, pitch, drawn_by_lot=joint is None and not sizes)
+    if wrong:
+        raise InputError(wrong)
+    check("", {"--output": (output, (".json",))})
+    family: dict[str, Any] = {} if pattern == "jigsaw" else {"joint": joint or "tee", **sizes}
+    counts = (nx,) if ny is None else (nx, ny)
+    assembly = getattr(patterns, pattern)(*counts, gap=gap, pitch=pitch, **family)
+    write_drawing(assembly.drawing, output)
+    note(f"{len(assembly.parts)} parts: {output}")
+    return 0
+
+
+def _misfits(pattern: str, ny: int | None, pitch: float, *, drawn_by_lot: bool) -> list[str]:
+    """One line for each thing that the pattern cannot use."""
+    wrong = []
+    if (pattern == "chain") != (ny is None):
+        wrong.append(f"{pattern}: give {'one number, the blocks' if pattern == 'chain' else 'columns and rows'}")
+    if pattern == "jigsaw" and not drawn_by_lot:
+        wrong.append("jigsaw: its knobs are drawn by lot, it takes no --joint and no --size")
+    if not (math.isfinite(pitch) and pitch > 0):
+        wrong.append(f"--pitch {pitch:g}: it must be more than 0")
+    return wrong
+
+
+def _sizes(texts: tuple[str, ...]) -> tuple[dict[str, float], list[str]]:
+    """Sizes by name, and one line for each text that cannot be read."""
+    found: dict[str, float] = {}
+    wrong = []
+    for text in texts:
+        name, equals, value = text.partition("=")
+        try:
+            found[name] = float(value)
+        except ValueError:
+            wrong.append(f"--size {text}: write NAME=0.2")
+            continue
+        if not (equals and name.isidentifier() and name not in ("joint", "gap", "pitch", "n", "nx", "ny")):
+            wrong.append(f"--size {text}: {name} is no size of a joint")
+    return found, wrong

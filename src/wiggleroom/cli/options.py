@@ -1,0 +1,78 @@
+"""Options that mean the same in every command, each declared once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Literal
+
+from cyclopts import Parameter
+
+if TYPE_CHECKING:
+    from wiggleroom.assembly.model import Assembly
+
+Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What is read, and what is asked of it.
+
+    Parameters
+    ----------
+    gap
+        Clearance across every joint [mm]: every outline moves inward by half of it. In place of the file's.
+    unit
+        Unit of the drawing, in place of the file's.
+    flatten
+        Largest distance between a curve and the straight edges that stand for it [mm]. By default gap/50.
+    fix
+        Parts that stand, by name: A,B. May repeat.
+    pull
+        A part and the way it is pulled: NAME:+y, NAME:-x, NAME:0.6,0.8, or at a point of it NAME:+y@12,1.
+        May repeat; pulls add up.
+    turn
+        A part that is turned: NAME:ccw or NAME:cw. May repeat; adds to the pulls, in radians.
+    """
+
+    gap: float | None = None
+    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    flatten: float | None = None
+    fix: Many = ()
+    pull: Many = ()
+    turn: Many = ()
+
+
+def read(file: str, asked: Asked) -> Assembly:
+    """Assembly that a file and the options describe; its notes go to stderr.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong, one line each.
+    """
+    from wiggleroom.cli.asking import goals, names
+    from wiggleroom.cli.say import note
+    from wiggleroom.errors import InputError
+
+    wrong = [
+        f"--{option} {value:g}: it must be {right}"
+        for option, value, right in (
+            ("gap", asked.gap, "0 or more"),
+            ("flatten", asked.flatten, "more than 0"),
+        )
+        if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and option == "gap")))
+    ]
+    wanted, odd = goals(asked.pull, asked.turn)
+    if wrong or odd:
+        raise InputError([*wrong, *odd])
+
+    from wiggleroom.assembly.build import assemble
+    from wiggleroom.drawing import read_drawing
+
+    drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap)
+    for line in drawing.notes:
+        note(line)
+    fixed = names(asked.fix, {p.name for p in drawing.parts})
+    return assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted)

@@ -1,0 +1,47 @@
+"""While a long question runs: progress on a terminal, and Ctrl-C."""
+
+from __future__ import annotations
+
+import math
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+
+@contextmanager
+def interruptible() -> Iterator[threading.Event]:
+    """Event that the first Ctrl-C sets; a second one ends the program as usual."""
+    stop = threading.Event()
+
+    def first(*_: object) -> None:
+        stop.set()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        print("stopping; Ctrl-C again ends at once", file=sys.stderr)  # noqa: T201
+
+    before = signal.signal(signal.SIGINT, first)
+    try:
+        yield stop
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def progress() -> Iterator[Callable[[Any], None] | None]:
+    """Give a callback that shows stage, round, iteration and value on stderr; None where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.status import Status
+
+    with Status("reading", console=Console(stderr=True), spinner="dots") as status:
+
+        def show(step: Any) -> None:
+            value = "" if step.objective is None or math.isnan(step.objective) else f", {step.objective:.6g} so far"
+            turn = f", iteration {step.iteration}" if step.iteration else ""
+            status.update(f"{step.stage}, round {step.round}{turn}{value}")
+
+        yield show

@@ -1,0 +1,268 @@
+"""Read an assembly file: JSON with parts, gaps, glue and what is asked."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wiggleroom.drawing.assembly_schema import (
+    FORMAT,
+    FileEntry,
+    GapEntry,
+    OutlineEntry,
+    PartEntry,
+    Point,
+    PullEntry,
+    ShapeEntry,
+    convert,
+    decode,
+)
+from wiggleroom.drawing.limits import LARGEST, SMALLEST
+from wiggleroom.drawing.model import Drawing, Goal, JointGap, Part, Points, Pull, Region, Turn, W
+from wiggleroom.drawing.rings import clean_ring, signed_area
+from wiggleroom.drawing.source import load
+from wiggleroom.drawing.units import UNITS
+from wiggleroom.errors import InputError
+
+_FILE_UNITS = {unit: UNITS[unit] for unit in ("mm", "cm", "m", "in")}
+
+
+def read_assembly(source: str | Path) -> Drawing:
+    """Parts and questions of an assembly file.
+
+    Parameters
+    ----------
+    source : str or Path
+        Path of the file, or its text.
+
+    Raises
+    ------
+    InputError
+        With one line per finding, all of them at once.
+
+    Examples
+    --------
+    >>> text = '{"format": "wiggleroom/1", "parts": [{"name": "a", "outline": [[0, 0], [2, 0], [2, 1]]}]}'
+    >>> read_assembly(text).parts[0].name
+    'a'
+    """
+    text = load(source, opening="{[", name="assembly")
+    findings: list[str] = []
+    raw = decode(text)
+    if not isinstance(raw, dict):
+        message = f'{text.name}: must be one JSON object with "format" and "parts"'
+        raise InputError(message)
+    entry = convert(raw, FileEntry, text.name, findings)
+    if entry is None:
+        raise InputError(findings)
+    return _Reader(text.name, entry, findings).drawing()
+
+
+class _Reader:
+    """Goes through one file and collects what is wrong with it."""
+
+    def __init__(self, file: str, entry: FileEntry, findings: list[str]) -> None:
+        self._file, self._entry, self._findings = file, entry, findings
+        self._mm = _FILE_UNITS.get(entry.unit, 1.0)
+        self._names: set[str] = set()
+        self._fixed: set[str] = set()
+
+    def drawing(self) -> Drawing:
+        """Return the drawing, or raise an InputError with every finding."""
+        entry = self._entry
+        self._head()
+        gap = self._length(entry.gap, self._file, "gap", least=0.0)
+        shapes = {name: self._shape(name, value) for name, value in entry.shapes.items()}
+        self._all_names()
+        parts = [part for i, value in enumerate(entry.parts) if (part := self._part(i, value, shapes))]
+        self._fixed = {part.name for part in parts if part.fixed}
+        glue = tuple(self._together(f"glue[{i}]", value) for i, value in enumerate(entry.glue))
+        ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
+        gaps = tuple(found for i, value in enumerate(entry.gaps) if (found := self._gap(i, value)))
+        self._twice((frozenset(joint.parts) for joint in gaps), "gaps")
+        goals = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
+        if not self._findings:
+            self._whole_size(parts)
+        if self._findings:
+            raise InputError(self._findings)
+        return Drawing(tuple(parts), gap, glue, ignore, gaps, goals, self._file)
+
+    def _say(self, where: str, what: str) -> None:
+        self._findings.append(f"{self._file}: {where}: {what}" if where else f"{self._file}: {what}")
+
+    def _head(self) -> None:
+        entry = self._entry
+        if entry.format != FORMAT:
+            self._say("", f'format is "{entry.format[:40]}"; it must be "{FORMAT}"')
+        if entry.unit not in _FILE_UNITS:
+            self._say("", f'unit is "{entry.unit[:40]}"; it must be one of {", ".join(_FILE_UNITS)}')
+        if entry.objective is not None:
+            self._say("", 'field "objective" is for a later version; "pull" with direction, turn or w exists now')
+        if not entry.parts:
+            self._say("", "has no parts; at least one is needed")
+
+    def _length(self, value: float, where: str, what: str, *, least: float = -LARGEST) -> float:
+        """Scale a number to [mm]; `what` is said where it is out of bounds."""
+        scaled = value * self._mm
+        if not least <= scaled <= LARGEST:
+            asked = f"{least:g} or more" if abs(scaled) <= LARGEST else f"within {LARGEST:g} mm"
+            self._say("" if where == self._file else where, f"{what} is {value:g}; it must be {asked}")
+            return 0.0
+        return scaled
+
+    def _all_names(self) -> None:
+        found = [value["name"] for value in self._entry.parts if isinstance(value, dict) and "name" in value]
+        names = [name for name in found if isinstance(name, str)]
+        self._names = set(names)
+        for name, count in Counter(names).items():
+            if count > 1:
+                self._say(f'part "{name}"', f"name is used {count} times; every part needs its own")
+
+    def _twice(self, keys: Iterable[frozenset[str]], what: str) -> None:
+        for pair, count in Counter(keys).items():
+            if count > 1:
+                self._say(what, f"parts {' and '.join(sorted(pair))} are given {count} times; once is right")
+
+    def _shape(self, name: str, value: Any) -> tuple[Region, ...]:
+        where = f'shape "{name}"'
+        entry = convert(value, ShapeEntry, f"{self._file}: {where}", self._findings)
+        if entry is None:
+            return ()
+        if (entry.outline is None) == (entry.outlines is None):
+            self._say(where, 'must have either "outline" or "outlines"')
+            return ()
+        return self._regions(where, entry)
+
+    def _part(self, i: int, value: Any, shapes: dict[str, tuple[Region, ...]]) -> Part | None:
+        named = value.get("name") if isinstance(value, dict) else None
+        where = f'part "{named}"' if isinstance(named, str) else f"parts[{i}]"
+        entry = convert(value, PartEntry, f"{self._file}: {where}", self._findings)
+        if entry is None:
+            return None
+        if not entry.name.strip() or not entry.name.isprintable():
+            self._say(f"parts[{i}]", "name must be printable text that is not empty")
+        material = [key for key in ("shape", "outline", "outlines") if getattr(entry, key) is not None]
+        if len(material) != 1:
+            has = " and ".join(f'"{key}"' for key in material) or "none of them"
+            self._say(where, f'must have one of "shape", "outline" or "outlines"; it has {has}')
+            return None
+        if entry.shape is None:
+            regions = self._regions(where, entry)
+        elif entry.shape in shapes:
+            regions = shapes[entry.shape]
+        else:
+            self._say(where, f'shape "{entry.shape}" is not among "shapes"; give it there')
+            return None
+        x, y = (self._length(number, where, "at") for number in entry.at[:2])
+        return Part(
+            name=entry.name,
+            regions=regions,
+            at=(x, y, math.radians(entry.at[2])),
+            fixed=entry.fixed,
+            offset=self._length(entry.offset, where, "offset"),
+        )
+
+    def _regions(self, where: str, entry: ShapeEntry | PartEntry) -> tuple[Region, ...]:
+        if entry.outlines is not None:
+            if not entry.outlines:
+                self._say(where, '"outlines" is empty; at least one is needed')
+            if entry.holes:
+                self._say(where, '"holes" must stand in the entry of "outlines" that they belong to')
+            pieces, labels = entry.outlines, [f"outlines[{i}]" for i in range(len(entry.outlines))]
+        else:
+            pieces, labels = [OutlineEntry(entry.outline or [], entry.holes)], ["outline"]
+        return tuple(
+            Region(
+                self._ring(where, label, piece.outline),
+                tuple(
+                    self._ring(where, f"hole {i + 1} of {label}" if len(pieces) > 1 else f"hole {i + 1}", hole, True)
+                    for i, hole in enumerate(piece.holes)
+                ),
+            )
+            for piece, label in zip(pieces, labels, strict=True)
+        )
+
+    def _ring(self, where: str, label: str, corners: list[Point], clockwise: bool = False) -> Points:
+        given = np.array(corners, dtype=float).reshape(-1, 2)
+        if given.size and not np.abs(given).max() * self._mm <= LARGEST:
+            self._say(where, f"{label} has coordinates beyond {LARGEST:g} mm; move or scale it")
+            return np.zeros((0, 2))
+        distinct = len({tuple(corner) for corner in corners})
+        ring = clean_ring(given * self._mm, clockwise=clockwise)
+        if distinct < 3:
+            self._say(where, f"{label} has {distinct} corners; at least 3 are needed")
+        elif len(ring) < 3:
+            self._say(where, f"{label} has all corners on one line or in one place; it must enclose an area")
+        return ring
+
+    def _known(self, where: str, names: Iterable[str]) -> None:
+        for name in names:
+            if name not in self._names:
+                self._say(where, f'there is no part "{name}"; it must be the name of a part')
+
+    def _together(self, where: str, value: Any) -> tuple[str, ...]:
+        names = convert(value, list[str], f"{self._file}: {where}", self._findings)
+        if names is None:
+            return ()
+        self._known(where, names)
+        if len(set(names)) < max(2, len(names)):
+            self._say(where, "must name at least two different parts, each once")
+        return tuple(names)
+
+    def _pair(self, where: str, value: Any) -> tuple[str, str]:
+        names = convert(value, tuple[str, str], f"{self._file}: {where}", self._findings)
+        if names is None:
+            return ("", "")
+        self._known(where, names)
+        if names[0] == names[1]:
+            self._say(where, "must name two different parts")
+        return names
+
+    def _gap(self, i: int, value: Any) -> JointGap | None:
+        where = f"gaps[{i}]"
+        entry = convert(value, GapEntry, f"{self._file}: {where}", self._findings)
+        if entry is None:
+            return None
+        return JointGap(self._pair(where, entry.parts), self._length(entry.gap, where, "gap", least=0.0))
+
+    def _goal(self, i: int, value: Any) -> Goal | None:
+        where = f"pull[{i}]"
+        entry = convert(value, PullEntry, f"{self._file}: {where}", self._findings)
+        if entry is None:
+            return None
+        self._known(where, [entry.part])
+        if entry.part in self._fixed:
+            self._say(where, f'part "{entry.part}" is fixed and cannot be pulled; pull another or free it')
+        asked = [key for key in ("direction", "turn", "w") if getattr(entry, key) is not None]
+        if len(asked) != 1:
+            self._say(where, f'must have one of "direction", "turn" or "w"; it has {" and ".join(asked) or "none"}')
+            return None
+        if entry.point is not None and entry.direction is None:
+            self._say(where, '"point" goes with "direction" only; leave it out')
+        vector = entry.direction or entry.w
+        if vector is not None and not any(vector):
+            self._say(where, f"{asked[0]} is zero; at least one number must not be")
+        if entry.weight == 0:
+            self._say(where, "weight is 0; leave the entry out, or give it a weight")
+        if entry.turn is not None:
+            return Turn(entry.part, entry.turn, entry.weight)
+        if entry.w is not None:
+            return W(entry.part, entry.w, entry.weight)
+        point = None
+        if entry.point is not None:
+            point = self._length(entry.point[0], where, "point"), self._length(entry.point[1], where, "point")
+        return Pull(entry.part, entry.direction or (0.0, 0.0), point, entry.weight)
+
+    def _whole_size(self, parts: list[Part]) -> None:
+        corners = [region.outer for part in parts for region in part.regions]
+        size = max(float(np.ptp(ring, axis=0).max()) for ring in corners)
+        size = max(size, *(float(np.ptp([part.at[k] for part in parts])) for k in (0, 1)))
+        if size < SMALLEST:
+            self._say("", f"is {size:.3g} mm large; it must be at least {SMALLEST:g} mm")
+        elif not all(signed_area(ring) for ring in corners):
+            self._say("", "has an outline without area; every outline must enclose one")

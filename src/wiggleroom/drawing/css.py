@@ -1,0 +1,78 @@
+"""The little of CSS that decides about parts: fill, fill rule, visibility; simple selectors only."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+
+_COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
+_RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
+_SIMPLE = re.compile(r"^(\*|[\w-]+)?((?:[.#][\w-]+)*)$")
+_RED = re.compile(
+    r"^(?:red|#f00f?|#ff0000(?:ff)?"
+    r"|rgba?\(255(?:\.0*)?[ ,]+0(?:\.0*)?[ ,]+0(?:\.0*)?(?:[ ,/]+[\d.]+%?)?\)"
+    r"|rgba?\(100%[ ,]+0%[ ,]+0%(?:[ ,/]+[\d.]+%?)?\)"
+    r"|hsla?\((?:0|360)(?:deg)?[ ,]+100%[ ,]+50%(?:[ ,/]+[\d.]+%?)?\))$"
+)
+
+Rules = list[tuple[tuple[int, int], str, str, dict[str, str]]]
+"""(weight and order), element name or "", rest of the selector, declarations."""
+
+
+def is_red(colour: str) -> bool:
+    """Whether a colour is pure red, however it is spelled.
+
+    Examples
+    --------
+    >>> [is_red(colour) for colour in ("Red", "#F00", "rgb(100%, 0%, 0%)", "#f01")]
+    [True, True, True, False]
+    """
+    flat = re.sub(r"\s+", " ", colour.strip().lower()).replace("( ", "(").replace(" )", ")")
+    return bool(_RED.match(flat))
+
+
+def declarations(text: str) -> dict[str, str]:
+    """Properties of a `style` attribute or of a rule's body.
+
+    Examples
+    --------
+    >>> declarations("fill: red; stroke:none !important")
+    {'fill': 'red', 'stroke': 'none'}
+    """
+    pairs = (item.split(":", 1) for item in _COMMENT.sub("", text).split(";") if ":" in item)
+    return {key.strip().lower(): value.replace("!important", "").strip() for key, value in pairs}
+
+
+def parse_rules(sheets: Iterable[str]) -> Rules:
+    """Rules of style sheets, weakest first; selectors with combinators or pseudo-classes are skipped.
+
+    Examples
+    --------
+    >>> parse_rules([".a, path { fill: red }"])
+    [((1, 1), 'path', '', {'fill': 'red'}), ((100, 0), '', '.a', {'fill': 'red'})]
+    """
+    rules: Rules = []
+    for sheet in sheets:
+        for selectors, body in _RULE.findall(_COMMENT.sub("", sheet)):
+            for selector in selectors.split(","):
+                match = _SIMPLE.match(selector.strip())
+                if match and selector.strip():
+                    tag, rest = (match.group(1) or "").replace("*", ""), match.group(2)
+                    weight = 10_000 * rest.count("#") + 100 * rest.count(".") + bool(tag)
+                    rules.append(((weight, len(rules)), tag, rest, declarations(body)))
+    return sorted(rules, key=lambda rule: rule[0])
+
+
+def properties(tag: str, attributes: Mapping[str, str], rules: Rules) -> dict[str, str]:
+    """Properties set on one element: attributes, overruled by style sheets, overruled by its own style."""
+    found = {key: attributes[key].strip() for key in _PRESENTATION if key in attributes}
+    marks = {"." + name for name in attributes.get("class", "").split()} | {"#" + attributes.get("id", "")}
+    for _, wanted, rest, values in rules:
+        if wanted in ("", tag) and marks.issuperset(re.findall(r"[.#][\w-]+", rest)):
+            found.update(values)
+    if "style" in attributes:
+        found.update(declarations(attributes["style"]))
+    return found
+
+
+_PRESENTATION = ("fill", "fill-rule", "display", "visibility", "color", "transform")

@@ -1,0 +1,120 @@
+"""Read and write drawings by the extension of their file; the formats are registered here and nowhere else."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import TypeVar
+
+from wiggleroom.drawing.limits import check_options
+from wiggleroom.drawing.model import Drawing
+from wiggleroom.errors import InputError
+
+T = TypeVar("T")
+Reader = Callable[[Path, str | None, float | None, float | None], Drawing]
+Writer = Callable[[Drawing], str]
+
+
+def read_drawing(
+    path: str | Path, *, unit: str | None = None, flatten: float | None = None, gap: float | None = None
+) -> Drawing:
+    """Read what a file says, in millimetres and radians.
+
+    Parameters
+    ----------
+    path : str or Path
+        A drawing (.svg) or an assembly file (.json).
+    unit : str, optional
+        What one user unit of a drawing is (mm, cm, m, in, px), whatever the file says.
+    flatten : float [mm], optional
+        Chord error of curves in a drawing.
+    gap : float [mm], optional
+        Clearance across every joint, in place of the file's.
+
+    Raises
+    ------
+    InputError
+        With one line per finding.
+
+    Examples
+    --------
+    >>> read_drawing("puzzle.dxf")
+    Traceback (most recent call last):
+    wiggleroom.errors.InputError: puzzle.dxf: ".dxf" files are not read; it must be one of .svg, .json
+    """
+    check_options(flatten=flatten, gap=gap)
+    reader = _by_extension(Path(path), READERS, "read")
+    return reader(Path(path), unit, flatten, gap)
+
+
+def write_drawing(drawing: Drawing, path: str | Path) -> None:
+    """Write `drawing` in the format that the extension names; the file appears whole or not at all.
+
+    Raises
+    ------
+    InputError
+        If the extension is not known or the file cannot be written.
+    """
+    path = Path(path)
+    text = _by_extension(path, WRITERS, "written")(drawing)
+    try:
+        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=path.suffix)
+        try:
+            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
+                file.write(text)
+            os.chmod(temporary, 0o644)
+            os.replace(temporary, path)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+    except OSError as error:
+        reason = (error.strerror or "no access").lower()
+        message = f"{path}: cannot be written ({reason}); give a file in a directory that exists"
+        raise InputError(message) from None
+
+
+def _by_extension(path: Path, table: Mapping[str, T], done: str) -> T:
+    found = table.get(path.suffix.lower())
+    if found is None:
+        kind = f'"{path.suffix}" files are' if path.suffix else "files without extension are"
+        message = f"{path}: {kind} not {done}; it must be one of {', '.join(table)}"
+        raise InputError(message)
+    return found
+
+
+def _read_svg(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
+    from wiggleroom.drawing.svg import read_svg
+
+    return read_svg(path, unit=unit, flatten=flatten, gap=gap)
+
+
+def _read_assembly(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
+    from wiggleroom.drawing.assembly_file import read_assembly
+
+    if unit is not None:
+        message = f'{path.name}: an assembly file says its own unit; change "unit" in it'
+        raise InputError(message)
+    drawing = read_assembly(path)
+    if flatten is not None:
+        note = f"{path.name}: an assembly file has no curves; flatten does not matter"
+        drawing = replace(drawing, notes=(*drawing.notes, note))
+    return drawing if gap is None else replace(drawing, gap=gap)
+
+
+def _write_svg(drawing: Drawing) -> str:
+    from wiggleroom.drawing.svg_writer import write_svg
+
+    return write_svg(drawing)
+
+
+def _write_assembly(drawing: Drawing) -> str:
+    from wiggleroom.drawing.assembly_writer import write_assembly
+
+    return write_assembly(drawing)
+
+
+READERS: dict[str, Reader] = {".svg": _read_svg, ".json": _read_assembly}
+WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg}

@@ -1,0 +1,115 @@
+"""Closed outlines as arrays of corners: clean, turn, measure."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wiggleroom.drawing.model import Part, Points, Region
+
+REPEATED = 1e-9
+"""Corners closer together than this share of the outline's size are one corner."""
+STRAIGHT = 1e-12
+"""A corner nearer than this share of the size to the line of its neighbours is none (rounding of a straight edge)."""
+
+
+def signed_area(ring: Points) -> float:
+    """Enclosed area [mm2], positive where the corners `ring` (n, 2) [mm] run counter-clockwise.
+
+    Examples
+    --------
+    >>> signed_area(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]]))
+    1.0
+    """
+    if len(ring) < 3:
+        return 0.0
+    x, y = (ring - ring[0]).T
+    return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+
+
+def clean_ring(ring: Points, *, clockwise: bool = False) -> Points:
+    """Corners without repeats and straight-on points, running counter-clockwise or clockwise.
+
+    Parameters
+    ----------
+    ring : (n, 2) float64 [mm]
+        Closed outline; the first corner may be repeated at the end.
+    clockwise : bool
+        The wanted sense, for holes.
+
+    Returns
+    -------
+    (m, 2) float64 [mm]
+        Fewer than three corners where the outline encloses nothing.
+
+    Examples
+    --------
+    >>> clean_ring(np.array([[0.0, 0], [0, 1], [0, 1], [1, 1], [1, 0], [0.5, 0], [0, 0]]))
+    array([[1., 0.],
+           [1., 1.],
+           [0., 1.],
+           [0., 0.]])
+    """
+    size = float(np.ptp(ring, axis=0).max()) if len(ring) else 0.0
+    ring = _without_repeats(ring, REPEATED * size)
+    ring = _without_straight(ring, STRAIGHT * size)
+    if (signed_area(ring) < 0) != clockwise:
+        ring = ring[::-1]
+    return np.ascontiguousarray(ring)
+
+
+def _without_repeats(ring: Points, least: float) -> Points:
+    """Each corner must lie further than `least` from the last one kept; so must the last from the first."""
+    if len(ring) < 2:
+        return ring
+    near = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) <= least
+    if not near.any():
+        return ring
+    kept = [ring[0]]
+    for point in ring[1:]:
+        if np.hypot(*(point - kept[-1])) > least:
+            kept.append(point)
+    while len(kept) > 1 and np.hypot(*(kept[-1] - kept[0])) <= least:
+        kept.pop()
+    return np.array(kept)
+
+
+def _without_straight(ring: Points, height: float) -> Points:
+    while len(ring) >= 3:
+        before, after = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
+        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        onward = (before * after).sum(axis=1) > 0
+        straight = onward & (np.abs(cross) <= height * np.hypot(*(before + after).T))
+        # Of two straight-on neighbours only one goes at a time, so that deviations cannot add up unseen.
+        straight &= ~(np.roll(straight, 1) & (np.arange(len(ring)) % 2 == 1))
+        if not straight.any():
+            return ring
+        ring = ring[~straight]
+    return ring
+
+
+def centroid(outers: list[Points]) -> tuple[float, float]:
+    """Area centroid (x, y) [mm] of everything inside the outer outlines, holes not counted.
+
+    Examples
+    --------
+    >>> centroid([np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]])])
+    (1.0, 0.5)
+    """
+    base = outers[0][0]
+    area, moment = 0.0, np.zeros(2)
+    for ring in outers:
+        here, there = ring - base, np.roll(ring - base, -1, axis=0)
+        cross = here[:, 0] * there[:, 1] - here[:, 1] * there[:, 0]
+        area += float(cross.sum()) / 2
+        moment += ((here + there) * cross[:, None]).sum(axis=0) / 6
+    # Without area, as a bow tie can be, any point will do: validation names the part.
+    centre = base + moment / area if area > 0 else np.vstack(outers).mean(axis=0)
+    return float(centre[0]), float(centre[1])
+
+
+def part_about_centroid(name: str, regions: list[Region], *, fixed: bool = False) -> Part:
+    """Part whose reference point is the area centroid of its outer outlines `regions` [mm]."""
+    x, y = centroid([region.outer for region in regions])
+    here = np.array([x, y])
+    moved = tuple(Region(region.outer - here, tuple(hole - here for hole in region.holes)) for region in regions)
+    return Part(name=name, regions=moved, at=(x, y, 0.0), fixed=fixed)

@@ -1,0 +1,168 @@
+"""Read an SVG drawing: closed outlines become parts [mm], y points up."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+
+from wiggleroom.drawing.limits import LARGEST, SMALLEST, check_options
+from wiggleroom.drawing.model import Drawing, Points, Region
+from wiggleroom.drawing.nesting import cut_nested, regions_by_fill_rule
+from wiggleroom.drawing.outlines import Outlines
+from wiggleroom.drawing.rings import clean_ring, part_about_centroid
+from wiggleroom.drawing.source import load
+from wiggleroom.drawing.svg_page import page_map
+from wiggleroom.drawing.svg_walk import Shape, Walk
+from wiggleroom.drawing.xmltree import parse_xml
+from wiggleroom.errors import InputError
+
+Closed = list[tuple[Shape, range]]
+"""Shapes that have closed subpaths, and which of the rings are theirs."""
+
+
+def read_svg(
+    source: str | Path, *, unit: str | None = None, flatten: float | None = None, gap: float | None = None
+) -> Drawing:
+    """Parts of an SVG drawing.
+
+    Parameters
+    ----------
+    source : str or Path
+        Path of the file, or its text.
+    unit : str, optional
+        What one user unit is (mm, cm, m, in, px), whatever the file says.
+    flatten : float [mm], optional
+        Chord error of curves; by default gap / 50, or 1e-4 of the median part size where the gap is 0.
+    gap : float [mm], optional
+        Clearance across every joint; a drawing itself has none.
+
+    Raises
+    ------
+    InputError
+        With one line per finding.
+
+    Examples
+    --------
+    >>> drawing = read_svg('<svg width="9mm" viewBox="0 0 9 9"><rect id="a" width="4" height="2"/></svg>')
+    >>> drawing.parts[0].name, drawing.parts[0].at
+    ('a', (2.0, 8.0, 0.0))
+    """
+    check_options(flatten=flatten, gap=gap)
+    text = load(source, opening="<", name="drawing")
+    root = parse_xml(text)
+    if root.tag != "svg":
+        message = f"{text.name}: is not an SVG drawing; its outermost element must be svg"
+        raise InputError(message)
+    matrix, port, notes = page_map(root, unit, text.name)
+    walk = Walk(text.name, root)
+    walk.run(matrix, port)
+    outlines, closed, opened = _closed(walk.shapes)
+    _check_size(text.name, outlines, opened, walk.findings)
+    tolerance = flatten or (gap or 0.0) / 50 or _median_size(outlines, closed) * 1e-4
+    rings = outlines.rings(tolerance)
+    regions = [_regions(text.name, shape, [rings[i] for i in rows], walk.findings) for shape, rows in closed]
+    if walk.findings:
+        raise InputError(walk.findings)
+    shapes = [shape for shape, _ in closed]
+    names = _names(shapes)
+    cut = cut_nested(regions, tolerance)
+    return Drawing(
+        parts=tuple(
+            part_about_centroid(name, pieces, fixed=shape.fixed)
+            for name, pieces, shape in zip(names, cut, shapes, strict=True)
+        ),
+        gap=gap or 0.0,
+        glue=_glue(shapes, names),
+        source=text.name,
+        notes=(*notes, *_left_out(text.name, opened, walk.left_out)),
+    )
+
+
+def _closed(shapes: list[Shape]) -> tuple[Outlines, Closed, list[Shape]]:
+    """Collect the closed subpaths of all shapes, the shapes that have any, and those that have open ones."""
+    outlines, closed, opened = Outlines(), [], []
+    for shape in shapes:
+        before = len(outlines.loops)
+        taken = [outlines.add(subpath, shape.matrix) for subpath in shape.subpaths]
+        if any(taken):
+            closed.append((shape, range(before, len(outlines.loops))))
+        if not all(taken):
+            opened.append(shape)
+    return outlines, closed, opened
+
+
+def _check_size(file: str, outlines: Outlines, opened: list[Shape], findings: list[str]) -> None:
+    """Refuse a drawing of nothing, or of a size that cannot be worked with, before any arithmetic with arrays."""
+    if not outlines.loops:
+        if not findings:
+            drawn = f", but {len(opened)} open" if opened else ""
+            findings.append(f"{file}: has no closed outline{drawn}; every part must be closed")
+        raise InputError(findings)
+    largest, size = outlines.reach()
+    if not largest <= LARGEST:
+        findings.append(f"{file}: has coordinates beyond {LARGEST:g} mm; move or scale the drawing")
+    elif size < SMALLEST:
+        findings.append(f"{file}: is {size:.3g} mm large; it must be at least {SMALLEST:g} mm")
+    else:
+        return
+    raise InputError(findings)
+
+
+def _median_size(outlines: Outlines, closed: Closed) -> float:
+    """Median over the shapes of the longer side of the box round each [mm]."""
+    rings = outlines.rings(1e-3 * outlines.reach()[1])
+    return float(np.median([np.ptp(np.vstack([rings[i] for i in rows]), axis=0).max() for _, rows in closed]))
+
+
+def _regions(file: str, shape: Shape, rings: list[Points], findings: list[str]) -> list[Region]:
+    sound = [ring for ring in rings if len(clean_ring(ring)) >= 3]
+    if not sound:
+        corners = max(len(clean_ring(ring)) for ring in rings)
+        findings.append(f"{file}: {shape}: outline has {corners} corners; at least 3 that enclose an area are needed")
+        return []
+    try:
+        return regions_by_fill_rule(sound, even_odd=shape.even_odd)
+    except ValueError as error:
+        findings.append(f"{file}: {shape}: {error}")
+        return []
+
+
+def _names(shapes: list[Shape]) -> list[str]:
+    """Own id or label, else that of the nearest group that holds no other part, else the position: p1, p2, ..."""
+    members = Counter(group for shape in shapes for group in shape.groups)
+    given = [
+        shape.name or next((g.name for g in reversed(shape.groups) if g.name and members[g] == 1), "")
+        for shape in shapes
+    ]
+    taken = set(given)
+    seen: Counter[str] = Counter()
+    names = []
+    for i, name in enumerate(given):
+        wanted = name or f"p{i + 1}"
+        seen[wanted] += 1
+        if seen[wanted] > 1 or (not name and wanted in taken):
+            wanted = next(w for k in range(2, len(given) + 3) if (w := f"{wanted}-{k}") not in taken)
+            taken.add(wanted)
+        names.append(wanted)
+    return names
+
+
+def _glue(shapes: list[Shape], names: list[str]) -> tuple[tuple[str, ...], ...]:
+    """Parts of one glue group move as one; of groups inside each other the outermost counts."""
+    found: dict[int, list[str]] = {}
+    for shape, name in zip(shapes, names, strict=True):
+        group = next((group for group in shape.groups if group.glue), None)
+        if group:
+            found.setdefault(id(group), []).append(name)
+    return tuple(tuple(members) for members in found.values() if len(members) > 1)
+
+
+def _left_out(file: str, opened: list[Shape], others: Counter[str]) -> list[str]:
+    notes = []
+    if opened:
+        named = ", ".join(map(str, opened[:3])) + (", ..." if len(opened) > 3 else "")
+        notes.append(f"{file}: open paths are left out: {named}; close them if they are parts")
+    notes += [f"{file}: {count} {tag} elements are left out; only outlines are parts" for tag, count in others.items()]
+    return notes

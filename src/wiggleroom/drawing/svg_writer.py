@@ -1,0 +1,91 @@
+"""Write a cut-ready SVG in millimetres."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import cos, sin
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+
+from wiggleroom.drawing.model import Drawing, Part, Points
+
+
+def write_svg(drawing: Drawing | Sequence[Part]) -> str:
+    """Text of an SVG with one path a part, which reads back as the same drawing.
+
+    The page begins at the origin and is as large as the parts need; a drawing that reaches below zero is moved so that
+    nothing lies off the page.
+
+    Parameters
+    ----------
+    drawing : Drawing or sequence of Part
+        Only a drawing carries glue.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> part = Part("a", (Region(np.array([[0.0, 0], [2, 0], [2, 1]])),), fixed=True)
+    >>> print(write_svg([part]))
+    <svg xmlns="http://www.w3.org/2000/svg" width="2mm" height="1mm" viewBox="0 0 2 1">
+    <g fill="none" stroke="black" stroke-width="0.004" fill-rule="evenodd">
+    <path id="a" fill="red" d="M0 1L2 1L2 0z"/>
+    </g>
+    </svg>
+    <BLANKLINE>
+    """
+    parts = drawing.parts if isinstance(drawing, Drawing) else tuple(drawing)
+    placed = {part.name: _rings(part) for part in parts}
+    corners = np.vstack([ring for rings in placed.values() for ring in rings])
+    shift = np.maximum(0.0, -corners.min(axis=0))
+    width, height = corners.max(axis=0) + shift
+    lines = {part.name: _path(part, [ring + shift for ring in placed[part.name]], height) for part in parts}
+    groups = _merged(drawing.glue if isinstance(drawing, Drawing) else ())
+    body: list[str] = []
+    for name in list(lines):
+        group = next((members for members in groups if name in members), [name])
+        if name in lines and len(group) > 1:
+            members = [lines.pop(member) for member in group]
+            body += [f'<g id="glue-{groups.index(group) + 1}">', *members, "</g>"]
+        elif name in lines:
+            body.append(lines.pop(name))
+    size = f'width="{_number(width)}mm" height="{_number(height)}mm" viewBox="0 0 {_number(width)} {_number(height)}"'
+    style = f'fill="none" stroke="black" stroke-width="{_stroke(width, height)}" fill-rule="evenodd"'
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" {size}>\n<g {style}>'
+    return "\n".join([head, *body, "</g>", "</svg>", ""])
+
+
+def _rings(part: Part) -> list[Points]:
+    x, y, angle = part.at
+    turn = np.array([[cos(angle), sin(angle)], [-sin(angle), cos(angle)]])
+    return [ring @ turn + (x, y) for region in part.regions for ring in (region.outer, *region.holes)]
+
+
+def _path(part: Part, rings: list[Points], bottom: float) -> str:
+    colour = ' fill="red"' if part.fixed else ""
+    data = "".join(_data(ring, bottom) for ring in rings)
+    return f'<path id={quoteattr(part.name)}{colour} d="{data}"/>'
+
+
+def _data(ring: Points, bottom: float) -> str:
+    return "M" + "L".join(f"{_number(x)} {_number(bottom - y)}" for x, y in ring.tolist()) + "z"
+
+
+def _number(value: float) -> str:
+    """Nine decimals, no trailing zeros, no minus before a zero."""
+    return f"{round(value, 9) + 0.0:.9f}".rstrip("0").rstrip(".")
+
+
+def _stroke(width: float, height: float) -> str:
+    """Thin on a page of any size."""
+    return f"{min(0.1, max(width, height) / 500):.3g}"
+
+
+def _merged(glue: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Make one group of those that share a part."""
+    merged: list[list[str]] = []
+    for names in glue:
+        touching = [group for group in merged if set(group) & set(names)]
+        merged = [group for group in merged if group not in touching]
+        merged.append(list(dict.fromkeys(name for group in (*touching, names) for name in group)))
+    return merged

@@ -1,0 +1,227 @@
+"""Compiled growth of one cell round a seed: march the angle both ways and hide every edge pair on the way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from wiggleroom.freespace.kernel import (
+    MOST_LINES,
+    MOST_WALLS,
+    OPTIONS,
+    add_line,
+    in_front,
+    nearest_open,
+    set_front,
+    slice_middle,
+)
+
+MOST_ON_LINE = 48
+CLOSED, OPEN, FAILED = 0, 1, 2
+
+
+@njit(**OPTIONS)
+def keeps(kind, edge, v, keep, corner, normal, tiny):
+    """True where the wall leaves every point of `keep` inside."""
+    for k in range(keep.shape[0]):
+        if in_front(kind, edge, v, keep[k, 0], keep[k, 1], keep[k, 2], corner, normal) < -tiny:
+            return False
+    return True
+
+
+@njit(**OPTIONS)
+def hide_all(
+    x, y, psi, p, q, state, kinds, edges, walls, counts, keep, corner, after, normal, a0, a1, b0, b1,
+    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
+):  # fmt: skip
+    """Add walls until every edge pair is hidden over [p, q], nearest first as seen from (x, y, psi); False where it cannot be."""
+    for k in range(state[0]):
+        if kinds[k] == 0:
+            set_front(0, edges[k], walls[k], counts[k], p, q, corner, after, normal, b0, b1, run, rb0, rb1, at, front[k], run_front[k])
+        else:
+            set_front(1, edges[k], walls[k], counts[k], p, q, corner, after, normal, a0, a1, run, ra0, ra1, at, front[k], run_front[k])
+    c, s = np.cos(psi), np.sin(psi)
+    for j in range(b0, b1):
+        placed[j - b0, 0] = c * corner[j, 0] - s * corner[j, 1]
+        placed[j - b0, 1] = s * corner[j, 0] + c * corner[j, 1]
+    while True:
+        i, j = nearest_open(
+            x, y, psi, state[0], kinds, corner, after, a0, b0, run, run_disc, ra0, ra1, rb0, rb1,
+            reach, run_reach, front, run_front, placed, tiny,
+        )  # fmt: skip
+        if i < 0:
+            return True
+        sep_a = min(in_front(0, i, j, x, y, psi, corner, normal), in_front(0, i, after[j], x, y, psi, corner, normal))
+        sep_b = min(in_front(1, j, i, x, y, psi, corner, normal), in_front(1, j, after[i], x, y, psi, corner, normal))
+        done = False
+        for attempt in range(2):
+            if (attempt == 0) == (sep_a >= sep_b):
+                kind, edge, u, v, sep = 0, i, j, after[j], sep_a
+            else:
+                kind, edge, u, v, sep = 1, j, i, after[i], sep_b
+            if sep < -tiny:
+                continue
+            # the lower end of the other edge at both ends of the interval: one corner, or both where the edges pass through parallel
+            turn = -1.0 if kind == 0 else 1.0
+            dx, dy = corner[v, 0] - corner[u, 0], corner[v, 1] - corner[u, 1]
+            nx, ny = normal[edge, 0], normal[edge, 1]
+            cp, sp = np.cos(p), turn * np.sin(p)
+            cq, sq = np.cos(q), turn * np.sin(q)
+            at_p = (cp * nx - sp * ny) * dx + (sp * nx + cp * ny) * dy
+            at_q = (cq * nx - sq * ny) * dx + (sq * nx + cq * ny) * dy
+            need_u = at_p > -tiny or at_q > -tiny
+            need_v = at_p < tiny or at_q < tiny
+            if at_p >= -tiny and at_q >= -tiny:
+                need_v = False
+            elif at_p <= tiny and at_q <= tiny:
+                need_u = False
+            if need_u and not keeps(kind, edge, u, keep, corner, normal, tiny):
+                continue
+            if need_v and not keeps(kind, edge, v, keep, corner, normal, tiny):
+                continue
+            line = -1
+            for k in range(state[0]):
+                if kinds[k] == kind and edges[k] == edge:
+                    line = k
+            if line < 0:
+                if state[0] == MOST_LINES:
+                    return False
+                line = state[0]
+                state[0] += 1
+                kinds[line], edges[line], counts[line] = kind, edge, 0
+                add_line(kind, edge, corner, after, normal, a0, a1, b0, b1, run, ra0, ra1, rb0, rb1, reach[line], run_reach[line])
+            added = False
+            for w in range(2):
+                corner_w = u if w == 0 else v
+                if not (need_u if w == 0 else need_v):
+                    continue
+                known = False
+                for k in range(counts[line]):
+                    known = known or walls[line, k] == corner_w
+                if not known:
+                    if counts[line] == MOST_ON_LINE:
+                        return False
+                    walls[line, counts[line]] = corner_w
+                    counts[line] += 1
+                    added = True
+            if not added:
+                return False
+            if kind == 0:
+                set_front(0, edge, walls[line], counts[line], p, q, corner, after, normal, b0, b1, run, rb0, rb1, at, front[line], run_front[line])
+            else:
+                set_front(1, edge, walls[line], counts[line], p, q, corner, after, normal, a0, a1, run, ra0, ra1, at, front[line], run_front[line])
+            done = True
+            break
+        if not done:
+            return False
+
+
+@njit(**OPTIONS)
+def joined(x0, y0, p0, x1, y1, p1, lines, kinds, edges, walls, counts, corner, normal):
+    """True where the straight way between two relative poses certainly stays inside all walls."""
+    turn, move = p1 - p0, np.hypot(x1 - x0, y1 - y0)
+    for k in range(lines):
+        for w in range(counts[k]):
+            v = walls[k, w]
+            h0 = in_front(kinds[k], edges[k], v, x0, y0, p0, corner, normal)
+            h1 = in_front(kinds[k], edges[k], v, x1, y1, p1, corner, normal)
+            far = np.hypot(corner[v, 0], corner[v, 1])
+            if kinds[k] == 1:
+                far += max(np.hypot(x0, y0), np.hypot(x1, y1))
+            bend = far * turn * turn + 2.0 * move * abs(turn)
+            if min(h0, h1) < bend / 8.0:
+                return False
+    return True
+
+
+@njit(**OPTIONS)
+def grow(
+    seed, keep, half, step, least_step, span, shape_a, shape_b, corner, after, normal, first, run, run_first, run_disc,
+    kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, ends,
+):  # fmt: skip
+    """Grow a cell round `seed` (x, y, psi). Returns (lines, status low end, status high end); `ends` gets the verified interval."""
+    a0, a1, b0, b1 = first[shape_a], first[shape_a + 1], first[shape_b], first[shape_b + 1]
+    ra0, ra1, rb0, rb1 = run_first[shape_a], run_first[shape_a + 1], run_first[shape_b], run_first[shape_b + 1]
+    state = np.zeros(1, dtype=np.int64)
+    old_counts = np.zeros(MOST_LINES, dtype=np.int64)
+    middle, there = np.zeros(4), np.zeros(4)
+    x0, y0, psi0 = seed[0], seed[1], seed[2]
+    ends[0], ends[1] = psi0, psi0
+    if not hide_all(
+        x0, y0, psi0, psi0, psi0, state, kinds, edges, walls, counts, keep, corner, after, normal, a0, a1, b0, b1,
+        run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
+    ):  # fmt: skip
+        return 0, FAILED, FAILED
+    status = np.array([OPEN, OPEN])
+    for side in range(2):
+        way = 1.0 if side == 1 else -1.0
+        psi, x, y, d = psi0, x0, y0, step
+        while abs(psi - psi0) < span:
+            d = min(d, span - abs(psi - psi0) + 1e-15)
+            lines_before = state[0]
+            for k in range(lines_before):
+                old_counts[k] = counts[k]
+            end = psi + way * d
+            p, q = min(psi, end), max(psi, end)
+            n = slice_middle(end, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, there)
+            closing = n == 0
+            sx, sy, sp = (x, y, psi) if closing else (there[0], there[1], end)
+            good = hide_all(
+                sx, sy, sp, p, q, state, kinds, edges, walls, counts, keep, corner, after, normal, a0, a1, b0, b1,
+                run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
+            )  # fmt: skip
+            if good and closing:
+                n = slice_middle(psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle)
+                if n > 0 and middle[3] == 0.0:
+                    psi, status[side] = end, CLOSED
+                    break
+                good = False
+            if good:
+                n = slice_middle(psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle)
+                m = slice_middle(end, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, there)
+                good = n > 0 and m > 0 and joined(
+                    middle[0], middle[1], psi, there[0], there[1], end, state[0], kinds, edges, walls, counts, corner, normal
+                )
+            if good:
+                psi, x, y = end, there[0], there[1]
+                d = min(2.0 * d, 0.5)
+            else:
+                for k in range(lines_before):
+                    counts[k] = old_counts[k]
+                state[0] = lines_before
+                d *= 0.5
+                if d < least_step:
+                    break
+        ends[side] = psi
+    return state[0], status[0], status[1]
+
+
+@njit(**OPTIONS)
+def grow_many(
+    seeds, keeps_at, keep_first, half, step, least_step, span, shape_a, shape_b,
+    corner, after, normal, first, run, run_first, run_disc, tiny, out_kind, out_edge, out_corner, out_count, out_ends, out_status,
+):  # fmt: skip
+    """Grow one cell per seed; walls of cell c fill the first `out_count[c]` columns of row c, -1 where there was no room."""
+    largest, runs = 0, 0
+    for s in range(len(first) - 1):
+        largest, runs = max(largest, first[s + 1] - first[s]), max(runs, run_first[s + 1] - run_first[s])
+    kinds, edges, counts = np.zeros(MOST_LINES, np.int64), np.zeros(MOST_LINES, np.int64), np.zeros(MOST_LINES, np.int64)
+    walls = np.zeros((MOST_LINES, MOST_ON_LINE), np.int64)
+    reach, front = np.zeros((MOST_LINES, largest)), np.zeros((MOST_LINES, largest))
+    run_reach, run_front = np.zeros((MOST_LINES, runs)), np.zeros((MOST_LINES, runs))
+    at, placed = np.zeros(largest), np.zeros((largest, 2))
+    poly, spare = np.zeros((2 * MOST_WALLS, 2)), np.zeros((2 * MOST_WALLS, 2))
+    for c in range(seeds.shape[0]):
+        lines, low, high = grow(
+            seeds[c], keeps_at[keep_first[c] : keep_first[c + 1]], half[c], step[c], least_step[c], span[c], shape_a[c], shape_b[c],
+            corner, after, normal, first, run, run_first, run_disc,
+            kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, tiny[c], out_ends[c],
+        )  # fmt: skip
+        out_status[c, 0], out_status[c, 1] = low, high
+        n = 0
+        for k in range(lines):
+            for w in range(counts[k]):
+                if n < out_kind.shape[1]:
+                    out_kind[c, n], out_edge[c, n], out_corner[c, n] = kinds[k], edges[k], walls[k, w]
+                n += 1
+        out_count[c] = n

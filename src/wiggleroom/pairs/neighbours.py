@@ -1,0 +1,140 @@
+"""Which bodies can meet, and which pairs of them are congruent."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.pairs.shapes import Bodies
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Pairs:
+    """Pairs of bodies that can meet.
+
+    Parameters
+    ----------
+    a, b : (P,) int64
+        Bodies, a < b.
+    clearance : (P,) float64 [mm]
+        Distance at rest.
+    """
+
+    a: Ints
+    b: Ints
+    clearance: Floats
+
+
+def placed(bodies: Bodies, motion: Floats | None = None) -> NDArray[np.object_]:
+    """Material of every body as a shapely geometry, at rest or moved by `motion` (n, 3) [mm, mm, rad]."""
+    pose = bodies.rest if motion is None else bodies.rest + motion
+    shapes = bodies.shapes
+    out = np.empty(len(pose), dtype=object)
+    for s, rings in enumerate(bodies.outlines):
+        who = np.flatnonzero(bodies.shape == s)
+        if not len(who):
+            continue
+        c, sn = np.cos(pose[who, 2])[:, None], np.sin(pose[who, 2])[:, None]
+        corner = shapes.corner[shapes.first[s] : shapes.first[s + 1]]
+        x = c * corner[:, 0] - sn * corner[:, 1] + pose[who, 0][:, None]
+        y = sn * corner[:, 0] + c * corner[:, 1] + pose[who, 1][:, None]
+        out[who] = _polygons(np.stack([x, y], -1), rings)
+    return out
+
+
+def _polygons(points: Floats, rings: list[Floats]) -> NDArray[np.object_]:
+    """Polygons from corners (k, n, 2) laid out like `rings`: outer rings turn counter-clockwise, holes clockwise and follow theirs."""
+    ends = np.cumsum([len(r) for r in rings])
+    starts = ends - [len(r) for r in rings]
+    made = [shapely.linearrings(points[:, i:j]) for i, j in zip(starts, ends, strict=True)]
+    outer = [k for k, r in enumerate(rings) if _turns_left(r)]
+    pieces = []
+    for n, k in enumerate(outer):
+        last = outer[n + 1] if n + 1 < len(outer) else len(rings)
+        holes = made[k + 1 : last]
+        pieces.append(shapely.polygons(made[k], np.stack(holes, 1)) if holes else shapely.polygons(made[k]))
+    if len(pieces) == 1:
+        return np.asarray(pieces[0])
+    return shapely.union_all(np.stack(pieces, 1), axis=1)
+
+
+def _turns_left(ring: Floats) -> bool:
+    x, y = ring.T
+    return float(x @ np.roll(y, -1) - np.roll(x, -1) @ y) > 0
+
+
+def neighbours(
+    bodies: Bodies, geometry: NDArray[np.object_], reach: float, known: Pairs | None = None, barred: NDArray[np.int64] | None = None
+) -> Pairs:
+    """Pairs of bodies no further apart than `reach`, except fixed with fixed, `known` ones and `barred` ones.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    geometry : (n,) shapely geometries
+        Material of the bodies where they are now, from `placed`.
+    reach : float [mm]
+    known : Pairs, optional
+        Pairs that are left out because they are there already.
+    barred : (k,) int64, optional
+        Keys a * n + b of pairs that never collide.
+
+    Returns
+    -------
+    Pairs
+        Sorted by (a, b).
+    """
+    tree = shapely.STRtree(geometry)
+    i, j = tree.query(geometry, predicate="dwithin", distance=reach) if reach > 0 else tree.query(geometry, predicate="intersects")
+    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j])
+    i, j = i[keep], j[keep]
+    n = len(geometry)
+    key = i * n + j
+    out = np.zeros(len(key), dtype=bool)
+    if known is not None:
+        out |= np.isin(key, known.a * n + known.b)
+    if barred is not None:
+        out |= np.isin(key, barred)
+    i, j = i[~out], j[~out]
+    order = np.lexsort((j, i))
+    i, j = i[order], j[order]
+    return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
+
+
+def relative_rest(bodies: Bodies, a: Ints, b: Ints, motion: Floats | None = None) -> Floats:
+    """B seen from A (P, 3) [mm, mm, rad]: position of B's origin in A's frame and its angle, at rest or moved."""
+    pose = bodies.rest if motion is None else bodies.rest + motion
+    c, s = np.cos(pose[a, 2]), np.sin(pose[a, 2])
+    x, y = (pose[b, :2] - pose[a, :2]).T
+    return np.column_stack([c * x + s * y, -s * x + c * y, pose[b, 2] - pose[a, 2]])
+
+
+def classes(bodies: Bodies, a: Ints, b: Ints, pose: Floats) -> tuple[Ints, Ints]:
+    """Congruent pairs: same shapes in the same relative pose, wherever they lie and however they are turned.
+
+    Parameters
+    ----------
+    a, b : (P,) int64
+    pose : (P, 3) [mm, mm, rad]
+        Relative poses.
+
+    Returns
+    -------
+    first : (C,) int64
+        One pair of each class.
+    label : (P,) int64
+        Class of each pair.
+    """
+    unit = 1e-9 * np.maximum(bodies.radius[a], bodies.radius[b])
+    angle = np.remainder(pose[:, 2] + 1e-6, 2 * np.pi) - 1e-6
+    key = np.column_stack([bodies.shape[a], bodies.shape[b], pose[:, 0] // unit, pose[:, 1] // unit, angle // 1e-9])
+    key[:, 2:4] = np.round(pose[:, :2] / unit[:, None])
+    key[:, 4] = np.round(angle / 1e-9)
+    _, first, label = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    return first, label.ravel()

@@ -1,0 +1,146 @@
+"""Arrows: the pull, the turn and the forces."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal, Pull, Turn
+from wiggleroom.report import palette
+from wiggleroom.report.layout import View
+
+Floats = NDArray[np.float64]
+
+_SHORTEST = 16.0
+_NOMINAL = 44.0
+_MOST_CONTACTS = 300
+_FAINT = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Mark:
+    """Piece of SVG and the lines [px] that names should keep away from."""
+
+    svg: str
+    lines: tuple[Floats, ...] = ()
+
+
+def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: Floats, room: float) -> Mark:
+    """Arrow of one goal: from the pulled point at rest to where it goes, or round a part that is turned.
+
+    Parameters
+    ----------
+    rest, shown : (n, 3) float64 [mm, mm, rad]
+        Poses at rest and as drawn.
+    room : float [px]
+        Size of the part, which the turn arrow fits into.
+    """
+    k = assembly.names.index(goal.part)
+    if isinstance(goal, Turn):
+        return _turn(view.pixels(shown[k, :2]), 1.0 if goal.sense == "ccw" else -1.0, room)
+    if isinstance(goal, Pull):
+        way = np.array(goal.direction, dtype=float)
+        point = rest[k, :2] if goal.point is None else np.array(goal.point, dtype=float)
+    else:
+        if math.hypot(*goal.w[:2]) == 0:
+            return _turn(view.pixels(shown[k, :2]), math.copysign(1.0, goal.w[2]), room)
+        way, point = np.array(goal.w[:2], dtype=float), rest[k, :2]
+    start = view.pixels(point)
+    end = view.pixels(carry(point, rest[k], shown[k]))
+    if np.hypot(*(end - start)) < _SHORTEST:  # too short to be seen as an arrow: show the way of the pull instead
+        start, end = end, end + _NOMINAL * way / np.hypot(*way) * (1, -1)
+    x, y = start
+    ring = (
+        f'<circle cx="{x:.2f}" cy="{y:.2f}" r="4" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="2"/>'
+    )
+    shaft, head = arrow(start, end, 11.0)
+    body = f'<path d="{shaft}" fill="none" stroke="{palette.MOTION}" stroke-width="3" stroke-linecap="round"/>'
+    return Mark(body + f'<path d="{head}" fill="{palette.MOTION}"/>' + ring, (np.array([start, end]),))
+
+
+def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: float) -> Mark:
+    """Contacts as dots and their forces as arrows as long as they are large; only those that matter.
+
+    Parameters
+    ----------
+    room : float [px]
+        Size of a usual part, which dots and arrows go by.
+    """
+    largest = max((c.force for c in answer.contacts), default=0.0)
+    held = sorted(
+        (c for c in answer.contacts if c.force > _FAINT * largest), key=lambda c: (-c.force, c.parts, c.point)
+    )
+    if not held:
+        return Mark("")
+    held, row = held[:_MOST_CONTACTS], {name: k for k, name in enumerate(answer.assembly.names)}
+    radius, longest = min(max(0.035 * room, 0.7), 3.0), min(max(0.45 * room, 6.0), 38.0)
+    moved = rest + answer.motion
+    dots, shafts, heads, lines = [], [], [], []
+    for c in held:
+        a, b = row[c.parts[0]], row[c.parts[1]]
+        # a magnified motion pulls the two sides of a contact apart: it is drawn between them
+        sides = [carry(np.array(c.point), moved[k], shown[k]) for k in (a, b)]
+        point = view.pixels((sides[0] + sides[1]) / 2)
+        length = longest * c.force / largest
+        end = point + length * np.array(c.normal) * (1, -1)
+        if length > 2 * radius:
+            shaft, head = arrow(point, end, min(2.6 * radius, 0.6 * length))
+            shafts.append(shaft)
+            heads.append(head)
+        dots.append(f'<circle cx="{point[0]:.2f}" cy="{point[1]:.2f}" r="{radius:.2f}"/>')
+        lines.append(np.array([point, end]))
+    stroke = f'fill="none" stroke="{palette.FORCE}" stroke-width="{max(0.55 * radius, 0.5):.2f}"'
+    arrows = (
+        f'<path d="{"".join(shafts)}" {stroke}/><path d="{"".join(heads)}" fill="{palette.FORCE}"/>' if shafts else ""
+    )
+    return Mark(f'{arrows}<g fill="{palette.INK}">{"".join(dots)}</g>', tuple(lines))
+
+
+def carry(point: Floats, before: Floats, after: Floats) -> Floats:
+    """Where a point (2,) [mm] of a part goes when its pose (3,) [mm, mm, rad] changes."""
+    turn = after[2] - before[2]
+    c, s = math.cos(turn), math.sin(turn)
+    x, y = point - before[:2]
+    return np.array([after[0] + c * x - s * y, after[1] + s * x + c * y])
+
+
+def arrow(start: Floats, end: Floats, head: float) -> tuple[str, str]:
+    """Path data of the shaft and of the head of an arrow [px] that ends at `end`."""
+    length = float(np.hypot(*(end - start)))
+    along = (end - start) / max(length, 1e-9)
+    across = np.array([-along[1], along[0]])
+    head = min(head, length)
+    neck = end - head * along
+    left, right = neck + 0.42 * head * across, neck - 0.42 * head * across
+    corners = (*left, *end, *right)
+    return (
+        "M{:.2f},{:.2f}L{:.2f},{:.2f}".format(*start, *(neck + 0.2 * head * along)),
+        "M{:.2f},{:.2f}L{:.2f},{:.2f}L{:.2f},{:.2f}z".format(*corners),
+    )
+
+
+def _turn(centre: Floats, sense: float, room: float) -> Mark:
+    """Arc of 240 degrees round `centre` with a head, counter-clockwise where `sense` is positive."""
+    radius = min(max(0.28 * room, 9.0), 46.0)
+    angles = sense * np.radians(np.linspace(-30.0, 210.0, 49))
+    arc = centre + radius * np.column_stack([np.cos(angles), -np.sin(angles)])
+    ahead = arc[-1] + sense * 0.45 * radius * np.array([-math.sin(angles[-1]), -math.cos(angles[-1])])
+    _, head = arrow(arc[-1], ahead, 0.45 * radius)
+    path = ("M" + "%.2f,%.2f " * len(arc)) % tuple(arc.ravel().tolist())
+    x, y = centre
+    svg = (
+        f'<path d="{path}" fill="none" stroke="{palette.MOTION}" stroke-width="3" stroke-linecap="round"/>'
+        f'<path d="{head}" fill="{palette.MOTION}"/><circle cx="{x:.2f}" cy="{y:.2f}" r="3" fill="{palette.MOTION}"/>'
+    )
+    return Mark(svg, (arc,))
+
+
+def obstacles(marks: list[Mark]) -> shapely.STRtree:
+    """Tree over all lines that names keep away from."""
+    return shapely.STRtree([shapely.LineString(line) for mark in marks for line in mark.lines])

@@ -1,0 +1,26 @@
+"""Colours and sizes of the pictures, in one place; chosen to stay apart for colour-blind eyes and on white print."""
+
+from __future__ import annotations
+
+PAPER = "#ffffff"
+INK = "#1f2933"
+QUIET = "#66727f"
+REST = "#aeb6bf"
+
+NEUTRAL = ("#e4e9ef", "#7c8894")
+PULLED = ("#8fc1ea", "#1f5f99")
+FIXED = ("#e58a80", "#a02c22")
+
+MOTION = "#0b3c6f"
+FORCE = "#c96a00"
+
+FONT = "Helvetica, Arial, 'Liberation Sans', 'DejaVu Sans', sans-serif"
+TITLE_SIZE = 24.0
+TEXT_SIZE = 14.0
+SMALL_SIZE = 11.0
+
+MARGIN = 40.0
+WIDEST = 1120.0
+TALLEST = 1000.0
+NARROWEST = 720.0
+"""Sizes in pixels: a drawing is scaled to fit WIDEST x TALLEST, and the text never has less than NARROWEST."""

@@ -1,0 +1,110 @@
+"""Answer in words and numbers, the same in pictures, tables and notes."""
+
+from __future__ import annotations
+
+import math
+
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.drawing.model import Goal, Pull, Turn, W
+from wiggleroom.solve.verdict import Verdict
+
+_NAME_LENGTH = 40
+_MOST_GOALS = 4
+
+
+def number(value: float, digits: int = 4) -> str:
+    """`value` to so many significant digits, without an exponent wherever that stays readable.
+
+    >>> number(1.37234), number(0.00012345), number(-0.0), number(25000.0)
+    ('1.372', '0.0001234', '0', '25000')
+    """
+    if value == 0 or not math.isfinite(value):
+        return "0" if value == 0 else str(value)
+    places = digits - 1 - math.floor(math.log10(abs(value)))
+    if places > 12:
+        return f"{value:.{digits - 1}e}"
+    rounded = f"{value:.{max(places, 0)}f}"
+    return rounded.rstrip("0").rstrip(".") if "." in rounded else rounded
+
+
+def short(name: str) -> str:
+    """Part's name, its middle left out where it is very long."""
+    half = _NAME_LENGTH // 2
+    return name if len(name) <= _NAME_LENGTH else f"{name[: half - 1]}…{name[-half:]}"
+
+
+def towards(direction: tuple[float, float]) -> str:
+    """Direction as people write it.
+
+    >>> towards((0.0, 2.0)), towards((3.0, 4.0))
+    ('+y', '(0.6, 0.8)')
+    """
+    x, y = direction[0] / math.hypot(*direction), direction[1] / math.hypot(*direction)
+    for axis, along, across in (("x", x, y), ("y", y, x)):
+        if abs(across) < 1e-9:
+            return ("+" if along > 0 else "-") + axis
+    return f"({number(x, 3)}, {number(y, 3)})"
+
+
+def ask(goal: Goal) -> str:
+    """One goal in a few words: the part and the way it is pulled or turned."""
+    match goal:
+        case Pull():
+            return f"{short(goal.part)} in {towards(goal.direction)}"
+        case Turn():
+            return f"turn of {short(goal.part)} {goal.sense}"
+        case W():
+            return f"{short(goal.part)} along w = ({', '.join(number(x, 3) for x in goal.w)})"
+
+
+def unit(goals: tuple[Goal, ...]) -> str:
+    """Say the unit of the objective: mm, rad, or nothing where goals of both kinds add up."""
+    if all(isinstance(g, Pull) or (isinstance(g, W) and g.w[2] == 0) for g in goals):
+        return "mm"
+    return "rad" if all(isinstance(g, Turn) or (isinstance(g, W) and g.w[:2] == (0, 0)) for g in goals) else ""
+
+
+def headline(answer: Answer) -> str:
+    """Say what was found, in one line, such as "b10 moves 1.372 mm in +y"."""
+    goals, value = answer.goals, answer.objective
+    if not goals:
+        return f"{len(answer.assembly.parts)} parts, nothing asked"
+    if value is None:
+        return f"nothing stops {ask(goals[0])}" + (f" and {len(goals) - 1} more" if len(goals) > 1 else "")
+    if len(goals) == 1:
+        goal = goals[0]
+        own = value / goal.weight if goal.weight else value
+        match goal:
+            case Pull(point=None):
+                return f"{short(goal.part)} moves {number(own)} mm in {towards(goal.direction)}"
+            case Pull(point=(x, y)):
+                place = f"({number(x)}, {number(y)})"
+                return f"{short(goal.part)} at {place} moves {number(own)} mm in {towards(goal.direction)}"
+            case Turn():
+                return f"{short(goal.part)} turns {number(math.degrees(own))}° {goal.sense}"
+    asked = [ask(g) for g in goals[:_MOST_GOALS]] + [f"{len(goals) - _MOST_GOALS} more"] * (len(goals) > _MOST_GOALS)
+    return f"{number(value)} {unit(goals)}".strip() + f": {', '.join(asked)}"
+
+
+def certainty(answer: Answer) -> str:
+    """Say what was checked about the motion, in a few words."""
+    if not answer.collision_free:
+        return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
+    return "no overlap, way from rest checked" if answer.path == "checked" else "no overlap, way from rest not checked"
+
+
+def facts(answer: Answer) -> list[str]:
+    """Facts under the headline: verdict, size of the question, and how sure it is."""
+    if not answer.goals:
+        return [f"gap {number(answer.assembly.gap)} mm"]
+    found = [f"{answer.verdict}", f"gap {number(answer.assembly.gap)} mm", f"{len(answer.assembly.parts)} parts"]
+    if answer.verdict is Verdict.UNBOUNDED and answer.leaves:
+        found.append(f"leaves: {_names(answer.leaves)}")
+    if answer.verdict is Verdict.UNBOUNDED and answer.turns:
+        found.append(f"turns: {_names(answer.turns)}")
+    return [*found, certainty(answer)]
+
+
+def _names(names: tuple[str, ...], most: int = 6) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(short(n) for n in names[:most]) + more

@@ -1,0 +1,246 @@
+"""Primal-dual interior-point method on the condensed system: the default solver.
+
+Slacks and multipliers are eliminated, so one symmetric 3F x 3F matrix with the sparsity of the neighbour graph is factorised per
+iteration. Mehrotra's predictor and corrector choose the centring; steps are taken along `Retraction`, which keeps long assemblies legal
+while they turn.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.program.build import Linearised, Program
+from wiggleroom.program.retract import Retraction
+from wiggleroom.solve.factor import Factor, factor
+
+Floats = NDArray[np.float64]
+
+FRACTION = 0.99
+"""Share of the way to the nearest wall that a step may use."""
+CORRECTION = 10.0
+"""Mehrotra's second-order term is held within this multiple of mu; larger ones come from steps too long to trust."""
+SHORT = 0.05
+"""A step shorter than this is tried again with a stronger diagonal."""
+TINY_SHIFT = 1e-11
+MOST_ITERATIONS = 250
+
+
+class Stop(Protocol):
+    """Anything with `is_set`, asked every iteration."""
+
+    def is_set(self) -> bool:
+        """True to stop."""
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """Where a solver ended.
+
+    Parameters
+    ----------
+    u : (3F,) float64
+        Scaled variables.
+    lam : (R,) float64
+        Multipliers of the rows: objective [mm] per unit of `program.length`, scaled so that the largest derivative of the objective is 1.
+    status : str
+        "converged", "stopped", "escaping" or "failed".
+    iterations : int
+    inner : (3F,) float64
+        A point well inside all rows on the way, from which the next program can start.
+    inner_lam : (R,) float64
+        Multipliers there.
+    way : tuple of (3F,) float64
+        Points inside all rows on the way from the start.
+    error : float
+        Largest of complementarity, violation and dual residual, in units of the objective.
+    """
+
+    u: Floats
+    lam: Floats
+    status: str
+    iterations: int
+    inner: Floats
+    inner_lam: Floats
+    way: tuple[Floats, ...] = ()
+    error: float = 0.0
+
+
+@dataclass(eq=False)
+class _State:
+    """Iterate of the method; `s` are slacks of the rows."""
+
+    u: Floats
+    s: Floats
+    lam: Floats
+    at: Linearised
+    unit: float
+    move: Floats
+    shift: float = TINY_SHIFT
+    way: list[Floats] = field(default_factory=list)
+
+    def residuals(self) -> tuple[Floats, Floats, float, float]:
+        """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
+        primal = self.s - self.at.h
+        dual = -self.at.gradient / self.unit - self.at.against(self.lam)
+        return primal, dual, float(self.s @ self.lam), self.at.value / self.unit
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    u: Floats
+    s: Floats
+    lam: Floats
+    primal: float
+    dual: float
+    shift: float
+
+
+def solve(
+    program: Program,
+    start: Floats | None = None,
+    *,
+    lam: Floats | None = None,
+    mu: float = 0.1,
+    tolerance: float = 1e-7,
+    horizon: float = np.inf,
+    stop: Stop | None = None,
+    progress: Callable[[int, float], None] | None = None,
+) -> Solution:
+    """Largest objective from a point strictly inside all rows.
+
+    Parameters
+    ----------
+    program : Program
+    start : (3F,) float64, optional
+        Strictly inside all rows; by default rest.
+    lam : (R,) float64, optional
+        First multipliers; by default mu / rows.
+    mu : float
+        First complementarity, in units of the scaled objective.
+    tolerance : float
+        Share of the objective that may be left on the table.
+    horizon : float [mm]
+        A body that moves further than this is taken to escape.
+    stop, progress : optional
+        Asked and told (iteration, objective) every iteration.
+
+    Returns
+    -------
+    Solution
+    """
+    u = np.zeros(len(program.scale)) if start is None else start.copy()
+    at = program.linearise(u)
+    unit = float(np.abs(at.gradient).max()) or 1.0
+    s = np.maximum(at.h, 1e-9)
+    state = _State(u, s, mu / s if lam is None else lam.copy(), at, unit, np.zeros_like(u))
+    matrix, retraction = factor(program.pattern), Retraction(program)
+    inner, inner_lam, status, error, k = u, state.lam, "failed", np.inf, 0
+    for k in range(MOST_ITERATIONS + 1):
+        primal, dual, gap, value = state.residuals()
+        if progress is not None:
+            progress(k, state.at.value)
+        infeasible, wrong = float(state.lam @ np.abs(primal)), float(np.abs(dual) @ np.minimum(np.abs(state.move), 1.0))
+        if k == 0:
+            wrong = np.inf
+        error = max(gap, infeasible, wrong) / max(abs(value), 1.0)
+        inside = state.at.h.min() > 0
+        if inside:
+            state.way.append(state.u)
+            if k == 0 or gap > 1e-3 * max(abs(value), 1.0):
+                inner, inner_lam = state.u, state.lam
+        if error < tolerance:
+            status = "converged"
+            break
+        if stop is not None and stop.is_set():
+            status = "stopped"
+            break
+        if np.abs(program.motion(state.u)[:, :2]).max(initial=0.0) > horizon:
+            status = "escaping"
+            break
+        lag = max(infeasible, 0.0 if k == 0 else wrong) / gap
+        target = 0.2 * tolerance * max(abs(value), 1.0) / program.rows
+        step = _step(state, matrix, retraction, primal, dual, gap / program.rows, lag, target)
+        if step is None or k == MOST_ITERATIONS:
+            break
+        _advance(state, step, retraction)
+    settled = _settle(state, matrix, retraction) if status == "converged" else state
+    return Solution(settled.u, settled.lam * unit, status, k, inner, inner_lam, tuple(state.way), error)
+
+
+def _step(
+    state: _State, matrix: Factor, retraction: Retraction, primal: Floats, dual: Floats, mu: float, lag: float, least: float
+) -> _Step | None:
+    """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not a stub."""
+    s, lam, at = state.s, state.lam, state.at
+    data = at.condensed(lam / s, lam, retraction.balance(dual, at))
+    shift = TINY_SHIFT if state.shift <= 1e-8 else state.shift / 5
+    found = None
+    for attempt in range(16):
+        if not matrix.update(data, shift):
+            shift = max(10 * shift, 1e-7)
+            continue
+        _, ds, dl = _newton(state, matrix, primal, dual, -s * lam)
+        after = float((s + _longest(s, ds) * ds) @ (lam + _longest(lam, dl) * dl)) / len(s)
+        centring = (after / mu) ** 3
+        if lag > 0.3:  # feasibility must not fall behind complementarity
+            centring = max(centring, min(1.0, lag))
+        goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)
+        du, ds, dl = _newton(state, matrix, primal, dual, goal)
+        far, dfar = _longest(s, ds), _longest(lam, dl)
+        found = _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift)
+        if found.primal > SHORT or attempt >= 5:
+            break
+        shift = max(10 * shift, 1e-6)
+    return found
+
+
+def _newton(state: _State, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
+    """Directions (du, ds, dlam) that change s * lam by `goal` and remove both residuals, to first order."""
+    s, lam, at = state.s, state.lam, state.at
+    du = matrix.solve(at.against((lam * primal + goal) / s) - dual)
+    ds = at.along(du) - primal
+    return du, ds, (goal - lam * ds) / s
+
+
+def _longest(x: Floats, dx: Floats) -> float:
+    """Largest step in [0, 1] that keeps x + step * dx >= 0."""
+    shrinking = dx < 0
+    return min(1.0, float((-x[shrinking] / dx[shrinking]).min())) if shrinking.any() else 1.0
+
+
+def _advance(state: _State, step: _Step, retraction: Retraction) -> None:
+    """Take the step; halve it while the true rows fall behind the foreseen ones by more than half the complementarity."""
+    lam = state.lam + step.dual * step.lam
+    share = step.primal
+    before = float(state.lam @ np.abs(state.s - state.at.h))
+    for _ in range(6):
+        u = retraction.step(state.u, share * step.u, state.at)
+        at = state.at.program.linearise(u)
+        s = np.maximum(state.s + share * step.s, at.h)
+        if lam @ (s - at.h) <= max(0.5 * float(s @ lam), 2.0 * before):
+            break
+        share /= 2
+    state.move, state.shift = step.u, step.shift
+    state.u, state.s, state.lam, state.at = u, s, lam, at
+
+
+def _settle(state: _State, matrix: Factor, retraction: Retraction) -> _State:
+    """A few short centred steps that remove what is left of the violation; bodies that nothing holds stay where they are."""
+    mu = float(state.s @ state.lam) / len(state.s)
+    for _ in range(6):
+        primal, dual, _, _ = state.residuals()
+        if np.abs(primal).max() < 1e-12:
+            break
+        data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at))
+        shift = max(state.shift, 1e-2)
+        while not matrix.update(data, shift):
+            shift *= 10
+        du, ds, dl = _newton(state, matrix, primal, dual, mu - state.s * state.lam)
+        far, dfar = _longest(state.s, ds), _longest(state.lam, dl)
+        _advance(state, _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift), retraction)
+    return state

@@ -1,0 +1,1 @@
+"""The tests, and the independent truth they are held against."""

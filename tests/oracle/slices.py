@@ -1,0 +1,197 @@
+"""Free translations of B against A at one turn, exactly, and which of them are connected to rest.
+
+An edge of A and an edge of B meet for the translations in one parallelogram. A connected piece of the plane that no
+parallelogram covers is therefore wholly free or wholly forbidden: the sides of all parallelograms in a window are cut
+at their crossings, the faces between them are collected, and one point per uncovered face decides.
+"""
+
+from __future__ import annotations
+
+import bisect
+
+import numpy as np
+import shapely
+
+from .geometry import turn
+
+END = 2e-13  # [rad] how closely the last free turn is found
+THINNEST = 1e-14  # area / perimeter below which a face is rounding
+Faces = list[shapely.Polygon]
+
+
+def _edges(polygon: shapely.Polygon) -> tuple[np.ndarray, np.ndarray]:
+    rings = [shapely.get_coordinates(r)[:-1] for r in (polygon.exterior, *polygon.interiors)]
+    return np.concatenate(rings), np.concatenate([np.roll(r, -1, axis=0) for r in rings])
+
+
+class Slices:
+    """All relative motions of B against A that are connected to rest, one turn at a time, remembered.
+
+    B's reference point is its own origin and rests at `D` in A's frame; `step` is the spacing of the first march.
+    """
+
+    def __init__(self, A: shapely.Polygon, B: shapely.Polygon, D: tuple[float, float], step: float = 1e-3):
+        self.A, self.B, self.D = A, B, np.asarray(D, dtype=float)
+        self._a, self._b = _edges(A), _edges(B)
+        self._known: dict[float, Faces] = {}
+        self._order: list[float] = []
+        self.reach = float(np.max(np.hypot(*self._b[0].T)))  # a point of B moves at most this far per radian
+        start = shapely.Point(0, 0)
+        self._margin = self._first_margin()
+        faces = [f for f in self.free_faces(0.0, (0, 0, 0, 0)) if f.intersects(start)]
+        if len(faces) != 1:
+            raise ValueError("rest is not inside one free piece")
+        self._remember(0.0, faces)
+        self.low, self.high = (self._march(s * step) for s in (-1, 1))
+        self._fold_back()
+
+    def _first_margin(self) -> float:
+        placed = shapely.transform(self.B, lambda p: p + self.D)
+        return 0.3 * max(shapely.distance(self.A, placed), 1e-6)
+
+    # -- one slice --------------------------------------------------------------------------------------------------
+    def _parallelograms(self, phi: float, box: tuple[float, float, float, float]) -> np.ndarray:
+        """Corners (k, 4, 2) of those that touch the box."""
+        b0, b1 = (p @ turn(phi).T + self.D for p in self._b)
+        a0, a1 = (p[:, None] for p in self._a)
+        quads = np.stack([a0 - b0, a1 - b0, a1 - b1, a0 - b1], axis=2).reshape(-1, 4, 2)
+        low, high = quads.min(axis=1), quads.max(axis=1)
+        near = (low[:, 0] <= box[2]) & (low[:, 1] <= box[3]) & (high[:, 0] >= box[0]) & (high[:, 1] >= box[1])
+        return quads[near]
+
+    def free_faces(self, phi: float, bounds: tuple[float, float, float, float]) -> Faces:
+        """Free pieces near `bounds`; the window grows until those that meet `bounds` lie wholly inside it."""
+        margin = self._margin
+        for _ in range(12):
+            box = (bounds[0] - margin, bounds[1] - margin, bounds[2] + margin, bounds[3] + margin)
+            window, seed = shapely.box(*box), shapely.box(*bounds)
+            faces = self._faces_in(phi, box)
+            if not any(f.intersects(window.exterior) and f.intersects(seed) for f in faces):
+                return faces
+            margin *= 2
+        raise ValueError("the free space is open: the parts come apart")
+
+    def _faces_in(self, phi: float, box: tuple[float, float, float, float]) -> Faces:
+        quads = self._parallelograms(phi, box)
+        window = shapely.box(*box)
+        closed = np.concatenate([quads, quads[:, :1]], axis=1)
+        sides = np.stack([closed[:, :-1], closed[:, 1:]], axis=2).reshape(-1, 2, 2)
+        sides = np.unique(np.where(_swapped(sides)[:, None, None], sides[:, ::-1], sides), axis=0)
+        noded = shapely.union_all(np.append(shapely.linestrings(_clipped(sides, box)), window.exterior))
+        faces = np.array(shapely.polygonize(shapely.get_parts(noded)).geoms)
+        faces = faces[shapely.area(faces) > THINNEST * shapely.length(faces)]
+        inside = shapely.point_on_surface(faces)
+        spots = shapely.get_coordinates(inside)
+        open_ = ~_covered(spots, quads) & shapely.contains(window, inside)
+        return [f for f, p in zip(faces[open_], spots[open_], strict=True) if self._apart(phi, p)]
+
+    def _apart(self, phi: float, tau: np.ndarray) -> bool:
+        placed = shapely.transform(self.B, lambda p: p @ turn(phi).T + self.D + tau)
+        return not shapely.intersects(self.A, placed)
+
+    # -- connection through the turn --------------------------------------------------------------------------------
+    def _remember(self, phi: float, faces: Faces) -> None:
+        self._known[phi] = faces
+        bisect.insort(self._order, phi)
+
+    def _beside(self, faces: Faces, phi: float) -> Faces:
+        """Free pieces at `phi` that share translations with `faces` of a turn close by."""
+        bounds = tuple(shapely.total_bounds(np.array(faces)))
+        return [f for f in self.free_faces(phi, bounds) if any(f.intersects(g) for g in faces)]
+
+    def _follow(self, start: float, goal: float) -> float:
+        """Follow the free pieces from a known turn towards `goal`; the last turn reached."""
+        here, pace = start, goal - start
+        while here != goal and abs(pace) > END:
+            there = goal if abs(goal - here) <= abs(pace) * 1.5 else here + pace
+            faces = self._known.get(there) or self._beside(self._known[here], there)
+            if faces:
+                if there not in self._known:
+                    self._remember(there, faces)
+                here, pace = there, pace * 2
+            else:
+                pace /= 2
+        return here
+
+    def _march(self, step: float) -> float:
+        here = 0.0
+        for i in range(1, int(np.pi / abs(step))):
+            there = self._follow(here, i * step)
+            if there != i * step:
+                return there
+            here = there
+        raise ValueError("B can turn all the way round")
+
+    def _fold_back(self) -> None:
+        """Add pieces at smaller turns that are reached only by turning further and coming back."""
+        grown = True
+        while grown:
+            grown = False
+            for order in (self._order, self._order[::-1]):
+                for phi, beside in zip(order[1:], order[:-1], strict=True):
+                    if abs(phi - beside) < 1e-5:
+                        continue
+                    mine, theirs = self._known[phi], self._known[beside]
+                    extra = [f for f in self._beside(theirs, phi) if not any(f.intersects(g) for g in mine)]
+                    if extra:
+                        self._known[phi] = mine + extra
+                        grown = True
+
+    def at(self, phi: float) -> Faces:
+        """Free pieces connected to rest at this turn [rad]; none outside `low` .. `high`."""
+        if phi not in self._known:
+            if not self.low <= phi <= self.high:
+                return []
+            i = bisect.bisect(self._order, phi)
+            nearest = min(self._order[max(i - 1, 0) : i + 1], key=lambda p: abs(p - phi))
+            self._follow(nearest, phi)
+        return self._known.get(phi, [])
+
+    def corners(self, phi: float) -> np.ndarray:
+        """Corners (k, 2) of the convex hull of the slice: enough for its support function."""
+        faces = self.at(phi)
+        if not faces:
+            return np.empty((0, 2))
+        points = shapely.get_coordinates(faces)
+        if len(points) > 40:
+            points = shapely.get_coordinates(shapely.convex_hull(shapely.multipoints(points)))
+        return points
+
+
+def _swapped(sides: np.ndarray) -> np.ndarray:
+    first, second = sides[:, 0], sides[:, 1]
+    return (first[:, 0] > second[:, 0]) | ((first[:, 0] == second[:, 0]) & (first[:, 1] > second[:, 1]))
+
+
+def _clipped(sides: np.ndarray, box: tuple[float, float, float, float]) -> np.ndarray:
+    """Sides (k, 2, 2) cut off just outside the box (Liang and Barsky 1984); those that miss it are left out."""
+    over = 0.02 * (box[2] - box[0])
+    start, way = sides[:, 0], sides[:, 1] - sides[:, 0]
+    low, high = np.array(box[:2]) - over - start, np.array(box[2:]) + over - start
+    flat = way == 0
+    one, two = (d / np.where(flat, 1, way) for d in (low, high))
+    one[flat] = np.where(low[flat] <= 0, -np.inf, np.inf)
+    two[flat] = np.where(high[flat] >= 0, np.inf, -np.inf)
+    enter = np.maximum(np.minimum(one, two).max(axis=1), 0)
+    leave = np.minimum(np.maximum(one, two).min(axis=1), 1)
+    keep = enter < leave
+    sides, start, way, enter, leave = (v[keep] for v in (sides, start, way, enter[:, None], leave[:, None]))
+    return np.stack(
+        [
+            np.where(enter == 0, start, start + enter * way),
+            np.where(leave == 1, sides[:, 1], start + leave * way),
+        ],
+        axis=1,
+    )
+
+
+def _covered(points: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Which points (k, 2) lie in at least one parallelogram (m, 4, 2)."""
+    e, f = quads[:, 1] - quads[:, 0], quads[:, 3] - quads[:, 0]
+    area = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
+    solid = np.abs(area) > 1e-300
+    r = points[:, None] - quads[None, solid, 0]
+    e, f, area = e[solid], f[solid], area[solid]
+    s = (r[..., 0] * f[:, 1] - r[..., 1] * f[:, 0]) / area
+    t = (e[:, 0] * r[..., 1] - e[:, 1] * r[..., 0]) / area
+    return np.any((s > 0) & (s < 1) & (t > 0) & (t < 1), axis=1)

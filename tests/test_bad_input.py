@@ -1,0 +1,285 @@
+"""Bad input of every kind: one plain line per finding, never another exception."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from wiggleroom.drawing import read_drawing
+from wiggleroom.errors import InputError
+
+TRIANGLE = [[0, 0], [2, 0], [2, 1]]
+
+
+def assembly(**changes: object) -> str:
+    content: dict[str, object] = {
+        "format": "wiggleroom/1",
+        "parts": [
+            {"name": "a", "outline": TRIANGLE, "fixed": True},
+            {"name": "b", "outline": TRIANGLE, "at": [3, 0, 0]},
+        ],
+    }
+    return json.dumps({**content, **changes})
+
+
+def part(**changes: object) -> str:
+    return assembly(parts=[{"name": "a", "outline": TRIANGLE, **changes}])
+
+
+def svg(body: str, head: str = 'width="9mm" height="9mm" viewBox="0 0 9 9"') -> str:
+    return f"<svg {head}>{body}</svg>"
+
+
+SQUARE = '<rect id="a" width="4" height="4"/>'
+
+JSON_CASES = {
+    "truncated": (assembly()[:-9], "is not JSON"),
+    "trailing comma": ('{"format": "wiggleroom/1",}', "is not JSON"),
+    "not a number": (assembly().replace("3,", "NaN,"), "is not JSON"),
+    "infinite": (assembly().replace("3,", "1e999,"), "line 1"),
+    "a list": ("[1, 2]", "one JSON object"),
+    "a number": ("7", "one JSON object"),
+    "deep": ("[" * 100_000, "nested too deep"),
+    "no format": ('{"parts": []}', '"format" is missing'),
+    "other format": (assembly(format="wiggleroom/9"), 'must be "wiggleroom/1"'),
+    "no parts": (assembly(parts=[]), "has no parts"),
+    "parts of wrong type": (assembly(parts={"a": 1}), "parts must be a list"),
+    "unknown field": (assembly(colour="red"), '"colour" is not known'),
+    "unit": (assembly(unit="furlong"), "mm, cm, m, in"),
+    "gap below zero": (assembly(gap=-0.1), "gap is -0.1"),
+    "gap as text": (assembly(gap="0.1"), "gap must be a number"),
+    "part is text": (assembly(parts=["a"]), "parts[0]: it must be an object"),
+    "part without name": (assembly(parts=[{"outline": TRIANGLE}]), 'parts[0]: field "name" is missing'),
+    "empty name": (part(name=""), "name must be printable"),
+    "unprintable name": (part(name="a\nb"), "name must be printable"),
+    "duplicate name": (assembly(parts=[{"name": "a", "outline": TRIANGLE}] * 2), "used 2 times"),
+    "two corners": (part(outline=[[0, 0], [1, 0]]), 'part "a": outline has 2 corners; at least 3 are needed'),
+    "repeated corners": (part(outline=[[0, 0], [1, 0], [0, 0], [1, 0]]), "outline has 2 corners"),
+    "on one line": (part(outline=[[0, 0], [1, 0], [2, 0]]), "all corners on one line"),
+    "no corners": (part(outline=[]), "outline has 0 corners"),
+    "hole of two corners": (part(holes=[[[0, 0], [1, 0]]]), "hole 1 has 2 corners"),
+    "corner of three": (part(outline=[[0, 0, 0], [1, 0, 0], [1, 1, 0]]), "must be a list of 2, not of 3"),
+    "corner as text": (part(outline=[["0", 0], [1, 0], [1, 1]]), "outline[0][0] must be a number"),
+    "no material": (assembly(parts=[{"name": "a"}]), "none of them"),
+    "two materials": (part(shape="s"), '"shape" and "outline"'),
+    "unknown shape": (assembly(parts=[{"name": "a", "shape": "s"}]), 'shape "s" is not among'),
+    "shape of nothing": (assembly(shapes={"s": {}}), 'shape "s": must have either'),
+    "empty outlines": (assembly(parts=[{"name": "a", "outlines": []}]), '"outlines" is empty'),
+    "huge coordinates": (part(outline=[[0, 0], [1e12, 0], [1, 1]]), "beyond 1e+09 mm"),
+    "far away": (part(at=[1e12, 0, 0]), "within 1e+09 mm"),
+    "tiny": (part(outline=[[0, 0], [1e-9, 0], [0, 1e-9]]), "at least 1e-06 mm"),
+    "at of two": (part(at=[0, 0]), "at must be a list of 3, not of 2"),
+    "fixed as number": (part(fixed=1), "fixed must be true or false"),
+    "glue unknown": (assembly(glue=[["a", "z"]]), 'no part "z"'),
+    "glue with itself": (assembly(glue=[["a", "a"]]), "two different parts"),
+    "glue of one": (assembly(glue=[["a"]]), "two different parts"),
+    "ignore unknown": (assembly(ignore=[["a", "z"]]), 'no part "z"'),
+    "ignore of three": (assembly(ignore=[["a", "b", "a"]]), "list of 2, not of 3"),
+    "ignore itself": (assembly(ignore=[["a", "a"]]), "two different parts"),
+    "gaps unknown": (assembly(gaps=[{"parts": ["a", "z"], "gap": 1}]), 'no part "z"'),
+    "gaps below zero": (assembly(gaps=[{"parts": ["a", "b"], "gap": -1}]), "gap is -1"),
+    "gaps twice": (assembly(gaps=[{"parts": ["a", "b"], "gap": 1}, {"parts": ["b", "a"], "gap": 2}]), "given 2 times"),
+    "pull unknown": (assembly(pull=[{"part": "z", "direction": [1, 0]}]), 'no part "z"'),
+    "pull a fixed part": (assembly(pull=[{"part": "a", "direction": [1, 0]}]), "is fixed"),
+    "pull nowhere": (assembly(pull=[{"part": "b", "direction": [0, 0]}]), "direction is zero"),
+    "pull without direction": (assembly(pull=[{"part": "b"}]), "none"),
+    "pull and turn": (assembly(pull=[{"part": "b", "turn": "cw", "w": [1, 0, 0]}]), '"turn" or "w"'),
+    "turn sideways": (assembly(pull=[{"part": "b", "turn": "left"}]), 'must be "ccw" or "cw"'),
+    "objective": (assembly(objective="translation"), "for a later version"),
+    "unknown objective": (assembly(objective=3), "for a later version"),
+}
+
+SVG_CASES = {
+    "truncated": (svg(SQUARE)[:-9], "not well-formed XML"),
+    "not svg": ("<html><body/></html>", "outermost element must be svg"),
+    "entity": ('<!DOCTYPE svg [<!ENTITY lol "ha">]>' + svg("<text>&lol;</text>"), 'entity "lol"'),
+    "parameter entity": ('<!DOCTYPE svg [<!ENTITY % x SYSTEM "file:///etc/passwd"> %x;]>' + svg(SQUARE), 'entity "x"'),
+    "hidden entity": ('<!--a--><!DOCTYPE svg [<!--b--><!ENTITY c "d">]>' + svg(SQUARE), 'entity "c"'),
+    "unknown entity": (svg("<g>&nope;</g>"), "not well-formed XML"),
+    "nothing": (svg(""), "no closed outline"),
+    "open only": (svg('<path d="M0 0L3 0L3 3"/>'), "but 1 open; every part must be closed"),
+    "line only": (svg('<line x2="3" y2="3"/>'), "no closed outline"),
+    "two corners": (svg('<path id="q" d="M0 0L3 0z"/>'), 'path "q" (line 1): outline has 2 corners'),
+    "one point": (svg(SQUARE + '<polygon points="1,1 1,1 1,1"/>'), "outline has 1 corners"),
+    "no size": (svg('<rect id="a" width="0" height="3"/>'), "at least 3"),
+    "no radius": (svg('<circle id="a"/>'), "a radius is 0 or missing"),
+    "radius below zero": (svg('<circle r="-1"/>'), "must not be negative"),
+    "width below zero": (svg('<rect width="-1" height="1"/>'), "must not be negative"),
+    "bad number": (svg('<path d="M0 0L3 foo 3 3z"/>'), '"foo"'),
+    "bad command": (svg('<path d="M0 0X5 5"/>'), '"X"'),
+    "no move": (svg('<path d="L5 5z"/>'), "must begin with M"),
+    "odd numbers": (svg('<path d="M0 0L5 5 5z"/>'), "3 numbers"),
+    "missing numbers": (svg('<path d="M0 0C"/>'), 'ends at "C"'),
+    "arc flag": (svg('<path d="M0 0A1 1 0 2 0 5 5z"/>'), "only numbers"),
+    "overflow": (svg('<path d="M0 0L1e999 0L0 1z"/>'), "beyond 1e+15"),
+    "huge": (svg('<path d="M0 0L1e12 0L0 1e12z"/>'), "beyond 1e+09 mm"),
+    "huge radius": (svg('<path d="M0 0A1e300 1e-300 3 0 0 1 1z"/>'), "beyond 1e+15"),
+    "tiny": (svg(SQUARE, 'width="1e-9mm" viewBox="0 0 9 9"'), "at least 1e-06 mm"),
+    "zero width": (svg(SQUARE, 'width="0mm" viewBox="0 0 9 9"'), "must be larger than 0"),
+    "bad width": (svg(SQUARE, 'width="wide"'), "is not a length"),
+    "bad viewBox": (svg(SQUARE, 'width="9mm" viewBox="0 0 9"'), "four numbers"),
+    "empty viewBox": (svg(SQUARE, 'width="9mm" viewBox="0 0 0 9"'), "larger than 0"),
+    "bad transform": (svg(f'<g transform="rotate(30">{SQUARE}</g>'), "transform cannot be read"),
+    "unknown transform": (svg(f'<g transform="wobble(3)">{SQUARE}</g>'), '"wobble" is not known'),
+    "transform of three": (svg(f'<g transform="matrix(1 0 0)">{SQUARE}</g>'), "6 finite numbers"),
+    "flat transform": (svg(f'<g transform="scale(1,0)">{SQUARE}</g>'), "at least 3"),
+    "duplicate id": (svg(SQUARE + SQUARE), 'id "a" is used 2 times'),
+    "use of nothing": (svg('<use href="#nope"/>'), '"#nope"'),
+    "use of a file": (svg('<use href="other.svg#a"/>'), "other.svg#a"),
+    "use of itself": (svg('<g id="g"><use href="#g"/></g>'), "holds this use itself"),
+    "use in a ring": (svg('<g id="g"><use href="#h"/></g><g id="h"><use href="#g"/></g>'), "holds this use itself"),
+    "deep groups": (svg("<g>" * 5000 + SQUARE + "</g>" * 5000), "nested deeper than 200"),
+    "crossing subpaths": (svg('<path id="k" d="M0 0h4v4h-4zM2 2h4v4h-4z"/>'), "two outlines cross at ("),
+    "bow tie with a hole": (svg('<path d="M0 0L4 4L4 0L0 4zM1 1h1v1h-1z"/>'), "crosses itself at (2, 7) mm"),
+}
+
+
+def findings_of(path, **options) -> tuple[str, ...]:
+    with pytest.raises(InputError) as caught:
+        read_drawing(path, **options)
+    for finding in caught.value.findings:
+        assert "\n" not in finding
+        assert finding.strip()
+    return caught.value.findings
+
+
+@pytest.mark.parametrize("case", JSON_CASES)
+def test_assembly(tmp_path, case):
+    text, said = JSON_CASES[case]
+    path = tmp_path / "x.json"
+    path.write_text(text)
+    findings = findings_of(path)
+    assert said in findings[0]
+    assert all(finding.startswith("x.json: ") for finding in findings)
+    assert len(findings) == 1
+
+
+@pytest.mark.parametrize("case", SVG_CASES)
+def test_drawing(tmp_path, case):
+    text, said = SVG_CASES[case]
+    path = tmp_path / "x.svg"
+    path.write_text(text)
+    findings = findings_of(path)
+    assert said in findings[0]
+    assert all(finding.startswith("x.svg: ") for finding in findings)
+    assert len(findings) <= (2 if "use" in case else 1)
+
+
+RAW_CASES = {
+    "empty": ("x.svg", b"", "is empty"),
+    "blank": ("x.json", b" \n ", "is empty"),
+    "byte order mark only": ("x.json", b"\xef\xbb\xbf", "is empty"),
+    "png": ("x.svg", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR", "is not UTF-8 text at byte 0"),
+    "zeros": ("x.json", bytes(100), "is binary"),
+    "latin-1 undeclared": ("x.svg", svg("<g id='\u00e4'/>").encode("latin-1"), "is not UTF-8"),
+    "half utf-16": ("x.svg", b"\xff\xfe<\0s\0v\0", "not well-formed"),
+    "odd utf-16": ("x.svg", b"\xff\xfe<\0s\0v", "is not UTF-16 text"),
+    "unknown encoding": ("x.svg", b"<?xml version='1.0' encoding='klingon'?><svg/>", '"klingon" is not known'),
+    "dxf": ("x.dxf", b"0\nSECTION", "must be one of .svg, .json"),
+    "no extension": ("drawing", b"<svg/>", "files without extension"),
+    "json called svg": ("x.svg", assembly().encode(), "not well-formed XML"),
+    "svg called json": ("x.json", svg(SQUARE).encode(), "is not JSON"),
+}
+
+
+@pytest.mark.parametrize("case", RAW_CASES)
+def test_raw_bytes(tmp_path, case):
+    name, raw, said = RAW_CASES[case]
+    (tmp_path / name).write_bytes(raw)
+    findings = findings_of(tmp_path / name)
+    assert said in findings[0]
+    assert len(findings) == 1
+
+
+def test_places_without_a_file(tmp_path):
+    assert "no such file" in findings_of(tmp_path / "missing.svg")[0]
+    (tmp_path / "folder.svg").mkdir()
+    assert "is a directory" in findings_of(tmp_path / "folder.svg")[0]
+    assert "cannot be read" in findings_of("nul\0byte.svg")[0]
+    assert "cannot be read" in findings_of("x" * 5000 + ".svg")[0]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        ({"gap": -1.0}, "gap is -1"),
+        ({"gap": float("nan")}, "gap is nan"),
+        ({"flatten": 0.0}, "flatten is 0"),
+        ({"flatten": float("inf")}, "flatten is inf"),
+        ({"unit": "ell"}, "mm, cm, m, in, px"),
+    ],
+)
+def test_options(tmp_path, options, said):
+    path = tmp_path / "x.svg"
+    path.write_text(svg(SQUARE))
+    assert said in findings_of(path, **options)[0]
+
+
+def test_unit_of_an_assembly_file(tmp_path):
+    path = tmp_path / "x.json"
+    path.write_text(assembly())
+    assert "says its own unit" in findings_of(path, unit="mm")[0]
+
+
+def test_all_findings_at_once(tmp_path):
+    path = tmp_path / "x.json"
+    parts = [
+        {"name": "a", "outline": [[0, 0], [1, 0]]},
+        {"name": "b", "outline": TRIANGLE, "at": [0, "x", 0]},
+        {"name": "c", "shape": "none"},
+        {"name": "c", "outline": TRIANGLE},
+    ]
+    path.write_text(assembly(parts=parts, gap=-1, unit="ell", glue=[["a", "z"]], pull=[{"part": "y", "turn": "cw"}]))
+    findings = findings_of(path)
+    assert len(findings) == 8
+    for said in ("gap", "unit", 'part "a"', 'part "b"', 'part "c"', '"z"', '"y"', "2 times"):
+        assert any(said in finding for finding in findings)
+
+
+def test_all_findings_of_a_drawing_at_once(tmp_path):
+    path = tmp_path / "x.svg"
+    path.write_text(svg('<path id="p" d="M0 0z q"/><circle id="c" r="-1"/>' + SQUARE + SQUARE + '<rect id="r"/>'))
+    findings = findings_of(path)
+    assert [next(n for n in ("p", "c", "a", "r") if f'"{n}"' in finding) for finding in findings] == [
+        "a",
+        "p",
+        "c",
+        "r",
+    ]
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_damaged_files(tmp_path, seed):
+    """Bytes changed at random: read or refused, nothing else."""
+    import random
+
+    random.seed(seed)
+    good = {
+        "x.svg": svg(
+            '<g id="glue1" style="fill:red"><path d="M0 0L4 0C4 1 5 2 4 4A2 3 20 0 1 0 4z"/>' + SQUARE + "</g>"
+        ),
+        "x.json": assembly(
+            glue=[["a", "b"]], pull=[{"part": "b", "direction": [1, 0]}], shapes={"s": {"outline": TRIANGLE}}
+        ),
+    }
+    for name, text in good.items():
+        for _ in range(15):
+            raw = bytearray(text.encode())
+            for _ in range(random.randint(1, 4)):
+                raw[random.randrange(len(raw))] = random.choice(b'0159-.eE"<>/,[]{}azMLCAZ \xff\0')
+            (tmp_path / name).write_bytes(bytes(raw))
+            try:
+                read_drawing(tmp_path / name)
+            except InputError as error:
+                assert all("\n" not in finding for finding in error.findings)
+
+
+@pytest.mark.parametrize("arc", ["1e14 1e-300", "1e-300 1e-300", "1e14 1e14", "1e-9 1e2"])
+def test_extreme_radii(tmp_path, arc):
+    path = tmp_path / "x.svg"
+    path.write_text(svg(f'<path d="M0 0A{arc} 3 1 0 1 1L0 5z"/>'))
+    try:
+        read_drawing(path)
+    except InputError as error:
+        assert "mm" in str(error)

@@ -1,0 +1,95 @@
+"""The answer as JSON and as a table."""
+
+from __future__ import annotations
+
+import io
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+from rich.console import Console
+
+from tests.answers import answer, block, grid, row
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.drawing.model import Part, Pull, Turn
+from wiggleroom.report.records import flex_record, to_json
+from wiggleroom.report.table import table
+from wiggleroom.solve.verdict import Verdict
+
+KEYS = [
+    "format", "verdict", "objective", "at_most", "parts", "collision_free", "deepest_overlap", "path", "contacts",
+    "model", "solver", "rounds", "seconds", "command",
+]  # fmt: skip
+
+
+def test_the_record_keeps_the_contract() -> None:
+    case = row(3)
+    case = replace(case, motion=np.array([[0, 0, 0], [0.1, -0.0, 0.0], [0.1, 1.2, math.radians(3.4)]]))
+    record = json.loads(to_json(flex_record(case)))
+    assert list(record) == KEYS
+    assert record["format"] == "wiggleroom.flex/1"
+    assert record["verdict"] == "optimal"
+    assert record["at_most"] is None
+    assert record["parts"]["b3"]["dy"] == 1.2
+    assert abs(record["parts"]["b3"]["turn_deg"] - 3.4) < 1e-12
+    assert record["contacts"] == [{"parts": ["b1", "b2"], "point": [0.5, 0.0], "normal": [0.0, 1.0], "force": 0.7}]
+    assert record["seconds"]["total"] == 0.31
+
+
+def test_parts_and_contacts_take_one_line_each() -> None:
+    text = to_json(flex_record(grid(5)))
+    assert len(text.splitlines()) == 25 + 24 + 2 * 2 + len(KEYS) - 2 + 2
+    assert "-0.0," not in text
+
+
+def test_nothing_that_json_cannot_say_is_written() -> None:
+    case = replace(row(2), motion=np.array([[0, 0, 0], [np.inf, np.nan, 0]]), objective=math.inf)
+    record = json.loads(to_json(flex_record(case)), parse_constant=lambda word: 1 / 0)
+    assert record["parts"]["b2"] == {"dx": None, "dy": None, "turn_deg": 0.0}
+
+
+def test_unbounded_says_who_leaves_and_turns() -> None:
+    parts = [Part("a", (block(),), fixed=True), Part("b", (block(),), (3, 0, 0))]
+    case = answer(parts, [(0, 0, 0), (9, 0, 0)], (Pull("b", (1, 0)),), 9.0, verdict=Verdict.UNBOUNDED, leaves=("b",))
+    record = flex_record(case)
+    assert record["objective"] is None
+    assert record["leaves"] == ["b"]
+    assert record["turns"] == []
+    assert "nothing stops" in page(replace(case, objective=None))
+
+
+def page(case: Answer, width: int = 80) -> str:
+    out = io.StringIO()
+    Console(file=out, width=width, highlight=False, markup=False).print(table(case))
+    return out.getvalue()
+
+
+def test_the_table_says_it_all_in_80_columns() -> None:
+    text = page(grid(12))
+    assert max(map(len, text.splitlines())) <= 80
+    assert "\x1b" not in text
+    for words in (
+        "b144 moves 0.24 mm in +x",
+        "optimal: every active wall",
+        "and 131 more",
+        "no overlap",
+        "41 iterations",
+    ):
+        assert words in text
+    lines = text.splitlines()
+    assert lines[5].split() == ["b144", "0.2383", "0.1192", "0.000"]  # the pulled part comes first
+    assert "1 at rest" in text
+
+
+def test_turns_are_told_in_degrees() -> None:
+    parts = [Part("a [b]", (block(),), fixed=True), Part("[red]c", (block(),), (3, 0, 0))]
+    text = page(answer(parts, [(0, 0, 0), (0, 0, 0.1)], (Turn("[red]c", weight=2.0),), 0.2))
+    assert "[red]c turns 5.73° ccw" in text
+
+
+def test_several_goals_add_up() -> None:
+    case = replace(row(3), goals=(Pull("b3", (0, 1)), Pull("b2", (1, 0), weight=2.0)))
+    text = page(case)
+    assert "0.3 mm: b3 in +y, b2 in +x" in text
+    assert "weight 2" in text
