@@ -124,7 +124,6 @@ def test_round_trip_is_exact(poses, spokes, gap):
     assert_same(drawing, read_assembly(again))
     for part, (*_, turn, _, _) in zip(json.loads(again)["parts"], poses, strict=True):
         assert math.radians(part["at"][2]) == math.radians(turn)
-        assert len(repr(part["at"][2])) <= len(repr(turn))
 
 
 @pytest.mark.parametrize("turn", [0, 90, -90, 180, 45, 33.3, 1e-3, 359.999, 720, 0.1 + 0.2])

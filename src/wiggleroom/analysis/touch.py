@@ -47,6 +47,14 @@ class Touch:
         """Corner on corner: the way past either corner is another branch."""
         return ~self.virtual & ((self.place < END) | (self.place > 1 - END))
 
+    def lines_at_end(self, program: Program, pairs: Ints) -> Ints:
+        """Kind and edge (k, 2) of a line that a corner touches at its end, for each of some pairs; -1 where there is none."""
+        out = np.full((len(pairs), 2), -1, dtype=np.int64)
+        for k in np.flatnonzero(self.at_end & np.isin(self.pair, pairs)):
+            row = self.row[k]
+            out[np.searchsorted(pairs, self.pair[k])] = program.cells.kind[row], program.cells.edge[row]
+        return out
+
 
 def touching(program: Program, u: Floats, lam: Floats) -> Touch:
     """Rows with a force at u (3F,), from the multipliers `lam` (R,) of a solution."""

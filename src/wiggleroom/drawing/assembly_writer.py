@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
@@ -32,7 +33,7 @@ def write_assembly(drawing: Drawing) -> str:
     """
     materials = [_material(part.regions) for part in drawing.parts]
     keys = [_line(material) for material in materials]
-    shared = {key: f"s{i + 1}" for i, key in enumerate(dict.fromkeys(k for k in keys if keys.count(k) > 1))}
+    shared = {key: f"s{i + 1}" for i, key in enumerate(key for key, count in Counter(keys).items() if count > 1)}
     parts = [
         _part(part, {"shape": shared[key]} if key in shared else material)
         for part, material, key in zip(drawing.parts, materials, keys, strict=True)

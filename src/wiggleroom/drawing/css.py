@@ -6,7 +6,6 @@ import re
 from collections.abc import Iterable, Mapping
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
-_RULE = re.compile(r"([^{}]+)\{([^{}]*)\}")
 _SIMPLE = re.compile(r"^(\*|[\w-]+)?((?:[.#][\w-]+)*)$")
 _RED = re.compile(
     r"^(?:red|#f00f?|#ff0000(?:ff)?"
@@ -53,7 +52,8 @@ def parse_rules(sheets: Iterable[str]) -> Rules:
     """
     rules: Rules = []
     for sheet in sheets:
-        for selectors, body in _RULE.findall(_COMMENT.sub("", sheet)):
+        for rule in _COMMENT.sub("", sheet).split("}"):
+            selectors, _, body = rule.partition("{")
             for selector in selectors.split(","):
                 match = _SIMPLE.match(selector.strip())
                 if match and selector.strip():

@@ -20,7 +20,7 @@ _CELLS = 64
 """Cells in which the bend of a curve is summed up; a power of two keeps the grid symmetric to the last bit."""
 _SLACK = 1e-9
 """Share of the tolerance given to rounding, so that copies of a curve elsewhere in the plane get as many chords."""
-_MOST = 4096
+_MOST = 65536
 """More chords than this for one curve are not made."""
 
 
@@ -80,21 +80,24 @@ class Cubics:
         return _across(a1 + t * (2 * a2 + t * 3 * a3), 2 * a2 + t * 6 * a3)
 
     def deviation(self, t: Real) -> Real:
-        """Exact: across and along a chord the curve is a cubic, whose extremes are roots of a quadratic."""
+        """Across and along a chord the curve is a cubic, whose extremes are roots of a quadratic.
+
+        Exact where the curve does not reach beyond the ends of its chord, else a bound.
+        """
         a0, a1, a2, a3 = self._powers()
         at = self.point(t)
         start, chord = at[:, :-1], np.diff(at, axis=1)
         length = np.abs(chord)
         frame = np.where(length > 0, np.conj(chord) / np.where(length > 0, length, 1), 1)
-        worst = np.zeros(len(self))
+        across, beyond = np.zeros(length.shape), np.zeros(length.shape)
         for part in (np.real, np.imag):
             coefficients = [part(frame * a) for a in (a1, 2 * a2, 3 * a3)]
             for root in _quadratic_roots(*coefficients):
                 u = np.clip(root, t[:, :-1], t[:, 1:])
                 here = frame * (a0 + u * (a1 + u * (a2 + u * a3)) - start)
-                beyond = np.maximum(np.maximum(-here.real, here.real - length), 0)
-                worst = np.maximum(worst, np.hypot(beyond, here.imag).max(axis=1))
-        return worst
+                across = np.maximum(across, np.abs(here.imag))
+                beyond = np.maximum(beyond, np.maximum(-here.real, here.real - length))
+        return np.hypot(across, beyond).max(axis=1)
 
 
 @dataclass(frozen=True)
@@ -237,7 +240,7 @@ def _divide(curves: Curves, tolerance: float) -> list[Complex]:
             for row, points in zip(rows[done], batch.point(t)[done], strict=True):
                 corners[row] = points[1:-1]
             failed = rows[~done]
-            count[failed] += unit[failed] * np.maximum(1, n // 16)
+            count[failed] += unit[failed] * np.maximum(1, n // (64 * unit[failed]))
             pending = np.setdiff1d(pending, rows[done], assume_unique=True)
     return corners
 

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wiggleroom.drawing.limits import LARGEST, SMALLEST, check_options
+from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST, check_options
 from wiggleroom.drawing.model import Drawing, Points, Region
 from wiggleroom.drawing.nesting import cut_nested, regions_by_fill_rule
 from wiggleroom.drawing.outlines import Outlines
@@ -59,20 +59,17 @@ def read_svg(
     walk = Walk(text.name, root)
     walk.run(matrix, port)
     outlines, closed, opened = _closed(walk.shapes)
-    _check_size(text.name, outlines, opened, walk.findings)
-    tolerance = flatten or (gap or 0.0) / 50 or _median_size(outlines, closed) * 1e-4
+    size = _checked_size(text.name, outlines, opened, flatten, walk.findings)
+    tolerance = max(flatten or (gap or 0.0) / 50 or _median_size(outlines, closed, size) * 1e-4, FINEST * size)
     rings = outlines.rings(tolerance)
     regions = [_regions(text.name, shape, [rings[i] for i in rows], walk.findings) for shape, rows in closed]
     if walk.findings:
         raise InputError(walk.findings)
     shapes = [shape for shape, _ in closed]
     names = _names(shapes)
-    cut = cut_nested(regions, tolerance)
+    material = zip(names, cut_nested(regions, tolerance), shapes, strict=True)
     return Drawing(
-        parts=tuple(
-            part_about_centroid(name, pieces, fixed=shape.fixed)
-            for name, pieces, shape in zip(names, cut, shapes, strict=True)
-        ),
+        parts=tuple(part_about_centroid(name, pieces, fixed=shape.fixed) for name, pieces, shape in material),
         gap=gap or 0.0,
         glue=_glue(shapes, names),
         source=text.name,
@@ -93,8 +90,10 @@ def _closed(shapes: list[Shape]) -> tuple[Outlines, Closed, list[Shape]]:
     return outlines, closed, opened
 
 
-def _check_size(file: str, outlines: Outlines, opened: list[Shape], findings: list[str]) -> None:
-    """Refuse a drawing of nothing, or of a size that cannot be worked with, before any arithmetic with arrays."""
+def _checked_size(
+    file: str, outlines: Outlines, opened: list[Shape], flatten: float | None, findings: list[str]
+) -> float:
+    """Longer side of the drawing [mm]; refused is one of nothing, or of a size that cannot be worked with."""
     if not outlines.loops:
         if not findings:
             drawn = f", but {len(opened)} open" if opened else ""
@@ -105,14 +104,16 @@ def _check_size(file: str, outlines: Outlines, opened: list[Shape], findings: li
         findings.append(f"{file}: has coordinates beyond {LARGEST:g} mm; move or scale the drawing")
     elif size < SMALLEST:
         findings.append(f"{file}: is {size:.3g} mm large; it must be at least {SMALLEST:g} mm")
+    elif flatten and flatten < FINEST * size:
+        findings.append(f"{file}: flatten is {flatten:g}; here it must be at least {FINEST * size:.3g} mm")
     else:
-        return
+        return size
     raise InputError(findings)
 
 
-def _median_size(outlines: Outlines, closed: Closed) -> float:
+def _median_size(outlines: Outlines, closed: Closed, size: float) -> float:
     """Median over the shapes of the longer side of the box round each [mm]."""
-    rings = outlines.rings(1e-3 * outlines.reach()[1])
+    rings = outlines.rings(1e-3 * size)
     return float(np.median([np.ptp(np.vstack([rings[i] for i in rows]), axis=0).max() for _, rows in closed]))
 
 

@@ -36,28 +36,24 @@ def page_map(root: Element, unit: str | None, file: str) -> tuple[Affine, Box, t
     >>> page_map(root, None, "a.svg")
     (Affine(a=0.5, b=0.0, c=0.0, d=-0.5, e=-2.5, f=10.0), Box(x=5.0, y=0.0, width=40.0, height=20.0), ())
     """
-    notes: tuple[str, ...] = ()
     try:
         width, height = (_user_length(root.attributes.get(key, "")) for key in ("width", "height"))
         view = parse_view_box(root.attributes["viewBox"]) if "viewBox" in root.attributes else None
-        box = view or Box(0.0, 0.0, width or 0.0, height or 0.0)
-        physical = [_is_physical(root.attributes.get(key, "")) for key in ("width", "height")]
-        if unit is not None:
-            scale = millimetres(unit)
-            scales = (scale, scale)
-        elif not any(physical):
-            scales = (1.0, 1.0)
-            notes = (f"{file}: has no physical size; 1 user unit is taken as 1 mm",)
-        else:
-            sizes = [size if real else None for size, real in zip((width, height), physical, strict=True)]
-            scales = _scales(view, sizes, root.attributes.get("preserveAspectRatio", ""))
-    except ValueError as error:
-        message = f"{file}: svg in line {root.line}: {error}"
+        fixed = millimetres(unit) if unit is not None else None
+    except (ValueError, InputError) as error:
+        message = f"{file}: {error}" if isinstance(error, InputError) else f"{file}: svg in line {root.line}: {error}"
         raise InputError(message) from None
-    except InputError as error:
-        message = f"{file}: {error}"
-        raise InputError(message) from None
-    x, y = scales
+    box = view or Box(0.0, 0.0, width or 0.0, height or 0.0)
+    across = width if _is_physical(root.attributes.get("width", "")) else None
+    up = height if _is_physical(root.attributes.get("height", "")) else None
+    notes: tuple[str, ...] = ()
+    if fixed is not None:
+        x = y = fixed
+    elif across or up:
+        x, y = _scales(view, across, up, root.attributes.get("preserveAspectRatio", "").strip())
+    else:
+        x = y = 1.0
+        notes = (f"{file}: has no physical size; 1 user unit is taken as 1 mm",)
     return Affine(x, 0.0, 0.0, -y, -x * box.x, y * (box.y + box.height)), box, notes
 
 
@@ -76,17 +72,13 @@ def _is_physical(text: str) -> bool:
     return any(text.strip().lower().endswith(unit) for unit in SVG_UNITS if unit != "px")
 
 
-def _scales(view: Box | None, sizes: list[float | None], aspect: str) -> tuple[float, float]:
+def _scales(view: Box | None, width: float | None, height: float | None, aspect: str) -> tuple[float, float]:
     """Millimetres per user unit across and up, as `preserveAspectRatio` says."""
     pixel = SVG_UNITS["px"]
     if view is None:
         return pixel, pixel
-    x = sizes[0] * pixel / view.width if sizes[0] else None
-    y = sizes[1] * pixel / view.height if sizes[1] else None
-    if x is None or y is None:
-        scale = x or y or 1.0
-        return scale, scale
-    if aspect.strip().startswith("none"):
-        return x, y
-    scale = max(x, y) if aspect.strip().endswith("slice") else min(x, y)
+    found = [size * pixel / whole for size, whole in ((width, view.width), (height, view.height)) if size]
+    if aspect.startswith("none"):
+        return found[0], found[-1]
+    scale = max(found) if aspect.endswith("slice") else min(found)
     return scale, scale

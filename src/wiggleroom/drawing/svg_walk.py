@@ -17,7 +17,7 @@ from wiggleroom.errors import InputError
 _GROUPS = ("g", "a", "switch")
 _LEFT_OUT = ("text", "image", "foreignObject")
 _DEEPEST = 200
-_MOST = 200_000
+_MOST = 100_000
 
 T = TypeVar("T")
 
@@ -72,10 +72,11 @@ class Walk:
     left_out: Counter[str] = field(default_factory=Counter)
 
     def __post_init__(self) -> None:
-        self._elements = list(_everything(self.root))
-        self._rules: Rules = parse_rules(element.text for element in self._elements if element.tag == "style")
+        elements = list(_everything(self.root))
+        self._visited = 0
+        self._rules: Rules = parse_rules(element.text for element in elements if element.tag == "style")
         drawn = (*SHAPES, *_GROUPS, "use", "symbol", "svg")
-        named = [element for element in self._elements if element.tag in drawn and element.attributes.get("id")]
+        named = [element for element in elements if element.tag in drawn and element.attributes.get("id")]
         self._by_id = {element.attributes["id"]: element for element in reversed(named)}
         for name, count in Counter(element.attributes["id"] for element in named).items():
             if count > 1:
@@ -109,6 +110,10 @@ class Walk:
         tag = element.tag
         if tag not in (*SHAPES, *_GROUPS, *_LEFT_OUT, "use", "svg"):
             return
+        self._visited += 1
+        if self._visited > _MOST:
+            message = f"{self.file}: draws more than {_MOST} elements, copies counted; split the drawing"
+            raise InputError(message)
         state = self._inherit(element, outer)
         name = "" if state.copies else _name(element)
         if state.style.get("display") == "none":
@@ -132,9 +137,6 @@ class Walk:
     def _shape(self, element: Element, name: str, state: _State) -> None:
         if state.style.get("visibility") in ("hidden", "collapse"):
             return
-        if len(self.shapes) >= _MOST:
-            message = f"{self.file}: draws more than {_MOST} elements; split the drawing"
-            raise InputError(message)
         fill = state.style.get("fill", "")
         if fill.lower() == "currentcolor":
             fill = state.style.get("color", "")

@@ -10,7 +10,6 @@ from wiggleroom.drawing.source import Source
 from wiggleroom.errors import InputError
 
 _SVG = "http://www.w3.org/2000/svg"
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _ENTITY = re.compile(r"<!ENTITY\s+(?:%\s*)?([^\s>\"']*)", re.IGNORECASE)
 
 
@@ -40,7 +39,7 @@ def parse_xml(source: Source) -> Element:
     >>> parse_xml(Source("a.svg", "<svg><path id='a'/></svg>")).children[0].attributes
     {'id': 'a'}
     """
-    entity = _ENTITY.search(_COMMENT.sub("", source.text)) if "<!" in source.text else None
+    entity = _ENTITY.search(source.text)
     if entity:
         message = (
             f'{source.name}: the DOCTYPE declares the entity "{entity.group(1)[:40]}"; '

@@ -57,7 +57,15 @@ class Cells:
 
 
 def grow_cells(
-    bodies: Bodies, a: Ints, b: Ints, seed: Floats, clearance: Floats, *, keep: Floats | None = None, span: float = SPAN
+    bodies: Bodies,
+    a: Ints,
+    b: Ints,
+    seed: Floats,
+    clearance: Floats,
+    *,
+    keep: Floats | None = None,
+    bar: Ints | None = None,
+    span: float = SPAN,
 ) -> tuple[Cells, NDArray[np.bool_]]:
     """Grow one cell round each seed, all in one batch.
 
@@ -72,6 +80,8 @@ def grow_cells(
         Typical room of the pair; sets the first step of the march.
     keep : (P, k, 3) float64, optional
         Relative poses that no wall may cut off, besides the seed.
+    bar : (P, 2) int64, optional
+        Kind and edge of a line to avoid where there is a choice: the other branch at a corner; kind -1 for none.
     span : float [rad]
         Furthest turn from the seed.
 
@@ -86,6 +96,7 @@ def grow_cells(
     shapes = bodies.shapes
     count = len(a)
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
+    bars = np.full((count, 2), -1, dtype=np.int64) if bar is None else bar
     radius = np.maximum(bodies.radius[a], bodies.radius[b])
     step = np.minimum(clearance / (4 * radius), span / 4)
     kind, edge, corner = (np.full((count, ROOM), -1, dtype=np.int64) for _ in range(3))
@@ -94,7 +105,7 @@ def grow_cells(
     def work(part: slice) -> None:
         rows = len(seed[part])
         grow.grow_many(
-            seed[part], keeps[part].reshape(-1, 3), np.arange(rows + 1) * keeps.shape[1],
+            seed[part], keeps[part].reshape(-1, 3), np.arange(rows + 1) * keeps.shape[1], bars[part],
             10 * clearance[part], step[part], step[part] / 64, np.full(rows, span), bodies.shape[a[part]], bodies.shape[b[part]],
             shapes.corner, shapes.after, shapes.normal, shapes.first, shapes.run, shapes.run_first, shapes.run_disc, 1e-12 * radius[part],
             kind[part], edge[part], corner[part], number[part], ends[part], status[part],
@@ -139,3 +150,10 @@ def joined(one: Cells, other: Cells) -> Cells:
         cat([one.kind, other.kind]), cat([one.edge, other.edge]), cat([one.corner, other.corner]),
         cat([one.ends, other.ends]), cat([one.seed, other.seed]),
     )  # fmt: skip
+
+
+def replaced(cells: Cells, pairs: Ints, new: Cells) -> Cells:
+    """The same pairs in the same order, with `new` cells for some of them."""
+    order = np.arange(len(cells.a))
+    order[pairs] = len(cells.a) + np.arange(len(pairs))
+    return select(joined(cells, new), order)

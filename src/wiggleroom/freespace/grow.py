@@ -30,8 +30,28 @@ def keeps(kind, edge, v, keep, corner, normal, tiny):
 
 
 @njit(**OPTIONS)
+def line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny):
+    """The line that edge i of A is behind (or edge j of B) and the other edge furthest in front of: (kind, edge, distance)."""
+    kind, edge, best = 0, i, -np.inf
+    for side in range(2):
+        lo, hi, own, other = (a0, a1, i, j) if side == 0 else (b0, b1, j, i)
+        for k in range(lo, hi):
+            nx, ny = normal[k, 0], normal[k, 1]
+            off = nx * corner[k, 0] + ny * corner[k, 1]
+            e = after[own]
+            if max(nx * corner[own, 0] + ny * corner[own, 1], nx * corner[e, 0] + ny * corner[e, 1]) - off > tiny:
+                continue
+            front = min(
+                in_front(side, k, other, x, y, psi, corner, normal), in_front(side, k, after[other], x, y, psi, corner, normal)
+            )
+            if front > best:
+                kind, edge, best = side, k, front
+    return kind, edge, best
+
+
+@njit(**OPTIONS)
 def hide_all(
-    x, y, psi, p, q, state, kinds, edges, walls, counts, keep, corner, after, normal, a0, a1, b0, b1,
+    x, y, psi, p, q, state, kinds, edges, walls, counts, keep, bar, corner, after, normal, a0, a1, b0, b1,
     run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
 ):  # fmt: skip
     """Add walls until every edge pair is hidden over [p, q], nearest first as seen from (x, y, psi); False where it cannot be."""
@@ -53,9 +73,16 @@ def hide_all(
             return True
         sep_a = min(in_front(0, i, j, x, y, psi, corner, normal), in_front(0, i, after[j], x, y, psi, corner, normal))
         sep_b = min(in_front(1, j, i, x, y, psi, corner, normal), in_front(1, j, after[i], x, y, psi, corner, normal))
+        first_a = sep_a >= sep_b  # the further line first, unless it is the barred one
+        if (bar[0] == 0 and bar[1] == i) or (bar[0] == 1 and bar[1] == j):
+            first_a = bar[0] == 1
         done = False
-        for attempt in range(2):
-            if (attempt == 0) == (sep_a >= sep_b):
+        for attempt in range(3):
+            if attempt == 2:  # neither of their own lines: any line that one of them is wholly behind and the other in front of
+                kind, edge, sep = line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny)
+                u = j if kind == 0 else i
+                v = after[u]
+            elif (attempt == 0) == first_a:
                 kind, edge, u, v, sep = 0, i, j, after[j], sep_a
             else:
                 kind, edge, u, v, sep = 1, j, i, after[i], sep_b
@@ -136,7 +163,7 @@ def joined(x0, y0, p0, x1, y1, p1, lines, kinds, edges, walls, counts, corner, n
 
 @njit(**OPTIONS)
 def grow(
-    seed, keep, half, step, least_step, span, shape_a, shape_b, corner, after, normal, first, run, run_first, run_disc,
+    seed, keep, bar, half, step, least_step, span, shape_a, shape_b, corner, after, normal, first, run, run_first, run_disc,
     kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, ends,
 ):  # fmt: skip
     """Grow a cell round `seed` (x, y, psi). Returns (lines, status low end, status high end); `ends` gets the verified interval."""
@@ -148,7 +175,7 @@ def grow(
     x0, y0, psi0 = seed[0], seed[1], seed[2]
     ends[0], ends[1] = psi0, psi0
     if not hide_all(
-        x0, y0, psi0, psi0, psi0, state, kinds, edges, walls, counts, keep, corner, after, normal, a0, a1, b0, b1,
+        x0, y0, psi0, psi0, psi0, state, kinds, edges, walls, counts, keep, bar, corner, after, normal, a0, a1, b0, b1,
         run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
     ):  # fmt: skip
         return 0, FAILED, FAILED
@@ -167,7 +194,7 @@ def grow(
             closing = n == 0
             sx, sy, sp = (x, y, psi) if closing else (there[0], there[1], end)
             good = hide_all(
-                sx, sy, sp, p, q, state, kinds, edges, walls, counts, keep, corner, after, normal, a0, a1, b0, b1,
+                sx, sy, sp, p, q, state, kinds, edges, walls, counts, keep, bar, corner, after, normal, a0, a1, b0, b1,
                 run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
             )  # fmt: skip
             if good and closing:
@@ -198,7 +225,7 @@ def grow(
 
 @njit(**OPTIONS)
 def grow_many(
-    seeds, keeps_at, keep_first, half, step, least_step, span, shape_a, shape_b,
+    seeds, keeps_at, keep_first, bars, half, step, least_step, span, shape_a, shape_b,
     corner, after, normal, first, run, run_first, run_disc, tiny, out_kind, out_edge, out_corner, out_count, out_ends, out_status,
 ):  # fmt: skip
     """Grow one cell per seed; walls of cell c fill the first `out_count[c]` columns of row c, -1 where there was no room."""
@@ -213,7 +240,7 @@ def grow_many(
     poly, spare = np.zeros((2 * MOST_WALLS, 2)), np.zeros((2 * MOST_WALLS, 2))
     for c in range(seeds.shape[0]):
         lines, low, high = grow(
-            seeds[c], keeps_at[keep_first[c] : keep_first[c + 1]], half[c], step[c], least_step[c], span[c], shape_a[c], shape_b[c],
+            seeds[c], keeps_at[keep_first[c] : keep_first[c + 1]], bars[c], half[c], step[c], least_step[c], span[c], shape_a[c], shape_b[c],
             corner, after, normal, first, run, run_first, run_disc,
             kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, tiny[c], out_ends[c],
         )  # fmt: skip

@@ -119,7 +119,7 @@ def solve(
     start : (3F,) float64, optional
         Strictly inside all rows; by default rest.
     lam : (R,) float64, optional
-        First multipliers; by default mu / rows.
+        First multipliers, nan where unknown.
     mu : float
         First complementarity, in units of the scaled objective.
     tolerance : float
@@ -137,7 +137,7 @@ def solve(
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
     s = np.maximum(at.h, 1e-9)
-    state = _State(u, s, mu / s if lam is None else lam.copy(), at, unit, np.zeros_like(u))
+    state = _State(u, s, _first_multipliers(s, lam, unit, mu), at, unit, np.zeros_like(u))
     matrix, retraction = factor(program.pattern), Retraction(program)
     inner, inner_lam, status, error, k = u, state.lam, "failed", np.inf, 0
     for k in range(MOST_ITERATIONS + 1):
@@ -169,7 +169,19 @@ def solve(
             break
         _advance(state, step, retraction)
     settled = _settle(state, matrix, retraction) if status == "converged" else state
-    return Solution(settled.u, settled.lam * unit, status, k, inner, inner_lam, tuple(state.way), error)
+    return Solution(settled.u, settled.lam * unit, status, k, inner, inner_lam * unit, tuple(state.way), error)
+
+
+def _first_multipliers(s: Floats, lam: Floats | None, unit: float, mu: float) -> Floats:
+    """Multipliers to begin with: the given ones, and for unknown rows what gives them the same complementarity as the known ones."""
+    if lam is None:
+        return mu / s
+    known = ~np.isnan(lam)
+    out = lam / unit
+    if known.any():
+        mu = max(float(s[known] @ out[known]) / int(known.sum()), 1e-9)
+    out[~known] = mu / s[~known]
+    return out
 
 
 def _step(

@@ -1,0 +1,114 @@
+"""From the end of a search to an answer: the way checked, overlap measured, verdict given."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.contacts import contacts
+from wiggleroom.analysis.overlap import overlaps
+from wiggleroom.analysis.search import FAR, ROUND, Found, Progress, Search
+from wiggleroom.analysis.way import checked_way, strangers
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import WiggleroomError
+from wiggleroom.pairs.shapes import Bodies
+from wiggleroom.program.retract import Retraction
+from wiggleroom.solve.conditions import conditions
+from wiggleroom.solve.verdict import Verdict
+
+Floats = NDArray[np.float64]
+
+SAFE = 1e-9
+"""Overlap that counts as none, as a share of the drawing's size."""
+
+
+def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
+    """Check the way and the end of the best motion, and say how sure it is."""
+    started = time.perf_counter()
+    ready, found = search.ready, search.best
+    if found is None:
+        raise WiggleroomError("the search ended before its first round")
+    search.tell(Progress("check", search.rounds, 0, found.value))
+    way, sure = _way(search, found)
+    deepest = overlaps(ready.bodies, found.motion, ready.barred).deepest
+    verdict = _verdict(search, found)
+    leaves, turns = _unlimited(search, found) if verdict is Verdict.UNBOUNDED else ((), ())
+    held = () if verdict is Verdict.UNBOUNDED else contacts(ready.assembly, found.program, found.solution.u, found.touch)
+    seconds = {k: v for k, v in search.seconds.items() if k != "check"}
+    seconds["check"] = search.seconds["check"] + time.perf_counter() - started
+    seconds["total"] = time.perf_counter() - began
+    return Answer(
+        assembly=ready.assembly,
+        goals=asked,
+        verdict=verdict,
+        objective=None if verdict is Verdict.UNBOUNDED else found.value,
+        motion=part_motions(search, found.motion[None])[0],
+        waypoints=part_motions(search, way),
+        contacts=held,
+        path="checked" if sure else "not checked",
+        collision_free=deepest <= SAFE * ready.size,
+        deepest_overlap=deepest,
+        model="walls",
+        solver=solver,
+        rounds=search.rounds,
+        iterations=search.iterations,
+        seconds=seconds,
+        leaves=leaves,
+        turns=turns,
+    )
+
+
+def part_motions(search: Search, motions: Floats) -> Floats:
+    """Motions (k, parts, 3) of the parts about their reference points, from those of the bodies (k, n, 3)."""
+    bodies, rest = search.ready.bodies, search.ready.assembly.rest
+    who = bodies.body_of
+    motion = motions[:, who]
+    arm = rest[:, :2] - bodies.rest[who, :2]
+    half = motion[:, :, 2] / 2
+    c, s = np.cos(half), np.sin(half)
+    x, y = arm.T
+    out = motion.copy()
+    out[:, :, 0] += 2 * s * (-s * x - c * y)
+    out[:, :, 1] += 2 * s * (c * x - s * y)
+    return out
+
+
+def _way(search: Search, found: Found) -> tuple[Floats, bool]:
+    """Way-points (k, n, 3) from rest to the motion, and whether nothing overlaps between them."""
+    slack = 0.1 * SAFE * search.ready.size
+    motions: list[Floats] = []
+    sure = True
+    for leg in (*found.legs, found.leg(found.solution.u)):
+        points, good = checked_way(leg.program, Retraction(leg.program), list(leg.points), slack)
+        sure = sure and good
+        fresh = [leg.program.motion(p) for p in points]
+        motions += fresh[1:] if motions else fresh
+    cells, n = found.program.cells, len(search.ready.bodies.fixed)
+    sure = sure and not strangers(search.ready.bodies, motions, cells.a * n + cells.b, search.ready.barred)
+    return np.array(motions), sure
+
+
+def _verdict(search: Search, found: Found) -> Verdict:
+    if found.solution.status in ("stopped", "failed"):
+        return Verdict.STOPPED
+    if search.unlimited:
+        return Verdict.UNBOUNDED
+    if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
+        return Verdict.STOPPED
+    return Verdict.STATIONARY if search.branches_left else Verdict.OPTIMAL
+
+
+def _unlimited(search: Search, found: Found) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of the parts that move away, and of those that turn, without limit."""
+    far = np.hypot(*found.motion[:, :2].T) > FAR * search.ready.size / 2
+    turned = (np.abs(found.motion[:, 2]) > ROUND / 2) & ~far
+    return _names(search, search.ready.bodies, far), _names(search, search.ready.bodies, turned)
+
+
+def _names(search: Search, bodies: Bodies, which: NDArray[np.bool_]) -> tuple[str, ...]:
+    names: Sequence[str] = search.ready.assembly.names
+    return tuple(names[p] for b in np.flatnonzero(which) for p in bodies.members[b])

@@ -1,0 +1,138 @@
+"""What stays the same from question to question: bodies, pairs that can meet, and their cells at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.errors import InputError, TouchingError
+from wiggleroom.freespace.cells import Cells, grow_cells, select
+from wiggleroom.pairs.neighbours import Pairs, classes, neighbours, placed, relative_rest
+from wiggleroom.pairs.shapes import Bodies, bodies
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TOUCHING = 1e-6
+"""A clearance below this share of the drawing's size counts as touching."""
+REACH = 3.0
+"""Pairs closer than this multiple of the typical clearance are in the program from the start."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """An assembly made ready for questions.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    bodies : Bodies
+    barred : (k,) int64
+        Keys a * n + b of pairs of bodies that never collide.
+    clearance : float [mm]
+        Typical clearance between neighbours.
+    size : float [mm]
+        Longer side of the box round everything.
+    cells : Cells
+        One cell for every pair near enough to meet, grown at rest.
+    """
+
+    assembly: Assembly
+    bodies: Bodies
+    barred: Ints
+    clearance: float
+    size: float
+    cells: Cells
+
+
+def prepare(assembly: Assembly) -> Prepared:
+    """Find the pairs that can meet and work out their free spaces round rest, congruent pairs once.
+
+    Raises
+    ------
+    TouchingError
+        If two parts touch or overlap after gap and offsets.
+    InputError
+        If nothing can move.
+    """
+    them = bodies(assembly)
+    if them.fixed.all():
+        raise InputError(f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move")
+    barred = _barred(assembly, them)
+    geometry, size = placed(them), assembly.size
+    near = neighbours(them, geometry, _first_reach(them), barred=barred)
+    if len(near.a) and near.clearance.min() < TOUCHING * size:
+        _refuse_touching(assembly, them, near, size)
+    clearance = assembly.gap or (float(np.median(_nearest(near, len(geometry)))) if len(near.a) else 1e-3 * size)
+    keep = np.flatnonzero(near.clearance <= REACH * clearance)
+    if REACH * clearance > _first_reach(them):
+        near = neighbours(them, geometry, REACH * clearance, barred=barred)
+        keep = np.arange(len(near.a))
+    cells = cells_at(them, near.a[keep], near.b[keep], near.clearance[keep], np.zeros((len(geometry), 3)))
+    return Prepared(assembly, them, barred, clearance, size, cells)
+
+
+def cells_at(them: Bodies, a: Ints, b: Ints, clearance: Floats, motion: Floats) -> Cells:
+    """Cells of some pairs round where they are at `motion` (n, 3); congruent pairs are worked out once."""
+    pose = relative_rest(them, a, b, motion)
+    first, label = classes(them, a, b, pose)
+    grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first])
+    if not good.all():
+        k = first[np.flatnonzero(~good)[0]]
+        finding = f"bodies {a[k]} and {b[k]}: no free space was found round their position; they touch or overlap"
+        raise InputError(finding)
+    cells = select(grown, label)
+    return Cells(a, b, cells.row, cells.kind, cells.edge, cells.corner, cells.ends, pose)
+
+
+def _first_reach(them: Bodies) -> float:
+    """How far to look for neighbours before the clearance is known [mm]."""
+    return 0.05 * float(np.median(them.radius))
+
+
+def _nearest(near: Pairs, n: int) -> Floats:
+    """Clearance of every body to its nearest neighbour, where it has one."""
+    best = np.full(n, np.inf)
+    np.minimum.at(best, near.a, near.clearance)
+    np.minimum.at(best, near.b, near.clearance)
+    return best[np.isfinite(best)]
+
+
+def _barred(assembly: Assembly, them: Bodies) -> Ints:
+    """Pairs of bodies that never collide; a body of several parts is barred only where all its parts are."""
+    index = {name: k for k, name in enumerate(assembly.names)}
+    said: dict[tuple[int, int], int] = {}
+    for pair in {frozenset(p) for p in assembly.drawing.ignore}:
+        one, other = (index[name] for name in pair)
+        a, b = sorted((int(them.body_of[one]), int(them.body_of[other])))
+        if a != b:
+            said[a, b] = said.get((a, b), 0) + 1
+    n = len(them.fixed)
+    partly = [(a, b) for (a, b), count in said.items() if count < len(them.members[a]) * len(them.members[b])]
+    if partly:
+        a, b = partly[0]
+        names = [" + ".join(assembly.names[p] for p in them.members[k]) for k in (a, b)]
+        finding = f'"ignore" covers only some parts of the glued bodies {names[0]} and {names[1]}; name every pair of their parts'
+        raise InputError(finding)
+    return np.array([a * n + b for a, b in said], dtype=np.int64)
+
+
+def _refuse_touching(assembly: Assembly, them: Bodies, near: Pairs, size: float) -> None:
+    k = int(near.clearance.argmin())
+    one, other = (assembly.names[them.members[body[k]][0]] for body in (near.a, near.b))
+    count = int((near.clearance < TOUCHING * size).sum())
+    more = f" (and {count - 1} more pairs)" if count > 1 else ""
+    finding = (
+        f'{assembly.drawing.source or "the assembly"}: parts "{one}" and "{other}" touch at rest, clearance '
+        f"{near.clearance[k]:.3g} mm{more}; there is no room to move: give a gap, for example --gap {_nice(size / 500)}"
+    )
+    raise TouchingError(finding, (one, other), float(near.clearance[k]))
+
+
+def _nice(x: float) -> str:
+    """A round number near x."""
+    digit = 10.0 ** np.floor(np.log10(x))
+    return f"{digit * np.round(x / digit):.12g}"

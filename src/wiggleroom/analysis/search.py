@@ -1,0 +1,221 @@
+"""The loop: solve, rebuild the cells that stopped the motion without a contact, look for pairs that were missed, repeat."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.overlap import overlaps
+from wiggleroom.analysis.prepare import Prepared, cells_at
+from wiggleroom.analysis.touch import Touch, touching
+from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, select
+from wiggleroom.pairs.neighbours import relative_rest
+from wiggleroom.program.build import Program, build
+from wiggleroom.program.objectives import Objective
+from wiggleroom.solve.interior_point import Solution, Stop
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+COARSE, FINE = 3e-4, 1e-7
+"""Tolerance of rounds that a rebuild will follow, and of the last ones."""
+MOST_ROUNDS = 200
+GAIN = 1e-7
+"""A gain below this share of the objective is none."""
+FAR = 4.0
+"""A body that moves further than this multiple of the drawing's size leaves."""
+FEW = 8
+"""Up to so many corner contacts are tried one by one."""
+ROUND = 2.0 * np.pi + 0.5
+"""A body that turns further than this [rad] can turn without limit."""
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What a progress callback is told: stage ("pairs", "free spaces", "solve" or "check"), round, iteration and objective [mm]."""
+
+    stage: str
+    round: int = 0
+    iteration: int = 0
+    objective: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A piece of the way inside the cells of one program: points in its scaled variables."""
+
+    program: Program
+    points: tuple[Floats, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """A safe motion, and how it was found.
+
+    Parameters
+    ----------
+    motion : (n, 3) float64 [mm, mm, rad]
+        Of the bodies.
+    value : float
+        Objective there.
+    program, solution, touch
+        The round that gave it, and its active rows.
+    legs : tuple of Leg
+        The way from rest to where the round began.
+    begin : (3F,) float64
+        Where the round began.
+    """
+
+    motion: Floats
+    value: float
+    program: Program
+    solution: Solution
+    touch: Touch
+    legs: tuple[Leg, ...]
+    begin: Floats
+
+    def leg(self, end: Floats) -> Leg:
+        """This round's piece of the way, up to its point `end` or to its solution."""
+        points = [self.begin, *self.solution.way, self.solution.u]
+        last = next(k for k, point in enumerate(points) if point is end or np.array_equal(point, end))
+        return Leg(self.program, tuple(points[: last + 1]))
+
+
+@dataclass(eq=False)
+class Search:
+    """State of the loop: the cells of the coming round, the point strictly inside them where it begins, and the best motion so far."""
+
+    ready: Prepared
+    objective: Objective
+    solve: Callable[..., Solution]
+    stop: Stop | None
+    tell: Callable[[Progress], None]
+    cells: Cells = field(init=False)
+    inner: Floats = field(init=False)
+    legs: tuple[Leg, ...] = ()
+    best: Found | None = None
+    rounds: int = 0
+    iterations: int = 0
+    branches_left: bool = False
+    seconds: dict[str, float] = field(default_factory=lambda: {"freespace": 0.0, "solve": 0.0, "check": 0.0})
+
+    def __post_init__(self) -> None:
+        """Begin at rest."""
+        self.cells = self.ready.cells
+        self.inner = np.zeros((len(self.ready.bodies.fixed), 3))
+
+    def run(self) -> None:
+        """Search until every active wall is a real contact, nothing stops the motion, or it was asked to stop."""
+        tolerance = COARSE
+        lam: Floats | None = None
+        branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
+        while self.rounds < MOST_ROUNDS:
+            found = self._round(tolerance, lam)
+            if self._add_missed(found):
+                lam = None
+                continue
+            gained = self._keep(found)
+            if found.solution.status == "stopped" or self.unlimited:
+                return
+            stale = np.unique(found.touch.pair[found.touch.virtual])
+            if gained and len(stale):
+                branches, lam = None, self._rebuild(found, stale)
+            elif tolerance == COARSE:
+                tolerance, lam = FINE, self._rebuild(found, stale)
+            else:
+                branches = self._branches() if branches is None or gained else branches
+                if not branches:
+                    return
+                lam = self._rebuild(self.best or found, branches.pop(), other_side=True)
+
+    @property
+    def unlimited(self) -> bool:
+        """True where a body has moved or turned so far that nothing stops it."""
+        if self.best is None:
+            return False
+        far = np.hypot(*self.best.motion[:, :2].T).max() > FAR * self.ready.size
+        return bool(far or np.abs(self.best.motion[:, 2]).max() > ROUND)
+
+    def _round(self, tolerance: float, lam: Floats | None) -> Found:
+        """Build and solve the program of the present cells."""
+        began = time.perf_counter()
+        program = build(self.ready.bodies, self.cells, self.objective, length=self.ready.clearance)
+        self.rounds += 1
+        number, begin = self.rounds, program.variables(self.inner)
+        solution = self.solve(
+            program, begin, lam=lam, tolerance=tolerance, horizon=FAR * self.ready.size, stop=self.stop,
+            progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
+        )  # fmt: skip
+        self.iterations += solution.iterations
+        motion = program.motion(solution.u)
+        touch = touching(program, solution.u, solution.lam)
+        self.seconds["solve"] += time.perf_counter() - began
+        return Found(motion, self.objective.value(motion), program, solution, touch, self.legs, begin)
+
+    def _keep(self, found: Found) -> bool:
+        """Keep what is better than the best so far; True where it is better by more than nothing."""
+        least = GAIN * max(abs(found.value), self.ready.clearance)
+        before = self.best.value if self.best else 0.0
+        if self.best is None or found.value >= before:
+            self.best = found
+        return found.value - before > least
+
+    def _add_missed(self, found: Found) -> bool:
+        """Add the pairs that overlap at the solution and were not in the program; True where there were any."""
+        began = time.perf_counter()
+        self.tell(Progress("check", self.rounds, found.solution.iterations, found.value))
+        bodies, n = self.ready.bodies, len(self.ready.bodies.fixed)
+        hit = overlaps(bodies, found.motion, self.ready.barred)
+        new = ~np.isin(hit.a * n + hit.b, self.cells.a * n + self.cells.b)
+        if new.any():
+            self.add(hit.a[new], hit.b[new])
+        self.seconds["check"] += time.perf_counter() - began
+        return bool(new.any())
+
+    def add(self, a: Ints, b: Ints) -> None:
+        """Put more pairs into the program, with cells grown where the coming round begins."""
+        room = np.full(len(a), self.ready.clearance)
+        self.cells = joined(self.cells, cells_at(self.ready.bodies, a, b, room, self.inner))
+
+    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False) -> Floats:
+        """Begin the next round near `found`, with new cells for some pairs grown there.
+
+        The new cells keep the solution itself inside, so the next round can only be better. With `other_side` they avoid the line that a
+        corner touches at its very end: the way past the other side of the corner.
+
+        Returns
+        -------
+        lam : (R,) float64
+            Multipliers to begin with; nan for the rows of new cells.
+        """
+        began = time.perf_counter()
+        self.tell(Progress("free spaces", self.rounds, found.solution.iterations, found.value))
+        bodies, old, solution = self.ready.bodies, found.program.cells, found.solution
+        self.inner = found.program.motion(solution.inner)
+        self.legs = (*found.legs, found.leg(solution.inner))
+        a, b = old.a[pairs], old.b[pairs]
+        seed, keep = relative_rest(bodies, a, b, self.inner), relative_rest(bodies, a, b, found.motion)
+        room = np.full(len(pairs), self.ready.clearance)
+        bar = found.touch.lines_at_end(found.program, pairs) if other_side else None
+        grown, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar)
+        self.cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
+        same = np.ones(len(old.a), dtype=bool)
+        same[pairs[good]] = False
+        lam = np.full(len(self.cells.kind), np.nan)
+        lam[same[self.cells.pair]] = solution.inner_lam[same[old.pair]]
+        self.seconds["freespace"] += time.perf_counter() - began
+        return lam
+
+    def _branches(self) -> list[Ints]:
+        """Sets of corner contacts to try the other side of: each alone where they are few, and all at once (first, as lists pop last)."""
+        if self.best is None:
+            return []
+        touch = self.best.touch
+        corners = np.unique(touch.pair[touch.at_end])
+        self.branches_left = len(corners) > FEW or bool(touch.virtual.any())
+        alone = [corners[k : k + 1] for k in range(len(corners))] if 1 < len(corners) <= FEW else []
+        return [*alone, corners] if len(corners) else []
