@@ -83,13 +83,13 @@ def _way(search: Search, found: Found) -> tuple[Floats, bool]:
     motions: list[Floats] = []
     sure = True
     for leg in (*found.legs, found.leg(found.solution.u)):
-        points, good = checked_way(leg.program, Retraction(leg.program), list(leg.points), slack)
+        points, good = checked_way(leg.program, Retraction(leg.program), leg.points, slack)
         sure = sure and good
         fresh = [leg.program.motion(p) for p in points]
         motions += fresh[1:] if motions else fresh
     cells, n = found.program.cells, len(search.ready.bodies.fixed)
-    sure = sure and not strangers(search.ready.bodies, motions, cells.a * n + cells.b, search.ready.barred)
-    return np.array(motions), sure
+    way = np.array(motions)
+    return way, sure and not len(strangers(search.ready.bodies, way, cells.a * n + cells.b, search.ready.barred)[0])
 
 
 def _verdict(search: Search, found: Found) -> Verdict:

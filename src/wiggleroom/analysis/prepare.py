@@ -37,7 +37,10 @@ class Prepared:
     size : float [mm]
         Longer side of the box round everything.
     cells : Cells
-        One cell for every pair near enough to meet, grown at rest.
+        One cell, grown at rest, for every pair with edges that face each other.
+    corners : (k,) int64
+        Keys a * n + b of pairs that are near at a corner only. Which way they pass each other is decided when it matters, so they join the
+        program after a first round has shown where everything wants to go.
     """
 
     assembly: Assembly
@@ -46,6 +49,7 @@ class Prepared:
     clearance: float
     size: float
     cells: Cells
+    corners: Ints
 
 
 def prepare(assembly: Assembly) -> Prepared:
@@ -67,17 +71,27 @@ def prepare(assembly: Assembly) -> Prepared:
     if len(near.a) and near.clearance.min() < TOUCHING * size:
         _refuse_touching(assembly, them, near, size)
     clearance = assembly.gap or (float(np.median(_nearest(near, len(geometry)))) if len(near.a) else 1e-3 * size)
-    keep = np.flatnonzero(near.clearance <= REACH * clearance)
     if REACH * clearance > _first_reach(them):
         near = neighbours(them, geometry, REACH * clearance, barred=barred)
-        keep = np.arange(len(near.a))
-    cells = cells_at(them, near.a[keep], near.b[keep], near.clearance[keep], np.zeros((len(geometry), 3)))
-    return Prepared(assembly, them, barred, clearance, size, cells)
+    close = near.clearance <= REACH * clearance
+    a, b = near.a[close], near.b[close]
+    first, label = classes(them, a, b, relative_rest(them, a, b))
+    facing = _facing(geometry[a[first]], geometry[b[first]], clearance)[label]
+    cells = cells_at(them, a[facing], b[facing], near.clearance[close][facing])
+    return Prepared(assembly, them, barred, clearance, size, cells, a[~facing] * len(geometry) + b[~facing])
 
 
-def cells_at(them: Bodies, a: Ints, b: Ints, clearance: Floats, motion: Floats) -> Cells:
-    """Cells of some pairs round where they are at `motion` (n, 3); congruent pairs are worked out once."""
-    pose = relative_rest(them, a, b, motion)
+def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:
+    """True where boundaries run along each other, not only past a corner."""
+    import shapely
+
+    near = shapely.buffer(b, 1.5 * REACH * clearance)
+    return shapely.length(shapely.intersection(shapely.boundary(a), near)) > 5 * REACH * clearance
+
+
+def cells_at(them: Bodies, a: Ints, b: Ints, clearance: Floats) -> Cells:
+    """Cells of some pairs round rest; congruent pairs are worked out once."""
+    pose = relative_rest(them, a, b)
     first, label = classes(them, a, b, pose)
     grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first])
     if not good.all():

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.overlap import overlaps
-from wiggleroom.analysis.prepare import Prepared, cells_at
-from wiggleroom.analysis.touch import Touch, touching
+from wiggleroom.analysis.prepare import REACH, Prepared
+from wiggleroom.analysis.touch import Touch, touching, wishes
 from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, select
-from wiggleroom.pairs.neighbours import relative_rest
+from wiggleroom.pairs.neighbours import neighbours, placed, relative_rest
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.solve.interior_point import Solution, Stop
@@ -118,7 +118,7 @@ class Search:
             if self._add_missed(found):
                 lam = None
                 continue
-            gained = self._keep(found)
+            gained = self._keep(found, tolerance)
             if found.solution.status == "stopped" or self.unlimited:
                 return
             stale = np.unique(found.touch.pair[found.touch.virtual])
@@ -126,6 +126,7 @@ class Search:
                 branches, lam = None, self._rebuild(found, stale)
             elif tolerance == COARSE:
                 tolerance, lam = FINE, self._rebuild(found, stale)
+                lam = np.concatenate([lam, np.full(self._add_near(found), np.nan)])
             else:
                 branches = self._branches() if branches is None or gained else branches
                 if not branches:
@@ -156,9 +157,9 @@ class Search:
         self.seconds["solve"] += time.perf_counter() - began
         return Found(motion, self.objective.value(motion), program, solution, touch, self.legs, begin)
 
-    def _keep(self, found: Found) -> bool:
-        """Keep what is better than the best so far; True where it is better by more than nothing."""
-        least = GAIN * max(abs(found.value), self.ready.clearance)
+    def _keep(self, found: Found, tolerance: float) -> bool:
+        """Keep what is better than the best so far; True where it is better by more than the tolerance of the round."""
+        least = max(GAIN, 0.3 * tolerance) * max(abs(found.value), self.ready.clearance)
         before = self.best.value if self.best else 0.0
         if self.best is None or found.value >= before:
             self.best = found
@@ -170,16 +171,30 @@ class Search:
         self.tell(Progress("check", self.rounds, found.solution.iterations, found.value))
         bodies, n = self.ready.bodies, len(self.ready.bodies.fixed)
         hit = overlaps(bodies, found.motion, self.ready.barred)
-        new = ~np.isin(hit.a * n + hit.b, self.cells.a * n + self.cells.b)
+        known = self.cells.a * n + self.cells.b
+        new = ~np.isin(hit.a * n + hit.b, known)
         if new.any():
-            self.add(hit.a[new], hit.b[new])
+            key = np.unique(np.concatenate([hit.a[new] * n + hit.b[new], self.ready.corners[~np.isin(self.ready.corners, known)]]))
+            self.add(key // n, key % n, found.motion)
         self.seconds["check"] += time.perf_counter() - began
         return bool(new.any())
 
-    def add(self, a: Ints, b: Ints) -> None:
-        """Put more pairs into the program, with cells grown where the coming round begins."""
-        room = np.full(len(a), self.ready.clearance)
-        self.cells = joined(self.cells, cells_at(self.ready.bodies, a, b, room, self.inner))
+    def _add_near(self, found: Found) -> int:
+        """Add the pairs that have come near each other, so that the last rounds know of all that may touch; returns how many rows."""
+        bodies, cells = self.ready.bodies, self.cells
+        n, rows = len(bodies.fixed), len(cells.kind)
+        barred = np.concatenate([self.ready.barred, cells.a * n + cells.b])
+        near = neighbours(bodies, placed(bodies, found.motion), REACH * self.ready.clearance, barred=barred)
+        if len(near.a):
+            self.add(near.a, near.b, found.motion)
+        return len(self.cells.kind) - rows
+
+    def add(self, a: Ints, b: Ints, wanted: Floats) -> None:
+        """Put more pairs into the program: cells grown where the coming round begins, with room towards the motion `wanted` (n, 3)."""
+        bodies = self.ready.bodies
+        seed, wish = relative_rest(bodies, a, b, self.inner), relative_rest(bodies, a, b, wanted)
+        grown, _ = grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), wish=wish)
+        self.cells = joined(self.cells, grown)
 
     def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False) -> Floats:
         """Begin the next round near `found`, with new cells for some pairs grown there.
@@ -200,13 +215,13 @@ class Search:
         a, b = old.a[pairs], old.b[pairs]
         seed, keep = relative_rest(bodies, a, b, self.inner), relative_rest(bodies, a, b, found.motion)
         room = np.full(len(pairs), self.ready.clearance)
+        wish = None if other_side else wishes(found.program, solution.u, found.touch, pairs)
         bar = found.touch.lines_at_end(found.program, pairs) if other_side else None
-        grown, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar)
+        grown, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar, wish=wish)
         self.cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
-        same = np.ones(len(old.a), dtype=bool)
-        same[pairs[good]] = False
         lam = np.full(len(self.cells.kind), np.nan)
-        lam[same[self.cells.pair]] = solution.inner_lam[same[old.pair]]
+        new, known = _same_rows(self.cells, old)
+        lam[new] = solution.inner_lam[known]
         self.seconds["freespace"] += time.perf_counter() - began
         return lam
 
@@ -219,3 +234,11 @@ class Search:
         self.branches_left = len(corners) > FEW or bool(touch.virtual.any())
         alone = [corners[k : k + 1] for k in range(len(corners))] if 1 < len(corners) <= FEW else []
         return [*alone, corners] if len(corners) else []
+
+
+def _same_rows(new: Cells, old: Cells) -> tuple[Ints, Ints]:
+    """Rows that the cells of the same pairs share, as rows of either."""
+    size = int(max(new.edge.max(initial=0), new.corner.max(initial=0), old.edge.max(initial=0), old.corner.max(initial=0))) + 1
+    keys = [((c.pair * 4 + c.kind) * size + c.edge) * size + c.corner for c in (new, old)]
+    _, one, other = np.intersect1d(*keys, assume_unique=True, return_indices=True)
+    return one, other

@@ -15,8 +15,8 @@ Ints = NDArray[np.int64]
 
 END = 1e-6
 """A foot within this share of an edge's length from its end is at the end."""
-ACTIVE = 1e-7
-"""Forces below this share of the largest derivative of the objective hold nothing."""
+ACTIVE = 1e-6
+"""A row that would gain less than this share of the objective by giving way a whole clearance holds nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,16 +56,27 @@ class Touch:
         return out
 
 
+def wishes(program: Program, u: Floats, touch: Touch, pairs: Ints) -> Floats:
+    """Relative poses (k, 3) of some pairs one clearance further where their virtual walls push back: where they would go without them."""
+    at = program.linearise(u)
+    push = np.zeros((len(program.cells.a), 3))
+    row = touch.row[touch.virtual]
+    np.add.at(push, program.cells.pair[row], -at.d[row] * touch.force[touch.virtual, None])
+    push = push[pairs]
+    lever = np.minimum(program.bodies.radius[program.cells.a[pairs]], program.bodies.radius[program.cells.b[pairs]])
+    push[:, 2] /= lever  # to a length
+    size = np.hypot(np.hypot(push[:, 0], push[:, 1]), push[:, 2])
+    push *= np.where(size > 0, program.length / np.maximum(size, 1e-300), 0.0)[:, None]
+    push[:, 2] /= lever
+    return at.g[pairs] + push
+
+
 def touching(program: Program, u: Floats, lam: Floats) -> Touch:
     """Rows with a force at u (3F,), from the multipliers `lam` (R,) of a solution."""
-    h = program.values(u)
-    force = lam / program.length
-    unit = float(np.abs(program.objective.gradient(program.motion(u))[:, :2]).max(initial=0.0)) or float(
-        np.abs(program.objective.gradient(program.motion(u))).max()
-    )
-    # strict complementarity decides at a well-centred point: the force counts where it outweighs what is left of the gap
-    scaled = lam / (unit * program.length)
-    row = np.flatnonzero((scaled > np.maximum(h, ACTIVE)))
+    h, force = program.values(u), lam / program.length
+    value = abs(program.objective.value(program.motion(u)))
+    # strict complementarity: the share of the objective that a row holds outweighs what is left of its gap
+    row = np.flatnonzero((lam > ACTIVE * max(value, program.length)) & (lam > h * program.length))
     pair = program.cells.pair[row]
     place = np.full(len(row), np.nan)
     g, _ = program.relative(program.motion(u))

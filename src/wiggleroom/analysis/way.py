@@ -6,32 +6,30 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.pairs.neighbours import placed
+from wiggleroom.pairs.neighbours import placed, relative_rest
 from wiggleroom.pairs.shapes import Bodies
+from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
 from wiggleroom.program.retract import Retraction
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SPLITS = 12
+MOST_SPLITS = 8
 """A piece of the way is halved at most this often."""
 
 
-def checked_way(program: Program, retraction: Retraction, points: list[Floats], slack: float) -> tuple[list[Floats], bool]:
+def checked_way(program: Program, retraction: Retraction, points: tuple[Floats, ...], slack: float) -> tuple[list[Floats], bool]:
     """Refine a way until straight motion between its points certainly stays inside all rows of the program.
-
-    Along a straight piece a row deviates from the chord through its end values by at most an eighth of its second derivative. A body's
-    corner at distance r that turns by t and is carried past by v accelerates by at most r t^2 + 2 v t, in units of the piece's length.
 
     Parameters
     ----------
     program : Program
     retraction : Retraction
-    points : list of (3F,) float64
+    points : tuple of (3F,) float64
         Way-points in scaled variables.
     slack : float [mm]
-        Deviation that counts as none.
+        Violation that counts as none.
 
     Returns
     -------
@@ -40,67 +38,105 @@ def checked_way(program: Program, retraction: Retraction, points: list[Floats], 
     sure : bool
         False where halving did not help.
     """
+    rows = [program.values(u) * program.length for u in points]
     out, sure = [points[0]], True
-    todo = [(points[k], points[k + 1], 0) for k in range(len(points) - 1)][::-1]
-    values: dict[int, Floats] = {}
-
-    def rows(u: Floats) -> Floats:
-        key = id(u)
-        if key not in values:
-            values[key] = program.values(u) * program.length
-        return values[key]
-
+    todo = [(points[k], rows[k], points[k + 1], rows[k + 1], 0) for k in range(len(points) - 1)][::-1]
     while todo:
-        u, v, depth = todo.pop()
-        room = np.minimum(rows(u), rows(v)) + slack
-        if (room < _bend(program, u, v)).any():
-            if depth < MOST_SPLITS:
+        u, at_u, v, at_v, depth = todo.pop()
+        if _least(at_u, at_v, _curvature(program, u, v)) < -slack:
+            if depth < MOST_SPLITS and sure:
                 middle = retraction.between(u, v)
-                todo += [(middle, v, depth + 1), (u, middle, depth + 1)]
+                between = program.values(middle) * program.length
+                todo += [(middle, between, v, at_v, depth + 1), (u, at_u, middle, between, depth + 1)]
                 continue
             sure = False
-        values.pop(id(u), None)
         out.append(v)
     return out, sure
 
 
-def _bend(program: Program, u: Floats, v: Floats) -> Floats:
-    """Largest deviation (R,) [mm] of every row from its chord along the straight piece from u to v."""
-    P, cells = program, program.cells
-    change = P.motion(v) - P.motion(u)
-    da, db = change[cells.a], change[cells.b]
-    turn = np.abs(da[:, 2]) + np.abs(db[:, 2])
-    g, _ = P.relative(P.motion(u))
-    far = np.hypot(g[:, 0], g[:, 1])
-    carry = np.hypot(*(db - da)[:, :2].T)
-    reach = P.bodies.radius[cells.a] + P.bodies.radius[cells.b] + far + carry
-    bend = (reach * turn**2 + 2 * carry * turn) / 8
-    return np.repeat(bend, np.diff(cells.row)) * (P.kind <= 1)
+def _least(one: Floats, other: Floats, curvature: Floats) -> float:
+    """Least value [mm] that any row can take between its values at both ends, for a given bound of its second derivative."""
+    drop = other - one
+    with np.errstate(divide="ignore", invalid="ignore"):
+        t = np.where(curvature > 0, 0.5 - drop / curvature, 0.0)
+    t = np.clip(t, 0.0, 1.0)
+    inside = one + t * drop - curvature / 2 * t * (1 - t)
+    return float(np.minimum(inside, np.minimum(one, other)).min(initial=np.inf))
 
 
-def strangers(bodies: Bodies, motions: list[Floats], known: Ints, barred: Ints) -> list[tuple[int, int, int]]:
-    """Pairs outside the program that may meet along a way: (a, b, point before which they were certainly apart).
+def _curvature(program: Program, u: Floats, v: Floats) -> Floats:
+    """Bound (R,) [mm] of every row's second derivative along the straight piece from u to v."""
+    cells, bodies = program.cells, program.bodies
+    bound = _acceleration(bodies, cells.a, cells.b, program.motion(u), program.motion(v))
+    return np.repeat(bound, np.diff(cells.row)) * (program.kind <= kernel.B_EDGE)
 
-    No corner moves further between two way-points than its body's shift plus radius times turn, so a pair further apart than both move
-    cannot meet in between.
+
+def _acceleration(bodies: Bodies, a: Ints, b: Ints, one: Floats, other: Floats) -> Floats:
+    """Bound (p,) [mm] of the acceleration of any corner of either body, seen from the other, on a straight piece run in unit time.
+
+    Seen from a body that turns by t, a point at distance r that is carried past by c accelerates by at most r t^2 + 2 c t.
+    """
+    change = other - one
+    turn = np.abs(change[a, 2]) + np.abs(change[b, 2])
+    carry = np.hypot(*(change[b] - change[a])[:, :2].T)
+    place = bodies.rest[:, :2] + one[:, :2]
+    far = np.hypot(*(place[b] - place[a]).T) + carry + bodies.radius[a] + bodies.radius[b]
+    return far * turn**2 + 2 * carry * turn
+
+
+def strangers(bodies: Bodies, motions: Floats, known: Ints, barred: Ints) -> tuple[Ints, Ints]:
+    """Pairs outside the program that cannot be shown to stay apart along straight motion between way-points.
+
+    Between two way-points no corner of B moves further past A than the relative shift plus radius times turn; where that is less than the
+    distances at both ends together, the pair does not meet.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    motions : (k, n, 3) float64 [mm, mm, rad]
+    known, barred : (m,) int64
+        Keys a * n + b of the pairs that the program holds, and of those that never collide.
+
+    Returns
+    -------
+    a, b : (p,) int64
+        Bodies that may meet.
     """
     n = len(bodies.fixed)
-    found: dict[tuple[int, int], int] = {}
     seen = np.concatenate([known, barred])
-    for k in range(len(motions) - 1):
-        change = motions[k + 1] - motions[k]
-        moved = np.hypot(*change[:, :2].T) + bodies.radius * np.abs(change[:, 2])
-        if not moved.any():
-            continue
+    step = np.diff(motions, axis=0)
+    travel = np.hypot(step[:, :, 0], step[:, :, 1]) + bodies.radius * np.abs(step[:, :, 2])
+    found: list[Ints] = []
+    k = 0
+    while k < len(step):
+        # as many pieces at once as keep every body within half a radius of where it is now
+        reach = np.cumsum(travel[k:], axis=0)
+        many = max(1, int((reach.max(axis=1) < 0.5 * np.median(bodies.radius)).sum()))
+        moved = reach[many - 1]
         geometry = placed(bodies, motions[k])
         swept = _boxes(geometry, moved)
         a, b = shapely.STRtree(swept).query(swept)
         keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * n + b, seen)
         a, b = a[keep], b[keep]
-        near = shapely.distance(geometry[a], geometry[b]) <= moved[a] + moved[b]
-        for i, j in zip(a[near], b[near], strict=True):
-            found.setdefault((int(i), int(j)), k)
-    return [(a, b, k) for (a, b), k in found.items()]
+        passing = _passing(bodies, motions[k : k + many + 1], a, b)
+        near = shapely.distance(geometry[a], geometry[b]) <= passing
+        found.append(a[near] * n + b[near])
+        k += many
+    keys = np.unique(np.concatenate(found)) if found else np.zeros(0, dtype=np.int64)
+    return keys // n, keys % n
+
+
+def _passing(bodies: Bodies, motions: Floats, a: Ints, b: Ints) -> Floats:
+    """How long the way of any corner of B past A can be (p,) [mm], summed over the pieces between way-points."""
+    total = np.zeros(len(a))
+    before = relative_rest(bodies, a, b, motions[0])
+    for k in range(1, len(motions)):
+        after = relative_rest(bodies, a, b, motions[k])
+        change = after - before
+        total += np.hypot(change[:, 0], change[:, 1]) + bodies.radius[b] * np.abs(change[:, 2])
+        total += _acceleration(bodies, a, b, motions[k - 1], motions[k]) / 2  # speed differs from its mean by at most half of it
+        before = after
+    return total
 
 
 def _boxes(geometry: NDArray[np.object_], grow: Floats) -> NDArray[np.object_]:

@@ -65,6 +65,7 @@ def grow_cells(
     *,
     keep: Floats | None = None,
     bar: Ints | None = None,
+    wish: Floats | None = None,
     span: float = SPAN,
 ) -> tuple[Cells, NDArray[np.bool_]]:
     """Grow one cell round each seed, all in one batch.
@@ -82,6 +83,8 @@ def grow_cells(
         Relative poses that no wall may cut off, besides the seed.
     bar : (P, 2) int64, optional
         Kind and edge of a line to avoid where there is a choice: the other branch at a corner; kind -1 for none.
+    wish : (P, 3) float64, optional
+        Relative poses that the pairs would like to take: of two lines that part two edges, the one that leaves more room there is chosen.
     span : float [rad]
         Furthest turn from the seed.
 
@@ -97,6 +100,7 @@ def grow_cells(
     count = len(a)
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
     bars = np.full((count, 2), -1, dtype=np.int64) if bar is None else bar
+    wishes = np.full((count, 3), np.nan) if wish is None else wish
     radius = np.maximum(bodies.radius[a], bodies.radius[b])
     step = np.minimum(clearance / (4 * radius), span / 4)
     kind, edge, corner = (np.full((count, ROOM), -1, dtype=np.int64) for _ in range(3))
@@ -105,7 +109,7 @@ def grow_cells(
     def work(part: slice) -> None:
         rows = len(seed[part])
         grow.grow_many(
-            seed[part], keeps[part].reshape(-1, 3), np.arange(rows + 1) * keeps.shape[1], bars[part],
+            seed[part], keeps[part].reshape(-1, 3), np.arange(rows + 1) * keeps.shape[1], bars[part], wishes[part],
             10 * clearance[part], step[part], step[part] / 64, np.full(rows, span), bodies.shape[a[part]], bodies.shape[b[part]],
             shapes.corner, shapes.after, shapes.normal, shapes.first, shapes.run, shapes.run_first, shapes.run_disc, 1e-12 * radius[part],
             kind[part], edge[part], corner[part], number[part], ends[part], status[part],

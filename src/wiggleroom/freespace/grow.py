@@ -21,12 +21,36 @@ CLOSED, OPEN, FAILED = 0, 1, 2
 
 
 @njit(**OPTIONS)
-def keeps(kind, edge, v, keep, corner, normal, tiny):
-    """True where the wall leaves every point of `keep` inside."""
+def keeps(kind, edge, v, keep, corner, after, normal, tiny, margin):
+    """True where the wall leaves every point of `keep` inside, and by `margin` those where corner and edge do not touch."""
     for k in range(keep.shape[0]):
-        if in_front(kind, edge, v, keep[k, 0], keep[k, 1], keep[k, 2], corner, normal) < -tiny:
+        x, y, psi = keep[k, 0], keep[k, 1], keep[k, 2]
+        h = in_front(kind, edge, v, x, y, psi, corner, normal)
+        if h < -tiny:
             return False
+        if h < margin:
+            c, s = np.cos(psi), np.sin(psi)
+            if kind == 0:
+                px, py = c * corner[v, 0] - s * corner[v, 1] + x, s * corner[v, 0] + c * corner[v, 1] + y
+            else:
+                ux, uy = corner[v, 0] - x, corner[v, 1] - y
+                px, py = c * ux + s * uy, -s * ux + c * uy
+            e = after[edge]
+            ex, ey = corner[e, 0] - corner[edge, 0], corner[e, 1] - corner[edge, 1]
+            along = ex * (px - corner[edge, 0]) + ey * (py - corner[edge, 1])
+            if along < -tiny or along > ex * ex + ey * ey + tiny:
+                return False
     return True
+
+
+@njit(**OPTIONS)
+def parallel(i, j, p, q, corner, after):
+    """Angle strictly inside (p, q) at which edge i of A and edge j of B are parallel, or nan."""
+    ax, ay = corner[after[i], 0] - corner[i, 0], corner[after[i], 1] - corner[i, 1]
+    bx, by = corner[after[j], 0] - corner[j, 0], corner[after[j], 1] - corner[j, 1]
+    angle = np.arctan2(ay, ax) - np.arctan2(by, bx)
+    angle -= np.pi * np.floor((angle - p) / np.pi)
+    return angle if p + 1e-12 < angle < q - 1e-12 else np.nan
 
 
 @njit(**OPTIONS)
@@ -51,10 +75,15 @@ def line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny):
 
 @njit(**OPTIONS)
 def hide_all(
-    x, y, psi, p, q, state, kinds, edges, walls, counts, keep, bar, corner, after, normal, a0, a1, b0, b1,
-    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
+    x, y, psi, p, q, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
+    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny, margin, hint,
 ):  # fmt: skip
-    """Add walls until every edge pair is hidden over [p, q], nearest first as seen from (x, y, psi); False where it cannot be."""
+    """Add walls until every edge pair is hidden over [p, q], nearest first as seen from (x, y, psi); False where it cannot be.
+
+    `hint` then gets the angle inside (p, q) at which the two edges that stay open are parallel, nan where there is none: up to there and
+    from there on different corners lead, and one wall may do where both would not.
+    """
+    hint[0] = np.nan
     for k in range(state[0]):
         if kinds[k] == 0:
             set_front(0, edges[k], walls[k], counts[k], p, q, corner, after, normal, b0, b1, run, rb0, rb1, at, front[k], run_front[k])
@@ -73,16 +102,28 @@ def hide_all(
             return True
         sep_a = min(in_front(0, i, j, x, y, psi, corner, normal), in_front(0, i, after[j], x, y, psi, corner, normal))
         sep_b = min(in_front(1, j, i, x, y, psi, corner, normal), in_front(1, j, after[i], x, y, psi, corner, normal))
-        first_a = sep_a >= sep_b  # the further line first, unless it is the barred one
+        first_a = sep_a >= sep_b  # the further line first
+        if not np.isnan(wish[0]):  # or the one that leaves more room where the pair would like to be
+            wx, wy, wp = wish[0], wish[1], wish[2]
+            first_a = min(
+                in_front(0, i, j, wx, wy, wp, corner, normal), in_front(0, i, after[j], wx, wy, wp, corner, normal)
+            ) >= min(in_front(1, j, i, wx, wy, wp, corner, normal), in_front(1, j, after[i], wx, wy, wp, corner, normal))
         if (bar[0] == 0 and bar[1] == i) or (bar[0] == 1 and bar[1] == j):
-            first_a = bar[0] == 1
+            first_a = bar[0] == 1  # unless it is the barred one
         done = False
-        for attempt in range(3):
-            if attempt == 2:  # neither of their own lines: any line that one of them is wholly behind and the other in front of
+        room = margin
+        for attempt in range(12):  # lines that leave room at the points to keep; then less room; at the seed's own angle none
+            if attempt % 3 == 0 and attempt > 0:
+                room *= 0.1
+            if attempt == 9:
+                if q > p:
+                    break
+                room = 0.0
+            if attempt % 3 == 2:  # neither of their own lines: any line that one of them is wholly behind and the other in front of
                 kind, edge, sep = line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny)
                 u = j if kind == 0 else i
                 v = after[u]
-            elif (attempt == 0) == first_a:
+            elif (attempt % 3 == 0) == first_a:
                 kind, edge, u, v, sep = 0, i, j, after[j], sep_a
             else:
                 kind, edge, u, v, sep = 1, j, i, after[i], sep_b
@@ -102,9 +143,9 @@ def hide_all(
                 need_v = False
             elif at_p <= tiny and at_q <= tiny:
                 need_u = False
-            if need_u and not keeps(kind, edge, u, keep, corner, normal, tiny):
+            if need_u and not keeps(kind, edge, u, keep, corner, after, normal, tiny, room):
                 continue
-            if need_v and not keeps(kind, edge, v, keep, corner, normal, tiny):
+            if need_v and not keeps(kind, edge, v, keep, corner, after, normal, tiny, room):
                 continue
             line = -1
             for k in range(state[0]):
@@ -140,6 +181,7 @@ def hide_all(
             done = True
             break
         if not done:
+            hint[0] = parallel(i, j, p, q, corner, after)
             return False
 
 
@@ -163,20 +205,21 @@ def joined(x0, y0, p0, x1, y1, p1, lines, kinds, edges, walls, counts, corner, n
 
 @njit(**OPTIONS)
 def grow(
-    seed, keep, bar, half, step, least_step, span, shape_a, shape_b, corner, after, normal, first, run, run_first, run_disc,
+    seed, keep, bar, wish, half, step, least_step, span, shape_a, shape_b, corner, after, normal, first, run, run_first, run_disc,
     kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, ends,
 ):  # fmt: skip
     """Grow a cell round `seed` (x, y, psi). Returns (lines, status low end, status high end); `ends` gets the verified interval."""
     a0, a1, b0, b1 = first[shape_a], first[shape_a + 1], first[shape_b], first[shape_b + 1]
     ra0, ra1, rb0, rb1 = run_first[shape_a], run_first[shape_a + 1], run_first[shape_b], run_first[shape_b + 1]
-    state = np.zeros(1, dtype=np.int64)
+    state, hint = np.zeros(1, dtype=np.int64), np.zeros(1)
     old_counts = np.zeros(MOST_LINES, dtype=np.int64)
     middle, there = np.zeros(4), np.zeros(4)
+    margin = 0.005 * half
     x0, y0, psi0 = seed[0], seed[1], seed[2]
     ends[0], ends[1] = psi0, psi0
     if not hide_all(
-        x0, y0, psi0, psi0, psi0, state, kinds, edges, walls, counts, keep, bar, corner, after, normal, a0, a1, b0, b1,
-        run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
+        x0, y0, psi0, psi0, psi0, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
+        run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny, margin, hint,
     ):  # fmt: skip
         return 0, FAILED, FAILED
     status = np.array([OPEN, OPEN])
@@ -194,8 +237,8 @@ def grow(
             closing = n == 0
             sx, sy, sp = (x, y, psi) if closing else (there[0], there[1], end)
             good = hide_all(
-                sx, sy, sp, p, q, state, kinds, edges, walls, counts, keep, bar, corner, after, normal, a0, a1, b0, b1,
-                run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny,
+                sx, sy, sp, p, q, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
+                run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny, margin, hint,
             )  # fmt: skip
             if good and closing:
                 n = slice_middle(psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle)
@@ -216,6 +259,9 @@ def grow(
                 for k in range(lines_before):
                     counts[k] = old_counts[k]
                 state[0] = lines_before
+                if not np.isnan(hint[0]):
+                    d = abs(hint[0] - psi)
+                    continue
                 d *= 0.5
                 if d < least_step:
                     break
@@ -225,7 +271,7 @@ def grow(
 
 @njit(**OPTIONS)
 def grow_many(
-    seeds, keeps_at, keep_first, bars, half, step, least_step, span, shape_a, shape_b,
+    seeds, keeps_at, keep_first, bars, wishes, half, step, least_step, span, shape_a, shape_b,
     corner, after, normal, first, run, run_first, run_disc, tiny, out_kind, out_edge, out_corner, out_count, out_ends, out_status,
 ):  # fmt: skip
     """Grow one cell per seed; walls of cell c fill the first `out_count[c]` columns of row c, -1 where there was no room."""
@@ -240,7 +286,7 @@ def grow_many(
     poly, spare = np.zeros((2 * MOST_WALLS, 2)), np.zeros((2 * MOST_WALLS, 2))
     for c in range(seeds.shape[0]):
         lines, low, high = grow(
-            seeds[c], keeps_at[keep_first[c] : keep_first[c + 1]], bars[c], half[c], step[c], least_step[c], span[c], shape_a[c], shape_b[c],
+            seeds[c], keeps_at[keep_first[c] : keep_first[c + 1]], bars[c], wishes[c], half[c], step[c], least_step[c], span[c], shape_a[c], shape_b[c],
             corner, after, normal, first, run, run_first, run_disc,
             kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, tiny[c], out_ends[c],
         )  # fmt: skip

@@ -69,10 +69,8 @@ def _turns_left(ring: Floats) -> bool:
     return float(x @ np.roll(y, -1) - np.roll(x, -1) @ y) > 0
 
 
-def neighbours(
-    bodies: Bodies, geometry: NDArray[np.object_], reach: float, known: Pairs | None = None, barred: NDArray[np.int64] | None = None
-) -> Pairs:
-    """Pairs of bodies no further apart than `reach`, except fixed with fixed, `known` ones and `barred` ones.
+def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, barred: Ints) -> Pairs:
+    """Pairs of bodies no further apart than `reach`, except fixed with fixed and `barred` ones.
 
     Parameters
     ----------
@@ -80,10 +78,8 @@ def neighbours(
     geometry : (n,) shapely geometries
         Material of the bodies where they are now, from `placed`.
     reach : float [mm]
-    known : Pairs, optional
-        Pairs that are left out because they are there already.
-    barred : (k,) int64, optional
-        Keys a * n + b of pairs that never collide.
+    barred : (k,) int64
+        Keys a * n + b of pairs to leave out.
 
     Returns
     -------
@@ -91,17 +87,9 @@ def neighbours(
         Sorted by (a, b).
     """
     tree = shapely.STRtree(geometry)
-    i, j = tree.query(geometry, predicate="dwithin", distance=reach) if reach > 0 else tree.query(geometry, predicate="intersects")
-    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j])
+    i, j = tree.query(geometry, predicate="dwithin", distance=reach)
+    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, barred)
     i, j = i[keep], j[keep]
-    n = len(geometry)
-    key = i * n + j
-    out = np.zeros(len(key), dtype=bool)
-    if known is not None:
-        out |= np.isin(key, known.a * n + known.b)
-    if barred is not None:
-        out |= np.isin(key, barred)
-    i, j = i[~out], j[~out]
     order = np.lexsort((j, i))
     i, j = i[order], j[order]
     return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))

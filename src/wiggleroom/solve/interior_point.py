@@ -200,7 +200,7 @@ def _step(
         after = float((s + _longest(s, ds) * ds) @ (lam + _longest(lam, dl) * dl)) / len(s)
         centring = (after / mu) ** 3
         if lag > 0.3:  # feasibility must not fall behind complementarity
-            centring = max(centring, min(1.0, lag))
+            centring = max(centring, min(10.0, lag))
         goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)
         du, ds, dl = _newton(state, matrix, primal, dual, goal)
         far, dfar = _longest(s, ds), _longest(lam, dl)

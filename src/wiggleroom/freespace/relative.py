@@ -1,0 +1,83 @@
+"""Relative motion of two parts (the user's words) and relative pose of their bodies (the cells' words), converted in one place.
+
+A third way of saying the same serves the slices: the shift of a point of B that lies in the joint, the *pivot*. A slice moves little
+from angle to angle when it is measured there, while about a reference point far away it would run off with every turn.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Relative:
+    """How part b lies against part a at rest, all in the axes of part a's own frame.
+
+    Parameters
+    ----------
+    turned : float [rad]
+        Angle of body A's frame in part a's frame.
+    apart : (2,) float64 [mm]
+        From body A's origin to the pivot at rest.
+    origin : (2,) float64 [mm]
+        From the pivot to body B's origin at rest.
+    point : (2,) float64 [mm]
+        From the pivot to part b's reference point at rest.
+    psi : float [rad]
+        Angle of body B's frame in body A's frame at rest.
+    """
+
+    turned: float
+    apart: Floats
+    origin: Floats
+    point: Floats
+    psi: float
+
+    def swing(self, phi: Floats) -> Floats:
+        """Motion (k, 2) [mm] of part b's reference point when B turns about the pivot by `phi` (k,) [rad]."""
+        return turn(self.point, phi) - self.point
+
+    def pose(self, shift: Floats, phi: Floats) -> Floats:
+        """Relative poses (k, 3) of the bodies after the pivot moved by `shift` (k, 2) [mm] and B turned by `phi` (k,) [rad]."""
+        q = turn(self.apart + shift + turn(self.origin, phi), np.full(len(phi), -self.turned))
+        return np.column_stack([q, self.psi + phi])
+
+    def shift(self, relative: Floats) -> Floats:
+        """Motion of the pivot (k, 2) [mm] for relative motions (k, 3) [mm, mm, rad]."""
+        return relative[:, :2] - self.swing(relative[:, 2])
+
+
+def relate(at_a: Floats, at_b: Floats, body_a: Floats, body_b: Floats, pivot: Floats) -> Relative:
+    """Put the frames of two parts and of their bodies, all (x, y, angle) at rest, and the pivot (x, y) in relation.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> a, b = np.array([0.0, 0.0, np.pi / 2]), np.array([0.0, 3.0, 0.0])
+    >>> relation = relate(a, b, a, b, pivot=np.array([0.0, 2.0]))
+    >>> relation.swing(np.array([0.1])).round(4)  # a's x axis points up in the world: so does the way from the pivot to b
+    array([[-0.005 ,  0.0998]])
+    """
+
+    def own(way: Floats) -> Floats:
+        return turn(way, np.array([-at_a[2]]))[0]
+
+    return Relative(
+        float(body_a[2] - at_a[2]),
+        own(pivot - body_a[:2]),
+        own(body_b[:2] - pivot),
+        own(at_b[:2] - pivot),
+        float(body_b[2] - body_a[2]),
+    )
+
+
+def turn(points: Floats, angle: Floats) -> Floats:
+    """Points (2,) or (k, 2), each turned by its angle (k,) [rad]."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)

@@ -1,0 +1,298 @@
+"""Slices: all free translations of B against A at one turn, exactly.
+
+An edge of A and an edge of B meet for the translations in one parallelogram. A connected piece of a window that no parallelogram covers is
+therefore wholly free or wholly forbidden, and one point of it decides.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.relative import turn
+
+Floats = NDArray[np.float64]
+Box = tuple[float, float, float, float]
+
+SLIVER = 1e-9
+"""A parallelogram is left out where its sides differ in direction by less than this [rad]: its neighbours cover the same contacts."""
+SPECK = 1e-12
+"""Pieces thinner than this share of the clearance are rounding."""
+NUDGES = (0.0, 1e-9, -1e-9, 1e-8)
+"""Angles [rad] tried one after the other where the union of the parallelograms fails or loses the piece."""
+MOST_QUADS = 20000
+"""Windows that more parallelograms touch are not widened: the free space counts as open."""
+END = 1e-7
+"""How closely the last free angle is found [rad]."""
+WIDEST_STEP = 0.05
+"""Longest step of the march [rad]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """A pair as slices see it, in the axes of part a's frame; translations are shifts of the pivot from rest.
+
+    Parameters
+    ----------
+    a, b : (n, 2, 2) float64 [mm]
+        Start and end of each edge: of A about the pivot's place at rest, of B about the pivot, unturned.
+    material : two shapely geometries
+        The same outlines as areas.
+    clearance : float [mm]
+        Distance at rest.
+    far : float [mm]
+        No free piece that reaches beyond this ends at all.
+    """
+
+    a: Floats
+    b: Floats
+    material: tuple[shapely.Geometry, shapely.Geometry]
+    clearance: float
+    far: float
+
+    @property
+    def radius(self) -> float:
+        """Largest distance of a corner of B from the pivot [mm]."""
+        return float(np.hypot(*self.b[:, 0].T).max())
+
+
+@dataclass(frozen=True, eq=False)
+class Slice:
+    """Free space at one turn.
+
+    Parameters
+    ----------
+    angle : float [rad]
+    region : shapely polygon or multipolygon [mm]
+        Free translations that are connected to rest.
+    closed : bool
+        False where the region is cut off by the window.
+    area : float [mm2]
+    """
+
+    angle: float
+    region: shapely.Geometry
+    closed: bool
+    area: float
+
+
+def meeting(a: shapely.Geometry, b: shapely.Geometry) -> Meeting:
+    """Pair of two areas in the axes of part a's frame with the pivot at the origin, both at rest.
+
+    Examples
+    --------
+    >>> pair = meeting(shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9))
+    >>> round(slice_near(pair, 0.0, shapely.Point(0, 0)).area, 6)  # the peg's centre has a square of side 0.2
+    0.04
+    """
+    edges = [_edges(g) for g in (a, b)]
+    for geometry in (a, b):
+        shapely.prepare(geometry)
+    far = sum(float(np.hypot(*e[:, 0].T).max()) for e in edges)
+    return Meeting(edges[0], edges[1], (a, b), float(shapely.distance(a, b)), far)
+
+
+def _edges(geometry: shapely.Geometry) -> Floats:
+    rings = [r for part in shapely.get_parts(geometry) for r in (part.exterior, *part.interiors)]
+    corners = [shapely.get_coordinates(r) for r in rings]
+    return np.vstack([np.stack([c[:-1], c[1:]], 1) for c in corners])
+
+
+def slice_near(pair: Meeting, phi: float, near: shapely.Geometry, limit: float = np.inf) -> Slice | None:
+    """Free pieces at the turn `phi` that meet `near`, or None where there are none.
+
+    Parameters
+    ----------
+    pair : Meeting
+    phi : float [rad]
+    near : shapely geometry [mm]
+        A free translation, or the region of a slice at a turn close by.
+    limit : float [mm]
+        Half the side of the largest window, a square round rest; without it the window grows until it holds the pieces.
+    """
+    for nudge in NUDGES:
+        try:
+            found = _grown(pair, phi + nudge, near, limit)
+        except shapely.errors.GEOSException:
+            continue
+        if found is not None:
+            return replace(found, angle=phi)
+    return None
+
+
+def _grown(pair: Meeting, phi: float, near: shapely.Geometry, limit: float) -> Slice | None:
+    """Slice in a window that grows until no piece meets its rim, or as far as it may."""
+    low, high = np.array(near.bounds).reshape(2, 2)
+    largest = min(limit, pair.far)
+    margin = 0.5 * pair.clearance + 0.15 * float((high - low).max())
+    quads: Floats | None = None
+    while True:
+        box = (*np.maximum(low - margin, -largest), *np.minimum(high + margin, largest))
+        quads = _parallelograms(pair, phi, box)
+        pieces = _pieces(quads, box)
+        pieces = pieces[shapely.intersects(pieces, near)]
+        pieces = pieces[[_free(pair, phi, p) for p in pieces]]
+        if not len(pieces):
+            return None
+        rim = shapely.box(*box).exterior
+        closed = not bool(shapely.intersects(pieces, rim).any())
+        most = max(map(abs, box)) >= largest and min(abs(low - margin).min(), abs(high + margin).min()) >= largest
+        if closed or most or (len(quads) > MOST_QUADS and limit == np.inf):
+            region = pieces[0] if len(pieces) == 1 else shapely.multipolygons(pieces)
+            return Slice(phi, region, closed, float(shapely.area(region)))
+        margin *= 2
+
+
+def _parallelograms(pair: Meeting, phi: float, box: Box) -> Floats:
+    """Corners (k, 4, 2) of the translations in which two edges meet, for all edge pairs that touch the box."""
+    b = turn(pair.b.reshape(-1, 2), np.array([phi])).reshape(-1, 2, 2)
+    a, (low, high) = pair.a, np.array(box).reshape(2, 2)
+    near = np.ones((len(a), len(b)), dtype=bool)
+    for axis in (0, 1):
+        lower = a[:, :, axis].min(1)[:, None] - b[:, :, axis].max(1)
+        upper = a[:, :, axis].max(1)[:, None] - b[:, :, axis].min(1)
+        near &= (lower <= high[axis]) & (upper >= low[axis])
+    i, j = np.nonzero(near)
+    e, f = a[i, 1] - a[i, 0], b[j, 1] - b[j, 0]
+    cross = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
+    keep = np.abs(cross) > SLIVER * np.hypot(*e.T) * np.hypot(*f.T)
+    start = a[i, 0] - b[j, 0]
+    middle, half = (low + high) / 2, (high - low) / 2
+    for own, other in ((e, f), (f, e)):  # the box lies beyond one of the sides
+        n = np.column_stack([-own[:, 1], own[:, 0]])
+        width = np.where(own is e, -1.0, 1.0) * (n * other).sum(1)
+        at = ((middle - start) * n).sum(1)
+        room = np.abs(n) @ half
+        keep &= (at + room >= np.minimum(width, 0)) & (at - room <= np.maximum(width, 0))
+    start, e, f = start[keep], e[keep], f[keep]
+    return np.stack([start, start + e, start + e - f, start - f], axis=1)
+
+
+def _pieces(quads: Floats, box: Box) -> NDArray[np.object_]:
+    """Pieces of the box that no parallelogram covers."""
+    window = shapely.box(*box)
+    if len(quads):
+        window = shapely.difference(window, shapely.union_all(shapely.polygons(quads)))
+    pieces = shapely.get_parts(window)
+    return pieces[shapely.get_type_id(pieces) == shapely.GeometryType.POLYGON]
+
+
+def _free(pair: Meeting, phi: float, piece: shapely.Polygon) -> bool:
+    """One point decides; a piece too thin to hold one is rounding."""
+    if piece.area <= SPECK * pair.clearance * piece.length:
+        return False
+    spot = shapely.get_coordinates(shapely.point_on_surface(piece))
+    a, b = pair.material
+    moved = shapely.transform(b, lambda p: turn(p, np.array([phi])) + spot)
+    return not shapely.intersects(a, moved)
+
+
+@dataclass(frozen=True, eq=False)
+class March:
+    """Slices from one end of the free space to the other.
+
+    Parameters
+    ----------
+    pair : Meeting
+    slices : tuple of Slice
+        By angle; each overlaps the next.
+    ends : (low, high) [rad]
+    full : bool
+        True where B can turn all the way round.
+    limit : float [mm]
+        Half the side of the window; infinite where the free space is closed.
+    """
+
+    pair: Meeting
+    slices: tuple[Slice, ...]
+    ends: tuple[float, float]
+    full: bool
+    limit: float
+
+    def at(self, phi: float) -> Slice | None:
+        """Slice at any turn between the ends [rad]."""
+        k = bisect([s.angle for s in self.slices], phi)
+        beside = [s.region for s in self.slices[max(k - 1, 0) : k + 1]]
+        return slice_near(self.pair, phi, shapely.union_all(beside), self.limit)
+
+
+def march(pair: Meeting, reach: float) -> March:
+    """Follow the free space from rest both ways until it ends.
+
+    Parameters
+    ----------
+    pair : Meeting
+    reach : float [mm]
+        Half the side of the window to keep to where the free space is open.
+
+    Raises
+    ------
+    ValueError
+        If rest is not free.
+
+    Examples
+    --------
+    >>> pair = meeting(shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9))
+    >>> round(march(pair, reach=1.0).ends[1], 6)  # 0.9 (cos + sin) = 1
+    0.11799
+    """
+    for limit in (np.inf, reach):
+        rest = slice_near(pair, 0.0, shapely.Point(0, 0), limit)
+        if rest is None:
+            raise ValueError("rest is not free")
+        if limit == np.inf and not rest.closed:
+            continue
+        up = _followed(pair, rest, 2 * np.pi, limit)
+        full = up[-1].angle >= 2 * np.pi
+        down = [rest] if full else _followed(pair, rest, up[-1].angle - 2 * np.pi, limit)
+        slices = _folded_back(pair, [*down[:0:-1], *up], limit)
+        if limit < np.inf or all(s.closed for s in slices):
+            break
+    return March(pair, tuple(slices), (slices[0].angle, slices[-1].angle), full, limit)
+
+
+def _followed(pair: Meeting, rest: Slice, goal: float, limit: float) -> list[Slice]:
+    """Slices from rest towards the turn `goal`, closer together where they change quickly and at the end."""
+    found = [rest]
+    step = float(np.sign(goal)) * min(pair.clearance / (4 * pair.radius), WIDEST_STEP)
+    while abs(step) > END and found[-1].angle != goal:
+        here = found[-1]
+        there = min(here.angle + step, goal) if goal > 0 else max(here.angle + step, goal)
+        beside = slice_near(pair, there, here.region, limit)
+        if beside is None or not _overlap_well(here, beside):
+            step /= 2
+            continue
+        found.append(beside)
+        if limit == np.inf and not beside.closed:
+            break
+        step = float(np.clip(1.5 * step, -WIDEST_STEP, WIDEST_STEP))
+    return found
+
+
+def _overlap_well(one: Slice, other: Slice) -> bool:
+    """True where two slices share a good part of the smaller one."""
+    return float(shapely.area(shapely.intersection(one.region, other.region))) > 0.3 * min(one.area, other.area)
+
+
+def _folded_back(pair: Meeting, slices: list[Slice], limit: float) -> list[Slice]:
+    """Add pieces that are reached only by turning further and coming back; their neighbours in turn until nothing is gained."""
+    slices = list(slices)
+    for order in (range(len(slices) - 2, -1, -1), range(1, len(slices))):
+        for k in order:
+            mine = slices[k]
+            beside = slices[k + 1 if order.step < 0 else k - 1]
+            if abs(beside.angle - mine.angle) < 100 * END or not _sticks_out(beside, mine):
+                continue
+            wider = slice_near(pair, mine.angle, shapely.union_all([mine.region, beside.region]), limit)
+            if wider is not None and wider.area > mine.area * (1 + 1e-9):
+                slices[k] = wider
+    return slices
+
+
+def _sticks_out(one: Slice, other: Slice) -> bool:
+    """True where a good part of `one` lies outside `other`: only then may a second piece be near."""
+    return float(shapely.area(shapely.difference(one.region, other.region))) > 1e-3 * one.area

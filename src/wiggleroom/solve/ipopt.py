@@ -1,0 +1,272 @@
+"""IPOPT through CasADi: the paper's solver, and an independent check of ours.
+
+The program is written down once more as CasADi expressions, so first and second derivatives come from CasADi, not from our kernels.
+
+Source: Mind the Gap, section 4.4; IPOPT: Waechter and Biegler, "On the implementation of an interior-point filter line-search algorithm"
+(2006).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import InputError, MissingExtraError
+from wiggleroom.program import kernel
+from wiggleroom.program.build import Program
+from wiggleroom.program.objectives import PointMotion
+from wiggleroom.solve.interior_point import Solution, Stop
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SHARPER = 1e-2
+"""IPOPT bounds each complementarity, ours their sum: its tolerance is this share of ours."""
+MOST_ITERATIONS = 1000
+
+
+def solve(
+    program: Program,
+    start: Floats | None = None,
+    *,
+    lam: Floats | None = None,
+    mu: float = 0.1,
+    tolerance: float = 1e-7,
+    horizon: float = np.inf,
+    stop: Stop | None = None,
+    progress: Callable[[int, float], None] | None = None,
+) -> Solution:
+    """Largest objective from a point strictly inside all rows.
+
+    Parameters
+    ----------
+    program : Program
+    start : (3F,) float64, optional
+        Strictly inside all rows; by default rest.
+    lam : (R,) float64, optional
+        First multipliers, nan where unknown.
+    mu : float
+        First complementarity, in units of the scaled objective.
+    tolerance : float
+        Share of the objective that may be left on the table.
+    horizon : float [mm]
+        A body that moves further than this is taken to escape.
+    stop, progress : optional
+        Asked and told (iteration, objective) every iteration.
+
+    Returns
+    -------
+    Solution
+
+    Raises
+    ------
+    MissingExtraError
+        If CasADi is not installed.
+    InputError
+        If the objective is of a kind that has no CasADi expression.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.01), solver="ipopt")
+    >>> round(answer.objective, 4)
+    0.0261
+    """
+    casadi = _casadi()
+    u = np.zeros(len(program.scale)) if start is None else start
+    at = program.linearise(u)
+    unit = float(np.abs(at.gradient).max()) or 1.0
+    watch = _Watch(program, unit, u, horizon, stop, progress)
+    first = np.full(program.rows, np.nan) if lam is None else lam / unit
+    known = ~np.isnan(first)
+    if known.any():
+        mu = max(float(np.maximum(at.h, 0.0)[known] @ first[known]) / int(known.sum()), 1e-9)
+    first = np.where(known, first, mu / np.maximum(at.h, 1e-9))
+    variables, value, rows = _expressions(casadi, program)
+    nlp = {"x": variables, "f": -value / unit, "g": rows}
+    listener = _listener(casadi, watch)
+    solver = casadi.nlpsol("flex", "ipopt", nlp, _options(listener, mu, tolerance, lam is not None))
+    out = solver(x0=u, lbg=0.0, lam_g0=-first)
+    if watch.error is not None:
+        raise watch.error
+    stats = solver.stats()
+    if watch.status:
+        end, end_lam, status = watch.u, watch.lam, watch.status
+    else:
+        end, end_lam = np.array(out["x"]).ravel(), np.maximum(-np.array(out["lam_g"]).ravel(), 0.0)
+        status = "converged" if stats["success"] else "failed"
+    left = _error(program, end, end_lam, unit)
+    return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_lam * unit, tuple(watch.way), left)
+
+
+def _casadi() -> Any:  # noqa: ANN401 - an untyped module
+    """CasADi, imported when it is needed."""
+    try:
+        import casadi
+    except ImportError:
+        message = 'solver "ipopt" needs CasADi: install it with pip install "wiggleroom[ipopt]"'
+        raise MissingExtraError(message) from None
+    return casadi
+
+
+def _options(listener: object, mu: float, tolerance: float, warm: bool) -> dict[str, object]:
+    """Options of CasADi and IPOPT: quiet, sharp, rows never relaxed; a warm start keeps the given multipliers."""
+    options: dict[str, object] = {
+        "iteration_callback": listener,
+        "print_time": False,
+        "ipopt.print_level": 0,
+        "ipopt.sb": "yes",
+        "ipopt.linear_solver": "mumps",
+        "ipopt.nlp_scaling_method": "none",
+        "ipopt.bound_relax_factor": 0.0,
+        "ipopt.tol": SHARPER * tolerance,
+        "ipopt.acceptable_tol": 10 * SHARPER * tolerance,
+        "ipopt.max_iter": MOST_ITERATIONS,
+        "ipopt.mu_init": mu,
+    }
+    if warm:
+        push = dict.fromkeys(("slack_bound_push", "slack_bound_frac", "mult_bound_push"), 1e-9)
+        options |= {"ipopt.warm_start_init_point": "yes", **{f"ipopt.warm_start_{k}": v for k, v in push.items()}}
+    return options
+
+
+def _expressions(casadi: Any, program: Program) -> tuple[Any, Any, Any]:  # noqa: ANN401
+    """Variables u (3F,), objective [mm] and rows (R,) in units of `program.length`, as sparse CasADi expressions."""
+    u = casadi.MX.sym("u", len(program.scale))
+    n, rest = len(program.slot), program.bodies.rest
+    standing = np.flatnonzero(program.slot < 0)
+    order = np.empty((n, 3), dtype=np.int64)  # where each body's motion stands among free ones, then fixed ones
+    order[np.concatenate([program.free, standing])] = np.arange(3 * n).reshape(-1, 3)
+    motion = casadi.vertcat(u * program.scale, casadi.DM.zeros(3 * len(standing)))
+    column = [motion[order[:, k].tolist(), 0] for k in range(3)]
+    value = _objective(casadi, program.objective, column)
+    pose = [column[k] + rest[:, k] for k in range(3)]
+    return u, value, _rows(casadi, program, pose) / program.length
+
+
+def _objective(casadi: Any, objective: object, motion: list) -> Any:  # noqa: ANN401
+    """Objective [mm] as an expression of the motions of all bodies, one column each."""
+    if not isinstance(objective, PointMotion):
+        message = f'solver "ipopt" cannot take the objective "{type(objective).__name__}"; use the solver "interior-point"'
+        raise InputError(message)
+    x, y, angle = (column[objective.body.tolist(), 0] for column in motion)
+    c, s = casadi.cos(angle), casadi.sin(angle)
+    (dx, dy), (px, py) = objective.direction.T, objective.arm.T
+    moved = dx * (x + c * px - s * py - px) + dy * (y + s * px + c * py - py)
+    return casadi.sum1(moved + objective.turn * angle)
+
+
+def _rows(casadi: Any, program: Program, pose: list) -> Any:  # noqa: ANN401
+    """Rows (R,) [mm] as an expression of the poses of all bodies, one column each.
+
+    Source: Mind the Gap, Eq. (2), corrected, and (4); walls instead of the hull.
+    """
+    a, b = program.cells.a.tolist(), program.cells.b.tolist()
+    c, s = casadi.cos(pose[2][a, 0]), casadi.sin(pose[2][a, 0])
+    x, y = pose[0][b, 0] - pose[0][a, 0], pose[1][b, 0] - pose[1][a, 0]
+    psi = pose[2][b, 0] - pose[2][a, 0]
+    pair, sees = program.cells.pair, (c * x + s * y, c * y - s * x, psi, casadi.cos(psi), casadi.sin(psi))
+    parts, places = [], []
+    for kind in (kernel.A_EDGE, kernel.B_EDGE, kernel.LOW, kernel.HIGH):
+        k = np.flatnonzero(program.kind == kind)
+        if len(k):
+            parts.append(_of_kind(kind, [e[pair[k].tolist(), 0] for e in sees], program, k))
+            places.append(k)
+    back = np.argsort(np.concatenate(places))
+    return casadi.vertcat(*parts)[back.tolist(), 0]
+
+
+def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:  # noqa: ANN401
+    """Rows k, all of one kind, where B is seen at `sees`: x, y, angle, its cosine and sine."""
+    x, y, psi, c, s = sees
+    (nx, ny), (vx, vy), off = program.normal[k].T, program.corner[k].T, program.off[k]
+    if kind == kernel.A_EDGE:
+        return nx * (x + c * vx - s * vy) + ny * (y + s * vx + c * vy) - off
+    if kind == kernel.B_EDGE:
+        return nx * (c * (vx - x) + s * (vy - y)) + ny * (c * (vy - y) - s * (vx - x)) - off
+    return nx * (psi - off) if kind == kernel.LOW else nx * (off - psi)
+
+
+@dataclass(eq=False)
+class _Watch:
+    """What is kept from the iterations, and the reasons to end them."""
+
+    program: Program
+    unit: float
+    u: Floats
+    horizon: float
+    stop: Stop | None
+    progress: Callable[[int, float], None] | None
+    iteration: int = -1
+    status: str = ""
+    error: BaseException | None = None
+    lam: Floats = field(init=False)
+    inner: Floats = field(init=False)
+    inner_lam: Floats = field(init=False)
+    way: list[Floats] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        """Begin at the start."""
+        self.inner, self.lam = self.u, np.zeros(self.program.rows)
+        self.inner_lam = self.lam
+
+    def see(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:
+        """Look at one iterate: value and multipliers in units of the scaled objective; True to go on."""
+        self.iteration += 1
+        self.u, self.lam = u, lam
+        if self.progress is not None:
+            self.progress(self.iteration, value * self.unit)
+        inside = h.min(initial=np.inf) > 0
+        if inside:
+            self.way.append(u)
+            if len(self.way) == 1 or h @ lam > 1e-3 * max(abs(value), 1.0):
+                self.inner, self.inner_lam = u, lam
+        if self.stop is not None and self.stop.is_set():
+            self.status = "stopped"
+        elif inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon:
+            self.status = "escaping"
+        return not self.status
+
+
+def _listener(casadi: Any, watch: _Watch) -> object:  # noqa: ANN401
+    """CasADi's iteration callback, which hands every iterate to `watch`."""
+    sizes = {"x": len(watch.program.scale), "f": 1, "g": watch.program.rows}
+    sizes |= {"lam_x": sizes["x"], "lam_g": sizes["g"], "lam_p": 0}
+
+    class Listener(casadi.Callback):
+        """Input: what `nlpsol` puts out; output: other than 0 to end."""
+
+        def __init__(self) -> None:
+            casadi.Callback.__init__(self)
+            self.construct("listener", {})
+
+        def get_n_in(self) -> int:
+            return casadi.nlpsol_n_out()
+
+        def get_n_out(self) -> int:
+            return 1
+
+        def get_sparsity_in(self, i: int) -> object:
+            return casadi.Sparsity.dense(sizes[casadi.nlpsol_out(i)], 1)
+
+        def eval(self, arguments: list) -> list[int]:
+            x, f, g, _, lam, _ = (np.array(a).ravel() for a in arguments)
+            try:
+                return [0 if watch.see(x, -float(f[0]), g, np.maximum(-lam, 0.0)) else 1]
+            except BaseException as error:  # noqa: BLE001 - raised again once IPOPT has let go
+                watch.error = error
+                return [1]
+
+    return Listener()
+
+
+def _error(program: Program, u: Floats, lam: Floats, unit: float) -> float:
+    """Largest of complementarity, violation and dual residual, in units of the objective."""
+    at = program.linearise(u)
+    gap, infeasible = float(lam @ np.maximum(at.h, 0.0)), float(lam @ np.maximum(-at.h, 0.0))
+    wrong = float(np.abs(at.gradient / unit + at.against(lam)).max(initial=0.0))
+    return max(gap, infeasible, wrong) / max(abs(at.value) / unit, 1.0)
