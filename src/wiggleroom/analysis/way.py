@@ -11,6 +11,7 @@ from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
 from wiggleroom.program.retract import Retraction
+from wiggleroom.solve.factor import factor
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -45,13 +46,31 @@ def checked_way(program: Program, retraction: Retraction, points: tuple[Floats, 
         u, at_u, v, at_v, depth = todo.pop()
         if _least(at_u, at_v, _curvature(program, u, v)) < -slack:
             if depth < MOST_SPLITS and sure:
-                middle = retraction.between(u, v)
+                middle = _middle(program, retraction, u, v, (at_u + at_v) / (2 * program.length))
                 between = program.values(middle) * program.length
                 todo += [(middle, between, v, at_v, depth + 1), (u, at_u, middle, between, depth + 1)]
                 continue
             sure = False
         out.append(v)
     return out, sure
+
+
+def _middle(program: Program, retraction: Retraction, u: Floats, v: Floats, target: Floats) -> Floats:
+    """A point half way between two, moved until its rows are about `target` (R,), the mean of theirs, where they fell behind."""
+    middle = retraction.between(u, v)
+    target = np.maximum(target, 1e-12)
+    matrix = factor(program.pattern)
+    for _ in range(3):
+        at = program.linearise(middle)
+        short = np.maximum(target - at.h, 0.0)
+        if (short <= target / 2).all():
+            break
+        weight = 1.0 / target**2
+        shift = 1e-6
+        while not matrix.update(at.condensed(weight, np.zeros_like(weight)), shift):
+            shift *= 100
+        middle = retraction.step(middle, matrix.solve(at.against(weight * short)), at)
+    return middle
 
 
 def _least(one: Floats, other: Floats, curvature: Floats) -> float:
@@ -120,10 +139,35 @@ def strangers(bodies: Bodies, motions: Floats, known: Ints, barred: Ints) -> tup
         a, b = a[keep], b[keep]
         passing = _passing(bodies, motions[k : k + many + 1], a, b)
         near = shapely.distance(geometry[a], geometry[b]) <= passing
-        found.append(a[near] * n + b[near])
+        a, b = a[near], b[near]
+        for piece in range(k, k + many):
+            if len(a):
+                a, b = _uncertain(bodies, motions[piece], motions[piece + 1], a, b, found, n)
         k += many
     keys = np.unique(np.concatenate(found)) if found else np.zeros(0, dtype=np.int64)
     return keys // n, keys % n
+
+
+def _uncertain(
+    bodies: Bodies, one: Floats, other: Floats, a: Ints, b: Ints, found: list[Ints], n: int, depth: int = 0
+) -> tuple[Ints, Ints]:
+    """Note in `found` the pairs that may meet on one piece, halving it where needed; returns the others."""
+    room = _distance(bodies, one, a, b) + _distance(bodies, other, a, b)
+    doubt = room <= _passing(bodies, np.array([one, other]), a, b)
+    x, y = a[doubt], b[doubt]
+    if len(x) and depth < MOST_SPLITS:
+        middle = (one + other) / 2
+        x, y = _uncertain(bodies, one, middle, x, y, found, n, depth + 1)
+        x, y = _uncertain(bodies, middle, other, x, y, found, n, depth + 1)
+    else:
+        found.append(x * n + y)
+        x, y = x[:0], y[:0]
+    return np.concatenate([a[~doubt], x]), np.concatenate([b[~doubt], y])
+
+
+def _distance(bodies: Bodies, motion: Floats, a: Ints, b: Ints) -> Floats:
+    geometry = placed(bodies, motion, np.unique(np.concatenate([a, b])))
+    return shapely.distance(geometry[a], geometry[b])
 
 
 def _passing(bodies: Bodies, motions: Floats, a: Ints, b: Ints) -> Floats:

@@ -31,13 +31,13 @@ class Pairs:
     clearance: Floats
 
 
-def placed(bodies: Bodies, motion: Floats | None = None) -> NDArray[np.object_]:
-    """Material of every body as a shapely geometry, at rest or moved by `motion` (n, 3) [mm, mm, rad]."""
+def placed(bodies: Bodies, motion: Floats | None = None, only: Ints | None = None) -> NDArray[np.object_]:
+    """Material of every body (or of `only` some) as shapely geometries (n,), at rest or moved by `motion` (n, 3) [mm, mm, rad]."""
     pose = bodies.rest if motion is None else bodies.rest + motion
     shapes = bodies.shapes
     out = np.empty(len(pose), dtype=object)
     for s, rings in enumerate(bodies.outlines):
-        who = np.flatnonzero(bodies.shape == s)
+        who = np.flatnonzero(bodies.shape == s) if only is None else only[bodies.shape[only] == s]
         if not len(who):
             continue
         c, sn = np.cos(pose[who, 2])[:, None], np.sin(pose[who, 2])[:, None]

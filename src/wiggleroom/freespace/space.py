@@ -1,0 +1,206 @@
+"""The free space of one pair of parts, as a union of cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numba import njit
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.statements import unknown
+from wiggleroom.errors import InputError, TouchingError
+from wiggleroom.freespace.cells import Cells
+from wiggleroom.freespace.cover import cover
+from wiggleroom.freespace.kernel import OPTIONS
+from wiggleroom.freespace.relative import Relative, relate, turn
+from wiggleroom.freespace.slices import Slice, march, meeting
+from wiggleroom.pairs.neighbours import placed
+from wiggleroom.pairs.shapes import Bodies, bodies
+
+Floats = NDArray[np.float64]
+
+TOUCHING = 1e-6
+"""A clearance below this share of the drawing's size counts as touching."""
+REACH = 10.0
+"""Open free spaces are worked out this many clearances far, though no further than the larger part's radius."""
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSpace:
+    """All relative motions of part b against part a that are free of overlap and connected to rest.
+
+    Relative motions are (tau, phi): where part b's reference point is in part a's frame and how far b is turned against a, less the same
+    at rest. Parts glued to a or b count as their material.
+
+    Parameters
+    ----------
+    parts : (a, b)
+        Names.
+    cells : Cells
+        Regions free of overlap that together cover the space, in relative poses of the bodies.
+    slices : tuple of Slice [mm]
+        Exact slices, evenly spaced over the angles; regions of tau.
+    coverage : float
+        Share of the slices' volume that the cells cover.
+    angles : (low, high) [rad]
+        Range of phi.
+    closed : bool
+        True where the space ends on all sides: the parts hold each other, whatever the others do.
+    reach : float [mm]
+        Where the space is open, it is worked out only as far as the `pivot` moves no further than this from rest, in x and in y of part
+        a's frame; infinite where it is closed.
+    pivot : (2,) float64 [mm]
+        That point of b, from b's reference point, in the axes of a's frame at rest: the middle of the material of b near a.
+    """
+
+    parts: tuple[str, str]
+    cells: Cells
+    slices: tuple[Slice, ...]
+    coverage: float
+    angles: tuple[float, float]
+    closed: bool
+    reach: float
+    pivot: Floats
+    _bodies: Bodies
+    _relation: Relative
+    _full: bool
+
+    @property
+    def rows(self) -> int:
+        """Walls of all cells, the ends of their angle intervals not counted."""
+        return int((self.cells.kind < 2).sum())
+
+    def contains(self, relative: Floats) -> NDArray[np.bool_]:
+        """Which relative motions lie in the space.
+
+        Parameters
+        ----------
+        relative : (k, 3) float64 [mm, mm, rad]
+
+        Returns
+        -------
+        (k,) bool
+            True only where the parts do not overlap; False also for the small share of the space that no cell covers.
+        """
+        motion = np.asarray(relative, dtype=float)
+        if motion.ndim != 2 or motion.shape[1] != 3:
+            raise InputError(f"relative motions have shape {motion.shape}: they must be (k, 3), x, y [mm] and turn [rad]")
+        shift = self._relation.shift(motion)
+        pose = self._relation.pose(shift, motion[:, 2])
+        inside = np.abs(shift).max(axis=1, initial=0.0) <= self.reach
+        shapes, cells = self._bodies.shapes, self.cells
+        walls = cells.kind < 2
+        row = np.concatenate([[0], np.cumsum(walls)])[cells.row]
+        edge = cells.edge[walls]
+        normal, start, corner = shapes.normal[edge], shapes.corner[edge], shapes.corner[cells.corner[walls]]
+        return inside & _in_any(pose, row, cells.kind[walls], normal, start, corner, cells.ends, self._full)
+
+
+@njit(**OPTIONS)
+def _in_any(pose, row, kind, normal, start, corner, ends, full):
+    """Whether each relative pose lies in any of the cells."""
+    out = np.zeros(len(pose), dtype=np.bool_)
+    for k in range(len(pose)):
+        x, y, psi = pose[k]
+        c, s = np.cos(psi), np.sin(psi)
+        for cell in range(len(ends)):
+            low, high = ends[cell]
+            past = np.remainder(psi - low, 2 * np.pi) if full else psi - low
+            if not 0.0 <= past <= high - low:
+                continue
+            good = True
+            for r in range(row[cell], row[cell + 1]):
+                if kind[r] == 0:
+                    px = c * corner[r, 0] - s * corner[r, 1] + x - start[r, 0]
+                    py = s * corner[r, 0] + c * corner[r, 1] + y - start[r, 1]
+                else:
+                    ux, uy = corner[r, 0] - x, corner[r, 1] - y
+                    px, py = c * ux + s * uy - start[r, 0], -s * ux + c * uy - start[r, 1]
+                if not normal[r, 0] * px + normal[r, 1] * py >= 0.0:
+                    good = False
+                    break
+            if good:
+                out[k] = True
+                break
+    return out
+
+
+def free_space(assembly: Assembly, a: str, b: str, model: str = "walls") -> FreeSpace:
+    """Free space of two parts, the others left out.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    a, b : str
+        Names of two parts that are not glued to each other.
+    model : str
+        "walls": cells that never overlap.
+
+    Raises
+    ------
+    InputError
+        If there is no such part or model, or the two never meet.
+    TouchingError
+        If the two touch at rest.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import wiggleroom as wr
+    >>> space = wr.free_space(wr.patterns.chain(2, joint="tee", gap=0.01), "b1", "b2")
+    >>> space.closed, round(space.angles[1], 4)
+    (True, 0.0317)
+    >>> space.contains(np.array([[0.0, 0.009, 0.0], [0.0, 0.011, 0.0]]))
+    array([ True, False])
+
+    Source: Mind the Gap, section 4.1; exact walls instead of the hull of three slices.
+    """
+    them = bodies(assembly)
+    one, other = _bodies_of(assembly, them, a, b, model)
+    material = placed(them)[[one, other]]
+    apart = float(shapely.distance(*material))
+    if apart < TOUCHING * assembly.size:
+        finding = (
+            f'{assembly.drawing.source or "the assembly"}: parts "{a}" and "{b}" touch at rest, clearance {apart:.3g} mm; '
+            "there is no room to move: give a gap"
+        )
+        raise TouchingError(finding, (a, b), apart)
+    near = shapely.intersection(material[1], shapely.buffer(material[0], 2 * apart))
+    pivot = shapely.get_coordinates(shapely.centroid(near))[0]
+    at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in (a, b))
+    relation = relate(at_a, at_b, them.rest[one], them.rest[other], pivot)
+    own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
+    space = march(meeting(own[0], own[1]), min(REACH * apart, float(them.radius[[one, other]].max())))
+    covered = cover(them, (one, other), relation, space)
+    return FreeSpace(
+        (a, b), covered.cells, tuple(_about_reference(s, relation) for s in covered.slices), covered.coverage, space.ends,
+        space.limit == np.inf, space.limit, -relation.point, them, relation, space.full,
+    )  # fmt: skip
+
+
+def _about_reference(one: Slice, relation: Relative) -> Slice:
+    """The same slice as motions of part b's reference point."""
+    swing = relation.swing(np.array([one.angle]))
+    return replace(one, region=shapely.transform(one.region, lambda p: p + swing))
+
+
+def _bodies_of(assembly: Assembly, them: Bodies, a: str, b: str, model: str) -> tuple[int, int]:
+    """Rows of the bodies of two parts that can meet."""
+    wrong = [unknown(name, assembly.names) for name in dict.fromkeys((a, b)) if name not in assembly.names]
+    if model != "walls":
+        wrong.append(f'there is no model "{model}": choose walls')
+    if wrong:
+        raise InputError(wrong)
+    if a == b:
+        raise InputError(f'"{a}" is named twice: a free space is that of two parts')
+    one, other = (int(them.body_of[assembly.names.index(name)]) for name in (a, b))
+    if one == other:
+        raise InputError(f'parts "{a}" and "{b}" are glued: they move as one; name two parts that can move against each other')
+    members = [{assembly.names[p] for p in them.members[k]} for k in (one, other)]
+    for p, q in assembly.drawing.ignore:
+        if (p in members[0] and q in members[1]) or (q in members[0] and p in members[1]):
+            raise InputError(f'parts "{p}" and "{q}" never collide ("ignore"): every motion of theirs is free')
+    return one, other

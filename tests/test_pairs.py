@@ -1,0 +1,270 @@
+"""Bodies, shapes they share, pairs that can meet, and classes of congruent pairs."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+import shapely
+from shapely import affinity
+
+from wiggleroom.assembly import patterns
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.drawing.model import Drawing, Part, Region
+from wiggleroom.freespace.cells import grow_cells
+from wiggleroom.pairs.neighbours import classes, neighbours, placed, relative_rest
+from wiggleroom.pairs.shapes import bodies
+
+REACH = 0.03
+NONE = np.zeros(0, dtype=np.int64)
+
+
+def ring(*corners):
+    return np.array(corners, dtype=float)
+
+
+def box(x0, y0, x1, y1):
+    return ring((x0, y0), (x1, y0), (x1, y1), (x0, y1))
+
+
+PLATE = Region(box(-2, -1, 2, 1), (box(-1.5, -0.5, -0.5, 0.5)[::-1], box(0.5, -0.5, 1.5, 0.5)[::-1]))
+WEDGE = Region(ring((0, 0), (1, 0.2), (0.3, 0.9)))
+
+
+def moved(assembly: Assembly, angle: float = np.radians(37), away=(2500.0, -1800.0), seed: int = 0) -> Assembly:
+    """The same parts, turned and moved as a whole, every outline stored in a turned and shifted frame of its own."""
+    random = np.random.default_rng(seed)
+
+    def one(part: Part) -> Part:
+        turn, dx, dy = random.uniform((-3, -5, -5), (3, 5, 5))
+        store = lambda points: place(points - (dx, dy), (0.0, 0.0, -turn))  # noqa: E731
+        regions = tuple(Region(store(r.outer), tuple(map(store, r.holes))) for r in part.regions)
+        origin = place(place(np.array([[dx, dy]]), part.at), (*away, angle))[0]
+        return replace(part, regions=regions, at=(*origin, part.at[2] + turn + angle))
+
+    parts = tuple(map(one, assembly.parts))
+    return Assembly(parts, replace(assembly.drawing, parts=parts))
+
+
+def material(assembly: Assembly) -> list[shapely.Geometry]:
+    """Every part where it lies, by shapely's own transforms."""
+    out = []
+    for part in assembly.parts:
+        piece = shapely.union_all([shapely.Polygon(r.outer, r.holes) for r in part.regions])
+        turned = affinity.rotate(piece, part.at[2], origin=(0, 0), use_radians=True)
+        out.append(affinity.translate(turned, *part.at[:2]))
+    return out
+
+
+def plain(*parts: Part, **roles) -> Assembly:
+    return assemble(Drawing(parts, **roles))
+
+
+def mixed() -> Assembly:
+    """Holes, several regions, glue, turned parts, one shape in several frames."""
+    return plain(
+        Part("plate", (PLATE,), (0.0, 0.0, 0.4), fixed=True),
+        Part("two", (Region(box(0, 0, 1, 1)), Region(box(2, 0, 3, 1))), (5.0, 3.0, -1.1)),
+        Part("plate again", (PLATE,), (10.0, 0.0, 2.0)),
+        Part("wedge", (WEDGE,), (0.0, 5.0, 0.0)),
+        Part("wedge again", (WEDGE,), (2.0, 5.0, 3.0)),
+        Part("loose", (WEDGE,), (-4.0, 5.0, 1.0)),
+        glue=(("wedge", "wedge again"),),
+    )
+
+
+ASSEMBLIES = {
+    "tees": lambda: patterns.grid(4, 3),
+    "jigsaw": lambda: patterns.jigsaw(3, 3, seed=2),
+    "revolute chain": lambda: patterns.chain(5, "revolute", 0.02),
+    "mixed": mixed,
+}
+each = pytest.mark.parametrize("name", ASSEMBLIES)
+anywhere = pytest.mark.parametrize("change", [lambda a: a, moved], ids=["as it is", "moved"])
+
+
+@each
+@anywhere
+def test_placed_is_the_material_of_the_parts(name, change):
+    assembly = change(ASSEMBLIES[name]())
+    them = bodies(assembly)
+    wanted = material(assembly)
+    for members, found in zip(them.members, placed(them), strict=True):
+        assert shapely.is_valid(found)
+        assert shapely.symmetric_difference(found, shapely.union_all([wanted[p] for p in members])).area < 1e-9
+
+
+@each
+@anywhere
+def test_placed_moves_bodies_about_their_own_origin(name, change):
+    them = bodies(change(ASSEMBLIES[name]()))
+    motion = np.random.default_rng(1).uniform(-1, 1, (len(them.fixed), 3))
+    for before, after, rest, (dx, dy, angle) in zip(placed(them), placed(them, motion), them.rest, motion, strict=True):
+        turned = affinity.rotate(before, angle, origin=tuple(rest[:2]), use_radians=True)
+        assert shapely.symmetric_difference(after, affinity.translate(turned, dx, dy)).area < 1e-9
+
+
+@each
+def test_frames_and_places_do_not_change_shapes_and_classes(name):
+    assembly = ASSEMBLIES[name]()
+    one, other = bodies(assembly), bodies(moved(assembly))
+    np.testing.assert_array_equal(one.shape, other.shape)
+    assert one.members == other.members
+    np.testing.assert_allclose(one.shapes.radius, other.shapes.radius, rtol=1e-9)
+    np.testing.assert_allclose(one.shapes.corner, other.shapes.corner, atol=1e-9)
+    found = [neighbours(them, placed(them), 1.5, barred=NONE) for them in (one, other)]
+    np.testing.assert_array_equal(found[0].a, found[1].a)
+    np.testing.assert_array_equal(found[0].b, found[1].b)
+    np.testing.assert_allclose(found[0].clearance, found[1].clearance, atol=1e-9)
+    a, b = found[0].a, found[0].b
+    poses = [relative_rest(them, a, b) for them in (one, other)]
+    np.testing.assert_allclose(poses[0][:, :2], poses[1][:, :2], atol=1e-9)
+    np.testing.assert_allclose(np.exp(1j * poses[0][:, 2]), np.exp(1j * poses[1][:, 2]), atol=1e-9)
+    labels = [classes(them, a, b, pose)[1] for them, pose in zip((one, other), poses, strict=True)]
+    same = [label[:, None] == label[None, :] for label in labels]
+    np.testing.assert_array_equal(*same)
+
+
+def test_copies_in_all_frames_share_shapes_and_classes_in_one_assembly():
+    region = patterns.grid(2, 1).parts[0].regions
+    here = [Part(f"a{k}", region, (float(k), 0.0, 0.0), fixed=k == 0) for k in range(2)]
+    loose = Assembly(tuple(here), Drawing(tuple(here)))
+    there = [replace(p, name=p.name + "'", fixed=False) for p in moved(loose).parts]
+    both = (*here, *there)
+    them = bodies(Assembly(both, Drawing(both)))
+    assert set(them.shape) == {0}
+    pose = relative_rest(them, np.array([0, 2]), np.array([1, 3]))
+    first, label = classes(them, np.array([0, 2]), np.array([1, 3]), pose)
+    assert len(first) == 1
+    assert label.tolist() == [0, 0]
+
+
+def test_mirrored_scaled_and_pierced_copies_are_other_shapes():
+    flipped = Region(WEDGE.outer[::-1] * (-1, 1))
+    larger = Region(WEDGE.outer * (1 + 1e-8))
+    pierced = Region(box(-2, -1, 2, 1), PLATE.holes[:1])
+    regions = [WEDGE, flipped, larger, PLATE, pierced, Region(PLATE.outer)]
+    parts = tuple(Part(f"p{k}", (r,), (10.0 * k, 0.0, 0.0), fixed=k == 0) for k, r in enumerate(regions))
+    assert len(set(bodies(Assembly(parts, Drawing(parts))).shape)) == len(regions)
+
+
+@pytest.mark.parametrize("corners", [3, 4, 7])
+def test_symmetric_shapes_are_shared_in_whatever_frame(corners):
+    angles = 2 * np.pi * np.arange(corners) / corners
+    outer = np.column_stack([np.cos(angles), np.sin(angles)])
+    parts = tuple(
+        Part(f"p{k}", (Region(np.roll(place(outer, (k * 0.3, -k, 0.37 * k)), k, axis=0)),), (9.0 * k, 0.0, 0.2 * k)) for k in range(6)
+    )
+    assert set(bodies(Assembly(parts, Drawing(parts))).shape) == {0}
+
+
+def test_glue_makes_one_body():
+    assembly = mixed()
+    them = bodies(assembly)
+    assert them.members == ((0,), (1,), (2,), (3, 4), (5,))
+    assert them.body_of.tolist() == [0, 1, 2, 3, 3, 4]
+    assert them.fixed.tolist() == [True, False, False, False, False]
+    assert them.shape[0] == them.shape[2]
+    assert len(set(them.shape)) == 4
+    rows = slice(them.shapes.first[them.shape[3]], them.shapes.first[them.shape[3] + 1])
+    assert them.shapes.member[rows].tolist() == [0, 0, 0, 1, 1, 1]
+
+
+def test_glue_passes_on_and_one_fixed_part_fixes_all():
+    parts = tuple(Part(f"p{k}", (WEDGE,), (3.0 * k, 0.0, 0.0), fixed=k == 4) for k in range(6))
+    them = bodies(plain(*parts, glue=(("p5", "p2"), ("p4", "p2"), ("p0", "p1"))))
+    assert them.members == ((0, 1), (2, 4, 5), (3,))
+    assert them.fixed.tolist() == [False, True, False]
+
+
+def test_edges_have_material_on_their_left():
+    for name in ASSEMBLIES:
+        them = bodies(ASSEMBLIES[name]())
+        shapes = them.shapes
+        middle = (shapes.corner + shapes.corner[shapes.after]) / 2
+        for s in range(len(shapes.radius)):
+            who = int(np.flatnonzero(them.shape == s)[0])
+            solid = placed(them)[who]
+            for k in range(shapes.first[s], shapes.first[s + 1]):
+                tip = place((middle[k] + 1e-5 * shapes.normal[k])[None], tuple(them.rest[who]))[0]
+                root = place((middle[k] - 1e-5 * shapes.normal[k])[None], tuple(them.rest[who]))[0]
+                assert not shapely.contains_xy(solid, *tip)
+                assert shapely.contains_xy(solid, *root)
+
+
+@pytest.mark.parametrize(("nx", "ny"), [(2, 2), (4, 3), (7, 5)])
+@anywhere
+def test_a_grid_of_tees_has_four_classes_of_pairs(nx, ny, change):
+    them = bodies(change(patterns.grid(nx, ny)))
+    near = neighbours(them, placed(them), REACH, barred=NONE)
+    first, label = classes(them, near.a, near.b, relative_rest(them, near.a, near.b))
+    beside, above, diagonal = (nx - 1) * ny, nx * (ny - 1), (nx - 1) * (ny - 1)
+    assert len(first) == 4
+    assert sorted(np.bincount(label)) == sorted([beside, above, diagonal, diagonal])
+    step = np.column_stack([near.b % nx - near.a % nx, near.b // nx - near.a // nx])
+    for k in range(4):
+        assert len(np.unique(step[label == k], axis=0)) == 1
+        assert label[first[k]] == k
+
+
+def test_different_pieces_are_different_classes():
+    them = bodies(patterns.jigsaw(4, 4))
+    near = neighbours(them, placed(them), REACH, barred=NONE)
+    assert len(classes(them, near.a, near.b, relative_rest(them, near.a, near.b))[0]) == len(near.a)
+
+
+def test_turning_once_round_is_the_same_class():
+    them = bodies(patterns.chain(3))
+    a, b = np.array([0, 1, 0, 0]), np.array([1, 2, 1, 1])
+    pose = relative_rest(them, a, b) + np.array([[0, 0, 0], [0, 0, 2 * np.pi], [0, 0, -2 * np.pi], [0, 0, 1e-3]])
+    assert classes(them, a, b, pose)[1][:3].tolist() == [0, 0, 0]
+    assert classes(them, a, b, pose)[1][3] != 0
+
+
+@each
+@pytest.mark.parametrize("reach", [0.0, 0.012, 0.5, 3.0])
+def test_neighbours_are_all_pairs_within_reach(name, reach):
+    them = bodies(ASSEMBLIES[name]())
+    solid = placed(them)
+    found = neighbours(them, solid, reach, barred=NONE)
+    wanted = {(i, j): shapely.distance(solid[i], solid[j]) for i, j in combinations(range(len(solid)), 2)}
+    wanted = {pair: d for pair, d in wanted.items() if d <= reach and not them.fixed[list(pair)].all()}
+    assert dict(zip(zip(found.a, found.b, strict=True), found.clearance, strict=True)) == pytest.approx(wanted)
+    assert list(zip(found.a, found.b, strict=True)) == sorted(wanted)
+
+
+def test_barred_pairs_are_left_out():
+    them = bodies(patterns.grid(3, 3))
+    solid = placed(them)
+    keys = lambda pairs: set(zip(pairs.a.tolist(), pairs.b.tolist(), strict=True))  # noqa: E731
+    every, left = (keys(neighbours(them, solid, REACH, barred=b)) for b in (NONE, np.array([0 * 9 + 1, 4 * 9 + 5])))
+    assert every - left == {(0, 1), (4, 5)}
+    assert left < every
+
+
+def test_fixed_pairs_are_left_out():
+    assembly = patterns.grid(3, 1)
+    parts = tuple(replace(p, fixed=k < 2) for k, p in enumerate(assembly.parts))
+    them = bodies(Assembly(parts, assembly.drawing))
+    near = neighbours(them, placed(them), REACH, barred=NONE)
+    assert list(zip(near.a, near.b, strict=True)) == [(1, 2)]
+
+
+@anywhere
+def test_congruent_pairs_have_the_same_cells(change):
+    """Cells of one pair of a class, grown alone, hold and bound the other pairs of the class just as their own do."""
+    them = bodies(change(patterns.grid(3, 3)))
+    near = neighbours(them, placed(them), REACH, barred=NONE)
+    pose = relative_rest(them, near.a, near.b)
+    _, label = classes(them, near.a, near.b, pose)
+    cells, good = grow_cells(them, near.a, near.b, pose, near.clearance)
+    assert good.all()
+    walls = [np.column_stack([cells.kind, cells.edge, cells.corner])[cells.row[p] : cells.row[p + 1]] for p in range(len(near.a))]
+    for k in range(label.max() + 1):
+        one, *others = np.flatnonzero(label == k)
+        for other in others:
+            np.testing.assert_array_equal(walls[one], walls[other])
+            np.testing.assert_allclose(cells.ends[one], cells.ends[other], atol=1e-7)

@@ -1,0 +1,255 @@
+"""The program: every derivative against finite differences, and steps that respect rotation."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from wiggleroom.assembly import patterns
+from wiggleroom.drawing.model import Pull, Turn, W
+from wiggleroom.pairs.neighbours import relative_rest
+from wiggleroom.program import kernel
+from wiggleroom.program.objectives import TERMS, objective
+from wiggleroom.program.retract import Retraction
+
+from .programs import ASSEMBLIES, first_program
+
+KINDS = {"corner of B": kernel.A_EDGE, "corner of A": kernel.B_EDGE, "angle from": kernel.LOW, "angle to": kernel.HIGH}
+GOALS = {
+    Pull: lambda name: [Pull(name, (0.6, -0.8)), Pull(name, (-3, 1), point=(2.5, -1.2), weight=0.3)],
+    Turn: lambda name: [Turn(name, "ccw", 0.7), Turn(name, "cw", -1.3)],
+    W: lambda name: [W(name, (0.2, -0.4, 1.7), weight=2.0)],
+}
+each_assembly = pytest.mark.parametrize("name", ASSEMBLIES)
+each_seed = pytest.mark.parametrize("seed", [0, 1])
+
+
+@cache
+def program(name):
+    return first_program(ASSEMBLIES[name]())
+
+
+def anywhere(of, seed):
+    """Scaled variables of a random motion: tenths of a part and of a radian, far beyond what is legal, as derivatives must not care."""
+    random = np.random.default_rng(seed)
+    motion = np.zeros((len(of.slot), 3))
+    motion[of.free] = random.uniform(-0.3, 0.3, (len(of.free), 3))
+    return of.variables(motion), random
+
+
+def slope(function, u, step):
+    """Derivative of a function along every variable, (m, 3F), error of fourth order in `step` (3F,)."""
+    columns = []
+    for k in range(len(u)):
+        d = np.zeros_like(u)
+        d[k] = step[k]
+        columns.append((8 * (function(u + d) - function(u - d)) - function(u + 2 * d) + function(u - 2 * d)) / (12 * step[k]))
+    return np.array(columns).T
+
+
+def steps(of):
+    """Steps of a thousandth of a millimetre or radian in scaled variables."""
+    return 1e-3 / of.scale
+
+
+def whole(of, data):
+    """The symmetric matrix of an upper triangle."""
+    upper = sp.csc_matrix((data, of.pattern.indices, of.pattern.indptr), shape=(len(of.scale),) * 2).toarray()
+    return upper + np.triu(upper, 1).T
+
+
+def close(found, wanted, share):
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=share * max(np.abs(wanted).max(), 1e-300))
+
+
+@each_assembly
+@each_seed
+def test_relative_poses_are_what_the_part_sees(name, seed):
+    of = program(name)
+    u, _ = anywhere(of, seed)
+    pose = of.bodies.rest + of.motion(u)
+    place = pose[:, 0] + 1j * pose[:, 1]
+    a, b = of.cells.a, of.cells.b
+    seen = (place[b] - place[a]) * np.exp(-1j * pose[a, 2])
+    g, turn = of.relative(of.motion(u))
+    close(g, np.column_stack([seen.real, seen.imag, pose[b, 2] - pose[a, 2]]), 1e-13)
+    close(turn, np.column_stack([np.cos(pose[a, 2]), np.sin(pose[a, 2])]), 1e-13)
+    close(relative_rest(of.bodies, a, b, of.motion(u)), g, 1e-13)
+
+
+@each_assembly
+@pytest.mark.parametrize("kind", KINDS)
+def test_jacobian_of_every_row_kind(name, kind):
+    of = program(name)
+    u, _ = anywhere(of, 2)
+    rows = of.kind == KINDS[kind]
+    assert rows.any()
+    found = of.linearise(u).jacobian().toarray()[rows]
+    close(found, slope(of.values, u, steps(of))[rows], 1e-8)
+
+
+@each_assembly
+@each_seed
+def test_products_are_those_of_the_jacobian(name, seed):
+    of = program(name)
+    u, random = anywhere(of, seed)
+    at = of.linearise(u)
+    du, y = random.normal(size=len(u)), random.normal(size=of.rows)
+    close(at.h, of.values(u), 1e-14)
+    close(at.along(du), at.jacobian() @ du, 1e-13)
+    close(at.against(y), at.jacobian().T @ y, 1e-13)
+
+
+@each_assembly
+@each_seed
+def test_condensed_matrix(name, seed):
+    of = program(name)
+    u, random = anywhere(of, seed)
+    at = of.linearise(u)
+    weight, lam = random.uniform(0, 2, (2, of.rows))
+    curved = slope(lambda v: of.linearise(v).against(lam) + of.linearise(v).gradient, u, steps(of))
+    J = at.jacobian()
+    close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
+    close(whole(of, at.condensed(weight, lam)), (J.T @ sp.diags(weight) @ J).toarray() - curved, 1e-8)
+
+
+@each_assembly
+@pytest.mark.parametrize("kind", KINDS)
+def test_second_derivatives_of_every_row_kind(name, kind):
+    of = program(name)
+    u, random = anywhere(of, 3)
+    lam = random.uniform(0, 2, of.rows) * (of.kind == KINDS[kind])
+    nothing = np.zeros(of.rows)
+    at = of.linearise(u)
+    found = whole(of, at.condensed(nothing, lam)) - whole(of, at.condensed(nothing, nothing))
+    wanted = -slope(lambda v: of.linearise(v).against(lam), u, steps(of))
+    scale = np.abs(at.against(lam)).max()
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-7 * scale)
+
+
+@each_assembly
+@each_seed
+def test_condensed_matrix_with_balance_is_the_curvature_along_steps(name, seed):
+    of = program(name)
+    u, random = anywhere(of, seed)
+    at, retraction = of.linearise(u), Retraction(of)
+    lam = random.uniform(0, 2, of.rows)
+    balance = retraction.balance(-at.gradient - at.against(lam), at)
+    matrix = whole(of, at.condensed(np.zeros(of.rows), lam, balance))
+    for _ in range(4):
+        du = random.normal(size=len(u)) * 0.1 / of.scale
+
+        def along(t, du=du):
+            v = retraction.step(u, t * du, at)
+            return of.linearise(v).value + lam @ of.values(v)
+
+        t = 0.02
+        second = (16 * (along(t) + along(-t)) - along(2 * t) - along(-2 * t) - 30 * along(0)) / (12 * t * t)
+        size = np.abs(du) @ np.abs(matrix) @ np.abs(du)
+        assert du @ matrix @ du == pytest.approx(-second, abs=1e-6 * size)
+
+
+@each_assembly
+def test_balance_changes_the_matrix_unless_the_forces_are_in_balance(name):
+    of = program(name)
+    u, random = anywhere(of, 4)
+    at, retraction = of.linearise(u), Retraction(of)
+    lam = random.uniform(0, 2, of.rows)
+    plain = at.condensed(lam, lam)
+    unbalanced = at.condensed(lam, lam, retraction.balance(-at.gradient - at.against(lam), at))
+    assert np.abs(unbalanced - plain).max() > 1e-3 * np.abs(plain).max()
+    close(at.condensed(lam, lam, retraction.balance(np.zeros(len(u)), at)), plain, 1e-15)
+
+
+@pytest.mark.parametrize("term", TERMS, ids=lambda t: t.__name__)
+@each_assembly
+def test_every_registered_term(name, term):
+    assert term in GOALS, f"{term.__name__} is registered in TERMS: give it goals to be tested with"
+    assembly = ASSEMBLIES[name]()
+    of = program(name)
+    movable = [p for p in assembly.names if not of.bodies.fixed[of.bodies.body_of[assembly.names.index(p)]]]
+    for part in (movable[0], movable[-1]):
+        for goal in GOALS[term](part):
+            it = objective(assembly, of.bodies, [goal])
+            check_objective(of, it)
+            assert it.value(np.zeros((len(of.slot), 3))) == 0.0
+
+
+def test_a_sum_of_all_terms():
+    name = "tees, middle fixed, two glued"
+    assembly, of = ASSEMBLIES[name](), program(name)
+    goals = [goal for term in TERMS for part in ("b1-1", "b2-1", "b3-3") for goal in GOALS[term](part)]
+    it = objective(assembly, of.bodies, goals)
+    check_objective(of, it)
+    motion = of.motion(anywhere(of, 8)[0])
+    alone = sum(objective(assembly, of.bodies, [goal]).value(motion) for goal in goals)
+    assert it.value(motion) == pytest.approx(alone, abs=1e-12)
+
+
+def check_objective(of, it):
+    n = len(of.slot)
+    motion = np.random.default_rng(7).uniform(-1, 1, (n, 3))
+    h = np.full(3 * n, 1e-3)
+    gradient = slope(lambda m: np.array([it.value(m.reshape(-1, 3))]), motion.ravel(), h)[0]
+    np.testing.assert_allclose(it.gradient(motion).ravel(), gradient, rtol=0, atol=1e-10)
+    curved = slope(lambda m: it.gradient(m.reshape(-1, 3)).ravel(), motion.ravel(), h)
+    found = np.zeros((3 * n, 3 * n))
+    for body, block in zip(*it.hessian(motion), strict=True):
+        found[3 * body : 3 * body + 3, 3 * body : 3 * body + 3] += block
+    np.testing.assert_allclose(found, curved, rtol=0, atol=1e-9)
+
+
+def test_a_pulled_point_moves_as_a_material_point():
+    assembly = ASSEMBLIES["tees"]()
+    of = program("tees")
+    index = assembly.names.index("b3-2")
+    x, y, angle = motion = (0.3, -0.2, 1.1)
+    at, point = complex(*assembly.parts[index].at[:2]), 2.5 - 1.2j
+    wanted = (point - at) * np.exp(1j * angle) + at + complex(x, y) - point
+    motions = np.zeros((len(of.slot), 3))
+    body = of.bodies.body_of[index]
+    origin = complex(*of.bodies.rest[body, :2])
+    moved = (origin - at) * np.exp(1j * angle) + at + complex(x, y) - origin  # the same motion about the body's own origin
+    motions[body] = moved.real, moved.imag, motion[2]
+    value = objective(assembly, of.bodies, [Pull("b3-2", (3, 4), point=(point.real, point.imag), weight=2.0)]).value(motions)
+    assert value == pytest.approx(2 * (0.6 * wanted.real + 0.8 * wanted.imag), abs=1e-13)
+
+
+@each_assembly
+def test_a_step_is_straight_up_to_second_order(name):
+    of = program(name)
+    u, random = anywhere(of, 5)
+    at, retraction = of.linearise(u), Retraction(of)
+    du = random.normal(size=len(u)) * 0.1 / of.scale
+    off = [np.abs(retraction.step(u, t * du, at) - u - t * du).max() / t**2 for t in (1e-2, 1e-3)]
+    assert off[0] == pytest.approx(off[1], rel=0.05)
+    angles = np.arange(2, len(u), 3)
+    np.testing.assert_allclose(retraction.step(u, du, at)[angles], (u + du)[angles], rtol=1e-14)
+
+
+def test_a_step_turns_a_long_chain_as_a_rigid_body():
+    of = first_program(patterns.chain(10))
+    u, turn = np.zeros(len(of.scale)), 0.3
+    motion, place = np.zeros((10, 3)), of.bodies.rest[:, 0] + 1j * of.bodies.rest[:, 1]
+    arm = place[1:] - place[1]
+    motion[1:] = np.column_stack([turn * -arm.imag, turn * arm.real, np.full(9, turn)])
+    after = of.motion(Retraction(of).step(u, of.variables(motion), of.linearise(u)))
+    turned = arm * np.exp(1j * turn) - arm
+    wanted = np.column_stack([turned.real, turned.imag, np.full(9, turn)])
+    np.testing.assert_allclose(after[1:], wanted, atol=1e-7)
+    assert np.abs(motion[1:] - wanted).max() > 0.3  # a straight step would miss by more than a third of a block
+
+
+@each_assembly
+def test_half_way_is_the_same_from_both_ends(name):
+    of = program(name)
+    u, random = anywhere(of, 6)
+    v = u + random.normal(size=len(u)) * 0.05 / of.scale
+    retraction = Retraction(of)
+    np.testing.assert_allclose(retraction.between(u, v), retraction.between(v, u), rtol=0, atol=1e-10 / of.scale.min())
+    np.testing.assert_allclose(retraction.between(u, u) * of.scale, u * of.scale, rtol=0, atol=1e-7)
+    off = np.abs(retraction.between(u, v) - (u + v) / 2) * of.scale
+    assert off.max() < 0.1
