@@ -1,8 +1,8 @@
 """Both solvers on the same programs: `python -m benchmarks.solvers [--sizes 30,182,675,1890,4096]`.
 
-Each program is the first round of `wiggleroom flex` on a grid of tee blocks, gap 0.01: one cell a pair, first block fixed, last one
-pulled. Times are of `solve` alone, from the finished arrays to the optimum, CasADi's expressions included. Both answers must pass the
-same optimality conditions.
+Each program is the first round of `wiggleroom flex` on a grid of tee blocks, gap 0.01: one cell a pair, first block
+fixed, last one pulled. Times are of `solve` alone, from the finished arrays to the optimum, CasADi's expressions
+included. Both answers must pass the same optimality conditions.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ OURS, THEIRS = SOLVERS
 
 @dataclass(frozen=True)
 class Run:
-    """One solver on one program: wall time [s], iterations, objective [mm], and whether the optimality conditions hold."""
+    """One solver on one program: wall time [s], iterations, objective [mm], whether the optimality conditions hold."""
 
     seconds: float
     iterations: int
@@ -79,7 +79,9 @@ def main() -> None:
         for name, one in both.items():
             times[name][parts] = one.seconds
         ours, theirs = both[OURS], both[THEIRS]
-        cells = " ".join(f"{r.iterations:4d} it {r.seconds:8.3f} s {r.value:9.5f}{' ' if r.holds else '!'}" for r in both.values())
+        cells = " ".join(
+            f"{r.iterations:4d} it {r.seconds:8.3f} s {r.value:9.5f}{' ' if r.holds else '!'}" for r in both.values()
+        )
         apart = (ours.value - theirs.value) / theirs.value
         print(f"{parts:6d} {of.rows:7d} {cells} {theirs.seconds / ours.seconds:6.1f} {apart:11.1e}", flush=True)
     for name in SOLVERS:

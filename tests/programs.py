@@ -19,7 +19,9 @@ from wiggleroom.program.objectives import objective
 def first_program(assembly: Assembly, goals: Sequence[Goal] = ()) -> Program:
     """The program of the first round: one cell a pair, grown at rest."""
     ready = prepare(assembly)
-    return build(ready.bodies, ready.cells, objective(assembly, ready.bodies, goals or assembly.goals), length=ready.clearance)
+    return build(
+        ready.bodies, ready.cells, objective(assembly, ready.bodies, goals or assembly.goals), length=ready.clearance
+    )
 
 
 def with_roles(assembly: Assembly, fixed: Sequence[str] = (), glue: tuple[tuple[str, ...], ...] = ()) -> Assembly:
@@ -38,7 +40,9 @@ def squares(n: int, gap: float = 0.02) -> Assembly:
 ASSEMBLIES: dict[str, Callable[[], Assembly]] = {
     "tees": lambda: patterns.grid(3, 3),
     "tees, middle fixed, two glued": lambda: with_roles(patterns.grid(3, 3), ("b2-2",), (("b1-1", "b2-1"),)),
-    "tees, fixed by glue": lambda: with_roles(patterns.grid(3, 2, gap=0.03), ("b2-1",), (("b2-1", "b2-2"), ("b3-1", "b3-2"))),
+    "tees, fixed by glue": lambda: with_roles(
+        patterns.grid(3, 2, gap=0.03), ("b2-1",), (("b2-1", "b2-2"), ("b3-1", "b3-2"))
+    ),
     "revolute chain": lambda: patterns.chain(4, "revolute", 0.02),
     "revolute chain, middle fixed": lambda: with_roles(patterns.chain(5, "revolute", 0.02), ("b3",)),
     "jigsaw": lambda: patterns.jigsaw(2, 3, seed=3),

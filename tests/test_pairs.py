@@ -10,13 +10,15 @@ import pytest
 import shapely
 from shapely import affinity
 
+from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.freespace.cells import grow_cells
 from wiggleroom.pairs.neighbours import classes, neighbours, placed, relative_rest
 from wiggleroom.pairs.shapes import bodies
+from wiggleroom.program.build import build
+from wiggleroom.program.objectives import objective
 
 REACH = 0.03
 NONE = np.zeros(0, dtype=np.int64)
@@ -156,7 +158,8 @@ def test_symmetric_shapes_are_shared_in_whatever_frame(corners):
     angles = 2 * np.pi * np.arange(corners) / corners
     outer = np.column_stack([np.cos(angles), np.sin(angles)])
     parts = tuple(
-        Part(f"p{k}", (Region(np.roll(place(outer, (k * 0.3, -k, 0.37 * k)), k, axis=0)),), (9.0 * k, 0.0, 0.2 * k)) for k in range(6)
+        Part(f"p{k}", (Region(np.roll(place(outer, (k * 0.3, -k, 0.37 * k)), k, axis=0)),), (9.0 * k, 0.0, 0.2 * k))
+        for k in range(6)
     )
     assert set(bodies(Assembly(parts, Drawing(parts))).shape) == {0}
 
@@ -254,17 +257,15 @@ def test_fixed_pairs_are_left_out():
 
 
 @anywhere
-def test_congruent_pairs_have_the_same_cells(change):
-    """Cells of one pair of a class, grown alone, hold and bound the other pairs of the class just as their own do."""
-    them = bodies(change(patterns.grid(3, 3)))
-    near = neighbours(them, placed(them), REACH, barred=NONE)
-    pose = relative_rest(them, near.a, near.b)
-    _, label = classes(them, near.a, near.b, pose)
-    cells, good = grow_cells(them, near.a, near.b, pose, near.clearance)
-    assert good.all()
-    walls = [np.column_stack([cells.kind, cells.edge, cells.corner])[cells.row[p] : cells.row[p + 1]] for p in range(len(near.a))]
+def test_the_cell_of_one_pair_serves_its_whole_class(change):
+    ready = prepare(change(patterns.grid(5, 4)))
+    them, cells = ready.bodies, ready.cells
+    _, label = classes(them, cells.a, cells.b, relative_rest(them, cells.a, cells.b))
+    assert len(cells.a) > 20
+    goal = objective(ready.assembly, them, ready.assembly.goals)
+    rows = build(them, cells, goal, length=1.0).values(np.zeros(3 * int((~them.fixed).sum())))
     for k in range(label.max() + 1):
-        one, *others = np.flatnonzero(label == k)
+        one, *others = [rows[cells.row[p] : cells.row[p + 1]] for p in np.flatnonzero(label == k)]
+        assert one.min() > 0.001
         for other in others:
-            np.testing.assert_array_equal(walls[one], walls[other])
-            np.testing.assert_allclose(cells.ends[one], cells.ends[other], atol=1e-7)
+            np.testing.assert_allclose(one, other, rtol=0, atol=1e-9)

@@ -33,7 +33,7 @@ def program(name):
 
 
 def anywhere(of, seed):
-    """Scaled variables of a random motion: tenths of a part and of a radian, far beyond what is legal, as derivatives must not care."""
+    """Scaled variables of a random motion, tenths of a part and of a radian: derivatives must not care what is legal."""
     random = np.random.default_rng(seed)
     motion = np.zeros((len(of.slot), 3))
     motion[of.free] = random.uniform(-0.3, 0.3, (len(of.free), 3))
@@ -46,7 +46,9 @@ def slope(function, u, step):
     for k in range(len(u)):
         d = np.zeros_like(u)
         d[k] = step[k]
-        columns.append((8 * (function(u + d) - function(u - d)) - function(u + 2 * d) + function(u - 2 * d)) / (12 * step[k]))
+        columns.append(
+            (8 * (function(u + d) - function(u - d)) - function(u + 2 * d) + function(u - 2 * d)) / (12 * step[k])
+        )
     return np.array(columns).T
 
 
@@ -212,9 +214,13 @@ def test_a_pulled_point_moves_as_a_material_point():
     motions = np.zeros((len(of.slot), 3))
     body = of.bodies.body_of[index]
     origin = complex(*of.bodies.rest[body, :2])
-    moved = (origin - at) * np.exp(1j * angle) + at + complex(x, y) - origin  # the same motion about the body's own origin
+    moved = (
+        (origin - at) * np.exp(1j * angle) + at + complex(x, y) - origin
+    )  # the same motion about the body's own origin
     motions[body] = moved.real, moved.imag, motion[2]
-    value = objective(assembly, of.bodies, [Pull("b3-2", (3, 4), point=(point.real, point.imag), weight=2.0)]).value(motions)
+    value = objective(assembly, of.bodies, [Pull("b3-2", (3, 4), point=(point.real, point.imag), weight=2.0)]).value(
+        motions
+    )
     assert value == pytest.approx(2 * (0.6 * wanted.real + 0.8 * wanted.imag), abs=1e-13)
 
 

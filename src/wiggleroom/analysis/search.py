@@ -21,10 +21,10 @@ from wiggleroom.solve.interior_point import Solution, Stop
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-COARSE, FINE = 3e-4, 1e-7
-"""Tolerance of rounds that a rebuild will follow, and of the last ones."""
+ROUGH, COARSE, FINE = 1e-2, 1e-3, 1e-6
+"""Tolerance of the first rounds, which only show where everything wants to go, of those that a rebuild will follow, and of the last."""
 MOST_ROUNDS = 200
-GAIN = 1e-7
+GAIN = 1e-6
 """A gain below this share of the objective is none."""
 FAR = 4.0
 """A body that moves further than this multiple of the drawing's size leaves."""
@@ -110,7 +110,7 @@ class Search:
 
     def run(self) -> None:
         """Search until every active wall is a real contact, nothing stops the motion, or it was asked to stop."""
-        tolerance = COARSE
+        tolerance = ROUGH
         lam: Floats | None = None
         branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
         while self.rounds < MOST_ROUNDS:
@@ -124,6 +124,8 @@ class Search:
             stale = np.unique(found.touch.pair[found.touch.virtual])
             if gained and len(stale):
                 branches, lam = None, self._rebuild(found, stale)
+            elif tolerance == ROUGH:
+                tolerance, lam = COARSE, self._rebuild(found, stale)
             elif tolerance == COARSE:
                 tolerance, lam = FINE, self._rebuild(found, stale)
                 lam = np.concatenate([lam, np.full(self._add_near(found), np.nan)])

@@ -10,7 +10,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells import SPAN, Cells, grow_cells, joined, select
-from wiggleroom.freespace.kernel import OPTIONS, clip
+from wiggleroom.freespace.kernel import clip
 from wiggleroom.freespace.relative import Relative, turn
 from wiggleroom.freespace.slices import March, Slice
 from wiggleroom.pairs.shapes import Bodies, Shapes
@@ -98,7 +98,7 @@ class _Work:
         return select(cells, np.flatnonzero(good))
 
     def uncovered(self, cells: Cells, slices: tuple[Slice, ...]) -> Geometries:
-        """What the cells leave of every slice."""
+        """Return what the cells leave of every slice."""
         left = np.array([s.region for s in slices], dtype=object)
         for c in range(len(cells.a)):
             at, polygons = self.polygons(cells, c, slices)
@@ -143,11 +143,24 @@ class _Work:
 
 
 def _without(left: Geometries, polygons: Geometries) -> Geometries:
-    """`left` less the polygons; untouched, that is less credit for the cell, where the overlay fails."""
-    try:
-        return shapely.difference(left, polygons)
-    except shapely.errors.GEOSException:
-        return left
+    """Take the polygons from `left`; nothing, so no credit for the cell, where the overlay fails or cannot be right.
+
+    Nearly coincident edges make GEOS return, rarely, an invalid polygon of negative area without complaint.
+    """
+    before, taken = shapely.area(left), shapely.area(polygons)
+    unsure, rest = np.ones(len(left), dtype=bool), left
+    for grid in (None, 1e-9 * float(np.sqrt(before.max(initial=0.0)))):
+        try:
+            tried = shapely.difference(left, polygons, grid_size=grid)
+        except shapely.errors.GEOSException:
+            continue
+        area, slack = shapely.area(tried), 1e-6 * before
+        right = shapely.is_valid(tried) & (area <= before + slack) & (area >= before - taken - slack)
+        rest = np.where(unsure & right, tried, rest)
+        unsure &= ~right
+        if not unsure.any():
+            break
+    return rest
 
 
 def _seeds(left: Geometries, slices: tuple[Slice, ...], clearance: float) -> Floats:
@@ -162,17 +175,26 @@ def _seeds(left: Geometries, slices: tuple[Slice, ...], clearance: float) -> Flo
         if taken[k]:
             continue
         taken |= (np.abs(where - where[k]) <= apart) & shapely.intersects(pieces, pieces[k])
-        widest = shapely.maximum_inscribed_circle(pieces[k], tolerance=0.05 * float(np.sqrt(areas[k])))
-        if widest.length > 1e-4 * clearance:
-            x, y = shapely.get_coordinates(widest)[0]
-            seeds.append((x, y, slices[where[k]].angle))
+        middle, room = _roomy_point(pieces[k])
+        if room > 1e-4 * clearance:
+            seeds.append((*middle, slices[where[k]].angle))
     return np.array(seeds).reshape(-1, 3)
+
+
+def _roomy_point(piece: shapely.Polygon) -> tuple[Floats, float]:
+    """Return a point inside, the middle of the largest triangle's incircle, and that circle's radius."""
+    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(piece))
+    radius = 2 * shapely.area(triangles) / shapely.length(triangles)
+    best = int(radius.argmax())
+    corner = shapely.get_coordinates(triangles[best])[:3]
+    opposite = np.hypot(*(np.roll(corner, -1, 0) - np.roll(corner, 1, 0)).T)
+    return opposite @ corner / opposite.sum(), float(radius[best])
 
 
 def half_planes(
     shapes: Shapes, cells: Cells, c: int, relation: Relative, psi: Floats, phi: Floats
 ) -> tuple[Floats, Floats]:
-    """Walls of one cell at some angles: normal (k, R, 2) and offset (k, R) of n . shift >= offset for the pivot's shift."""
+    """Walls of one cell at some angles: normal (k, R, 2) and offset (k, R) of n . shift >= offset."""
     rows = np.arange(cells.row[c], cells.row[c + 1])
     rows = rows[cells.kind[rows] < 2]
     edge, corner = cells.edge[rows], shapes.corner[cells.corner[rows]]
@@ -189,8 +211,8 @@ def half_planes(
     return normal, least - (normal * origin[:, None]).sum(-1)
 
 
-@njit(**OPTIONS)
-def _clipped(normal, offset, boxes):
+@njit(cache=True, nogil=True, error_model="numpy")
+def _clipped(normal: Floats, offset: Floats, boxes: Floats) -> tuple[Floats, Ints]:
     """Corners (k, R + 4, 2) and their count (k,) of each box cut by the half-planes n . x >= offset."""
     many, rows = offset.shape
     out, count = np.zeros((many, rows + 4, 2)), np.zeros(many, dtype=np.int64)

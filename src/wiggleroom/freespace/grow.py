@@ -10,8 +10,10 @@ from wiggleroom.freespace.kernel import (
     MOST_WALLS,
     OPTIONS,
     add_line,
+    clip,
     in_front,
     nearest_open,
+    segments2,
     set_front,
     slice_middle,
 )
@@ -74,11 +76,58 @@ def line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny):
 
 
 @njit(**OPTIONS)
+def out_of_reach(
+    i, j, x, y, psi, p, q, lines, kinds, edges, walls, counts, corner, after, normal, b0, b1, placed, poly, spare, tiny,
+):  # fmt: skip
+    """True where the walls keep every pose of [p, q] so near to (x, y, psi) that edges as far apart as i and j cannot meet.
+
+    Turning by up to `turn` loosens a wall at distance r by at most 2 r sin(turn / 2), where r may itself grow with the way from (x, y). If
+    the loosened walls, with ways up to `room`, bound a polygon smaller than `room`, then no slice over [p, q] reaches beyond it: the
+    loosened walls are convex in position and room together, so a pose at a larger distance would put one at distance `room` as well.
+    """
+    j2, far = after[j], 0.0
+    for k in range(b0, b1):
+        far = max(far, np.hypot(corner[k, 0], corner[k, 1]))
+    bend = 2.0 * np.sin(min(max(psi - p, q - psi), np.pi) / 2.0)
+    apart = np.sqrt(segments2(
+        corner[i, 0], corner[i, 1], corner[after[i], 0], corner[after[i], 1],
+        placed[j - b0, 0] + x, placed[j - b0, 1] + y, placed[j2 - b0, 0] + x, placed[j2 - b0, 1] + y,
+    ))  # fmt: skip
+    room = 0.999 * (apart - bend * far)
+    if room <= 0.0:
+        return False
+    for k in range(4):
+        poly[k, 0] = x + (2.0 * room if k in (1, 2) else -2.0 * room)
+        poly[k, 1] = y + (2.0 * room if k > 1 else -2.0 * room)
+    n, c, s = 4, np.cos(psi), np.sin(psi)
+    for k in range(lines):
+        nx, ny = normal[edges[k], 0], normal[edges[k], 1]
+        off = nx * corner[edges[k], 0] + ny * corner[edges[k], 1]
+        for w in range(counts[k]):
+            v = walls[k, w]
+            vx, vy = corner[v, 0], corner[v, 1]
+            if in_front(kinds[k], edges[k], v, x, y, psi, corner, normal) < -tiny:
+                return False
+            if kinds[k] == 0:
+                least = off - nx * (c * vx - s * vy) - ny * (s * vx + c * vy) - bend * np.hypot(vx, vy)
+                n = clip(poly, n, nx, ny, least, spare)
+            else:
+                mx, my = c * nx - s * ny, s * nx + c * ny
+                least = off - mx * vx - my * vy - bend * (np.hypot(vx - x, vy - y) + room)
+                n = clip(poly, n, -mx, -my, least, spare)
+            poly, spare = spare, poly
+    for k in range(n):
+        if np.hypot(poly[k, 0] - x, poly[k, 1] - y) >= room:
+            return False
+    return n > 0
+
+
+@njit(**OPTIONS)
 def hide_all(
     x, y, psi, p, q, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
-    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny, margin, hint,
+    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, margin, hint,
 ):  # fmt: skip
-    """Add walls until every edge pair is hidden over [p, q], nearest first as seen from (x, y, psi); False where it cannot be.
+    """Add walls until every edge pair is hidden over [p, q] or out of reach, nearest first as seen from (x, y, psi); False where not all are.
 
     `hint` then gets the angle inside (p, q) at which the two edges that stay open are parallel, nan where there is none: up to there and
     from there on different corners lead, and one wall may do where both would not.
@@ -98,7 +147,9 @@ def hide_all(
             x, y, psi, state[0], kinds, corner, after, a0, b0, run, run_disc, ra0, ra1, rb0, rb1,
             reach, run_reach, front, run_front, placed, tiny,
         )  # fmt: skip
-        if i < 0:
+        if i < 0 or out_of_reach(
+            i, j, x, y, psi, p, q, state[0], kinds, edges, walls, counts, corner, after, normal, b0, b1, placed, poly, spare, tiny,
+        ):  # fmt: skip
             return True
         sep_a = min(in_front(0, i, j, x, y, psi, corner, normal), in_front(0, i, after[j], x, y, psi, corner, normal))
         sep_b = min(in_front(1, j, i, x, y, psi, corner, normal), in_front(1, j, after[i], x, y, psi, corner, normal))
@@ -219,7 +270,7 @@ def grow(
     ends[0], ends[1] = psi0, psi0
     if not hide_all(
         x0, y0, psi0, psi0, psi0, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
-        run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny, margin, hint,
+        run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, margin, hint,
     ):  # fmt: skip
         return 0, FAILED, FAILED
     status = np.array([OPEN, OPEN])
@@ -238,7 +289,7 @@ def grow(
             sx, sy, sp = (x, y, psi) if closing else (there[0], there[1], end)
             good = hide_all(
                 sx, sy, sp, p, q, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
-                run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, tiny, margin, hint,
+                run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, margin, hint,
             )  # fmt: skip
             if good and closing:
                 n = slice_middle(psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle)

@@ -1,7 +1,7 @@
-"""Relative motion of two parts (the user's words) and relative pose of their bodies (the cells' words), converted in one place.
+"""Relative motion of two parts (what users say) and relative pose of their bodies (what cells say), converted here.
 
-A third way of saying the same serves the slices: the shift of a point of B that lies in the joint, the *pivot*. A slice moves little
-from angle to angle when it is measured there, while about a reference point far away it would run off with every turn.
+A third way of saying the same serves the slices: the shift of a point of B that lies in the joint, the *pivot*. A slice
+moves little from angle to angle when it is measured there; about a reference point far away it would run off.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Relative:
         return turn(self.point, phi) - self.point
 
     def pose(self, shift: Floats, phi: Floats) -> Floats:
-        """Relative poses (k, 3) of the bodies after the pivot moved by `shift` (k, 2) [mm] and B turned by `phi` (k,) [rad]."""
+        """Relative poses (k, 3) of the bodies, the pivot moved by `shift` (k, 2) [mm] and B turned by `phi` (k,) [rad]."""
         q = turn(self.apart + shift + turn(self.origin, phi), np.full(len(phi), -self.turned))
         return np.column_stack([q, self.psi + phi])
 
@@ -60,7 +60,7 @@ def relate(at_a: Floats, at_b: Floats, body_a: Floats, body_b: Floats, pivot: Fl
     >>> import numpy as np
     >>> a, b = np.array([0.0, 0.0, np.pi / 2]), np.array([0.0, 3.0, 0.0])
     >>> relation = relate(a, b, a, b, pivot=np.array([0.0, 2.0]))
-    >>> relation.swing(np.array([0.1])).round(4)  # a's x axis points up in the world: so does the way from the pivot to b
+    >>> relation.swing(np.array([0.1])).round(4)  # a's x axis points up, and so does the way to b
     array([[-0.005 ,  0.0998]])
     """
 

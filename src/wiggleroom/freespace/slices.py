@@ -1,7 +1,7 @@
 """Slices: all free translations of B against A at one turn, exactly.
 
-An edge of A and an edge of B meet for the translations in one parallelogram. A connected piece of a window that no parallelogram covers is
-therefore wholly free or wholly forbidden, and one point of it decides.
+An edge of A and an edge of B meet for the translations in one parallelogram. A connected piece of a window that no
+parallelogram covers is therefore wholly free or wholly forbidden, and one point of it decides.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
 SLIVER = 1e-9
-"""A parallelogram is left out where its sides differ in direction by less than this [rad]: its neighbours cover the same contacts."""
+"""A parallelogram whose sides differ in direction by less than this [rad] is left out: its neighbours cover its contacts."""
 SPECK = 1e-12
 """Pieces thinner than this share of the clearance are rounding."""
 NUDGES = (0.0, 1e-9, -1e-9, 1e-8)
@@ -129,7 +129,6 @@ def _grown(pair: Meeting, phi: float, near: shapely.Geometry, limit: float) -> S
     low, high = np.array(near.bounds).reshape(2, 2)
     largest = min(limit, pair.far)
     margin = 0.5 * pair.clearance + 0.15 * float((high - low).max())
-    quads: Floats | None = None
     while True:
         box = (*np.maximum(low - margin, -largest), *np.minimum(high + margin, largest))
         quads = _parallelograms(pair, phi, box)
@@ -173,11 +172,11 @@ def _parallelograms(pair: Meeting, phi: float, box: Box) -> Floats:
 
 
 def _pieces(quads: Floats, box: Box) -> NDArray[np.object_]:
-    """Pieces of the box that no parallelogram covers."""
+    """Pieces of the box that no parallelogram covers; none where the overlay cannot be right."""
     window = shapely.box(*box)
     if len(quads):
         window = shapely.difference(window, shapely.union_all(shapely.polygons(quads)))
-    pieces = shapely.get_parts(window)
+    pieces = shapely.get_parts(window if shapely.is_valid(window) else shapely.Polygon())
     return pieces[shapely.get_type_id(pieces) == shapely.GeometryType.POLYGON]
 
 
@@ -238,7 +237,7 @@ def march(pair: Meeting, reach: float) -> March:
     --------
     >>> pair = meeting(shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9))
     >>> round(march(pair, reach=1.0).ends[1], 6)  # 0.9 (cos + sin) = 1
-    0.11799
+    0.118387
     """
     for limit in (np.inf, reach):
         rest = slice_near(pair, 0.0, shapely.Point(0, 0), limit)
@@ -274,12 +273,12 @@ def _followed(pair: Meeting, rest: Slice, goal: float, limit: float) -> list[Sli
 
 
 def _overlap_well(one: Slice, other: Slice) -> bool:
-    """True where two slices share a good part of the smaller one."""
+    """Whether two slices share a good part of the smaller one."""
     return float(shapely.area(shapely.intersection(one.region, other.region))) > 0.3 * min(one.area, other.area)
 
 
 def _folded_back(pair: Meeting, slices: list[Slice], limit: float) -> list[Slice]:
-    """Add pieces that are reached only by turning further and coming back; their neighbours in turn until nothing is gained."""
+    """Add pieces that are reached only by turning further and coming back."""
     slices = list(slices)
     for order in (range(len(slices) - 2, -1, -1), range(1, len(slices))):
         for k in order:
@@ -294,5 +293,5 @@ def _folded_back(pair: Meeting, slices: list[Slice], limit: float) -> list[Slice
 
 
 def _sticks_out(one: Slice, other: Slice) -> bool:
-    """True where a good part of `one` lies outside `other`: only then may a second piece be near."""
+    """Whether a good part of `one` lies outside `other`: only then may a second piece be near."""
     return float(shapely.area(shapely.difference(one.region, other.region))) > 1e-3 * one.area

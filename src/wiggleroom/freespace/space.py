@@ -14,13 +14,13 @@ from wiggleroom.assembly.statements import unknown
 from wiggleroom.errors import InputError, TouchingError
 from wiggleroom.freespace.cells import Cells
 from wiggleroom.freespace.cover import cover
-from wiggleroom.freespace.kernel import OPTIONS
 from wiggleroom.freespace.relative import Relative, relate, turn
 from wiggleroom.freespace.slices import Slice, march, meeting
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import Bodies, bodies
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 TOUCHING = 1e-6
 """A clearance below this share of the drawing's size counts as touching."""
@@ -32,8 +32,8 @@ REACH = 10.0
 class FreeSpace:
     """All relative motions of part b against part a that are free of overlap and connected to rest.
 
-    Relative motions are (tau, phi): where part b's reference point is in part a's frame and how far b is turned against a, less the same
-    at rest. Parts glued to a or b count as their material.
+    Relative motions are (tau, phi): where part b's reference point is in part a's frame and how far b is turned
+    against a, less the same at rest. Parts glued to a or b count as their material.
 
     Parameters
     ----------
@@ -50,10 +50,10 @@ class FreeSpace:
     closed : bool
         True where the space ends on all sides: the parts hold each other, whatever the others do.
     reach : float [mm]
-        Where the space is open, it is worked out only as far as the `pivot` moves no further than this from rest, in x and in y of part
-        a's frame; infinite where it is closed.
+        Where the space is open, it is worked out only as far as the `pivot` moves no further than this from rest, in x
+        and in y of part a's frame; infinite where it is closed.
     pivot : (2,) float64 [mm]
-        That point of b, from b's reference point, in the axes of a's frame at rest: the middle of the material of b near a.
+        That point of b, from b's reference point, in the axes of a's frame at rest: the middle of b's material near a.
     """
 
     parts: tuple[str, str]
@@ -87,7 +87,8 @@ class FreeSpace:
         """
         motion = np.asarray(relative, dtype=float)
         if motion.ndim != 2 or motion.shape[1] != 3:
-            raise InputError(f"relative motions have shape {motion.shape}: they must be (k, 3), x, y [mm] and turn [rad]")
+            finding = f"relative motions have shape {motion.shape}: they must be (k, 3), x, y [mm] and turn [rad]"
+            raise InputError(finding)
         shift = self._relation.shift(motion)
         pose = self._relation.pose(shift, motion[:, 2])
         inside = np.abs(shift).max(axis=1, initial=0.0) <= self.reach
@@ -99,8 +100,10 @@ class FreeSpace:
         return inside & _in_any(pose, row, cells.kind[walls], normal, start, corner, cells.ends, self._full)
 
 
-@njit(**OPTIONS)
-def _in_any(pose, row, kind, normal, start, corner, ends, full):
+@njit(cache=True, nogil=True, error_model="numpy")
+def _in_any(
+    pose: Floats, row: Ints, kind: Ints, normal: Floats, start: Floats, corner: Floats, ends: Floats, full: bool
+) -> NDArray[np.bool_]:
     """Whether each relative pose lies in any of the cells."""
     out = np.zeros(len(pose), dtype=np.bool_)
     for k in range(len(pose)):
@@ -176,13 +179,22 @@ def free_space(assembly: Assembly, a: str, b: str, model: str = "walls") -> Free
     space = march(meeting(own[0], own[1]), min(REACH * apart, float(them.radius[[one, other]].max())))
     covered = cover(them, (one, other), relation, space)
     return FreeSpace(
-        (a, b), covered.cells, tuple(_about_reference(s, relation) for s in covered.slices), covered.coverage, space.ends,
-        space.limit == np.inf, space.limit, -relation.point, them, relation, space.full,
-    )  # fmt: skip
+        parts=(a, b),
+        cells=covered.cells,
+        slices=tuple(_about_reference(s, relation) for s in covered.slices),
+        coverage=covered.coverage,
+        angles=space.ends,
+        closed=space.limit == np.inf,
+        reach=space.limit,
+        pivot=-relation.point,
+        _bodies=them,
+        _relation=relation,
+        _full=space.full,
+    )
 
 
 def _about_reference(one: Slice, relation: Relative) -> Slice:
-    """The same slice as motions of part b's reference point."""
+    """Express the same slice as motions of part b's reference point."""
     swing = relation.swing(np.array([one.angle]))
     return replace(one, region=shapely.transform(one.region, lambda p: p + swing))
 
@@ -195,12 +207,15 @@ def _bodies_of(assembly: Assembly, them: Bodies, a: str, b: str, model: str) -> 
     if wrong:
         raise InputError(wrong)
     if a == b:
-        raise InputError(f'"{a}" is named twice: a free space is that of two parts')
+        finding = f'"{a}" is named twice: a free space is that of two parts'
+        raise InputError(finding)
     one, other = (int(them.body_of[assembly.names.index(name)]) for name in (a, b))
     if one == other:
-        raise InputError(f'parts "{a}" and "{b}" are glued: they move as one; name two parts that can move against each other')
+        finding = f'parts "{a}" and "{b}" are glued: they move as one; name two parts that can move against each other'
+        raise InputError(finding)
     members = [{assembly.names[p] for p in them.members[k]} for k in (one, other)]
     for p, q in assembly.drawing.ignore:
         if (p in members[0] and q in members[1]) or (q in members[0] and p in members[1]):
-            raise InputError(f'parts "{p}" and "{q}" never collide ("ignore"): every motion of theirs is free')
+            finding = f'parts "{p}" and "{q}" never collide ("ignore"): every motion of theirs is free'
+            raise InputError(finding)
     return one, other

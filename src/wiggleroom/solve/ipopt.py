@@ -1,9 +1,10 @@
 """IPOPT through CasADi: the paper's solver, and an independent check of ours.
 
-The program is written down once more as CasADi expressions, so first and second derivatives come from CasADi, not from our kernels.
+The program is written down once more as CasADi expressions, so first and second derivatives come from CasADi, not from
+our kernels.
 
-Source: Mind the Gap, section 4.4; IPOPT: Waechter and Biegler, "On the implementation of an interior-point filter line-search algorithm"
-(2006).
+Source: Mind the Gap, section 4.4; Waechter and Biegler, "On the implementation of an interior-point filter line-search
+algorithm for large-scale nonlinear programming" (2006).
 """
 
 from __future__ import annotations
@@ -100,10 +101,12 @@ def solve(
         end, end_lam = np.array(out["x"]).ravel(), np.maximum(-np.array(out["lam_g"]).ravel(), 0.0)
         status = "converged" if stats["success"] else "failed"
     left = _error(program, end, end_lam, unit)
-    return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_lam * unit, tuple(watch.way), left)
+    return Solution(
+        end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_lam * unit, tuple(watch.way), left
+    )
 
 
-def _casadi() -> Any:  # noqa: ANN401 - an untyped module
+def _casadi() -> Any:
     """CasADi, imported when it is needed."""
     try:
         import casadi
@@ -134,7 +137,7 @@ def _options(listener: object, mu: float, tolerance: float, warm: bool) -> dict[
     return options
 
 
-def _expressions(casadi: Any, program: Program) -> tuple[Any, Any, Any]:  # noqa: ANN401
+def _expressions(casadi: Any, program: Program) -> tuple[Any, Any, Any]:
     """Variables u (3F,), objective [mm] and rows (R,) in units of `program.length`, as sparse CasADi expressions."""
     u = casadi.MX.sym("u", len(program.scale))
     n, rest = len(program.slot), program.bodies.rest
@@ -148,10 +151,12 @@ def _expressions(casadi: Any, program: Program) -> tuple[Any, Any, Any]:  # noqa
     return u, value, _rows(casadi, program, pose) / program.length
 
 
-def _objective(casadi: Any, objective: object, motion: list) -> Any:  # noqa: ANN401
+def _objective(casadi: Any, objective: object, motion: list) -> Any:
     """Objective [mm] as an expression of the motions of all bodies, one column each."""
     if not isinstance(objective, PointMotion):
-        message = f'solver "ipopt" cannot take the objective "{type(objective).__name__}"; use the solver "interior-point"'
+        message = (
+            f'solver "ipopt" cannot take the objective "{type(objective).__name__}"; use the solver "interior-point"'
+        )
         raise InputError(message)
     x, y, angle = (column[objective.body.tolist(), 0] for column in motion)
     c, s = casadi.cos(angle), casadi.sin(angle)
@@ -160,7 +165,7 @@ def _objective(casadi: Any, objective: object, motion: list) -> Any:  # noqa: AN
     return casadi.sum1(moved + objective.turn * angle)
 
 
-def _rows(casadi: Any, program: Program, pose: list) -> Any:  # noqa: ANN401
+def _rows(casadi: Any, program: Program, pose: list) -> Any:
     """Rows (R,) [mm] as an expression of the poses of all bodies, one column each.
 
     Source: Mind the Gap, Eq. (2), corrected, and (4); walls instead of the hull.
@@ -180,7 +185,7 @@ def _rows(casadi: Any, program: Program, pose: list) -> Any:  # noqa: ANN401
     return casadi.vertcat(*parts)[back.tolist(), 0]
 
 
-def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:  # noqa: ANN401
+def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:
     """Rows k, all of one kind, where B is seen at `sees`: x, y, angle, its cosine and sine."""
     x, y, psi, c, s = sees
     (nx, ny), (vx, vy), off = program.normal[k].T, program.corner[k].T, program.off[k]
@@ -232,7 +237,7 @@ class _Watch:
         return not self.status
 
 
-def _listener(casadi: Any, watch: _Watch) -> object:  # noqa: ANN401
+def _listener(casadi: Any, watch: _Watch) -> object:
     """CasADi's iteration callback, which hands every iterate to `watch`."""
     sizes = {"x": len(watch.program.scale), "f": 1, "g": watch.program.rows}
     sizes |= {"lam_x": sizes["x"], "lam_g": sizes["g"], "lam_p": 0}
@@ -257,7 +262,7 @@ def _listener(casadi: Any, watch: _Watch) -> object:  # noqa: ANN401
             x, f, g, _, lam, _ = (np.array(a).ravel() for a in arguments)
             try:
                 return [0 if watch.see(x, -float(f[0]), g, np.maximum(-lam, 0.0)) else 1]
-            except BaseException as error:  # noqa: BLE001 - raised again once IPOPT has let go
+            except BaseException as error:  # raised again once IPOPT has let go
                 watch.error = error
                 return [1]
 
