@@ -33,7 +33,7 @@ def program(name):
 
 
 def anywhere(of, seed):
-    """Scaled variables of a random motion, tenths of a part and of a radian: derivatives must not care what is legal."""
+    """Scaled variables of a random motion, tenths of a part and a radian: derivatives must not care what is legal."""
     random = np.random.default_rng(seed)
     motion = np.zeros((len(of.slot), 3))
     motion[of.free] = random.uniform(-0.3, 0.3, (len(of.free), 3))

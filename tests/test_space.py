@@ -162,7 +162,7 @@ def test_order_of_parts_can_be_turned_round():
     assert back.angles == pytest.approx((-there.angles[1], -there.angles[0]), abs=1e-6)
     relative = np.random.default_rng(2).uniform([-0.015, -0.02, -0.03], [0.015, 0.02, 0.03], (5000, 3))
     apart = np.array(assembly.parts[1].at[:2])
-    inverse = [[*(turn(-p) @ -(apart + (x, y)) + apart), -p] for x, y, p in relative]
+    inverse = [[*(turn(-p) @ -np.add(apart, (x, y)) + apart), -p] for x, y, p in relative]
     same = there.contains(relative) == back.contains(np.array(inverse))
     assert same.mean() > 0.998
 

@@ -99,7 +99,8 @@ def cells_at(them: Bodies, a: Ints, b: Ints, clearance: Floats) -> Cells:
         finding = f"bodies {a[k]} and {b[k]}: no free space was found round their position; they touch or overlap"
         raise InputError(finding)
     cells = select(grown, label)
-    return Cells(a, b, cells.row, cells.kind, cells.edge, cells.corner, cells.ends, pose)
+    turns = np.round((pose[:, 2] - pose[first[label], 2]) / (2 * np.pi)) * (2 * np.pi)
+    return Cells(a, b, cells.row, cells.kind, cells.edge, cells.corner, cells.ends + turns[:, None], pose)
 
 
 def _first_reach(them: Bodies) -> float:

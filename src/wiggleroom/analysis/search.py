@@ -16,13 +16,15 @@ from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, sele
 from wiggleroom.pairs.neighbours import neighbours, placed, relative_rest
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import Objective
-from wiggleroom.solve.interior_point import Solution, Stop
+from wiggleroom.solve.interior_point import FIRST_MU, Solution, Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 ROUGH, COARSE, FINE = 1e-2, 1e-3, 1e-6
 """Tolerance of the first rounds, which only show where everything wants to go, of those that a rebuild will follow, and of the last."""
+AGAIN = 5.0
+"""A round begins with this multiple of the complementarity at the inner point of the one before: its new cells leave more to gain."""
 MOST_ROUNDS = 200
 GAIN = 1e-6
 """A gain below this share of the objective is none."""
@@ -110,30 +112,34 @@ class Search:
 
     def run(self) -> None:
         """Search until every active wall is a real contact, nothing stops the motion, or it was asked to stop."""
-        tolerance = ROUGH
-        lam: Floats | None = None
+        tolerance, mu = ROUGH, FIRST_MU
         branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
         while self.rounds < MOST_ROUNDS:
-            found = self._round(tolerance, lam)
+            found = self._round(tolerance, mu)
             if self._add_missed(found):
-                lam = None
                 continue
+            mu = AGAIN * found.solution.inner_mu
             gained = self._keep(found, tolerance)
             if found.solution.status == "stopped" or self.unlimited:
                 return
             stale = np.unique(found.touch.pair[found.touch.virtual])
             if gained and len(stale):
-                branches, lam = None, self._rebuild(found, stale)
+                branches = None
+                self._rebuild(found, stale)
             elif tolerance == ROUGH:
-                tolerance, lam = COARSE, self._rebuild(found, stale)
+                tolerance = COARSE
+                self._rebuild(found, stale)
             elif tolerance == COARSE:
-                tolerance, lam = FINE, self._rebuild(found, stale)
-                lam = np.concatenate([lam, np.full(self._add_near(found), np.nan)])
+                tolerance = FINE
+                self._rebuild(found, stale)
+                self._add_near(found)
             else:
                 branches = self._branches() if branches is None or gained else branches
                 if not branches:
                     return
-                lam = self._rebuild(self.best or found, branches.pop(), other_side=True)
+                begin = self.best or found
+                mu = AGAIN * begin.solution.inner_mu
+                self._rebuild(begin, branches.pop(), other_side=True)
 
     @property
     def unlimited(self) -> bool:
@@ -143,14 +149,14 @@ class Search:
         far = np.hypot(*self.best.motion[:, :2].T).max() > FAR * self.ready.size
         return bool(far or np.abs(self.best.motion[:, 2]).max() > ROUND)
 
-    def _round(self, tolerance: float, lam: Floats | None) -> Found:
+    def _round(self, tolerance: float, mu: float) -> Found:
         """Build and solve the program of the present cells."""
         began = time.perf_counter()
         program = build(self.ready.bodies, self.cells, self.objective, length=self.ready.clearance)
         self.rounds += 1
         number, begin = self.rounds, program.variables(self.inner)
         solution = self.solve(
-            program, begin, lam=lam, tolerance=tolerance, horizon=FAR * self.ready.size, stop=self.stop,
+            program, begin, mu=mu, tolerance=tolerance, horizon=FAR * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
         self.iterations += solution.iterations
@@ -181,15 +187,14 @@ class Search:
         self.seconds["check"] += time.perf_counter() - began
         return bool(new.any())
 
-    def _add_near(self, found: Found) -> int:
-        """Add the pairs that have come near each other, so that the last rounds know of all that may touch; returns how many rows."""
+    def _add_near(self, found: Found) -> None:
+        """Add the pairs that have come near each other, so that the last rounds know of all that may touch."""
         bodies, cells = self.ready.bodies, self.cells
-        n, rows = len(bodies.fixed), len(cells.kind)
+        n = len(bodies.fixed)
         barred = np.concatenate([self.ready.barred, cells.a * n + cells.b])
         near = neighbours(bodies, placed(bodies, found.motion), REACH * self.ready.clearance, barred=barred)
         if len(near.a):
             self.add(near.a, near.b, found.motion)
-        return len(self.cells.kind) - rows
 
     def add(self, a: Ints, b: Ints, wanted: Floats) -> None:
         """Put more pairs into the program: cells grown where the coming round begins, with room towards the motion `wanted` (n, 3)."""
@@ -198,16 +203,12 @@ class Search:
         grown, _ = grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), wish=wish)
         self.cells = joined(self.cells, grown)
 
-    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False) -> Floats:
+    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False) -> None:
         """Begin the next round near `found`, with new cells for some pairs grown there.
 
         The new cells keep the solution itself inside, so the next round can only be better. With `other_side` they avoid the line that a
         corner touches at its very end: the way past the other side of the corner.
 
-        Returns
-        -------
-        lam : (R,) float64
-            Multipliers to begin with; nan for the rows of new cells.
         """
         began = time.perf_counter()
         self.tell(Progress("free spaces", self.rounds, found.solution.iterations, found.value))
@@ -221,11 +222,7 @@ class Search:
         bar = found.touch.lines_at_end(found.program, pairs) if other_side else None
         grown, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar, wish=wish)
         self.cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
-        lam = np.full(len(self.cells.kind), np.nan)
-        new, known = _same_rows(self.cells, old)
-        lam[new] = solution.inner_lam[known]
         self.seconds["freespace"] += time.perf_counter() - began
-        return lam
 
     def _branches(self) -> list[Ints]:
         """Sets of corner contacts to try the other side of: each alone where they are few, and all at once (first, as lists pop last)."""
@@ -236,11 +233,3 @@ class Search:
         self.branches_left = len(corners) > FEW or bool(touch.virtual.any())
         alone = [corners[k : k + 1] for k in range(len(corners))] if 1 < len(corners) <= FEW else []
         return [*alone, corners] if len(corners) else []
-
-
-def _same_rows(new: Cells, old: Cells) -> tuple[Ints, Ints]:
-    """Rows that the cells of the same pairs share, as rows of either."""
-    size = int(max(new.edge.max(initial=0), new.corner.max(initial=0), old.edge.max(initial=0), old.corner.max(initial=0))) + 1
-    keys = [((c.pair * 4 + c.kind) * size + c.edge) * size + c.corner for c in (new, old)]
-    _, one, other = np.intersect1d(*keys, assume_unique=True, return_indices=True)
-    return one, other

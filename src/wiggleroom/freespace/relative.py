@@ -43,7 +43,7 @@ class Relative:
         return turn(self.point, phi) - self.point
 
     def pose(self, shift: Floats, phi: Floats) -> Floats:
-        """Relative poses (k, 3) of the bodies, the pivot moved by `shift` (k, 2) [mm] and B turned by `phi` (k,) [rad]."""
+        """Relative poses (k, 3) of the bodies, the pivot moved by `shift` (k, 2) [mm], B turned by `phi` (k,)."""
         q = turn(self.apart + shift + turn(self.origin, phi), np.full(len(phi), -self.turned))
         return np.column_stack([q, self.psi + phi])
 

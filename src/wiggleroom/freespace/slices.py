@@ -19,13 +19,15 @@ Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
 SLIVER = 1e-9
-"""A parallelogram whose sides differ in direction by less than this [rad] is left out: its neighbours cover its contacts."""
+"""Parallelograms whose sides differ in direction by less than this [rad] are left out: others do their work."""
 SPECK = 1e-12
 """Pieces thinner than this share of the clearance are rounding."""
 NUDGES = (0.0, 1e-9, -1e-9, 1e-8)
 """Angles [rad] tried one after the other where the union of the parallelograms fails or loses the piece."""
 MOST_QUADS = 20000
 """Windows that more parallelograms touch are not widened: the free space counts as open."""
+BATCH = 48
+"""Parallelograms cut off at a time."""
 END = 1e-7
 """How closely the last free angle is found [rad]."""
 WIDEST_STEP = 0.05
@@ -132,8 +134,7 @@ def _grown(pair: Meeting, phi: float, near: shapely.Geometry, limit: float) -> S
     while True:
         box = (*np.maximum(low - margin, -largest), *np.minimum(high + margin, largest))
         quads = _parallelograms(pair, phi, box)
-        pieces = _pieces(quads, box)
-        pieces = pieces[shapely.intersects(pieces, near)]
+        pieces = _pieces(quads, box, near)
         pieces = pieces[[_free(pair, phi, p) for p in pieces]]
         if not len(pieces):
             return None
@@ -171,13 +172,27 @@ def _parallelograms(pair: Meeting, phi: float, box: Box) -> Floats:
     return np.stack([start, start + e, start + e - f, start - f], axis=1)
 
 
-def _pieces(quads: Floats, box: Box) -> NDArray[np.object_]:
-    """Pieces of the box that no parallelogram covers; none where the overlay cannot be right."""
-    window = shapely.box(*box)
-    if len(quads):
-        window = shapely.difference(window, shapely.union_all(shapely.polygons(quads)))
-    pieces = shapely.get_parts(window if shapely.is_valid(window) else shapely.Polygon())
-    return pieces[shapely.get_type_id(pieces) == shapely.GeometryType.POLYGON]
+def _pieces(quads: Floats, box: Box, near: shapely.Geometry) -> NDArray[np.object_]:
+    """Pieces of the box that meet `near` and that no parallelogram covers; none where the overlay cannot be right.
+
+    Cut off a batch at a time, the nearest first, so that most of the others miss what is left.
+    """
+    pieces = np.array([shapely.box(*box)], dtype=object)
+    todo = shapely.polygons(quads)
+    todo = todo[np.argsort(shapely.distance(todo, shapely.centroid(near)), kind="stable")]
+    while len(todo):
+        region = shapely.difference(shapely.multipolygons(pieces), shapely.union_all(todo[:BATCH]))
+        if not shapely.is_valid(region):
+            return pieces[:0]
+        pieces = shapely.get_parts(region)
+        pieces = pieces[
+            (shapely.get_type_id(pieces) == shapely.GeometryType.POLYGON) & shapely.intersects(pieces, near)
+        ]
+        left = shapely.multipolygons(pieces)
+        shapely.prepare(left)
+        todo = todo[BATCH:]
+        todo = todo[shapely.intersects(left, todo)]
+    return pieces
 
 
 def _free(pair: Meeting, phi: float, piece: shapely.Polygon) -> bool:

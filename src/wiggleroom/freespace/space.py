@@ -166,8 +166,9 @@ def free_space(assembly: Assembly, a: str, b: str, model: str = "walls") -> Free
     material = placed(them)[[one, other]]
     apart = float(shapely.distance(*material))
     if apart < TOUCHING * assembly.size:
+        where = assembly.drawing.source or "the assembly"
         finding = (
-            f'{assembly.drawing.source or "the assembly"}: parts "{a}" and "{b}" touch at rest, clearance {apart:.3g} mm; '
+            f'{where}: parts "{a}" and "{b}" touch at rest, clearance {apart:.3g} mm; '
             "there is no room to move: give a gap"
         )
         raise TouchingError(finding, (a, b), apart)

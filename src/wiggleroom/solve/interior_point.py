@@ -26,10 +26,13 @@ CORRECTION = 10.0
 """Mehrotra's second-order term is held within this multiple of mu; larger ones come from steps too long to trust."""
 SHORT = 0.05
 """A step shorter than this is tried again with a stronger diagonal."""
-INNER = 3e-3
+FIRST_MU = 0.1
+INNER = 3e-2
 """The next program starts at the last legal iterate whose complementarity was still this share of the objective."""
 TINY_SHIFT = 1e-11
-MOST_ITERATIONS = 250
+BALANCED = 1e-3
+"""Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
+LEAST_ITERATIONS, MOST_ITERATIONS = 3, 100
 
 
 class Stop(Protocol):
@@ -54,8 +57,8 @@ class Solution:
     iterations : int
     inner : (3F,) float64
         A point well inside all rows on the way, from which the next program can start.
-    inner_lam : (R,) float64
-        Multipliers there.
+    inner_mu : float
+        Mean complementarity there, as a share of the objective's largest derivative.
     way : tuple of (3F,) float64
         Points inside all rows on the way from the start.
     error : float
@@ -67,7 +70,7 @@ class Solution:
     status: str
     iterations: int
     inner: Floats
-    inner_lam: Floats
+    inner_mu: float
     way: tuple[Floats, ...] = ()
     error: float = 0.0
 
@@ -106,8 +109,7 @@ def solve(
     program: Program,
     start: Floats | None = None,
     *,
-    lam: Floats | None = None,
-    mu: float = 0.1,
+    mu: float = FIRST_MU,
     tolerance: float = 1e-6,
     horizon: float = np.inf,
     stop: Stop | None = None,
@@ -120,10 +122,8 @@ def solve(
     program : Program
     start : (3F,) float64, optional
         Strictly inside all rows; by default rest.
-    lam : (R,) float64, optional
-        First multipliers, nan where unknown.
     mu : float
-        First complementarity, in units of the scaled objective.
+        Complementarity to begin with, as a share of the objective's largest derivative.
     tolerance : float
         Share of the objective that may be left on the table.
     horizon : float [mm]
@@ -139,9 +139,9 @@ def solve(
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
     s = np.maximum(at.h, 1e-9)
-    state = _State(u, s, _first_multipliers(s, lam, unit, mu), at, unit, np.zeros_like(u))
+    state = _State(u, s, mu / s, at, unit, np.zeros_like(u))
     matrix, retraction = factor(program.pattern), Retraction(program)
-    inner, inner_lam, status, error, k = u, state.lam, "failed", np.inf, 0
+    inner, inner_mu, status, error, before = u, mu, "failed", np.inf, np.inf
     for k in range(MOST_ITERATIONS + 1):
         primal, dual, gap, value = state.residuals()
         if progress is not None:
@@ -149,19 +149,20 @@ def solve(
         infeasible, wrong = _dot(state.lam, np.abs(primal)), _dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0))
         if k == 0:
             wrong = np.inf
-        error = max(gap, infeasible, wrong) / max(abs(value), 1.0)
+        error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
+        before = value
         inside = state.at.h.min() > 0
         if inside:
             state.way.append(state.u)
             if k == 0 or gap > INNER * max(abs(value), 1.0):
-                inner, inner_lam = state.u, state.lam
-        if error < tolerance:
+                inner, inner_mu = state.u, gap / program.rows
+        if k >= LEAST_ITERATIONS and error < tolerance and np.abs(dual).max() < max(10 * tolerance, BALANCED):
             status = "converged"
             break
         if stop is not None and stop.is_set():
             status = "stopped"
             break
-        if np.abs(program.motion(state.u)[:, :2]).max(initial=0.0) > horizon:
+        if inside and np.abs(program.motion(state.u)[:, :2]).max(initial=0.0) > horizon:
             status = "escaping"
             break
         lag = max(infeasible, 0.0 if k == 0 else wrong) / gap
@@ -171,19 +172,7 @@ def solve(
             break
         _advance(state, step, retraction)
     settled = _settle(state, matrix, retraction) if status == "converged" else state
-    return Solution(settled.u, settled.lam * unit, status, k, inner, inner_lam * unit, tuple(state.way), error)
-
-
-def _first_multipliers(s: Floats, lam: Floats | None, unit: float, mu: float) -> Floats:
-    """Multipliers to begin with: the given ones, and for unknown rows what gives them the same complementarity as the known ones."""
-    if lam is None:
-        return mu / s
-    known = ~np.isnan(lam)
-    out = lam / unit
-    if known.any():
-        mu = max(_dot(s[known], out[known]) / int(known.sum()), 1e-9)
-    out[~known] = mu / s[~known]
-    return out
+    return Solution(settled.u, settled.lam * unit, status, k, inner, inner_mu, tuple(state.way), error)
 
 
 def _step(

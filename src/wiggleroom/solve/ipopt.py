@@ -20,7 +20,7 @@ from wiggleroom.errors import InputError, MissingExtraError
 from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
 from wiggleroom.program.objectives import PointMotion
-from wiggleroom.solve.interior_point import Solution, Stop
+from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution, Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -34,9 +34,8 @@ def solve(
     program: Program,
     start: Floats | None = None,
     *,
-    lam: Floats | None = None,
-    mu: float = 0.1,
-    tolerance: float = 1e-7,
+    mu: float = FIRST_MU,
+    tolerance: float = 1e-6,
     horizon: float = np.inf,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
@@ -48,10 +47,8 @@ def solve(
     program : Program
     start : (3F,) float64, optional
         Strictly inside all rows; by default rest.
-    lam : (R,) float64, optional
-        First multipliers, nan where unknown.
     mu : float
-        First complementarity, in units of the scaled objective.
+        Complementarity to begin with, as a share of the objective's largest derivative.
     tolerance : float
         Share of the objective that may be left on the table.
     horizon : float [mm]
@@ -82,16 +79,11 @@ def solve(
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
     watch = _Watch(program, unit, u, horizon, stop, progress)
-    first = np.full(program.rows, np.nan) if lam is None else lam / unit
-    known = ~np.isnan(first)
-    if known.any():
-        mu = max(float(np.maximum(at.h, 0.0)[known] @ first[known]) / int(known.sum()), 1e-9)
-    first = np.where(known, first, mu / np.maximum(at.h, 1e-9))
     variables, value, rows = _expressions(casadi, program)
     nlp = {"x": variables, "f": -value / unit, "g": rows}
     listener = _listener(casadi, watch)
-    solver = casadi.nlpsol("flex", "ipopt", nlp, _options(listener, mu, tolerance, lam is not None))
-    out = solver(x0=u, lbg=0.0, lam_g0=-first)
+    solver = casadi.nlpsol("flex", "ipopt", nlp, _options(listener, mu, tolerance))
+    out = solver(x0=u, lbg=0.0, lam_g0=-mu / np.maximum(at.h, 1e-9))
     if watch.error is not None:
         raise watch.error
     stats = solver.stats()
@@ -101,9 +93,7 @@ def solve(
         end, end_lam = np.array(out["x"]).ravel(), np.maximum(-np.array(out["lam_g"]).ravel(), 0.0)
         status = "converged" if stats["success"] else "failed"
     left = _error(program, end, end_lam, unit)
-    return Solution(
-        end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_lam * unit, tuple(watch.way), left
-    )
+    return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_mu, tuple(watch.way), left)
 
 
 def _casadi() -> Any:
@@ -116,9 +106,10 @@ def _casadi() -> Any:
     return casadi
 
 
-def _options(listener: object, mu: float, tolerance: float, warm: bool) -> dict[str, object]:
-    """Options of CasADi and IPOPT: quiet, sharp, rows never relaxed; a warm start keeps the given multipliers."""
-    options: dict[str, object] = {
+def _options(listener: object, mu: float, tolerance: float) -> dict[str, object]:
+    """Options of CasADi and IPOPT: quiet, sharp, rows never relaxed, and the start left where it is."""
+    push = dict.fromkeys(("slack_bound_push", "slack_bound_frac", "mult_bound_push"), 1e-9)
+    return {
         "iteration_callback": listener,
         "print_time": False,
         "ipopt.print_level": 0,
@@ -130,11 +121,9 @@ def _options(listener: object, mu: float, tolerance: float, warm: bool) -> dict[
         "ipopt.acceptable_tol": 10 * SHARPER * tolerance,
         "ipopt.max_iter": MOST_ITERATIONS,
         "ipopt.mu_init": mu,
+        "ipopt.warm_start_init_point": "yes",
+        **{f"ipopt.warm_start_{k}": v for k, v in push.items()},
     }
-    if warm:
-        push = dict.fromkeys(("slack_bound_push", "slack_bound_frac", "mult_bound_push"), 1e-9)
-        options |= {"ipopt.warm_start_init_point": "yes", **{f"ipopt.warm_start_{k}": v for k, v in push.items()}}
-    return options
 
 
 def _expressions(casadi: Any, program: Program) -> tuple[Any, Any, Any]:
@@ -211,13 +200,12 @@ class _Watch:
     error: BaseException | None = None
     lam: Floats = field(init=False)
     inner: Floats = field(init=False)
-    inner_lam: Floats = field(init=False)
+    inner_mu: float = FIRST_MU
     way: list[Floats] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Begin at the start."""
         self.inner, self.lam = self.u, np.zeros(self.program.rows)
-        self.inner_lam = self.lam
 
     def see(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:
         """Look at one iterate: value and multipliers in units of the scaled objective; True to go on."""
@@ -228,8 +216,8 @@ class _Watch:
         inside = h.min(initial=np.inf) > 0
         if inside:
             self.way.append(u)
-            if len(self.way) == 1 or h @ lam > 1e-3 * max(abs(value), 1.0):
-                self.inner, self.inner_lam = u, lam
+            if len(self.way) == 1 or h @ lam > INNER * max(abs(value), 1.0):
+                self.inner, self.inner_mu = u, float(h @ lam) / len(h)
         if self.stop is not None and self.stop.is_set():
             self.status = "stopped"
         elif inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon:
