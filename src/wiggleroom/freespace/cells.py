@@ -16,7 +16,7 @@ Ints = NDArray[np.int64]
 
 SPAN = 0.5
 """A cell reaches at most this far [rad] from its seed; beyond, it is rebuilt."""
-ROOM = 96
+ROOM = 48
 """Walls per cell that the first try has room for."""
 
 
@@ -96,24 +96,16 @@ def grow_cells(
 
     Source: the idea of IRIS (Deits and Tedrake 2014) on the facets of the C-obstacle; here exact in the angle and verified between angles.
     """
-    shapes = bodies.shapes
     count = len(a)
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
     bars = np.full((count, 2), -1, dtype=np.int64) if bar is None else bar
     wishes = np.full((count, 3), np.nan) if wish is None else wish
-    radius = np.maximum(bodies.radius[a], bodies.radius[b])
-    step = np.minimum(clearance / (4 * radius), span / 4)
-    kind, edge, corner = (np.full((count, ROOM), -1, dtype=np.int64) for _ in range(3))
+    tables = [np.full((count, ROOM), -1, dtype=np.int64) for _ in range(3)]
     number, ends, status = np.zeros(count, dtype=np.int64), np.zeros((count, 2)), np.zeros((count, 2), dtype=np.int64)
 
     def work(part: slice) -> None:
-        rows = len(seed[part])
-        grow.grow_many(
-            seed[part], keeps[part].reshape(-1, 3), np.arange(rows + 1) * keeps.shape[1], bars[part], wishes[part],
-            10 * clearance[part], step[part], step[part] / 64, np.full(rows, span), bodies.shape[a[part]], bodies.shape[b[part]],
-            shapes.corner, shapes.after, shapes.normal, shapes.first, shapes.run, shapes.run_first, shapes.run_disc, 1e-12 * radius[part],
-            kind[part], edge[part], corner[part], number[part], ends[part], status[part],
-        )  # fmt: skip
+        some = (x[part] for x in (a, b, seed, clearance, keeps, bars, wishes, *tables, number, ends, status))
+        _grow(bodies, span, *some)
 
     if count < 64:
         work(slice(0, count))
@@ -121,9 +113,33 @@ def grow_cells(
         cuts = np.linspace(0, count, 9).astype(int)
         with ThreadPoolExecutor(max_workers=2) as pool:
             list(pool.map(work, [slice(i, j) for i, j in zip(cuts[:-1], cuts[1:], strict=True)]))
-    grown = (status[:, 0] != grow.FAILED) & (number <= ROOM)
-    used = np.arange(ROOM)[None, :] < np.where(grown, number, 0)[:, None]
-    return _packed(a, b, seed, ends, used, kind, edge, corner), grown
+    grown = status[:, 0] != grow.FAILED
+    many = np.flatnonzero(grown & (number > ROOM))
+    if len(many):  # curved outlines need more walls than most: once more, with room for them
+        wide = [np.full((len(many), int(number[many].max())), -1, dtype=np.int64) for _ in range(3)]
+        again = (x[many] for x in (a, b, seed, clearance, keeps, bars, wishes))
+        _grow(bodies, span, *again, *wide, number[many], ends[many], status[many])
+        tables = [np.pad(t, ((0, 0), (0, w.shape[1] - ROOM)), constant_values=-1) for t, w in zip(tables, wide, strict=True)]
+        for table, w in zip(tables, wide, strict=True):
+            table[many] = w
+    used = np.arange(tables[0].shape[1])[None, :] < np.where(grown, number, 0)[:, None]
+    return _packed(a, b, seed, ends, used, *tables), grown
+
+
+def _grow(
+    bodies: Bodies, span: float, a: Ints, b: Ints, seed: Floats, clearance: Floats, keeps: Floats, bars: Ints, wishes: Floats,
+    kind: Ints, edge: Ints, corner: Ints, number: Ints, ends: Floats, status: Ints,
+) -> None:  # fmt: skip
+    """Call the compiled search; the last six arrays are filled."""
+    shapes, rows = bodies.shapes, len(a)
+    radius = np.maximum(bodies.radius[a], bodies.radius[b])
+    step = np.minimum(clearance / (4 * radius), span / 4)
+    grow.grow_many(
+        seed, keeps.reshape(-1, 3), np.arange(rows + 1) * keeps.shape[1], bars, wishes, 10 * clearance, step, step / 64,
+        np.full(rows, span), bodies.shape[a], bodies.shape[b],
+        shapes.corner, shapes.after, shapes.normal, shapes.first, shapes.run, shapes.run_first, shapes.run_disc, 1e-12 * radius,
+        kind, edge, corner, number, ends, status,
+    )  # fmt: skip
 
 
 def _packed(

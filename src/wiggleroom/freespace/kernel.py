@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-MOST_LINES = 160
-MOST_WALLS = 320
+MOST_LINES = 400
+MOST_WALLS = 800
 
 OPTIONS = {"cache": True, "nogil": True, "fastmath": False, "error_model": "numpy"}
 
