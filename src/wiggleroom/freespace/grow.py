@@ -8,8 +8,11 @@ from numba import njit
 from wiggleroom.freespace.kernel import (
     MOST_LINES,
     MOST_WALLS,
+    INNER,
     OPTIONS,
     add_line,
+    cover_by,
+    first_look,
     clip,
     in_front,
     nearest_open,
@@ -22,7 +25,7 @@ MOST_ON_LINE = 48
 CLOSED, OPEN, FAILED = 0, 1, 2
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def keeps(kind, edge, v, keep, corner, after, normal, tiny, margin):
     """True where the wall leaves every point of `keep` inside, and by `margin` those where corner and edge do not touch."""
     for k in range(keep.shape[0]):
@@ -45,7 +48,7 @@ def keeps(kind, edge, v, keep, corner, after, normal, tiny, margin):
     return True
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def parallel(i, j, p, q, corner, after):
     """Angle strictly inside (p, q) at which edge i of A and edge j of B are parallel, or nan."""
     ax, ay = corner[after[i], 0] - corner[i, 0], corner[after[i], 1] - corner[i, 1]
@@ -55,7 +58,7 @@ def parallel(i, j, p, q, corner, after):
     return angle if p + 1e-12 < angle < q - 1e-12 else np.nan
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny):
     """The line that edge i of A is behind (or edge j of B) and the other edge furthest in front of: (kind, edge, distance)."""
     kind, edge, best = 0, i, -np.inf
@@ -75,7 +78,7 @@ def line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny):
     return kind, edge, best
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def out_of_reach(
     i, j, x, y, psi, p, q, lines, kinds, edges, walls, counts, corner, after, normal, b0, b1, placed, poly, spare, tiny,
 ):  # fmt: skip
@@ -122,10 +125,10 @@ def out_of_reach(
     return n > 0
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def hide_all(
     x, y, psi, p, q, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
-    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, margin, hint,
+    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound, open_pairs, open_far, count, tiny, margin, hint,
 ):  # fmt: skip
     """Add walls until every edge pair is hidden over [p, q] or out of reach, nearest first as seen from (x, y, psi); False where not all are.
 
@@ -133,24 +136,43 @@ def hide_all(
     from there on different corners lead, and one wall may do where both would not.
     """
     hint[0] = np.nan
-    for k in range(state[0]):
-        if kinds[k] == 0:
-            set_front(0, edges[k], walls[k], counts[k], p, q, corner, after, normal, b0, b1, run, rb0, rb1, at, front[k], run_front[k])
-        else:
-            set_front(1, edges[k], walls[k], counts[k], p, q, corner, after, normal, a0, a1, run, ra0, ra1, at, front[k], run_front[k])
+    fresh = 0  # lines from here on have no front yet
     c, s = np.cos(psi), np.sin(psi)
     for j in range(b0, b1):
         placed[j - b0, 0] = c * corner[j, 0] - s * corner[j, 1]
         placed[j - b0, 1] = s * corner[j, 0] + c * corner[j, 1]
+    count[0] = 0
+    last = 0.0
+    looked, stuck = False, False
     while True:
-        i, j = nearest_open(
-            x, y, psi, state[0], kinds, corner, after, a0, b0, run, run_disc, ra0, ra1, rb0, rb1,
-            reach, run_reach, front, run_front, placed, tiny,
+        for k in range(fresh, state[0] if not looked else min(fresh + 1, state[0])):
+            o0, o1, r0, r1 = (b0, b1, rb0, rb1) if kinds[k] == 0 else (a0, a1, ra0, ra1)
+            set_front(
+                kinds[k], edges[k], walls[k], counts[k], p, q, corner, after, normal, o0, o1, run, r0, r1, at, front[k], run_front[k]
+            )
+        if not looked:
+            first_look(x, y, psi, state[0], kinds, run_disc, ra0, ra1, rb0, rb1, run_reach, run_front, seen, bound, tiny)
+            looked = True
+        else:
+            cover_by(
+                fresh, kinds[fresh], a0, b0, reach, run_reach, front, run_front, seen, ra1 - ra0, rb1 - rb0,
+                open_pairs, open_far, count, tiny,
+            )  # fmt: skip
+        where = nearest_open(
+            x, y, state[0], kinds, corner, after, a0, b0, run, ra0, ra1, rb0, rb1,
+            reach, front, placed, seen, bound, open_pairs, open_far, count, tiny,
         )  # fmt: skip
-        if i < 0 or out_of_reach(
-            i, j, x, y, psi, p, q, state[0], kinds, edges, walls, counts, corner, after, normal, b0, b1, placed, poly, spare, tiny,
-        ):  # fmt: skip
+        i, j = (open_pairs[where, 0], open_pairs[where, 1]) if where >= 0 else (-1, -1)
+        if i < 0:
             return True
+        if stuck or open_far[where] > 1.5 * last:  # looked at again only when the nearest open pair is clearly further away
+            last = open_far[where]
+            if out_of_reach(
+                i, j, x, y, psi, p, q, state[0], kinds, edges, walls, counts, corner, after, normal, b0, b1, placed, poly, spare, tiny,
+            ):  # fmt: skip
+                return True
+            if stuck:
+                return False
         sep_a = min(in_front(0, i, j, x, y, psi, corner, normal), in_front(0, i, after[j], x, y, psi, corner, normal))
         sep_b = min(in_front(1, j, i, x, y, psi, corner, normal), in_front(1, j, after[i], x, y, psi, corner, normal))
         first_a = sep_a >= sep_b  # the further line first
@@ -225,18 +247,15 @@ def hide_all(
                     added = True
             if not added:
                 return False
-            if kind == 0:
-                set_front(0, edge, walls[line], counts[line], p, q, corner, after, normal, b0, b1, run, rb0, rb1, at, front[line], run_front[line])
-            else:
-                set_front(1, edge, walls[line], counts[line], p, q, corner, after, normal, a0, a1, run, ra0, ra1, at, front[line], run_front[line])
+            fresh = line
             done = True
             break
         if not done:
             hint[0] = parallel(i, j, p, q, corner, after)
-            return False
+            stuck = True
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def joined(x0, y0, p0, x1, y1, p1, lines, kinds, edges, walls, counts, corner, normal):
     """True where the straight way between two relative poses certainly stays inside all walls."""
     turn, move = p1 - p0, np.hypot(x1 - x0, y1 - y0)
@@ -254,43 +273,41 @@ def joined(x0, y0, p0, x1, y1, p1, lines, kinds, edges, walls, counts, corner, n
     return True
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def grow(
     seed, keep, bar, wish, half, step, least_step, span, shape_a, shape_b, corner, after, normal, first, run, run_first, run_disc,
-    kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, ends,
+    kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound, open_pairs, open_far, count, state, old_counts, hint, middle, there, status, tiny, ends,
 ):  # fmt: skip
     """Grow a cell round `seed` (x, y, psi). Returns (lines, status low end, status high end); `ends` gets the verified interval."""
     a0, a1, b0, b1 = first[shape_a], first[shape_a + 1], first[shape_b], first[shape_b + 1]
     ra0, ra1, rb0, rb1 = run_first[shape_a], run_first[shape_a + 1], run_first[shape_b], run_first[shape_b + 1]
-    state, hint = np.zeros(1, dtype=np.int64), np.zeros(1)
-    old_counts = np.zeros(MOST_LINES, dtype=np.int64)
-    middle, there = np.zeros(4), np.zeros(4)
+    state[0] = 0
     margin = 0.005 * half
     x0, y0, psi0 = seed[0], seed[1], seed[2]
     ends[0], ends[1] = psi0, psi0
-    if not hide_all(
-        x0, y0, psi0, psi0, psi0, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
-        run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, margin, hint,
-    ):  # fmt: skip
-        return 0, FAILED, FAILED
-    status = np.array([OPEN, OPEN])
-    for side in range(2):
+    status[0], status[1] = OPEN, OPEN
+    for side in range(-1, 2):  # first the seed's own angle, then down, then up
         way = 1.0 if side == 1 else -1.0
         psi, x, y, d = psi0, x0, y0, step
-        while abs(psi - psi0) < span:
-            d = min(d, span - abs(psi - psi0) + 1e-15)
+        while side < 0 or abs(psi - psi0) < span:
+            d = min(d, span - abs(psi - psi0) + 1e-15) if side >= 0 else 0.0
             lines_before = state[0]
             for k in range(lines_before):
                 old_counts[k] = counts[k]
             end = psi + way * d
             p, q = min(psi, end), max(psi, end)
             n = slice_middle(end, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, there)
-            closing = n == 0
-            sx, sy, sp = (x, y, psi) if closing else (there[0], there[1], end)
+            closing = n == 0 and side >= 0
+            sx, sy, sp = (x, y, psi) if closing or side < 0 else (there[0], there[1], end)
             good = hide_all(
                 sx, sy, sp, p, q, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
-                run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, tiny, margin, hint,
+                run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed,
+                poly, spare, seen, bound, open_pairs, open_far, count, tiny, margin, hint,
             )  # fmt: skip
+            if side < 0:
+                if not good:
+                    return 0, FAILED, FAILED
+                break
             if good and closing:
                 n = slice_middle(psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle)
                 if n > 0 and middle[3] == 0.0:
@@ -316,7 +333,8 @@ def grow(
                 d *= 0.5
                 if d < least_step:
                     break
-        ends[side] = psi
+        if side >= 0:
+            ends[side] = psi
     return state[0], status[0], status[1]
 
 
@@ -335,11 +353,15 @@ def grow_many(
     run_reach, run_front = np.zeros((MOST_LINES, runs)), np.zeros((MOST_LINES, runs))
     at, placed = np.zeros(largest), np.zeros((largest, 2))
     poly, spare = np.zeros((2 * MOST_WALLS, 2)), np.zeros((2 * MOST_WALLS, 2))
+    seen, bound = np.zeros((runs, runs), np.int64), np.zeros((runs, runs))
+    open_pairs, open_far = np.zeros((largest * largest, 2), np.int64), np.zeros(largest * largest)
+    count, state, status = np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(2, np.int64)
+    hint, middle, there, old_counts = np.zeros(1), np.zeros(4), np.zeros(4), np.zeros(MOST_LINES, np.int64)
     for c in range(seeds.shape[0]):
         lines, low, high = grow(
             seeds[c], keeps_at[keep_first[c] : keep_first[c + 1]], bars[c], wishes[c], half[c], step[c], least_step[c], span[c], shape_a[c], shape_b[c],
             corner, after, normal, first, run, run_first, run_disc,
-            kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, tiny[c], out_ends[c],
+            kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound, open_pairs, open_far, count, state, old_counts, hint, middle, there, status, tiny[c], out_ends[c],
         )  # fmt: skip
         out_status[c, 0], out_status[c, 1] = low, high
         n = 0

@@ -15,10 +15,12 @@ from numba import njit
 MOST_LINES = 400
 MOST_WALLS = 800
 
-OPTIONS = {"cache": True, "nogil": True, "fastmath": False, "error_model": "numpy"}
+OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
+INNER = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+"""For functions that only compiled code calls: without the wrappers they compile in half the time."""
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def least_in_front(nx, ny, px, py, qx, qy, dx, dy):
     """Least n(psi) . d while the unit normal n turns counter-clockwise from p to q (less than half a turn)."""
     least = min(px * dx + py * dy, qx * dx + qy * dy)
@@ -27,7 +29,7 @@ def least_in_front(nx, ny, px, py, qx, qy, dx, dy):
     return least
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def add_line(kind, edge, corner, after, normal, a0, a1, b0, b1, run, ra0, ra1, rb0, rb1, reach, run_reach):
     """How far each edge of the line's owner reaches in front of the line, by edge and by run."""
     if kind == 0:
@@ -50,7 +52,7 @@ def add_line(kind, edge, corner, after, normal, a0, a1, b0, b1, run, ra0, ra1, r
         run_reach[r - r0] = most
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def set_front(kind, edge, walls, count, p, q, corner, after, normal, o0, o1, run, ro0, ro1, at, front, run_front):
     """How far each edge of the other part stays in front of a line over the angles [p, q], by edge and by run."""
     nx, ny = normal[edge, 0], normal[edge, 1]
@@ -80,12 +82,12 @@ def set_front(kind, edge, walls, count, p, q, corner, after, normal, o0, o1, run
         run_front[r - ro0] = least
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def cross_side(ax, ay, bx, by, px, py):
     return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def point_segment2(px, py, ax, ay, bx, by):
     ux, uy = bx - ax, by - ay
     t = ((px - ax) * ux + (py - ay) * uy) / (ux * ux + uy * uy)
@@ -94,7 +96,7 @@ def point_segment2(px, py, ax, ay, bx, by):
     return ex * ex + ey * ey
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def segments2(ax, ay, bx, by, cx, cy, dx, dy):
     """Squared distance of two segments; 0 where they cross."""
     s1, s2 = cross_side(ax, ay, bx, by, cx, cy), cross_side(ax, ay, bx, by, dx, dy)
@@ -107,56 +109,85 @@ def segments2(ax, ay, bx, by, cx, cy, dx, dy):
     )
 
 
-@njit(**OPTIONS)
-def nearest_open(
-    x, y, psi, lines, kinds, corner, after, a0, b0, run, run_disc, ra0, ra1, rb0, rb1,
-    reach, run_reach, front, run_front, placed, tiny,
-):  # fmt: skip
-    """The nearest edge pair, at relative pose (x, y, psi), that no line hides: (edge of A, edge of B), or (-1, -1)."""
-    best, bi, bj = np.inf, -1, -1
+UNSEEN, SEEN, COVERED = 0, 1, 2
+
+
+@njit(**INNER)
+def first_look(x, y, psi, lines, kinds, run_disc, ra0, ra1, rb0, rb1, run_reach, run_front, state, bound, tiny):
+    """Which pairs of runs some line covers wholly, and how near (x, y, psi) brings the others at least."""
     c, s = np.cos(psi), np.sin(psi)
     for rb in range(rb0, rb1):
         ux, uy, ur = run_disc[rb, 0], run_disc[rb, 1], run_disc[rb, 2]
         cx, cy = c * ux - s * uy + x, s * ux + c * uy + y
         for ra in range(ra0, ra1):
-            covered = False
+            i, j = ra - ra0, rb - rb0
+            state[i, j] = UNSEEN
             for k in range(lines):
-                if kinds[k] == 0:
-                    covered = run_reach[k, ra - ra0] <= run_front[k, rb - rb0] + tiny
-                else:
-                    covered = run_reach[k, rb - rb0] <= run_front[k, ra - ra0] + tiny
-                if covered:
+                if (run_reach[k, i] <= run_front[k, j] + tiny) if kinds[k] == 0 else (run_reach[k, j] <= run_front[k, i] + tiny):
+                    state[i, j] = COVERED
                     break
-            if covered:
-                continue
-            gx, gy = cx - run_disc[ra, 0], cy - run_disc[ra, 1]
-            gap = np.sqrt(gx * gx + gy * gy) - ur - run_disc[ra, 2]
-            if gap > 0.0 and gap * gap >= best:
-                continue
-            for i in range(run[ra], run[ra + 1]):
-                i2 = after[i]
-                for j in range(run[rb], run[rb + 1]):
-                    covered = False
-                    for k in range(lines):
-                        if kinds[k] == 0:
-                            covered = reach[k, i - a0] <= front[k, j - b0] + tiny
-                        else:
-                            covered = reach[k, j - b0] <= front[k, i - a0] + tiny
-                        if covered:
-                            break
-                    if covered:
-                        continue
-                    j2 = after[j]
-                    d = segments2(
-                        corner[i, 0], corner[i, 1], corner[i2, 0], corner[i2, 1],
-                        placed[j - b0, 0] + x, placed[j - b0, 1] + y, placed[j2 - b0, 0] + x, placed[j2 - b0, 1] + y,
-                    )  # fmt: skip
-                    if d < best:
-                        best, bi, bj = d, i, j
-    return bi, bj
+            bound[i, j] = max(0.0, np.hypot(cx - run_disc[ra, 0], cy - run_disc[ra, 1]) - ur - run_disc[ra, 2])
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
+def nearest_open(
+    x, y, lines, kinds, corner, after, a0, b0, run, ra0, ra1, rb0, rb1, reach, front, placed, state, bound, open_pairs, open_far, count, tiny,
+):  # fmt: skip
+    """Place in the list of the nearest edge pair that no line hides, or -1; runs are opened in the order of their distance."""
+    best, where = np.inf, -1
+    for n in range(count[0]):
+        if open_far[n] < best:
+            best, where = open_far[n], n
+    while True:
+        near, ra, rb = np.sqrt(best), -1, -1
+        for i in range(ra1 - ra0):
+            for j in range(rb1 - rb0):
+                if state[i, j] == UNSEEN and bound[i, j] < near:
+                    near, ra, rb = bound[i, j], i, j
+        if ra < 0:
+            return where
+        state[ra, rb] = SEEN
+        for i in range(run[ra0 + ra], run[ra0 + ra + 1]):
+            i2 = after[i]
+            for j in range(run[rb0 + rb], run[rb0 + rb + 1]):
+                hidden = False
+                for k in range(lines):
+                    if kinds[k] == 0:
+                        hidden = reach[k, i - a0] <= front[k, j - b0] + tiny
+                    else:
+                        hidden = reach[k, j - b0] <= front[k, i - a0] + tiny
+                    if hidden:
+                        break
+                if hidden:
+                    continue
+                j2, n = after[j], count[0]
+                open_pairs[n, 0], open_pairs[n, 1] = i, j
+                open_far[n] = segments2(
+                    corner[i, 0], corner[i, 1], corner[i2, 0], corner[i2, 1],
+                    placed[j - b0, 0] + x, placed[j - b0, 1] + y, placed[j2 - b0, 0] + x, placed[j2 - b0, 1] + y,
+                )  # fmt: skip
+                count[0] += 1
+                if open_far[n] < best:
+                    best, where = open_far[n], n
+
+
+@njit(**INNER)
+def cover_by(k, kind, a0, b0, reach, run_reach, front, run_front, state, na, nb, open_pairs, open_far, count, tiny):
+    """Strike what line k hides from the runs and from the list of open edge pairs."""
+    for i in range(na):
+        for j in range(nb):
+            if (run_reach[k, i] <= run_front[k, j] + tiny) if kind == 0 else (run_reach[k, j] <= run_front[k, i] + tiny):
+                state[i, j] = COVERED
+    kept = 0
+    for n in range(count[0]):
+        i, j = open_pairs[n, 0], open_pairs[n, 1]
+        if (reach[k, i - a0] > front[k, j - b0] + tiny) if kind == 0 else (reach[k, j - b0] > front[k, i - a0] + tiny):
+            open_pairs[kept, 0], open_pairs[kept, 1], open_far[kept] = i, j, open_far[n]
+            kept += 1
+    count[0] = kept
+
+
+@njit(**INNER)
 def in_front(kind, edge, v, x, y, psi, corner, normal):
     """Wall value h: how far corner v is in front of the line of `edge` at relative pose (x, y, psi)."""
     c, s = np.cos(psi), np.sin(psi)
@@ -169,7 +200,7 @@ def in_front(kind, edge, v, x, y, psi, corner, normal):
     return nx * (px - corner[edge, 0]) + ny * (py - corner[edge, 1])
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def clip(poly, n, nx, ny, off, out):
     """Part of a convex polygon where n . p >= off."""
     m = 0
@@ -188,7 +219,7 @@ def clip(poly, n, nx, ny, off, out):
     return m
 
 
-@njit(**OPTIONS)
+@njit(**INNER)
 def slice_middle(psi, mx, my, half, lines, kinds, edges, walls, counts, corner, normal, poly, spare, result):
     """Slice of the cell at psi within a square round (mx, my): result = centroid, area, 1 where it meets the square's rim."""
     poly[0, 0], poly[0, 1] = mx - half, my - half
