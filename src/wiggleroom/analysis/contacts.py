@@ -18,21 +18,23 @@ def contacts(assembly: Assembly, program: Program, u: np.ndarray, touch: Touch) 
     """Contacts at u (3F,) in assembly coordinates, strongest first."""
     bodies, cells, shapes = program.bodies, program.cells, program.bodies.shapes
     pose = bodies.rest + program.motion(u)
+    turned, name = (np.cos(pose[:, 2]), np.sin(pose[:, 2])), assembly.names
     out = []
+    virtual = touch.virtual
     for k in np.argsort(-touch.force, kind="stable"):
-        if touch.virtual[k] or touch.force[k] < WEAK * touch.force.max():
+        if virtual[k] or touch.force[k] < WEAK * touch.force.max():
             continue
         row, pair = touch.row[k], touch.pair[k]
         a, b = int(cells.a[pair]), int(cells.b[pair])
         edge, corner = cells.edge[row], cells.corner[row]
         owner, other = (a, b) if cells.kind[row] == kernel.A_EDGE else (b, a)
-        c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
+        c, s = turned
         x, y = shapes.corner[corner]
         point = (pose[other, 0] + c[other] * x - s[other] * y, pose[other, 1] + s[other] * x + c[other] * y)
         nx, ny = shapes.normal[edge]
         names = (
-            assembly.names[bodies.members[owner][shapes.member[edge]]],
-            assembly.names[bodies.members[other][shapes.member[corner]]],
+            name[bodies.members[owner][shapes.member[edge]]],
+            name[bodies.members[other][shapes.member[corner]]],
         )
         normal = (c[owner] * nx - s[owner] * ny, s[owner] * nx + c[owner] * ny)
         if owner == b:

@@ -35,9 +35,11 @@ def overlaps(bodies: Bodies, motion: Floats, barred: Ints) -> Overlaps:
     Depth is the smaller side of the smallest rectangle round the common material.
     """
     geometry = placed(bodies, motion)
-    a, b = shapely.STRtree(geometry).query(geometry, predicate="intersects")
+    a, b = shapely.STRtree(geometry).query(geometry)
     keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * len(geometry) + b, barred)
     a, b = a[keep], b[keep]
+    hit = shapely.intersects(geometry[a], geometry[b])
+    a, b = a[hit], b[hit]
     common = shapely.intersection(geometry[a], geometry[b])
     solid = shapely.area(common) > 0
     a, b, common = a[solid], b[solid], common[solid]

@@ -21,17 +21,21 @@ from wiggleroom.solve.interior_point import FIRST_MU, Solution, Stop
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ROUGH, COARSE, FINE = 1e-2, 1e-3, 1e-6
-"""Tolerance of the first rounds, which only show where everything wants to go, of those that a rebuild will follow, and of the last."""
+ROUGH, FINE = 1e-2, 1e-6
+"""Tolerance of the first rounds, which only show where everything wants to go, and of the others."""
 AGAIN = 5.0
 """A round begins with this multiple of the complementarity at the inner point of the one before: its new cells leave more to gain."""
 MOST_ROUNDS = 200
-GAIN = 1e-6
-"""A gain below this share of the objective is none."""
+EACH = 1e-8
+"""Share of the objective that each body may leave on the table, where that is more than the tolerance."""
+GAIN = 2e-7
+"""A gain below this share of the objective for each body is none."""
 FAR = 4.0
 """A body that moves further than this multiple of the drawing's size leaves."""
-FEW = 8
-"""Up to so many corner contacts are tried one by one."""
+FEW = 8, 100
+"""Up to so many corner contacts are tried one by one, in an assembly of up to so many bodies."""
+MANY = 1000
+"""In larger assemblies the other sides of corner contacts are left open."""
 ROUND = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] can turn without limit."""
 
@@ -112,11 +116,12 @@ class Search:
 
     def run(self) -> None:
         """Search until every active wall is a real contact, nothing stops the motion, or it was asked to stop."""
+        fine = max(FINE, EACH * len(self.inner))
         tolerance, mu = ROUGH, FIRST_MU
         branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
-            if self._add_missed(found):
+            if tolerance > fine and self._add_missed(found):
                 continue
             mu = AGAIN * found.solution.inner_mu
             gained = self._keep(found, tolerance)
@@ -127,17 +132,18 @@ class Search:
                 branches = None
                 self._rebuild(found, stale)
             elif tolerance == ROUGH:
-                tolerance = COARSE
-                self._rebuild(found, stale)
-            elif tolerance == COARSE:
-                tolerance = FINE
+                tolerance = fine
                 self._rebuild(found, stale)
                 self._add_near(found)
             else:
-                branches = self._branches() if branches is None or gained else branches
-                if not branches:
-                    return
                 begin = self.best or found
+                if branches is None or gained:
+                    branches = self._branches(begin)
+                if not branches:
+                    if self._add_missed(begin):
+                        self.best = None
+                        continue
+                    return
                 mu = AGAIN * begin.solution.inner_mu
                 self._rebuild(begin, branches.pop(), other_side=True)
 
@@ -167,7 +173,7 @@ class Search:
 
     def _keep(self, found: Found, tolerance: float) -> bool:
         """Keep what is better than the best so far; True where it is better by more than the tolerance of the round."""
-        least = max(GAIN, 0.3 * tolerance) * max(abs(found.value), self.ready.clearance)
+        least = max(GAIN * len(found.motion), 0.3 * tolerance) * max(abs(found.value), self.ready.clearance)
         before = self.best.value if self.best else 0.0
         if self.best is None or found.value >= before:
             self.best = found
@@ -178,14 +184,13 @@ class Search:
         began = time.perf_counter()
         self.tell(Progress("check", self.rounds, found.solution.iterations, found.value))
         bodies, n = self.ready.bodies, len(self.ready.bodies.fixed)
-        hit = overlaps(bodies, found.motion, self.ready.barred)
         known = self.cells.a * n + self.cells.b
-        new = ~np.isin(hit.a * n + hit.b, known)
-        if new.any():
-            key = np.unique(np.concatenate([hit.a[new] * n + hit.b[new], self.ready.corners[~np.isin(self.ready.corners, known)]]))
+        missed = overlaps(bodies, found.motion, np.concatenate([self.ready.barred, known]))
+        if len(missed.a):
+            key = np.unique(np.concatenate([missed.a * n + missed.b, self.ready.corners[~np.isin(self.ready.corners, known)]]))
             self.add(key // n, key % n, found.motion)
         self.seconds["check"] += time.perf_counter() - began
-        return bool(new.any())
+        return len(missed.a) > 0
 
     def _add_near(self, found: Found) -> None:
         """Add the pairs that have come near each other, so that the last rounds know of all that may touch."""
@@ -224,12 +229,11 @@ class Search:
         self.cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
         self.seconds["freespace"] += time.perf_counter() - began
 
-    def _branches(self) -> list[Ints]:
+    def _branches(self, best: Found) -> list[Ints]:
         """Sets of corner contacts to try the other side of: each alone where they are few, and all at once (first, as lists pop last)."""
-        if self.best is None:
-            return []
-        touch = self.best.touch
+        touch = best.touch
         corners = np.unique(touch.pair[touch.at_end])
-        self.branches_left = len(corners) > FEW or bool(touch.virtual.any())
-        alone = [corners[k : k + 1] for k in range(len(corners))] if 1 < len(corners) <= FEW else []
-        return [*alone, corners] if len(corners) else []
+        few = len(corners) <= FEW[0] and len(best.motion) <= FEW[1]
+        self.branches_left = bool(touch.virtual.any()) or not (few or len(corners) == 0)
+        alone = [corners[k : k + 1] for k in range(len(corners))] if few and len(corners) > 1 else []
+        return [*alone, corners] if len(corners) and len(best.motion) <= MANY else []

@@ -11,7 +11,7 @@ from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
 from wiggleroom.program.retract import Retraction
-from wiggleroom.solve.factor import factor
+from wiggleroom.solve.factor import Factor, factor
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -41,12 +41,14 @@ def checked_way(program: Program, retraction: Retraction, points: tuple[Floats, 
     """
     rows = [program.values(u) * program.length for u in points]
     out, sure = [points[0]], True
+    matrix: Factor | None = None
     todo = [(points[k], rows[k], points[k + 1], rows[k + 1], 0) for k in range(len(points) - 1)][::-1]
     while todo:
         u, at_u, v, at_v, depth = todo.pop()
         if _least(at_u, at_v, _curvature(program, u, v)) < -slack:
             if depth < MOST_SPLITS and sure:
-                middle = _middle(program, retraction, u, v, (at_u + at_v) / (2 * program.length))
+                matrix = matrix or factor(program.pattern)
+                middle = _middle(program, retraction, matrix, u, v, (at_u + at_v) / (2 * program.length))
                 between = program.values(middle) * program.length
                 todo += [(middle, between, v, at_v, depth + 1), (u, at_u, middle, between, depth + 1)]
                 continue
@@ -55,11 +57,10 @@ def checked_way(program: Program, retraction: Retraction, points: tuple[Floats, 
     return out, sure
 
 
-def _middle(program: Program, retraction: Retraction, u: Floats, v: Floats, target: Floats) -> Floats:
+def _middle(program: Program, retraction: Retraction, matrix: Factor, u: Floats, v: Floats, target: Floats) -> Floats:
     """A point half way between two, moved until its rows are about `target` (R,), the mean of theirs, where they fell behind."""
     middle = retraction.between(u, v)
     target = np.maximum(target, 1e-12)
-    matrix = factor(program.pattern)
     for _ in range(3):
         at = program.linearise(middle)
         short = np.maximum(target - at.h, 0.0)
@@ -138,6 +139,9 @@ def strangers(bodies: Bodies, motions: Floats, known: Ints, barred: Ints) -> tup
         keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * n + b, seen)
         a, b = a[keep], b[keep]
         passing = _passing(bodies, motions[k : k + many + 1], a, b)
+        middle = (bodies.rest + motions[k])[:, :2]
+        near = np.hypot(*(middle[b] - middle[a]).T) - bodies.radius[a] - bodies.radius[b] <= passing
+        a, b, passing = a[near], b[near], passing[near]
         near = shapely.distance(geometry[a], geometry[b]) <= passing
         a, b = a[near], b[near]
         for piece in range(k, k + many):

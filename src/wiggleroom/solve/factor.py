@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Protocol
 
 import numpy as np
@@ -11,6 +12,9 @@ from numpy.typing import NDArray
 from wiggleroom.program.build import Pattern
 
 Floats = NDArray[np.float64]
+
+LARGE = 3000
+"""From so many rows on, nested dissection and threads pay."""
 
 
 class Factor(Protocol):
@@ -74,7 +78,8 @@ class Supernodal:
         lower.sort_indices()
         self._order = lower.data.astype(np.int64)  # where each entry of the lower triangle stands in the upper one
         self._diagonal = pattern.diagonal_at[:, [0, 2, 5]].ravel()
-        self._symbolic = rslab.analyze(lower, path="ldlt", threads=1)
+        ordering = "metis" if n > LARGE else "amd"
+        self._symbolic = rslab.analyze(lower, path="ldlt", ordering=ordering, threads=min(4, os.cpu_count() or 1) if n > LARGE else 1)
         self._factor = None
         self._size = n
 

@@ -185,7 +185,7 @@ def _step(
     found = None
     for attempt in range(16):
         if not matrix.update(data, shift):
-            shift = max(10 * shift, 1e-7)
+            shift = max(10 * shift, 1e-5)
             continue
         _, ds, dl = _newton(state, matrix, primal, dual, -s * lam)
         after = _dot(s + _longest(s, ds) * ds, lam + _longest(lam, dl) * dl) / len(s)

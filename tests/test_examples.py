@@ -1,0 +1,64 @@
+"""The gallery: every folder of examples/ with a command must give the answer it promises."""
+
+from __future__ import annotations
+
+import json
+import shlex
+import sys
+from pathlib import Path
+
+import pytest
+
+from wiggleroom.cli import main
+
+TOP = Path(__file__).parents[1]
+EXAMPLES = sorted(path.parent for path in (TOP / "examples").glob("*/command.txt"))
+PATTERNS = {
+    "02_chain_of_tees/chain.json": "chain 10 --joint tee --gap 0.01",
+    "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
+    "06_frame/frame.json": "frame 15 15 --joint tee --gap 0.01",
+    "07_grid/grid.json": "grid 6 5 --joint tee --gap 0.01",
+}
+
+
+def run(command: str, monkeypatch: pytest.MonkeyPatch) -> int:
+    monkeypatch.chdir(TOP)
+    monkeypatch.setattr(sys, "argv", shlex.split(command))
+    return main()
+
+
+def test_there_are_examples():
+    assert len(EXAMPLES) >= 12
+
+
+@pytest.mark.parametrize("folder", EXAMPLES, ids=lambda folder: folder.name)
+def test_example_gives_what_it_promises(folder, monkeypatch, tmp_path):
+    command = (folder / "command.txt").read_text().strip()
+    expected = json.loads((folder / "expected.json").read_text())
+    out = tmp_path / "answer.json"
+
+    assert run(f"{command} --json {shlex.quote(str(out))}", monkeypatch) == 0
+
+    answer = json.loads(out.read_text())
+    assert answer["verdict"] in expected["verdict"]
+    assert answer["collision_free"] is True
+    assert answer["path"] in expected["path"]
+    if expected["objective"] is None:
+        assert answer["objective"] is None
+        assert answer["leaves"] == expected["leaves"]
+    else:
+        assert answer["objective"] == pytest.approx(expected["objective"], abs=expected["tolerance"], rel=0)
+
+
+@pytest.mark.parametrize("folder", EXAMPLES, ids=lambda folder: folder.name)
+def test_example_is_in_the_gallery(folder):
+    gallery = (TOP / "docs" / "gallery.md").read_text()
+    assert (folder / "command.txt").read_text().strip() in gallery
+    assert (folder / "README.md").read_text().startswith("# ")
+
+
+@pytest.mark.parametrize("file", PATTERNS)
+def test_made_assemblies_are_what_make_writes(file, monkeypatch, tmp_path):
+    out = tmp_path / "made.json"
+    assert run(f"wiggleroom make {PATTERNS[file]} -o {shlex.quote(str(out))}", monkeypatch) == 0
+    assert out.read_text() == (TOP / "examples" / file).read_text()
