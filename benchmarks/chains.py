@@ -1,14 +1,16 @@
 """Chains against their true optimum: `python -m benchmarks.chains [--joints tee,swallowtail]`.
 
-The true optimum comes from tests/oracle/chain_values.json, an exact dynamic programme over the turns of the links. Every
-chain is asked twice: with its blocks as in the oracle, and from an assembly file where the whole lies turned by 37
-degrees and 2,500 mm away, every outline is stored in a turned frame of its own and the gap is given in the file.
+The true optimum comes from tests/oracle/chain_values.json, an exact dynamic programme over the turns of the links.
+Every chain is asked twice: with its blocks as in the oracle, and from an assembly file where the whole lies turned by
+37 degrees and 2,500 mm away, every outline is stored in a turned frame of its own and the gap is given in the file.
 """
 
 from __future__ import annotations
 
 import argparse
 import json
+import tempfile
+from pathlib import Path
 
 import numpy as np
 from rich.console import Console
@@ -41,6 +43,14 @@ def chain(joint: str, gap: float, n: int, *, moved: bool) -> str:
     return json.dumps({"format": "wiggleroom/1", "gap": gap, "parts": parts, "pull": [pull]})
 
 
+def ask(text: str) -> wr.Answer:
+    """Answer for the text of an assembly file, read from a file."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "chain.json"
+        file.write_text(text)
+        return wr.flex(wr.read(file))
+
+
 def main() -> None:
     """Print one line a chain."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -51,7 +61,7 @@ def main() -> None:
         for gap in GAPS:
             for n in BLOCKS:
                 true, _ = stored(joint, gap, n)
-                answer, other = (wr.flex(wr.read(chain(joint, gap, n, moved=m))) for m in (False, True))
+                answer, other = (ask(chain(joint, gap, n, moved=m)) for m in (False, True))
                 if answer.objective is None or other.objective is None:
                     raise RuntimeError(f"{joint} {gap} {n}: {answer.verdict}, turned: {other.verdict}")
                 short, apart = answer.objective / true - 1, other.objective / answer.objective - 1

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 from rich.console import Console
 from rich.table import Table
-from tests.oracle.audit import audit, polygon
+from tests.audit import audit, polygon
 
 from wiggleroom.assembly import patterns
 from wiggleroom.freespace.space import free_space

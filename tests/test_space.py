@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 import wiggleroom as wr
-from tests.oracle.audit import as_assembly, audit, part, polygon
+from tests.audit import as_assembly, audit, part, polygon
 from tests.oracle.geometry import turn
 from tests.oracle.random_joints import peg_pair, tab_pair
 from tests.oracle.slices import Slices

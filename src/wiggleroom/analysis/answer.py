@@ -56,6 +56,8 @@ class Answer:
         Parts that move away or turn without limit.
     at_most : float or None
         A value that no motion can exceed, where one was worked out.
+    trail : object
+        How it was found, from which another question about the same prepared assembly can start.
     """
 
     assembly: Assembly
@@ -77,3 +79,4 @@ class Answer:
     turns: tuple[str, ...] = ()
     at_most: float | None = None
     command: str = ""
+    trail: object = field(default=None, repr=False)

@@ -35,7 +35,7 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
     search.tell(Progress("check", search.rounds, 0, found.value))
     way, sure = _way(search, found)
     deepest = overlaps(ready.bodies, found.motion, ready.barred).deepest
-    verdict = _verdict(search, found)
+    verdict = _verdict(search, found, sure)
     leaves, turns = _unlimited(search, found) if verdict is Verdict.UNBOUNDED else ((), ())
     held = () if verdict is Verdict.UNBOUNDED else contacts(ready.assembly, found.program, found.solution.u, found.touch)
     seconds = {k: v for k, v in search.seconds.items() if k != "check"}
@@ -59,6 +59,7 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
         seconds=seconds,
         leaves=leaves,
         turns=turns,
+        trail=found,
     )
 
 
@@ -92,11 +93,11 @@ def _way(search: Search, found: Found) -> tuple[Floats, bool]:
     return way, sure and not len(strangers(search.ready.bodies, way, cells.a * n + cells.b, search.ready.barred)[0])
 
 
-def _verdict(search: Search, found: Found) -> Verdict:
+def _verdict(search: Search, found: Found, sure: bool) -> Verdict:
     if found.solution.status in ("stopped", "failed"):
         return Verdict.STOPPED
-    if search.unlimited:
-        return Verdict.UNBOUNDED
+    if search.unlimited:  # said only where nothing was met on the way
+        return Verdict.UNBOUNDED if sure else Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
         return Verdict.STOPPED
     return Verdict.STATIONARY if search.branches_left else Verdict.OPTIMAL

@@ -9,7 +9,7 @@ from dataclasses import replace
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.finish import answer_of
 from wiggleroom.analysis.prepare import Prepared, prepare
-from wiggleroom.analysis.search import Progress, Search
+from wiggleroom.analysis.search import Found, Progress, Search
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
@@ -38,7 +38,7 @@ def flex(
     solver : str
         "interior-point", or "ipopt" (needs the extra `ipopt`).
     start : Answer, optional
-        An earlier answer for the same assembly; the search starts from its motion.
+        An earlier answer of the same prepared assembly; the search starts near its motion.
     stop : optional
         Anything with `is_set()`, for example a `threading.Event`; asked every iteration.
     progress : callable, optional
@@ -78,9 +78,17 @@ def flex(
     search = Search(ready, objective(its, ready.bodies, asked), solve, stop, tell)
     search.seconds["freespace"] += time.perf_counter() - began
     if start is not None:
-        search.resume(start)
+        search.resume(_trail(start, ready))
     search.run()
     return answer_of(search, asked, solver, began)
+
+
+def _trail(start: Answer, ready: Prepared) -> Found:
+    """How an earlier answer for the same prepared assembly was found."""
+    if not isinstance(start.trail, Found) or start.trail.program.bodies is not ready.bodies:
+        finding = "start: the earlier answer belongs to another prepared assembly; ask the same one, from prepare()"
+        raise InputError(finding)
+    return start.trail
 
 
 def _silent(_: Progress) -> None:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, TouchingError
 from wiggleroom.freespace.cells import Cells, grow_cells, select
 from wiggleroom.pairs.neighbours import Pairs, classes, neighbours, placed, relative_rest
@@ -51,6 +56,12 @@ class Prepared:
     cells: Cells
     corners: Ints
 
+    def flex(self, goals: Goal | Sequence[Goal] | None = None, **options: Any) -> Answer:
+        """How far it can move; see `wiggleroom.flex`, whose other arguments this takes too."""
+        from wiggleroom.analysis.flex import flex  # it imports this module
+
+        return flex(self, goals, **options)
+
 
 def prepare(assembly: Assembly) -> Prepared:
     """Find the pairs that can meet and work out their free spaces round rest, congruent pairs once.
@@ -67,24 +78,19 @@ def prepare(assembly: Assembly) -> Prepared:
         raise InputError(f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move")
     barred = _barred(assembly, them)
     geometry, size = placed(them), assembly.size
-    near = neighbours(them, geometry, _first_reach(them), barred=barred)
+    clearance = _clearance(assembly.gap, geometry, size)
+    near = neighbours(them, geometry, REACH * clearance, barred=barred)
     if len(near.a) and near.clearance.min() < TOUCHING * size:
         _refuse_touching(assembly, them, near, size)
-    clearance = assembly.gap or (float(np.median(_nearest(near, len(geometry)))) if len(near.a) else 1e-3 * size)
-    if REACH * clearance > _first_reach(them):
-        near = neighbours(them, geometry, REACH * clearance, barred=barred)
-    close = near.clearance <= REACH * clearance
-    a, b = near.a[close], near.b[close]
+    a, b = near.a, near.b
     first, label = classes(them, a, b, relative_rest(them, a, b))
     facing = _facing(geometry[a[first]], geometry[b[first]], clearance)[label]
-    cells = cells_at(them, a[facing], b[facing], near.clearance[close][facing])
+    cells = cells_at(them, a[facing], b[facing], near.clearance[facing])
     return Prepared(assembly, them, barred, clearance, size, cells, a[~facing] * len(geometry) + b[~facing])
 
 
 def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:
     """True where boundaries run along each other, not only past a corner."""
-    import shapely
-
     near = shapely.buffer(b, 1.5 * REACH * clearance)
     return shapely.length(shapely.intersection(shapely.boundary(a), near)) > 5 * REACH * clearance
 
@@ -103,17 +109,14 @@ def cells_at(them: Bodies, a: Ints, b: Ints, clearance: Floats) -> Cells:
     return Cells(a, b, cells.row, cells.kind, cells.edge, cells.corner, cells.ends + turns[:, None], pose)
 
 
-def _first_reach(them: Bodies) -> float:
-    """How far to look for neighbours before the clearance is known [mm]."""
-    return 0.05 * float(np.median(them.radius))
-
-
-def _nearest(near: Pairs, n: int) -> Floats:
-    """Clearance of every body to its nearest neighbour, where it has one."""
-    best = np.full(n, np.inf)
-    np.minimum.at(best, near.a, near.clearance)
-    np.minimum.at(best, near.b, near.clearance)
-    return best[np.isfinite(best)]
+def _clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
+    """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median."""
+    if len(geometry) < 2:
+        return gap or 1e-3 * size
+    _, apart = shapely.STRtree(geometry).query_nearest(geometry, exclusive=True, all_matches=False, return_distance=True)
+    apart = apart[apart > TOUCHING * size]
+    middle = float(np.median(apart)) if len(apart) else 1e-3 * size
+    return gap if 0.3 * middle < gap < 3 * middle else middle
 
 
 def _barred(assembly: Assembly, them: Bodies) -> Ints:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.overlap import overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
+from wiggleroom.analysis.way import strangers
 from wiggleroom.analysis.touch import Touch, touching, wishes
 from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, select
 from wiggleroom.pairs.neighbours import neighbours, placed, relative_rest
@@ -34,6 +35,8 @@ FAR = 4.0
 """A body that moves further than this multiple of the drawing's size leaves."""
 FEW = 8, 100
 """Up to so many corner contacts are tried one by one, in an assembly of up to so many bodies."""
+MOST_RESTARTS = 3
+"""So often the search begins again because a part may meet another on the way that was not thought of."""
 MANY = 1000
 """In larger assemblies the other sides of corner contacts are left open."""
 ROUND = 2.0 * np.pi + 0.5
@@ -104,6 +107,8 @@ class Search:
     inner: Floats = field(init=False)
     legs: tuple[Leg, ...] = ()
     best: Found | None = None
+    first_mu: float = FIRST_MU
+    restarts: int = 0
     rounds: int = 0
     iterations: int = 0
     branches_left: bool = False
@@ -111,13 +116,24 @@ class Search:
 
     def __post_init__(self) -> None:
         """Begin at rest."""
-        self.cells = self.ready.cells
+        self.begin()
+
+    def begin(self) -> None:
+        """Begin at rest, knowing of no way yet."""
+        self.cells, self.legs, self.best = self.ready.cells, (), None
         self.inner = np.zeros((len(self.ready.bodies.fixed), 3))
+
+    def resume(self, found: Found) -> None:
+        """Begin near an earlier motion, with the cells it was found in."""
+        self.cells = found.program.cells
+        self.inner = found.program.motion(found.solution.inner)
+        self.legs = (*found.legs, found.leg(found.solution.inner))
+        self.first_mu = AGAIN * found.solution.inner_mu
 
     def run(self) -> None:
         """Search until every active wall is a real contact, nothing stops the motion, or it was asked to stop."""
         fine = max(FINE, EACH * len(self.inner))
-        tolerance, mu = ROUGH, FIRST_MU
+        tolerance, mu = ROUGH, self.first_mu
         branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
@@ -125,7 +141,12 @@ class Search:
                 continue
             mu = AGAIN * found.solution.inner_mu
             gained = self._keep(found, tolerance)
-            if found.solution.status == "stopped" or self.unlimited:
+            if found.solution.status == "stopped":
+                return
+            if self.unlimited:
+                if self._meets_strangers(found):
+                    tolerance, mu = ROUGH, FIRST_MU
+                    continue
                 return
             stale = np.unique(found.touch.pair[found.touch.virtual])
             if gained and len(stale):
@@ -141,9 +162,12 @@ class Search:
                     branches = self._branches(begin)
                 if not branches:
                     if self._add_missed(begin):
-                        self.best = None
-                        continue
-                    return
+                        self.best = branches = None
+                    elif self._meets_strangers(begin):
+                        tolerance, mu, branches = ROUGH, FIRST_MU, None
+                    else:
+                        return
+                    continue
                 mu = AGAIN * begin.solution.inner_mu
                 self._rebuild(begin, branches.pop(), other_side=True)
 
@@ -191,6 +215,23 @@ class Search:
             self.add(key // n, key % n, found.motion)
         self.seconds["check"] += time.perf_counter() - began
         return len(missed.a) > 0
+
+    def _meets_strangers(self, found: Found) -> bool:
+        """Begin again with the pairs that were not in the program and may meet on the way; True where there were any."""
+        began = time.perf_counter()
+        bodies, cells = self.ready.bodies, found.program.cells
+        way = [leg.program.motion(p) for leg in (*found.legs, found.leg(found.solution.u)) for p in leg.points]
+        a, b = strangers(bodies, np.array(way), cells.a * len(bodies.fixed) + cells.b, self.ready.barred)
+        again = len(a) > 0 and self.restarts < MOST_RESTARTS
+        if again:
+            self.restarts += 1
+            n = len(bodies.fixed)
+            known = np.concatenate([cells.a * n + cells.b, a * n + b])
+            self.begin()
+            extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
+            self.add(extra // n, extra % n, found.motion)
+        self.seconds["check"] += time.perf_counter() - began
+        return again
 
     def _add_near(self, found: Found) -> None:
         """Add the pairs that have come near each other, so that the last rounds know of all that may touch."""

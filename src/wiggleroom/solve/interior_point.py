@@ -33,6 +33,8 @@ TINY_SHIFT = 1e-11
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
 LEAST_ITERATIONS, MOST_ITERATIONS = 3, 100
+FREE = 1e-3
+"""A diagonal strengthened by more than this keeps steps short."""
 
 
 class Stop(Protocol):
@@ -86,6 +88,7 @@ class _State:
     unit: float
     move: Floats
     shift: float = TINY_SHIFT
+    stride: float = 1.0
     way: list[Floats] = field(default_factory=list)
 
     def residuals(self) -> tuple[Floats, Floats, float, float]:
@@ -151,11 +154,11 @@ def solve(
             wrong = np.inf
         error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         before = value
-        inside = state.at.h.min() > 0
+        inside = state.at.h.min(initial=np.inf) > 0
         if inside:
             state.way.append(state.u)
             if k == 0 or gap > INNER * max(abs(value), 1.0):
-                inner, inner_mu = state.u, gap / program.rows
+                inner, inner_mu = state.u, gap / max(program.rows, 1)
         if k >= LEAST_ITERATIONS and error < tolerance and np.abs(dual).max() < max(10 * tolerance, BALANCED):
             status = "converged"
             break
@@ -166,8 +169,8 @@ def solve(
             status = "escaping"
             break
         lag = max(infeasible, 0.0 if k == 0 else wrong) / gap
-        target = 0.2 * tolerance * max(abs(value), 1.0) / program.rows
-        step = _step(state, matrix, retraction, primal, dual, gap / program.rows, lag, target)
+        target = 0.2 * tolerance * max(abs(value), 1.0) / max(program.rows, 1)
+        step = _step(state, matrix, retraction, primal, dual, gap / max(program.rows, 1), lag, target)
         if step is None or k == MOST_ITERATIONS:
             break
         _advance(state, step, retraction)
@@ -188,7 +191,7 @@ def _step(
             shift = max(10 * shift, 1e-5)
             continue
         _, ds, dl = _newton(state, matrix, primal, dual, -s * lam)
-        after = _dot(s + _longest(s, ds) * ds, lam + _longest(lam, dl) * dl) / len(s)
+        after = _dot(s + _longest(s, ds) * ds, lam + _longest(lam, dl) * dl) / max(len(s), 1)
         centring = (after / mu) ** 3
         if lag > 0.3:  # feasibility must not fall behind complementarity
             centring = max(centring, min(10.0, lag))
@@ -226,6 +229,16 @@ def _advance(state: _State, step: _Step, retraction: Retraction) -> None:
     lam = state.lam + step.dual * step.lam
     share = step.primal
     before = _dot(state.lam, np.abs(state.s - state.at.h))
+    # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so stride out
+    state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > FREE else 1.0
+    if state.stride > 4.0:
+        u = retraction.step(state.u, state.stride * step.u, state.at)
+        at = state.at.program.linearise(u)
+        if at.h.min(initial=np.inf) > 0 and at.value > state.at.value:
+            state.move, state.shift = step.u, step.shift
+            state.u, state.s, state.lam, state.at = u, at.h, lam, at
+            return
+        state.stride = 1.0
     for _ in range(6):
         u = retraction.step(state.u, share * step.u, state.at)
         at = state.at.program.linearise(u)
@@ -239,7 +252,7 @@ def _advance(state: _State, step: _Step, retraction: Retraction) -> None:
 
 def _settle(state: _State, matrix: Factor, retraction: Retraction) -> _State:
     """A few short centred steps that remove what is left of the violation; bodies that nothing holds stay where they are."""
-    mu = _dot(state.s, state.lam) / len(state.s)
+    mu = _dot(state.s, state.lam) / max(len(state.s), 1)
     for _ in range(6):
         primal, dual, _, _ = state.residuals()
         if np.abs(primal).max() < 1e-12:
