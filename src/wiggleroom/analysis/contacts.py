@@ -39,5 +39,9 @@ def contacts(assembly: Assembly, program: Program, u: np.ndarray, touch: Touch) 
         normal = (c[owner] * nx - s[owner] * ny, s[owner] * nx + c[owner] * ny)
         if owner == b:
             names, normal = names[::-1], (-normal[0], -normal[1])
-        out.append(Contact(names, (float(point[0]), float(point[1])), (float(normal[0]), float(normal[1])), float(touch.force[k])))
+        out.append(
+            Contact(
+                names, (float(point[0]), float(point[1])), (float(normal[0]), float(normal[1])), float(touch.force[k])
+            )
+        )
     return tuple(out)

@@ -37,7 +37,9 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
     deepest = overlaps(ready.bodies, found.motion, ready.barred).deepest
     verdict = _verdict(search, found, sure)
     leaves, turns = _unlimited(search, found) if verdict is Verdict.UNBOUNDED else ((), ())
-    held = () if verdict is Verdict.UNBOUNDED else contacts(ready.assembly, found.program, found.solution.u, found.touch)
+    held = (
+        () if verdict is Verdict.UNBOUNDED else contacts(ready.assembly, found.program, found.solution.u, found.touch)
+    )
     seconds = {k: v for k, v in search.seconds.items() if k != "check"}
     seconds["check"] = search.seconds["check"] + time.perf_counter() - started
     seconds["total"] = time.perf_counter() - began

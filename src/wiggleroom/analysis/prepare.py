@@ -75,7 +75,8 @@ def prepare(assembly: Assembly) -> Prepared:
     """
     them = bodies(assembly)
     if them.fixed.all():
-        raise InputError(f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move")
+        finding = f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move"
+        raise InputError(finding)
     barred = _barred(assembly, them)
     geometry, size = placed(them), assembly.size
     clearance = _clearance(assembly.gap, geometry, size)
@@ -113,7 +114,9 @@ def _clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
     """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median."""
     if len(geometry) < 2:
         return gap or 1e-3 * size
-    _, apart = shapely.STRtree(geometry).query_nearest(geometry, exclusive=True, all_matches=False, return_distance=True)
+    _, apart = shapely.STRtree(geometry).query_nearest(
+        geometry, exclusive=True, all_matches=False, return_distance=True
+    )
     apart = apart[apart > TOUCHING * size]
     middle = float(np.median(apart)) if len(apart) else 1e-3 * size
     return gap if 0.3 * middle < gap < 3 * middle else middle

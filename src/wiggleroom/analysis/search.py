@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.overlap import overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
-from wiggleroom.analysis.way import strangers
 from wiggleroom.analysis.touch import Touch, touching, wishes
+from wiggleroom.analysis.way import strangers
 from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, select
 from wiggleroom.pairs.neighbours import neighbours, placed, relative_rest
 from wiggleroom.program.build import Program, build
@@ -88,7 +88,7 @@ class Found:
     begin: Floats
 
     def leg(self, end: Floats) -> Leg:
-        """This round's piece of the way, up to its point `end` or to its solution."""
+        """The round's piece of the way, up to its point `end` or to its solution."""
         points = [self.begin, *self.solution.way, self.solution.u]
         last = next(k for k, point in enumerate(points) if point is end or np.array_equal(point, end))
         return Leg(self.program, tuple(points[: last + 1]))
@@ -211,7 +211,9 @@ class Search:
         known = self.cells.a * n + self.cells.b
         missed = overlaps(bodies, found.motion, np.concatenate([self.ready.barred, known]))
         if len(missed.a):
-            key = np.unique(np.concatenate([missed.a * n + missed.b, self.ready.corners[~np.isin(self.ready.corners, known)]]))
+            key = np.unique(
+                np.concatenate([missed.a * n + missed.b, self.ready.corners[~np.isin(self.ready.corners, known)]])
+            )
             self.add(key // n, key % n, found.motion)
         self.seconds["check"] += time.perf_counter() - began
         return len(missed.a) > 0

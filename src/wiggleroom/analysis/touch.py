@@ -87,7 +87,9 @@ def touching(program: Program, u: Floats, lam: Floats) -> Touch:
         k = np.flatnonzero(cells.kind[row] == kind)
         edge, corner = cells.edge[row[k]], shapes.corner[cells.corner[row[k]]]
         if kind == kernel.A_EDGE:
-            spot = np.column_stack([c[k] * corner[:, 0] - s[k] * corner[:, 1] + x[k], s[k] * corner[:, 0] + c[k] * corner[:, 1] + y[k]])
+            spot = np.column_stack(
+                [c[k] * corner[:, 0] - s[k] * corner[:, 1] + x[k], s[k] * corner[:, 0] + c[k] * corner[:, 1] + y[k]]
+            )
         else:
             dx, dy = corner[:, 0] - x[k], corner[:, 1] - y[k]
             spot = np.column_stack([c[k] * dx + s[k] * dy, -s[k] * dx + c[k] * dy])

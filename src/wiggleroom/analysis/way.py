@@ -20,7 +20,9 @@ MOST_SPLITS = 8
 """A piece of the way is halved at most this often."""
 
 
-def checked_way(program: Program, retraction: Retraction, points: tuple[Floats, ...], slack: float) -> tuple[list[Floats], bool]:
+def checked_way(
+    program: Program, retraction: Retraction, points: tuple[Floats, ...], slack: float
+) -> tuple[list[Floats], bool]:
     """Refine a way until straight motion between its points certainly stays inside all rows of the program.
 
     Parameters
@@ -182,7 +184,9 @@ def _passing(bodies: Bodies, motions: Floats, a: Ints, b: Ints) -> Floats:
         after = relative_rest(bodies, a, b, motions[k])
         change = after - before
         total += np.hypot(change[:, 0], change[:, 1]) + bodies.radius[b] * np.abs(change[:, 2])
-        total += _acceleration(bodies, a, b, motions[k - 1], motions[k]) / 2  # speed differs from its mean by at most half of it
+        total += (
+            _acceleration(bodies, a, b, motions[k - 1], motions[k]) / 2
+        )  # speed differs from its mean by at most half of it
         before = after
     return total
 

@@ -1,0 +1,1 @@
+"""Free spaces of pairs: walls, cells, slices."""

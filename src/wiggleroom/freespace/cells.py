@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,46 +100,70 @@ def grow_cells(
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
     bars = np.full((count, 2), -1, dtype=np.int64) if bar is None else bar
     wishes = np.full((count, 3), np.nan) if wish is None else wish
-    tables = [np.full((count, ROOM), -1, dtype=np.int64) for _ in range(3)]
+    kind, edge, corner = (np.full((count, ROOM), -1, dtype=np.int64) for _ in range(3))
     number, ends, status = np.zeros(count, dtype=np.int64), np.zeros((count, 2)), np.zeros((count, 2), dtype=np.int64)
-
-    def work(part: slice) -> None:
-        some = (x[part] for x in (a, b, seed, clearance, keeps, bars, wishes, *tables, number, ends, status))
-        _grow(bodies, span, *some)
-
+    batch = _Batch(a, b, seed, clearance, keeps, bars, wishes, kind, edge, corner, number, ends, status)
     if count < 64:
-        work(slice(0, count))
+        batch.grow(bodies, span)
     else:
         cuts = np.linspace(0, count, 9).astype(int)
         with ThreadPoolExecutor(max_workers=2) as pool:
-            list(pool.map(work, [slice(i, j) for i, j in zip(cuts[:-1], cuts[1:], strict=True)]))
+            list(pool.map(lambda k: batch.part(slice(cuts[k], cuts[k + 1])).grow(bodies, span), range(8)))
     grown = status[:, 0] != grow.FAILED
     many = np.flatnonzero(grown & (number > ROOM))
     if len(many):  # curved outlines need more walls than most: once more, with room for them
-        wide = [np.full((len(many), int(number[many].max())), -1, dtype=np.int64) for _ in range(3)]
-        again = (x[many] for x in (a, b, seed, clearance, keeps, bars, wishes))
-        _grow(bodies, span, *again, *wide, number[many], ends[many], status[many])
-        tables = [np.pad(t, ((0, 0), (0, w.shape[1] - ROOM)), constant_values=-1) for t, w in zip(tables, wide, strict=True)]
-        for table, w in zip(tables, wide, strict=True):
-            table[many] = w
-    used = np.arange(tables[0].shape[1])[None, :] < np.where(grown, number, 0)[:, None]
-    return _packed(a, b, seed, ends, used, *tables), grown
+        batch = batch.widened(int(number[many].max()))
+        again = batch.part(many)
+        again.grow(bodies, span)
+        for table, found in zip(
+            (batch.kind, batch.edge, batch.corner), (again.kind, again.edge, again.corner), strict=True
+        ):
+            table[many] = found
+    used = np.arange(batch.kind.shape[1])[None, :] < np.where(grown, number, 0)[:, None]
+    return _packed(a, b, seed, ends, used, batch.kind, batch.edge, batch.corner), grown
 
 
-def _grow(
-    bodies: Bodies, span: float, a: Ints, b: Ints, seed: Floats, clearance: Floats, keeps: Floats, bars: Ints, wishes: Floats,
-    kind: Ints, edge: Ints, corner: Ints, number: Ints, ends: Floats, status: Ints,
-) -> None:  # fmt: skip
-    """Call the compiled search; the last six arrays are filled."""
-    shapes, rows = bodies.shapes, len(a)
-    radius = np.maximum(bodies.radius[a], bodies.radius[b])
-    step = np.minimum(clearance / (4 * radius), span / 4)
-    grow.grow_many(
-        seed, keeps.reshape(-1, 3), np.arange(rows + 1) * keeps.shape[1], bars, wishes, 10 * clearance, step, step / 64,
-        np.full(rows, span), bodies.shape[a], bodies.shape[b],
-        shapes.corner, shapes.after, shapes.normal, shapes.first, shapes.run, shapes.run_first, shapes.run_disc, 1e-12 * radius,
-        kind, edge, corner, number, ends, status,
-    )  # fmt: skip
+@dataclass(frozen=True, eq=False)
+class _Batch:
+    """Cells to grow, one a row; the last six arrays are filled."""
+
+    a: Ints
+    b: Ints
+    seed: Floats
+    clearance: Floats
+    keeps: Floats
+    bars: Ints
+    wishes: Floats
+    kind: Ints
+    edge: Ints
+    corner: Ints
+    number: Ints
+    ends: Floats
+    status: Ints
+
+    def part(self, rows: slice | Ints) -> _Batch:
+        """Some of the rows; a slice is filled in place."""
+        return _Batch(*(getattr(self, f.name)[rows] for f in fields(self)))
+
+    def widened(self, room: int) -> _Batch:
+        """The same with room for more walls."""
+        wide = {
+            k: np.pad(getattr(self, k), ((0, 0), (0, room - ROOM)), constant_values=-1)
+            for k in ("kind", "edge", "corner")
+        }
+        return replace(self, **wide)
+
+    def grow(self, bodies: Bodies, span: float) -> None:
+        """Call the compiled search."""
+        shapes, rows = bodies.shapes, len(self.a)
+        radius = np.maximum(bodies.radius[self.a], bodies.radius[self.b])
+        step = np.minimum(self.clearance / (4 * radius), span / 4)
+        grow.grow_many(
+            self.seed, self.keeps.reshape(-1, 3), np.arange(rows + 1) * self.keeps.shape[1], self.bars, self.wishes,
+            10 * self.clearance, step, step / 64, np.full(rows, span), bodies.shape[self.a], bodies.shape[self.b],
+            shapes.corner, shapes.after, shapes.normal, shapes.first, shapes.run, shapes.run_first, shapes.run_disc, 1e-12 * radius,
+            self.kind, self.edge, self.corner, self.number, self.ends, self.status,
+        )  # fmt: skip
 
 
 def _packed(
@@ -159,7 +183,16 @@ def select(cells: Cells, rows: Ints) -> Cells:
     count = np.diff(cells.row)[rows]
     row = np.concatenate([[0], np.cumsum(count)])
     take = np.repeat(cells.row[rows] - row[:-1], count) + np.arange(row[-1])
-    return Cells(cells.a[rows], cells.b[rows], row, cells.kind[take], cells.edge[take], cells.corner[take], cells.ends[rows], cells.seed[rows])
+    return Cells(
+        cells.a[rows],
+        cells.b[rows],
+        row,
+        cells.kind[take],
+        cells.edge[take],
+        cells.corner[take],
+        cells.ends[rows],
+        cells.seed[rows],
+    )
 
 
 def joined(one: Cells, other: Cells) -> Cells:

@@ -6,14 +6,14 @@ import numpy as np
 from numba import njit
 
 from wiggleroom.freespace.kernel import (
+    INNER,
     MOST_LINES,
     MOST_WALLS,
-    INNER,
     OPTIONS,
     add_line,
+    clip,
     cover_by,
     first_look,
-    clip,
     in_front,
     nearest_open,
     segments2,
@@ -71,7 +71,8 @@ def line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny):
             if max(nx * corner[own, 0] + ny * corner[own, 1], nx * corner[e, 0] + ny * corner[e, 1]) - off > tiny:
                 continue
             front = min(
-                in_front(side, k, other, x, y, psi, corner, normal), in_front(side, k, after[other], x, y, psi, corner, normal)
+                in_front(side, k, other, x, y, psi, corner, normal),
+                in_front(side, k, after[other], x, y, psi, corner, normal),
             )
             if front > best:
                 kind, edge, best = side, k, front
@@ -128,9 +129,10 @@ def out_of_reach(
 @njit(**INNER)
 def hide_all(
     x, y, psi, p, q, state, kinds, edges, walls, counts, keep, bar, wish, corner, after, normal, a0, a1, b0, b1,
-    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound, open_pairs, open_far, count, tiny, margin, hint,
+    run, run_disc, ra0, ra1, rb0, rb1, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound,
+    open_pairs, open_far, count, tiny, margin, hint,
 ):  # fmt: skip
-    """Add walls until every edge pair is hidden over [p, q] or out of reach, nearest first as seen from (x, y, psi); False where not all are.
+    """Add walls until every edge pair is hidden over [p, q] or out of reach, nearest first from (x, y, psi); False where not all are.
 
     `hint` then gets the angle inside (p, q) at which the two edges that stay open are parallel, nan where there is none: up to there and
     from there on different corners lead, and one wall may do where both would not.
@@ -148,10 +150,28 @@ def hide_all(
         for k in range(fresh, state[0] if not looked else min(fresh + 1, state[0])):
             o0, o1, r0, r1 = (b0, b1, rb0, rb1) if kinds[k] == 0 else (a0, a1, ra0, ra1)
             set_front(
-                kinds[k], edges[k], walls[k], counts[k], p, q, corner, after, normal, o0, o1, run, r0, r1, at, front[k], run_front[k]
+                kinds[k],
+                edges[k],
+                walls[k],
+                counts[k],
+                p,
+                q,
+                corner,
+                after,
+                normal,
+                o0,
+                o1,
+                run,
+                r0,
+                r1,
+                at,
+                front[k],
+                run_front[k],
             )
         if not looked:
-            first_look(x, y, psi, state[0], kinds, run_disc, ra0, ra1, rb0, rb1, run_reach, run_front, seen, bound, tiny)
+            first_look(
+                x, y, psi, state[0], kinds, run_disc, ra0, ra1, rb0, rb1, run_reach, run_front, seen, bound, tiny
+            )
             looked = True
         else:
             cover_by(
@@ -165,7 +185,9 @@ def hide_all(
         i, j = (open_pairs[where, 0], open_pairs[where, 1]) if where >= 0 else (-1, -1)
         if i < 0:
             return True
-        if stuck or open_far[where] > 1.5 * last:  # looked at again only when the nearest open pair is clearly further away
+        if (
+            stuck or open_far[where] > 1.5 * last
+        ):  # looked at again only when the nearest open pair is clearly further away
             last = open_far[where]
             if out_of_reach(
                 i, j, x, y, psi, p, q, state[0], kinds, edges, walls, counts, corner, after, normal, b0, b1, placed, poly, spare, tiny,
@@ -180,19 +202,25 @@ def hide_all(
             wx, wy, wp = wish[0], wish[1], wish[2]
             first_a = min(
                 in_front(0, i, j, wx, wy, wp, corner, normal), in_front(0, i, after[j], wx, wy, wp, corner, normal)
-            ) >= min(in_front(1, j, i, wx, wy, wp, corner, normal), in_front(1, j, after[i], wx, wy, wp, corner, normal))
+            ) >= min(
+                in_front(1, j, i, wx, wy, wp, corner, normal), in_front(1, j, after[i], wx, wy, wp, corner, normal)
+            )
         if (bar[0] == 0 and bar[1] == i) or (bar[0] == 1 and bar[1] == j):
             first_a = bar[0] == 1  # unless it is the barred one
         done = False
         room = margin
-        for attempt in range(12):  # lines that leave room at the points to keep; then less room; at the seed's own angle none
+        for attempt in range(
+            12
+        ):  # lines that leave room at the points to keep; then less room; at the seed's own angle none
             if attempt % 3 == 0 and attempt > 0:
                 room *= 0.1
             if attempt == 9:
                 if q > p:
                     break
                 room = 0.0
-            if attempt % 3 == 2:  # neither of their own lines: any line that one of them is wholly behind and the other in front of
+            if (
+                attempt % 3 == 2
+            ):  # neither of their own lines: any line that one of them is wholly behind and the other in front of
                 kind, edge, sep = line_between(i, j, x, y, psi, corner, after, normal, a0, a1, b0, b1, tiny)
                 u = j if kind == 0 else i
                 v = after[u]
@@ -230,7 +258,24 @@ def hide_all(
                 line = state[0]
                 state[0] += 1
                 kinds[line], edges[line], counts[line] = kind, edge, 0
-                add_line(kind, edge, corner, after, normal, a0, a1, b0, b1, run, ra0, ra1, rb0, rb1, reach[line], run_reach[line])
+                add_line(
+                    kind,
+                    edge,
+                    corner,
+                    after,
+                    normal,
+                    a0,
+                    a1,
+                    b0,
+                    b1,
+                    run,
+                    ra0,
+                    ra1,
+                    rb0,
+                    rb1,
+                    reach[line],
+                    run_reach[line],
+                )
             added = False
             for w in range(2):
                 corner_w = u if w == 0 else v
@@ -276,7 +321,8 @@ def joined(x0, y0, p0, x1, y1, p1, lines, kinds, edges, walls, counts, corner, n
 @njit(**INNER)
 def grow(
     seed, keep, bar, wish, half, step, least_step, span, shape_a, shape_b, corner, after, normal, first, run, run_first, run_disc,
-    kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound, open_pairs, open_far, count, state, old_counts, hint, middle, there, status, tiny, ends,
+    kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound,
+    open_pairs, open_far, count, state, old_counts, hint, middle, there, status, tiny, ends,
 ):  # fmt: skip
     """Grow a cell round `seed` (x, y, psi). Returns (lines, status low end, status high end); `ends` gets the verified interval."""
     a0, a1, b0, b1 = first[shape_a], first[shape_a + 1], first[shape_b], first[shape_b + 1]
@@ -296,7 +342,9 @@ def grow(
                 old_counts[k] = counts[k]
             end = psi + way * d
             p, q = min(psi, end), max(psi, end)
-            n = slice_middle(end, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, there)
+            n = slice_middle(
+                end, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, there
+            )
             closing = n == 0 and side >= 0
             sx, sy, sp = (x, y, psi) if closing or side < 0 else (there[0], there[1], end)
             good = hide_all(
@@ -309,16 +357,38 @@ def grow(
                     return 0, FAILED, FAILED
                 break
             if good and closing:
-                n = slice_middle(psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle)
+                n = slice_middle(
+                    psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle
+                )
                 if n > 0 and middle[3] == 0.0:
                     psi, status[side] = end, CLOSED
                     break
                 good = False
             if good:
-                n = slice_middle(psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle)
-                m = slice_middle(end, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, there)
-                good = n > 0 and m > 0 and joined(
-                    middle[0], middle[1], psi, there[0], there[1], end, state[0], kinds, edges, walls, counts, corner, normal
+                n = slice_middle(
+                    psi, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, middle
+                )
+                m = slice_middle(
+                    end, x0, y0, half, state[0], kinds, edges, walls, counts, corner, normal, poly, spare, there
+                )
+                good = (
+                    n > 0
+                    and m > 0
+                    and joined(
+                        middle[0],
+                        middle[1],
+                        psi,
+                        there[0],
+                        there[1],
+                        end,
+                        state[0],
+                        kinds,
+                        edges,
+                        walls,
+                        counts,
+                        corner,
+                        normal,
+                    )
                 )
             if good:
                 psi, x, y = end, there[0], there[1]
@@ -347,7 +417,11 @@ def grow_many(
     largest, runs = 0, 0
     for s in range(len(first) - 1):
         largest, runs = max(largest, first[s + 1] - first[s]), max(runs, run_first[s + 1] - run_first[s])
-    kinds, edges, counts = np.zeros(MOST_LINES, np.int64), np.zeros(MOST_LINES, np.int64), np.zeros(MOST_LINES, np.int64)
+    kinds, edges, counts = (
+        np.zeros(MOST_LINES, np.int64),
+        np.zeros(MOST_LINES, np.int64),
+        np.zeros(MOST_LINES, np.int64),
+    )
     walls = np.zeros((MOST_LINES, MOST_ON_LINE), np.int64)
     reach, front = np.zeros((MOST_LINES, largest)), np.zeros((MOST_LINES, largest))
     run_reach, run_front = np.zeros((MOST_LINES, runs)), np.zeros((MOST_LINES, runs))
@@ -359,9 +433,11 @@ def grow_many(
     hint, middle, there, old_counts = np.zeros(1), np.zeros(4), np.zeros(4), np.zeros(MOST_LINES, np.int64)
     for c in range(seeds.shape[0]):
         lines, low, high = grow(
-            seeds[c], keeps_at[keep_first[c] : keep_first[c + 1]], bars[c], wishes[c], half[c], step[c], least_step[c], span[c], shape_a[c], shape_b[c],
+            seeds[c], keeps_at[keep_first[c] : keep_first[c + 1]], bars[c], wishes[c], half[c], step[c],
+            least_step[c], span[c], shape_a[c], shape_b[c],
             corner, after, normal, first, run, run_first, run_disc,
-            kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound, open_pairs, open_far, count, state, old_counts, hint, middle, there, status, tiny[c], out_ends[c],
+            kinds, edges, walls, counts, reach, run_reach, front, run_front, at, placed, poly, spare, seen, bound,
+            open_pairs, open_far, count, state, old_counts, hint, middle, there, status, tiny[c], out_ends[c],
         )  # fmt: skip
         out_status[c, 0], out_status[c, 1] = low, high
         n = 0

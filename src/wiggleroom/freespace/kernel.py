@@ -21,7 +21,7 @@ INNER = {**OPTIONS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt"
 
 
 @njit(**INNER)
-def least_in_front(nx, ny, px, py, qx, qy, dx, dy):
+def least_in_front(px, py, qx, qy, dx, dy):
     """Least n(psi) . d while the unit normal n turns counter-clockwise from p to q (less than half a turn)."""
     least = min(px * dx + py * dy, qx * dx + qy * dy)
     if py * dx - px * dy >= 0.0 and dy * qx - dx * qy >= 0.0 and (px + qx) * dx + (py + qy) * dy < 0.0:
@@ -70,7 +70,7 @@ def set_front(kind, edge, walls, count, p, q, corner, after, normal, o0, o1, run
             if v == w:
                 most = max(most, 0.0)
             else:
-                d = least_in_front(nx, ny, px, py, qx, qy, corner[w, 0] - corner[v, 0], corner[w, 1] - corner[v, 1])
+                d = least_in_front(px, py, qx, qy, corner[w, 0] - corner[v, 0], corner[w, 1] - corner[v, 1])
                 most = max(most, d)
         at[w - o0] = most
     for r in range(ro0, ro1):
@@ -84,11 +84,13 @@ def set_front(kind, edge, walls, count, p, q, corner, after, normal, o0, o1, run
 
 @njit(**INNER)
 def cross_side(ax, ay, bx, by, px, py):
+    """Positive where p is left of the line from a to b."""
     return (bx - ax) * (py - ay) - (by - ay) * (px - ax)
 
 
 @njit(**INNER)
 def point_segment2(px, py, ax, ay, bx, by):
+    """Squared distance of a point and a segment."""
     ux, uy = bx - ax, by - ay
     t = ((px - ax) * ux + (py - ay) * uy) / (ux * ux + uy * uy)
     t = min(1.0, max(0.0, t))
@@ -123,7 +125,11 @@ def first_look(x, y, psi, lines, kinds, run_disc, ra0, ra1, rb0, rb1, run_reach,
             i, j = ra - ra0, rb - rb0
             state[i, j] = UNSEEN
             for k in range(lines):
-                if (run_reach[k, i] <= run_front[k, j] + tiny) if kinds[k] == 0 else (run_reach[k, j] <= run_front[k, i] + tiny):
+                if (
+                    (run_reach[k, i] <= run_front[k, j] + tiny)
+                    if kinds[k] == 0
+                    else (run_reach[k, j] <= run_front[k, i] + tiny)
+                ):
                     state[i, j] = COVERED
                     break
             bound[i, j] = max(0.0, np.hypot(cx - run_disc[ra, 0], cy - run_disc[ra, 1]) - ur - run_disc[ra, 2])
@@ -131,7 +137,8 @@ def first_look(x, y, psi, lines, kinds, run_disc, ra0, ra1, rb0, rb1, run_reach,
 
 @njit(**INNER)
 def nearest_open(
-    x, y, lines, kinds, corner, after, a0, b0, run, ra0, ra1, rb0, rb1, reach, front, placed, state, bound, open_pairs, open_far, count, tiny,
+    x, y, lines, kinds, corner, after, a0, b0, run, ra0, ra1, rb0, rb1, reach, front, placed,
+    state, bound, open_pairs, open_far, count, tiny,
 ):  # fmt: skip
     """Place in the list of the nearest edge pair that no line hides, or -1; runs are opened in the order of their distance."""
     best, where = np.inf, -1
@@ -152,10 +159,8 @@ def nearest_open(
             for j in range(run[rb0 + rb], run[rb0 + rb + 1]):
                 hidden = False
                 for k in range(lines):
-                    if kinds[k] == 0:
-                        hidden = reach[k, i - a0] <= front[k, j - b0] + tiny
-                    else:
-                        hidden = reach[k, j - b0] <= front[k, i - a0] + tiny
+                    own, other = (i - a0, j - b0) if kinds[k] == 0 else (j - b0, i - a0)
+                    hidden = reach[k, own] <= front[k, other] + tiny
                     if hidden:
                         break
                 if hidden:
@@ -176,7 +181,11 @@ def cover_by(k, kind, a0, b0, reach, run_reach, front, run_front, state, na, nb,
     """Strike what line k hides from the runs and from the list of open edge pairs."""
     for i in range(na):
         for j in range(nb):
-            if (run_reach[k, i] <= run_front[k, j] + tiny) if kind == 0 else (run_reach[k, j] <= run_front[k, i] + tiny):
+            if (
+                (run_reach[k, i] <= run_front[k, j] + tiny)
+                if kind == 0
+                else (run_reach[k, j] <= run_front[k, i] + tiny)
+            ):
                 state[i, j] = COVERED
     kept = 0
     for n in range(count[0]):
@@ -206,8 +215,8 @@ def clip(poly, n, nx, ny, off, out):
     m = 0
     for k in range(n):
         ax, ay = poly[k, 0], poly[k, 1]
-        l = k + 1 if k + 1 < n else 0
-        bx, by = poly[l, 0], poly[l, 1]
+        nxt = k + 1 if k + 1 < n else 0
+        bx, by = poly[nxt, 0], poly[nxt, 1]
         da, db = nx * ax + ny * ay - off, nx * bx + ny * by - off
         if da >= 0.0:
             out[m, 0], out[m, 1] = ax, ay
@@ -251,8 +260,8 @@ def slice_middle(psi, mx, my, half, lines, kinds, edges, walls, counts, corner, 
     x0, y0 = poly[0, 0], poly[0, 1]
     area, cx, cy, rim = 0.0, 0.0, 0.0, 0.0
     for k in range(n):
-        l = k + 1 if k + 1 < n else 0
-        ux, uy, vx, vy = poly[k, 0] - x0, poly[k, 1] - y0, poly[l, 0] - x0, poly[l, 1] - y0
+        nxt = k + 1 if k + 1 < n else 0
+        ux, uy, vx, vy = poly[k, 0] - x0, poly[k, 1] - y0, poly[nxt, 0] - x0, poly[nxt, 1] - y0
         cr = ux * vy - uy * vx
         area += cr
         cx += cr * (ux + vx)

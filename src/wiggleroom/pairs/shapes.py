@@ -205,7 +205,12 @@ def _same(rings: list[Floats], member: list[int], table: dict, known: list) -> i
     """Index of these rings among the known shapes; added where new."""
     flat = np.vstack(rings)
     size = np.abs(flat).max()
-    key = (tuple(len(r) for r in rings), tuple(member), *np.round(flat[:4].ravel() / size, 5) + 0.0, round(float(size), 6))
+    key = (
+        tuple(len(r) for r in rings),
+        tuple(member),
+        *np.round(flat[:4].ravel() / size, 5) + 0.0,
+        round(float(size), 6),
+    )
     for s in table.get(key, []):
         if np.abs(np.vstack(known[s][0]) - flat).max() <= ALIKE * size:
             return s

@@ -149,7 +149,8 @@ class Linearised:
         # second derivatives of h share the rows' unit, first derivatives already carry it
         kernel.condensed(
             self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, P.kind, self.d, P.normal / P.length, P.corner,
-            weight, lam, np.zeros((len(P.cells.a), 2)) if balance is None else balance, P.scale, P.slot, pattern.diagonal_at, pattern.block_at, data,
+            weight, lam, np.zeros((len(P.cells.a), 2)) if balance is None else balance, P.scale, P.slot,
+            pattern.diagonal_at, pattern.block_at, data,
         )  # fmt: skip
         body, block = P.objective.hessian(self.motion)
         for f, m in zip(P.slot[body], block, strict=True):
@@ -209,7 +210,18 @@ def build(bodies: Bodies, cells: Cells, objective: Objective, *, length: float) 
     scale = np.repeat(length, 3 * len(free)).reshape(-1, 3)
     scale[:, 2] /= bodies.radius[free]
     return Program(
-        bodies, objective, cells, cells.kind, normal, off, corner, slot, free, scale.ravel(), length, _pattern(cells, slot, len(free))
+        bodies,
+        objective,
+        cells,
+        cells.kind,
+        normal,
+        off,
+        corner,
+        slot,
+        free,
+        scale.ravel(),
+        length,
+        _pattern(cells, slot, len(free)),
     )
 
 

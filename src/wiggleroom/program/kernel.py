@@ -68,7 +68,7 @@ def wall_gradients(g, row, kind, normal, corner, d):
 
 @njit(**OPTIONS)
 def along(g, turn, a, b, row, d, scale, slot, u, out):
-    """out = J u: directional derivative of every row; `slot` maps bodies to free bodies (-1: fixed)."""
+    """Out = J u: directional derivative of every row; `slot` maps bodies to free bodies (-1: fixed)."""
     for p in range(len(a)):
         c, s = turn[p, 0], turn[p, 1]
         ex, ey, et = 0.0, 0.0, 0.0
@@ -87,7 +87,7 @@ def along(g, turn, a, b, row, d, scale, slot, u, out):
 
 @njit(**OPTIONS)
 def against(g, turn, a, b, row, d, scale, slot, y, out):
-    """out = J^T y."""
+    """Out = J^T y."""
     out[:] = 0.0
     for p in range(len(a)):
         fx, fy, ft = 0.0, 0.0, 0.0
@@ -109,7 +109,9 @@ def against(g, turn, a, b, row, d, scale, slot, y, out):
 
 
 @njit(**OPTIONS)
-def condensed(g, turn, a, b, row, kind, d, normal, corner, weight, lam, balance, scale, slot, diagonal_at, block_at, data):
+def condensed(
+    g, turn, a, b, row, kind, d, normal, corner, weight, lam, balance, scale, slot, diagonal_at, block_at, data
+):
     """Add J^T diag(weight) J - sum lam h'' to the upper triangle `data`, block by block.
 
     `diagonal_at` (F, 6) and `block_at` (P, 9) say where the entries of a body's own block and of a pair's block live;
@@ -123,7 +125,7 @@ def condensed(g, turn, a, b, row, kind, d, normal, corner, weight, lam, balance,
         x, y, psi = g[p, 0], g[p, 1], g[p, 2]
         cp, sp = np.cos(psi), np.sin(psi)
         for k in range(row[p], row[p + 1]):
-            w, l = weight[k], lam[k]
+            w, force = weight[k], lam[k]
             d0, d1, d2 = d[k, 0], d[k, 1], d[k, 2]
             M[0, 0] += w * d0 * d0
             M[0, 1] += w * d0 * d1
@@ -131,16 +133,16 @@ def condensed(g, turn, a, b, row, kind, d, normal, corner, weight, lam, balance,
             M[1, 1] += w * d1 * d1
             M[1, 2] += w * d1 * d2
             M[2, 2] += w * d2 * d2
-            fx += l * d0
-            fy += l * d1
+            fx += force * d0
+            fy += force * d1
             if kind[k] == 0:
                 vx, vy = corner[k, 0], corner[k, 1]
-                M[2, 2] += l * (normal[k, 0] * (cp * vx - sp * vy) + normal[k, 1] * (sp * vx + cp * vy))
+                M[2, 2] += force * (normal[k, 0] * (cp * vx - sp * vy) + normal[k, 1] * (sp * vx + cp * vy))
             elif kind[k] == 1:
                 mx, my = -d0, -d1
-                M[0, 2] -= l * my
-                M[1, 2] += l * mx
-                M[2, 2] += l * (mx * (corner[k, 0] - x) + my * (corner[k, 1] - y))
+                M[0, 2] -= force * my
+                M[1, 2] += force * mx
+                M[2, 2] += force * (mx * (corner[k, 0] - x) + my * (corner[k, 1] - y))
         M[1, 0], M[2, 0], M[2, 1] = M[0, 1], M[0, 2], M[1, 2]
         c, s = turn[p, 0], turn[p, 1]
         i, j = slot[a[p]], slot[b[p]]

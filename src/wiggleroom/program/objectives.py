@@ -92,7 +92,9 @@ def objective(assembly: Assembly, bodies: Bodies, goals: Sequence[Goal]) -> Poin
     Source: Mind the Gap, section 4.4; pulls of material points are exact in the angle instead of linear.
     """
     index = {name: k for k, name in enumerate(assembly.names)}
-    unknown = [f'"{g.part}" is not a part of {assembly.drawing.source or "the assembly"}' for g in goals if g.part not in index]
+    unknown = [
+        f'"{g.part}" is not a part of {assembly.drawing.source or "the assembly"}' for g in goals if g.part not in index
+    ]
     if unknown:
         raise InputError(unknown)
     rows = []
@@ -101,7 +103,14 @@ def objective(assembly: Assembly, bodies: Bodies, goals: Sequence[Goal]) -> Poin
         body = int(bodies.body_of[part])
         direction, point, turn = TERMS[type(goal)](goal)
         spot = assembly.parts[part].at[:2] if point is None else point
-        rows.append((body, *(goal.weight * np.asarray(direction)), *(np.asarray(spot) - bodies.rest[body, :2]), goal.weight * turn))
+        rows.append(
+            (
+                body,
+                *(goal.weight * np.asarray(direction)),
+                *(np.asarray(spot) - bodies.rest[body, :2]),
+                goal.weight * turn,
+            )
+        )
     table = np.array(rows, dtype=float).reshape(-1, 6)
     return PointMotion(table[:, 0].astype(np.int64), table[:, 1:3], table[:, 3:5], table[:, 5])
 

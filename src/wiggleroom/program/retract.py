@@ -81,6 +81,8 @@ class Retraction:
         """
         P = self._program
         force = (residual / P.scale).reshape(-1, 3)[:, :2]
-        world = self._edges @ np.column_stack([self._laplacian.solve(np.ascontiguousarray(force[:, k])) for k in (0, 1)])
+        world = self._edges @ np.column_stack(
+            [self._laplacian.solve(np.ascontiguousarray(force[:, k])) for k in (0, 1)]
+        )
         c, s = at.turn.T
         return np.column_stack([c * world[:, 0] + s * world[:, 1], -s * world[:, 0] + c * world[:, 1]])

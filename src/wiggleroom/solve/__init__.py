@@ -20,5 +20,6 @@ def solver_named(name: str) -> Callable:
         If there is no solver of that name.
     """
     if name not in SOLVERS:
-        raise InputError(f'solver "{name}" is not known; solvers are {", ".join(SOLVERS)}')
+        finding = f'solver "{name}" is not known; solvers are {", ".join(SOLVERS)}'
+        raise InputError(finding)
     return import_module(SOLVERS[name]).solve

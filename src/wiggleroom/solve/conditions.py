@@ -36,7 +36,10 @@ class Conditions:
     def hold(self, size: float) -> bool:
         """True where all hold as well as they can in double precision for a drawing of `size` [mm]."""
         return (
-            self.stationarity < 1e-3 and self.violation < 1e-9 * size and self.complementarity < 1e-4 and self.sign > -1e-9
+            self.stationarity < 1e-3
+            and self.violation < 1e-9 * size
+            and self.complementarity < 1e-4
+            and self.sign > -1e-9
         )
 
 

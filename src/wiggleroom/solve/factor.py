@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -41,7 +41,7 @@ class Plain:
     def __init__(self, pattern: Pattern) -> None:
         self._pattern = pattern
         self._diagonal = pattern.diagonal_at[:, [0, 2, 5]].ravel()
-        self._solver = None
+        self._solver: Any = None
 
     def update(self, data: Floats, shift: float) -> bool:
         """Factorise with `shift` added to the diagonal; False where the matrix is not positive definite."""
@@ -73,14 +73,18 @@ class Supernodal:
         import rslab
 
         n = len(pattern.indptr) - 1
-        upper = sp.csc_matrix((np.arange(len(pattern.indices), dtype=float), pattern.indices, pattern.indptr), shape=(n, n))
+        upper = sp.csc_matrix(
+            (np.arange(len(pattern.indices), dtype=float), pattern.indices, pattern.indptr), shape=(n, n)
+        )
         lower = sp.csc_matrix(upper.T)
         lower.sort_indices()
         self._order = lower.data.astype(np.int64)  # where each entry of the lower triangle stands in the upper one
         self._diagonal = pattern.diagonal_at[:, [0, 2, 5]].ravel()
         ordering = "metis" if n > LARGE else "amd"
-        self._symbolic = rslab.analyze(lower, path="ldlt", ordering=ordering, threads=min(4, os.cpu_count() or 1) if n > LARGE else 1)
-        self._factor = None
+        self._symbolic = rslab.analyze(
+            lower, path="ldlt", ordering=ordering, threads=min(4, os.cpu_count() or 1) if n > LARGE else 1
+        )
+        self._factor: Any = None
         self._size = n
 
     def update(self, data: Floats, shift: float) -> bool:

@@ -179,7 +179,14 @@ def solve(
 
 
 def _step(
-    state: _State, matrix: Factor, retraction: Retraction, primal: Floats, dual: Floats, mu: float, lag: float, least: float
+    state: _State,
+    matrix: Factor,
+    retraction: Retraction,
+    primal: Floats,
+    dual: Floats,
+    mu: float,
+    lag: float,
+    least: float,
 ) -> _Step | None:
     """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not a stub."""
     s, lam, at = state.s, state.lam, state.at
@@ -214,7 +221,7 @@ def _newton(state: _State, matrix: Factor, primal: Floats, dual: Floats, goal: F
 
 
 def _dot(x: Floats, y: Floats) -> float:
-    """x . y without the threads of a linear-algebra library, which cost more than they save here."""
+    """X . y without the threads of a linear-algebra library, which cost more than they save here."""
     return float(np.einsum("i,i->", x, y))
 
 
@@ -263,5 +270,9 @@ def _settle(state: _State, matrix: Factor, retraction: Retraction) -> _State:
             shift *= 10
         du, ds, dl = _newton(state, matrix, primal, dual, mu - state.s * state.lam)
         far, dfar = _longest(state.s, ds), _longest(state.lam, dl)
-        _advance(state, _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift), retraction)
+        _advance(
+            state,
+            _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift),
+            retraction,
+        )
     return state
