@@ -12,8 +12,8 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.freespace.space import FreeSpace
 
-from .collision import depths, overlaps
-from .random_joints import Pair
+from tests.oracle.collision import depths, overlaps
+from tests.oracle.random_joints import Pair
 
 DEEP = 1e-9  # share of the size that an accepted sample may overlap
 LEVER = (
