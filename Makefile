@@ -14,10 +14,10 @@ demo: .venv/ready-demo
 	@echo "The picture is in $(CURDIR)/out/demo.svg"
 
 test: .venv/ready-test
-	$(BIN)/python -m pytest -m "not slow"
+	$(BIN)/python -m pytest -n auto -m "not slow"
 
 slow: .venv/ready-test
-	$(BIN)/python -m pytest -m slow
+	$(BIN)/python -m pytest -n auto -m slow
 
 lint: .venv/ready-lint
 	$(BIN)/ruff check .
@@ -34,11 +34,13 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/ready-demo: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[ipopt]'
+	$(BIN)/python -m pip install --quiet --editable '.[fast,ipopt]'
+	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[ipopt,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[fast,ipopt,test]'
+	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-lint: pyproject.toml | .venv/bin/python

@@ -1,0 +1,15 @@
+"""Compile the numerical kernels now, so that the first question does not wait: `python -m wiggleroom.cli.compile`."""
+
+from __future__ import annotations
+
+
+def main() -> None:
+    """Answer a tiny question; what it compiles is kept beside the package."""
+    from wiggleroom.analysis.flex import flex
+    from wiggleroom.assembly import patterns
+
+    flex(patterns.chain(2))
+
+
+if __name__ == "__main__":
+    main()
