@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import json
+import re
 import shlex
 import sys
 from pathlib import Path
 
 import pytest
 
+import wiggleroom as wr
 from wiggleroom.cli import main
 
 TOP = Path(__file__).parents[1]
 EXAMPLES = sorted(path.parent for path in (TOP / "examples").glob("*/command.txt"))
+PAGES = [TOP / "README.md", TOP / "CHANGELOG.md", *sorted((TOP / "docs").glob("*.md"))]
+BLOCKS = [
+    pytest.param(block, id=f"{page.name}-{k + 1}")
+    for page in PAGES
+    for k, block in enumerate(re.findall(r"<!-- runs -->\n```python\n(.*?)```", page.read_text(), re.DOTALL))
+]
 PATTERNS = {
     "02_chain_of_tees/chain.json": "chain 10 --joint tee --gap 0.01",
     "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
@@ -62,3 +70,25 @@ def test_made_assemblies_are_what_make_writes(file, monkeypatch, tmp_path):
     out = tmp_path / "made.json"
     assert run(f"wiggleroom make {PATTERNS[file]} -o {shlex.quote(str(out))}", monkeypatch) == 0
     assert out.read_text() == (TOP / "examples" / file).read_text()
+
+
+@pytest.mark.parametrize("block", BLOCKS)
+def test_python_in_the_documentation_runs(block, monkeypatch):
+    monkeypatch.chdir(TOP)
+    exec(compile(block, "documentation", "exec"), {})
+
+
+def test_assembly_file_in_the_documentation_is_answered(tmp_path):
+    page = (TOP / "docs" / "assembly-file.md").read_text()
+    (text,) = re.findall(r"<!-- assembly -->\n```json\n(.*?)```", page, re.DOTALL)
+    file = tmp_path / "assembly.json"
+    file.write_text(text)
+    answer = wr.flex(wr.read(file))
+    assert answer.verdict == "optimal"
+    assert answer.collision_free
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_somewhere(page):
+    for link in re.findall(r"\]\(([^)#:]+)(?:#[^)]*)?\)", page.read_text()):
+        assert (page.parent / link).exists(), link

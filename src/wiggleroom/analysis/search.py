@@ -77,6 +77,8 @@ class Found:
         The way from rest to where the round began.
     begin : (3F,) float64
         Where the round began.
+    tolerance : float
+        Of the round.
     """
 
     motion: Floats
@@ -86,6 +88,7 @@ class Found:
     touch: Touch
     legs: tuple[Leg, ...]
     begin: Floats
+    tolerance: float
 
     def leg(self, end: Floats) -> Leg:
         """The round's piece of the way, up to its point `end` or to its solution."""
@@ -134,13 +137,13 @@ class Search:
         """Search until every active wall is a real contact, nothing stops the motion, or it was asked to stop."""
         fine = max(FINE, EACH * len(self.inner))
         tolerance, mu = ROUGH, self.first_mu
+        polished = False
         branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
             if tolerance > fine and self._add_missed(found):
                 continue
-            mu = AGAIN * found.solution.inner_mu
-            gained = self._keep(found, tolerance)
+            gained = self._keep(found)
             if found.solution.status == "stopped":
                 return
             if self.unlimited:
@@ -148,6 +151,7 @@ class Search:
                     tolerance, mu = ROUGH, FIRST_MU
                     continue
                 return
+            best, mu = self.best or found, AGAIN * found.solution.inner_mu
             stale = np.unique(found.touch.pair[found.touch.virtual])
             if gained and len(stale):
                 branches = None
@@ -156,20 +160,22 @@ class Search:
                 tolerance = fine
                 self._rebuild(found, stale)
                 self._add_near(found)
+            elif best.tolerance > fine and not polished:  # new cells led elsewhere: finish the rough answer in its own cells
+                polished, mu = True, AGAIN * best.solution.inner_mu
+                self._rebuild(best, stale[:0])
             else:
-                begin = self.best or found
                 if branches is None or gained:
-                    branches = self._branches(begin)
+                    branches = self._branches(best)
                 if not branches:
-                    if self._add_missed(begin):
+                    if self._add_missed(best):
                         self.best = branches = None
-                    elif self._meets_strangers(begin):
+                    elif self._meets_strangers(best):
                         tolerance, mu, branches = ROUGH, FIRST_MU, None
                     else:
                         return
                     continue
-                mu = AGAIN * begin.solution.inner_mu
-                self._rebuild(begin, branches.pop(), other_side=True)
+                mu = AGAIN * best.solution.inner_mu
+                self._rebuild(best, branches.pop(), other_side=True)
 
     @property
     def unlimited(self) -> bool:
@@ -193,13 +199,14 @@ class Search:
         motion = program.motion(solution.u)
         touch = touching(program, solution.u, solution.lam)
         self.seconds["solve"] += time.perf_counter() - began
-        return Found(motion, self.objective.value(motion), program, solution, touch, self.legs, begin)
+        return Found(motion, self.objective.value(motion), program, solution, touch, self.legs, begin, tolerance)
 
-    def _keep(self, found: Found, tolerance: float) -> bool:
-        """Keep what is better than the best so far; True where it is better by more than the tolerance of the round."""
-        least = max(GAIN * len(found.motion), 0.3 * tolerance) * max(abs(found.value), self.ready.clearance)
+    def _keep(self, found: Found) -> bool:
+        """Keep what is better than the best so far, or finer and not much worse; True where it is better by more than it might err."""
+        least = max(GAIN * len(found.motion), 0.3 * found.tolerance) * max(abs(found.value), self.ready.clearance)
         before = self.best.value if self.best else 0.0
-        if self.best is None or found.value >= before:
+        finer = self.best is not None and found.tolerance < self.best.tolerance
+        if self.best is None or found.value >= before - (0.1 * ROUGH * abs(before) if finer else 0.0):
             self.best = found
         return found.value - before > least
 
