@@ -10,20 +10,15 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.contacts import contacts
-from wiggleroom.analysis.overlap import overlaps
+from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.search import FAR, ROUND, Found, Progress, Search
-from wiggleroom.analysis.way import checked_way, strangers
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
 from wiggleroom.pairs.shapes import Bodies
-from wiggleroom.program.retract import Retraction
 from wiggleroom.solve.conditions import conditions
 from wiggleroom.solve.verdict import Verdict
 
 Floats = NDArray[np.float64]
-
-SAFE = 1e-9
-"""Overlap that counts as none, as a share of the drawing's size."""
 
 
 def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
@@ -33,9 +28,9 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
     if found is None:
         raise WiggleroomError("the search ended before its first round")
     search.tell(Progress("check", search.rounds, 0, found.value))
-    way, sure = _way(search, found)
+    way = search.way(found)
     deepest = overlaps(ready.bodies, found.motion, ready.barred).deepest
-    verdict = _verdict(search, found, sure)
+    verdict = _verdict(search, found, way.sure)
     leaves, turns = _unlimited(search, found) if verdict is Verdict.UNBOUNDED else ((), ())
     held = (
         () if verdict is Verdict.UNBOUNDED else contacts(ready.assembly, found.program, found.solution.u, found.touch)
@@ -49,9 +44,9 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
         verdict=verdict,
         objective=None if verdict is Verdict.UNBOUNDED else found.value,
         motion=part_motions(search, found.motion[None])[0],
-        waypoints=part_motions(search, way),
+        waypoints=part_motions(search, way.motions),
         contacts=held,
-        path="checked" if sure else "not checked",
+        path="checked" if way.sure else "not checked",
         collision_free=deepest <= SAFE * ready.size,
         deepest_overlap=deepest,
         model="walls",
@@ -78,21 +73,6 @@ def part_motions(search: Search, motions: Floats) -> Floats:
     out[:, :, 0] += 2 * s * (-s * x - c * y)
     out[:, :, 1] += 2 * s * (c * x - s * y)
     return out
-
-
-def _way(search: Search, found: Found) -> tuple[Floats, bool]:
-    """Way-points (k, n, 3) from rest to the motion, and whether nothing overlaps between them."""
-    slack = 0.1 * SAFE * search.ready.size
-    motions: list[Floats] = []
-    sure = True
-    for leg in (*found.legs, found.leg(found.solution.u)):
-        points, good = checked_way(leg.program, Retraction(leg.program), leg.points, slack)
-        sure = sure and good
-        fresh = [leg.program.motion(p) for p in points]
-        motions += fresh[1:] if motions else fresh
-    cells, n = found.program.cells, len(search.ready.bodies.fixed)
-    way = np.array(motions)
-    return way, sure and not len(strangers(search.ready.bodies, way, cells.a * n + cells.b, search.ready.barred)[0])
 
 
 def _verdict(search: Search, found: Found, sure: bool) -> Verdict:

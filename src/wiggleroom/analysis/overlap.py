@@ -14,6 +14,9 @@ from wiggleroom.pairs.shapes import Bodies
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+SAFE = 1e-9
+"""Overlap that counts as none, as a share of the drawing's size."""
+
 
 @dataclass(frozen=True, eq=False)
 class Overlaps:

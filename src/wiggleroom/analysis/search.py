@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.overlap import overlaps
+from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
 from wiggleroom.analysis.touch import Touch, touching, wishes
-from wiggleroom.analysis.way import strangers
+from wiggleroom.analysis.way import Way, whole_way
 from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, select
 from wiggleroom.pairs.neighbours import neighbours, placed, relative_rest
 from wiggleroom.program.build import Program, build
@@ -115,6 +115,7 @@ class Search:
     rounds: int = 0
     iterations: int = 0
     branches_left: bool = False
+    checked: tuple[Found, Way] | None = None
     seconds: dict[str, float] = field(default_factory=lambda: {"freespace": 0.0, "solve": 0.0, "check": 0.0})
 
     def __post_init__(self) -> None:
@@ -160,7 +161,9 @@ class Search:
                 tolerance = fine
                 self._rebuild(found, stale)
                 self._add_near(found)
-            elif best.tolerance > fine and not polished:  # new cells led elsewhere: finish the rough answer in its own cells
+            elif (
+                best.tolerance > fine and not polished
+            ):  # new cells led elsewhere: finish the rough answer in its own cells
                 polished, mu = True, AGAIN * best.solution.inner_mu
                 self._rebuild(best, stale[:0])
             else:
@@ -225,16 +228,23 @@ class Search:
         self.seconds["check"] += time.perf_counter() - began
         return len(missed.a) > 0
 
+    def way(self, found: Found) -> Way:
+        """The way to a motion, checked; worked out once."""
+        if self.checked is None or self.checked[0] is not found:
+            bodies, cells = self.ready.bodies, found.program.cells
+            legs = [(leg.program, leg.points) for leg in (*found.legs, found.leg(found.solution.u))]
+            known = cells.a * len(bodies.fixed) + cells.b
+            self.checked = found, whole_way(bodies, legs, known, self.ready.barred, 0.1 * SAFE * self.ready.size)
+        return self.checked[1]
+
     def _meets_strangers(self, found: Found) -> bool:
         """Begin again with the pairs that were not in the program and may meet on the way; True where there were any."""
         began = time.perf_counter()
-        bodies, cells = self.ready.bodies, found.program.cells
-        way = [leg.program.motion(p) for leg in (*found.legs, found.leg(found.solution.u)) for p in leg.points]
-        a, b = strangers(bodies, np.array(way), cells.a * len(bodies.fixed) + cells.b, self.ready.barred)
+        cells, n, way = found.program.cells, len(found.motion), self.way(found)
+        a, b = way.strangers
         again = len(a) > 0 and self.restarts < MOST_RESTARTS
         if again:
             self.restarts += 1
-            n = len(bodies.fixed)
             known = np.concatenate([cells.a * n + cells.b, a * n + b])
             self.begin()
             extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)

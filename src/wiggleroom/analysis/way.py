@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -18,6 +20,45 @@ Ints = NDArray[np.int64]
 
 MOST_SPLITS = 8
 """A piece of the way is halved at most this often."""
+
+
+@dataclass(frozen=True, eq=False)
+class Way:
+    """A way from rest.
+
+    Parameters
+    ----------
+    motions : (k, n, 3) float64 [mm, mm, rad]
+        Way-points; between them every body moves straight.
+    inside : bool
+        True where no pair of the programs overlaps anywhere along it.
+    strangers : (p,) and (p,) int64
+        Pairs of bodies outside the last program that may meet on it.
+    """
+
+    motions: Floats
+    inside: bool
+    strangers: tuple[Ints, Ints]
+
+    @property
+    def sure(self) -> bool:
+        """True where nothing overlaps anywhere along the way."""
+        return self.inside and not len(self.strangers[0])
+
+
+def whole_way(
+    bodies: Bodies, legs: list[tuple[Program, tuple[Floats, ...]]], known: Ints, barred: Ints, slack: float
+) -> Way:
+    """Check a way that consists of legs, each inside the cells of one program."""
+    motions: list[Floats] = []
+    inside = True
+    for program, points in legs:
+        refined, good = checked_way(program, Retraction(program), points, slack)
+        inside = inside and good
+        fresh = [program.motion(p) for p in refined]
+        motions += fresh[1:] if motions else fresh
+    way = np.array(motions)
+    return Way(way, inside, strangers(bodies, way, known, barred))
 
 
 def checked_way(
