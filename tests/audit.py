@@ -7,13 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from tests.oracle.collision import depths, overlaps
+from tests.oracle.random_joints import Pair
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.freespace.space import FreeSpace
-
-from tests.oracle.collision import depths, overlaps
-from tests.oracle.random_joints import Pair
 
 DEEP = 1e-9  # share of the size that an accepted sample may overlap
 LEVER = (

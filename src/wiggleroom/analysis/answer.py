@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from importlib import import_module
+from os import PathLike
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +13,16 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.solve.verdict import Verdict
+
+DRAWER = "wiggleroom.report.draw"
+"""The module whose `draw` makes pictures of answers; named here, because reports stand to the right of analyses."""
+
+
+class Drawer(Protocol):
+    """What makes pictures."""
+
+    def draw(self, answer: Answer, path: str | PathLike[str]) -> None:
+        """Write a picture of `answer`, of the kind that the ending of `path` says."""
 
 
 @dataclass(frozen=True)
@@ -80,3 +93,8 @@ class Answer:
     at_most: float | None = None
     command: str = ""
     trail: object = field(default=None, repr=False)
+
+    def draw(self, path: str | PathLike[str]) -> None:
+        """Draw the answer into a file, .svg or .png; written whole or not at all."""
+        drawer = cast(Drawer, import_module(DRAWER))
+        drawer.draw(self, path)

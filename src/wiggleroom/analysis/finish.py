@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.analysis.contacts import contacts
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.search import FAR, ROUND, Found, Progress, Search
@@ -28,13 +28,16 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
     if found is None:
         raise WiggleroomError("the search ended before its first round")
     search.tell(Progress("check", search.rounds, 0, found.value))
-    way = search.way(found)
-    deepest = overlaps(ready.bodies, found.motion, ready.barred).deepest
-    verdict = _verdict(search, found, way.sure)
+    way, safe = search.way(found), SAFE * ready.size
+    motions, deepest = way.motions, overlaps(ready.bodies, found.motion, ready.barred).deepest
+    verdict, value = _verdict(search, found, way.sure), found.value
+    if deepest > safe:  # never report an overlap: back to the last way-point without one
+        motions, deepest = _safe_part(search, motions, safe)
+        verdict, value = Verdict.STOPPED, search.objective.value(motions[-1])
     leaves, turns = _unlimited(search, found) if verdict is Verdict.UNBOUNDED else ((), ())
-    held = (
-        () if verdict is Verdict.UNBOUNDED else contacts(ready.assembly, found.program, found.solution.u, found.touch)
-    )
+    held: tuple[Contact, ...] = ()
+    if verdict in (Verdict.OPTIMAL, Verdict.STATIONARY):
+        held = contacts(ready.assembly, found.program, found.solution.u, found.touch)
     seconds = {k: v for k, v in search.seconds.items() if k != "check"}
     seconds["check"] = search.seconds["check"] + time.perf_counter() - started
     seconds["total"] = time.perf_counter() - began
@@ -42,12 +45,12 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
         assembly=ready.assembly,
         goals=asked,
         verdict=verdict,
-        objective=None if verdict is Verdict.UNBOUNDED else found.value,
-        motion=part_motions(search, found.motion[None])[0],
-        waypoints=part_motions(search, way.motions),
+        objective=None if verdict is Verdict.UNBOUNDED else value,
+        motion=part_motions(search, motions[-1:])[0],
+        waypoints=part_motions(search, motions),
         contacts=held,
         path="checked" if way.sure else "not checked",
-        collision_free=deepest <= SAFE * ready.size,
+        collision_free=deepest <= safe,
         deepest_overlap=deepest,
         model="walls",
         solver=solver,
@@ -73,6 +76,16 @@ def part_motions(search: Search, motions: Floats) -> Floats:
     out[:, :, 0] += 2 * s * (-s * x - c * y)
     out[:, :, 1] += 2 * s * (c * x - s * y)
     return out
+
+
+def _safe_part(search: Search, motions: Floats, safe: float) -> tuple[Floats, float]:
+    """The way up to its last point without overlap, and the overlap there [mm]; rest has none."""
+    ready = search.ready
+    for k in range(len(motions) - 1, 0, -1):
+        deepest = overlaps(ready.bodies, motions[k], ready.barred).deepest
+        if deepest <= safe:
+            return motions[: k + 1], deepest
+    return motions[:1], 0.0
 
 
 def _verdict(search: Search, found: Found, sure: bool) -> Verdict:

@@ -33,6 +33,8 @@ GAIN = 2e-7
 """A gain below this share of the objective for each body is none."""
 FAR = 4.0
 """A body that moves further than this multiple of the drawing's size leaves."""
+NUDGE = 1e-3
+"""Standard deviation of the first, random displacement, in units of the clearance."""
 FEW = 8, 100
 """Up to so many corner contacts are tried one by one, in an assembly of up to so many bodies."""
 MOST_RESTARTS = 3
@@ -195,7 +197,8 @@ class Search:
         self.rounds += 1
         number, begin = self.rounds, program.variables(self.inner)
         solution = self.solve(
-            program, begin, mu=mu, tolerance=tolerance, horizon=FAR * self.ready.size, stop=self.stop,
+            program, begin if self.legs else _nudged(program, begin), mu=mu, tolerance=tolerance,
+            horizon=FAR * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
         self.iterations += solution.iterations
@@ -205,11 +208,14 @@ class Search:
         return Found(motion, self.objective.value(motion), program, solution, touch, self.legs, begin, tolerance)
 
     def _keep(self, found: Found) -> bool:
-        """Keep what is better than the best so far, or finer and not much worse; True where it is better by more than it might err."""
+        """Keep what is better than the best so far, or surer and not much worse; True where it is better by more than it might err."""
         least = max(GAIN * len(found.motion), 0.3 * found.tolerance) * max(abs(found.value), self.ready.clearance)
         before = self.best.value if self.best else 0.0
-        finer = self.best is not None and found.tolerance < self.best.tolerance
-        if self.best is None or found.value >= before - (0.1 * ROUGH * abs(before) if finer else 0.0):
+        surer = self.best is not None and (
+            found.tolerance < self.best.tolerance
+            or (self.best.solution.status, found.solution.status) == ("failed", "converged")
+        )
+        if self.best is None or found.value >= before - (0.1 * ROUGH * abs(before) if surer else 0.0):
             self.best = found
         return found.value - before > least
 
@@ -297,3 +303,9 @@ class Search:
         self.branches_left = bool(touch.virtual.any()) or not (few or len(corners) == 0)
         alone = [corners[k : k + 1] for k in range(len(corners))] if few and len(corners) > 1 else []
         return [*alone, corners] if len(corners) and len(best.motion) <= MANY else []
+
+
+def _nudged(program: Program, u: Floats) -> Floats:
+    """A point beside u: a symmetric assembly would else stay on the ridge between two equal ways."""
+    aside = u + NUDGE * np.random.default_rng(0).standard_normal(len(u))
+    return aside if (program.values(aside) > 0.5 * program.values(u)).all() else u

@@ -98,12 +98,7 @@ def write(answer: Answer, outputs: Outputs) -> None:
 def write_picture(svg: str, path: Path) -> None:
     """Picture as SVG or, where the name says so, as PNG."""
     from wiggleroom.cli.say import note
-    from wiggleroom.report.files import write_whole
+    from wiggleroom.report.draw import write_svg
 
-    if path.suffix.lower() == ".png":
-        from wiggleroom.report.png import png
-
-        write_whole(path, png(svg))
-    else:
-        write_whole(path, svg)
+    write_svg(svg, path)
     note(f"picture: {path}")

@@ -173,7 +173,7 @@ def hide_all(
                 x, y, psi, state[0], kinds, run_disc, ra0, ra1, rb0, rb1, run_reach, run_front, seen, bound, tiny
             )
             looked = True
-        else:
+        elif not stuck:  # a line was added
             cover_by(
                 fresh, kinds[fresh], a0, b0, reach, run_reach, front, run_front, seen, ra1 - ra0, rb1 - rb0,
                 open_pairs, open_far, count, tiny,

@@ -8,7 +8,7 @@ while they turn.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -29,6 +29,10 @@ SHORT = 0.05
 FIRST_MU = 0.1
 INNER = 3e-2
 """The next program starts at the last legal iterate whose complementarity was still this share of the objective."""
+LONGEST = 0.1
+"""Share of the horizon that a body may move in one iteration."""
+HOME = 0.01
+"""Share of the tolerance that may be given up to stay near rest."""
 TINY_SHIFT = 1e-11
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
@@ -87,6 +91,7 @@ class _State:
     at: Linearised
     unit: float
     move: Floats
+    home: float
     shift: float = TINY_SHIFT
     stride: float = 1.0
     way: list[Floats] = field(default_factory=list)
@@ -94,8 +99,13 @@ class _State:
     def residuals(self) -> tuple[Floats, Floats, float, float]:
         """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
         primal = self.s - self.at.h
-        dual = -self.at.gradient / self.unit - self.at.against(self.lam)
+        dual = self.pull_home * self.u - self.at.gradient / self.unit - self.at.against(self.lam)
         return primal, dual, _dot(self.s, self.lam), self.at.value / self.unit
+
+    @property
+    def pull_home(self) -> float:
+        """Weight of half the squared motion, so small that it decides only between motions that are equally good."""
+        return self.home * max(abs(self.at.value) / self.unit, 1.0) / max(_dot(self.u, self.u), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +116,11 @@ class _Step:
     primal: float
     dual: float
     shift: float
+
+    def capped(self, longest: float) -> _Step:
+        """The same, but no body moves further than `longest` [program.length] at once."""
+        far = float(np.abs(self.u).max(initial=0.0))
+        return self if self.primal * far <= longest else replace(self, primal=longest / far)
 
 
 def solve(
@@ -142,7 +157,7 @@ def solve(
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
     s = np.maximum(at.h, 1e-9)
-    state = _State(u, s, mu / s, at, unit, np.zeros_like(u))
+    state = _State(u, s, mu / s, at, unit, np.zeros_like(u), HOME * tolerance)
     matrix, retraction = factor(program.pattern), Retraction(program)
     inner, inner_mu, status, error, before = u, mu, "failed", np.inf, np.inf
     for k in range(MOST_ITERATIONS + 1):
@@ -168,9 +183,10 @@ def solve(
         if inside and np.abs(program.motion(state.u)[:, :2]).max(initial=0.0) > horizon:
             status = "escaping"
             break
-        lag = max(infeasible, 0.0 if k == 0 else wrong) / gap
+        lag = max(infeasible, 0.0 if k == 0 else wrong) / gap if gap > 0 else 0.0
         target = 0.2 * tolerance * max(abs(value), 1.0) / max(program.rows, 1)
         step = _step(state, matrix, retraction, primal, dual, gap / max(program.rows, 1), lag, target)
+        step = step and step.capped(LONGEST * horizon / program.length)
         if step is None or k == MOST_ITERATIONS:
             break
         _advance(state, step, retraction)
@@ -194,12 +210,12 @@ def _step(
     shift = TINY_SHIFT if state.shift <= 1e-8 else state.shift / 5
     found = None
     for attempt in range(16):
-        if not matrix.update(data, shift):
+        if not matrix.update(data, shift + state.pull_home):
             shift = max(10 * shift, 1e-5)
             continue
         _, ds, dl = _newton(state, matrix, primal, dual, -s * lam)
         after = _dot(s + _longest(s, ds) * ds, lam + _longest(lam, dl) * dl) / max(len(s), 1)
-        centring = (after / mu) ** 3
+        centring = (after / mu) ** 3 if mu > 0 else 0.0
         if lag > 0.3:  # feasibility must not fall behind complementarity
             centring = max(centring, min(10.0, lag))
         goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)

@@ -170,6 +170,8 @@ def _rows(casadi: Any, program: Program, pose: list) -> Any:
         if len(k):
             parts.append(_of_kind(kind, [e[pair[k].tolist(), 0] for e in sees], program, k))
             places.append(k)
+    if not parts:
+        return casadi.MX(0, 1)
     back = np.argsort(np.concatenate(places))
     return casadi.vertcat(*parts)[back.tolist(), 0]
 
@@ -217,7 +219,7 @@ class _Watch:
         if inside:
             self.way.append(u)
             if len(self.way) == 1 or h @ lam > INNER * max(abs(value), 1.0):
-                self.inner, self.inner_mu = u, float(h @ lam) / len(h)
+                self.inner, self.inner_mu = u, float(h @ lam) / max(len(h), 1)
         if self.stop is not None and self.stop.is_set():
             self.status = "stopped"
         elif inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon:
