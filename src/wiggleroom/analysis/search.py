@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.overlap import SAFE, overlaps
-from wiggleroom.analysis.prepare import REACH, Prepared
+from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.touch import Touch, touching, wishes
 from wiggleroom.analysis.way import Way, whole_way
 from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, select
-from wiggleroom.pairs.neighbours import neighbours, placed, relative_rest
+from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.solve.interior_point import FIRST_MU, Solution, Stop
@@ -162,7 +162,6 @@ class Search:
             elif tolerance == ROUGH:
                 tolerance = fine
                 self._rebuild(found, stale)
-                self._add_near(found)
             elif (
                 best.tolerance > fine and not polished
             ):  # new cells led elsewhere: finish the rough answer in its own cells
@@ -257,15 +256,6 @@ class Search:
             self.add(extra // n, extra % n, found.motion)
         self.seconds["check"] += time.perf_counter() - began
         return again
-
-    def _add_near(self, found: Found) -> None:
-        """Add the pairs that have come near each other, so that the last rounds know of all that may touch."""
-        bodies, cells = self.ready.bodies, self.cells
-        n = len(bodies.fixed)
-        barred = np.concatenate([self.ready.barred, cells.a * n + cells.b])
-        near = neighbours(bodies, placed(bodies, found.motion), REACH * self.ready.clearance, barred=barred)
-        if len(near.a):
-            self.add(near.a, near.b, found.motion)
 
     def add(self, a: Ints, b: Ints, wanted: Floats) -> None:
         """Put more pairs into the program: cells grown where the coming round begins, with room towards the motion `wanted` (n, 3)."""

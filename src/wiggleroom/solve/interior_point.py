@@ -29,6 +29,7 @@ SHORT = 0.05
 FIRST_MU = 0.1
 INNER = 3e-2
 """The next program starts at the last legal iterate whose complementarity was still this share of the objective."""
+LEAST_SLACK = 1e-14
 LONGEST = 0.1
 """Share of the horizon that a body may move in one iteration."""
 HOME = 0.01
@@ -37,6 +38,8 @@ TINY_SHIFT = 1e-11
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
 LEAST_ITERATIONS, MOST_ITERATIONS = 3, 100
+SHARP = 1e-3
+"""Answers of a finer tolerance are rid of the last of their violation."""
 FREE = 1e-3
 """A diagonal strengthened by more than this keeps steps short."""
 
@@ -190,7 +193,7 @@ def solve(
         if step is None or k == MOST_ITERATIONS:
             break
         _advance(state, step, retraction)
-    settled = _settle(state, matrix, retraction) if status == "converged" else state
+    settled = _settle(state, matrix, retraction) if status == "converged" and tolerance < SHARP else state
     return Solution(settled.u, settled.lam * unit, status, k, inner, inner_mu, tuple(state.way), error)
 
 
@@ -265,7 +268,7 @@ def _advance(state: _State, step: _Step, retraction: Retraction) -> None:
     for _ in range(6):
         u = retraction.step(state.u, share * step.u, state.at)
         at = state.at.program.linearise(u)
-        s = np.maximum(state.s + share * step.s, at.h)
+        s = np.maximum(np.maximum(state.s + share * step.s, at.h), LEAST_SLACK)
         if _dot(lam, s - at.h) <= max(0.5 * _dot(s, lam), 2.0 * before):
             break
         share /= 2
