@@ -38,8 +38,6 @@ TINY_SHIFT = 1e-11
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
 LEAST_ITERATIONS, MOST_ITERATIONS = 3, 100
-SHARP = 1e-3
-"""Answers of a finer tolerance are rid of the last of their violation."""
 FREE = 1e-3
 """A diagonal strengthened by more than this keeps steps short."""
 
@@ -193,7 +191,7 @@ def solve(
         if step is None or k == MOST_ITERATIONS:
             break
         _advance(state, step, retraction)
-    settled = _settle(state, matrix, retraction) if status == "converged" and tolerance < SHARP else state
+    settled = _settle(state, matrix, retraction) if status == "converged" else state
     return Solution(settled.u, settled.lam * unit, status, k, inner, inner_mu, tuple(state.way), error)
 
 
