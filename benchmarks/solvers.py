@@ -22,7 +22,7 @@ from wiggleroom.solve.conditions import conditions
 
 GRIDS = {30: (6, 5), 182: (14, 13), 675: (27, 25), 1890: (45, 42), 4096: (64, 64)}
 GAP = 0.01
-TOLERANCE = 1e-7
+TOLERANCE = 1e-5
 OURS, THEIRS = SOLVERS
 
 
