@@ -34,6 +34,12 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
     if deepest > safe:  # never report an overlap: back to the last way-point without one
         motions, deepest = _safe_part(search, motions, safe)
         verdict, value = Verdict.STOPPED, search.objective.value(motions[-1])
+    if verdict is Verdict.STOPPED and value < search.objective.value(motions[0]):
+        motions, value, deepest = (
+            motions[:1],
+            search.objective.value(motions[0]),
+            0.0,
+        )  # rest is better than what was reached
     leaves, turns = _unlimited(search, found) if verdict is Verdict.UNBOUNDED else ((), ())
     held: tuple[Contact, ...] = ()
     if verdict in (Verdict.OPTIMAL, Verdict.STATIONARY):

@@ -159,13 +159,13 @@ class Search:
             if gained and len(stale):
                 branches = None
                 self._rebuild(found, stale)
-            elif tolerance == ROUGH:
+            elif tolerance == ROUGH and found.value >= best.value - ROUGH * abs(best.value):
                 tolerance = fine
                 self._rebuild(found, stale)
-            elif (
-                best.tolerance > fine and not polished
-            ):  # new cells led elsewhere: finish the rough answer in its own cells
-                polished, mu = True, AGAIN * best.solution.inner_mu
+            elif best.tolerance > fine and not polished:
+                # new cells led elsewhere: finish the rough answer in its own cells
+                tolerance = fine
+                polished, mu = True, best.solution.inner_mu
                 self._rebuild(best, stale[:0])
             else:
                 if branches is None or gained:

@@ -1,0 +1,78 @@
+"""Answers about assemblies that nobody drew by hand: always safe, honest about themselves, and not to be bettered nearby."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+import wiggleroom as wr
+from tests.flex_truth import Ground, check_safe, climbed, off_outline, unbalanced
+from tests.flexing import mirrored, random_assembly, random_goals, random_puzzle, scaled, shuffled
+from wiggleroom.assembly.build import assemble
+
+VERDICTS = ("optimal", "stationary", "unbounded", "stopped")
+FEW, MANY = range(40), range(40, 400)
+SMALL = [k for k in range(50) if k % 5 in (0, 4)]  # chains of one random joint, pegs in random holes
+SAME = {"mirror": (mirrored, 1.0), "hundredth": (lambda d: scaled(d, 1e-2), 1e-2), "shuffled": (shuffled, 1.0)}
+SAME["thousandfold"] = (lambda d: scaled(d, 1e3), 1e3)
+
+
+def ask(seed, most=3):
+    assembly = random_assembly(seed)
+    return wr.flex(assembly, random_goals(assembly, seed, most))
+
+
+def look(answer):
+    """Everything that an answer must keep."""
+    ground = Ground(answer.assembly)
+    check_safe(answer, ground)
+    assert answer.verdict in VERDICTS
+    if answer.verdict == "unbounded":
+        assert answer.path == "checked"
+    if answer.verdict == "optimal":
+        assert answer.contacts
+        assert unbalanced(answer, ground) <= 1e-3
+        assert off_outline(answer, ground) <= 1e-6 * ground.size
+        if len(answer.assembly.parts) < 10:
+            assert max(climbed(answer, ground, k) for k in range(2)) <= answer.objective * (1 + 1e-5)
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_random_question(seed):
+    look(ask(seed))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", MANY)
+def test_many_random_questions(seed):
+    look(ask(seed))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(16))
+def test_thirty_parts(seed):
+    assembly = random_puzzle(seed)
+    look(wr.flex(assembly, random_goals(assembly, seed, 2)))
+
+
+@pytest.mark.parametrize("seed", FEW)
+def test_search_comes_to_an_end(seed):
+    """Nobody stopped it, so it has a verdict, and knows a way."""
+    answer = ask(seed)
+    assert answer.verdict != "stopped"
+    assert answer.path == "checked"
+
+
+@pytest.mark.parametrize("seed", SMALL)
+@pytest.mark.parametrize("how", SAME)
+def test_same_question_otherwise(seed, how):
+    change, length = SAME[how]
+    answer = ask(seed, most=1)
+    drawing = replace(answer.assembly.drawing, goals=answer.goals)
+    other = wr.flex(assemble(change(drawing)))
+    check_safe(other)
+    if answer.objective is None:
+        assert other.objective is None
+    else:
+        assert other.objective == pytest.approx(answer.objective * length, rel=1e-6)
