@@ -268,8 +268,9 @@ def _quadratic_roots(c: Real, b: Real, a: Real) -> tuple[Real, Real]:
     """Real roots of a t2 + b t + c, 0 where there is none: the callers look at clipped roots only."""
     root = np.sqrt(np.maximum(b * b - 4 * a * c, 0))
     q = -0.5 * (b + np.where(b < 0, -root, root))
-    first = np.where(a != 0, q / np.where(a != 0, a, 1), 0)
-    second = np.where(q != 0, c / np.where(q != 0, q, 1), 0)
+    with np.errstate(over="ignore"):  # roots far outside are clipped
+        first = np.where(a != 0, q / np.where(a != 0, a, 1), 0)
+        second = np.where(q != 0, c / np.where(q != 0, q, 1), 0)
     return first, second
 
 
