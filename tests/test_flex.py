@@ -11,7 +11,7 @@ import pytest
 import shapely
 
 import wiggleroom as wr
-from tests.flex_truth import Ground, check_safe, climbed, off_outline, unbalanced, value_of
+from tests.flex_truth import Ground, check_safe, climbed, improved, off_outline, unbalanced, value_of
 from tests.flexing import about, box, case_assembly, part_at, polygon_part, row_of
 from tests.oracle import blocks, closed_forms
 from tests.oracle.closed_forms import frame, rectangle, regular
@@ -204,6 +204,13 @@ def test_contacts_balance_the_pull(joint, goal):
     assert off_outline(answer, ground) <= 1e-6 * ground.size
     assert all(math.hypot(*c.normal) == pytest.approx(1, abs=1e-12) for c in answer.contacts)
     assert all(c.force > 0 for c in answer.contacts)
+
+
+@pytest.mark.parametrize("joint", blocks.JOINTS)
+@pytest.mark.parametrize("goal", [W("b2", (0.3, 0.1, -1.0)), Pull("b3", (1, -2), (2.5, 0.5))], ids=str)
+def test_small_chain_cannot_be_bettered_nearby(joint, goal):
+    """Also where the answer says that a branch is left open."""
+    assert improved(wr.flex(chain(joint), goal)) <= 1e-5
 
 
 def test_peg_against_two_sides_shares_the_pull():
