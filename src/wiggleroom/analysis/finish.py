@@ -95,10 +95,10 @@ def _safe_part(search: Search, motions: Floats, safe: float) -> tuple[Floats, fl
 
 
 def _verdict(search: Search, found: Found, sure: bool) -> Verdict:
-    if found.solution.status in ("stopped", "failed"):
-        return Verdict.STOPPED
     if search.unlimited:  # said only where nothing was met on the way
         return Verdict.UNBOUNDED if sure else Verdict.STOPPED
+    if found.solution.status in ("stopped", "failed"):
+        return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
         return Verdict.STOPPED
     return Verdict.STATIONARY if search.branches_left else Verdict.OPTIMAL

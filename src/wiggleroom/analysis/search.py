@@ -17,7 +17,8 @@ from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, sele
 from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import Objective
-from wiggleroom.solve.interior_point import FIRST_MU, Solution, Stop
+from wiggleroom.solve.interior_point import FIRST_MU, Solution
+from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -155,7 +156,7 @@ class Search:
                     continue
                 return
             best, mu = self.best or found, AGAIN * found.solution.inner_mu
-            stale = np.unique(found.touch.pair[found.touch.virtual])
+            stale = self._stale(found)
             if gained and len(stale):
                 branches = None
                 self._rebuild(found, stale)
@@ -180,6 +181,14 @@ class Search:
                     continue
                 mu = AGAIN * best.solution.inner_mu
                 self._rebuild(best, branches.pop(), other_side=True)
+
+    def _stale(self, found: Found) -> Ints:
+        """Pairs whose cells stop the motion although nothing touches there; all that moved, where the solver did not get to an end."""
+        if found.solution.status != "failed":
+            return np.unique(found.touch.pair[found.touch.virtual])
+        cells = found.program.cells
+        moved = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion) - cells.seed
+        return np.flatnonzero(np.hypot(moved[:, 0], moved[:, 1]) > self.ready.clearance)
 
     @property
     def unlimited(self) -> bool:
@@ -239,7 +248,8 @@ class Search:
             bodies, cells = self.ready.bodies, found.program.cells
             legs = [(leg.program, leg.points) for leg in (*found.legs, found.leg(found.solution.u))]
             known = cells.a * len(bodies.fixed) + cells.b
-            self.checked = found, whole_way(bodies, legs, known, self.ready.barred, 0.1 * SAFE * self.ready.size)
+            slack = 0.1 * SAFE * self.ready.size
+            self.checked = found, whole_way(bodies, self.ready.arm, legs, known, self.ready.barred, slack)
         return self.checked[1]
 
     def _meets_strangers(self, found: Found) -> bool:
