@@ -159,6 +159,8 @@ class Search:
             stale = self._stale(found)
             if gained and len(stale):
                 branches = None
+                if found.solution.status == "failed":  # still on its way: go on in larger steps
+                    tolerance, mu = ROUGH, FIRST_MU
                 self._rebuild(found, stale)
             elif tolerance == ROUGH and found.value >= best.value - ROUGH * abs(best.value):
                 tolerance = fine

@@ -31,6 +31,8 @@ FIRST_MU = 0.1
 INNER = 3e-2
 """The next program starts at the last legal iterate whose complementarity was still this share of the objective."""
 LEAST_SLACK = 1e-14
+FIRST_SLACK = 1e-3
+"""Slacks begin no smaller: a wall right beside the start would else block every step away from the others."""
 LONGEST = 0.1
 """Share of the horizon that a body may move in one iteration."""
 HOME = 0.01
@@ -125,7 +127,7 @@ def solve(
     u = np.zeros(len(program.scale)) if start is None else start.copy()
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
-    s = np.maximum(at.h, 1e-9)
+    s = np.maximum(at.h, FIRST_SLACK)
     state = State(u, s, mu / s, at, unit, np.zeros_like(u), HOME * tolerance)
     matrix, retraction = factor(program.pattern), Retraction(program)
     farthest = LONGEST * horizon / program.length
