@@ -293,7 +293,10 @@ class Search:
         room = np.full(len(pairs), self.ready.clearance)
         wish = None if other_side else wishes(found.program, solution.u, found.touch, pairs)
         bar = found.touch.lines_at_end(found.program, pairs) if other_side else None
-        grown, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar, wish=wish)
+        turned_out = np.isin(pairs, found.touch.pair[np.isnan(found.touch.place)])
+        grown, good = grow_cells(
+            bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar, wish=wish, to_the_end=turned_out
+        )
         self.cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
         self.seconds["freespace"] += time.perf_counter() - began
 

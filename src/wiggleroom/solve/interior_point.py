@@ -18,6 +18,7 @@ from wiggleroom.program.retract import Retraction
 from wiggleroom.solve.careful import Careful
 from wiggleroom.solve.factor import Factor, factor
 from wiggleroom.solve.newton import TINY_SHIFT, State, Stop, dot, longest, newton
+from wiggleroom.solve.ridge import beside, uphill
 
 Floats = NDArray[np.float64]
 
@@ -40,6 +41,8 @@ HOME = 0.01
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
 LEAST_ITERATIONS, MOST_ITERATIONS, MOST_CAREFUL = 3, 100, 200
+MOST_RIDGES = 2
+"""So often the search goes on beside a point that balances on a ridge."""
 PATIENCE = 30
 """After so many iterations that do not make the error less, the quick steps have failed."""
 FREE = 1e-3
@@ -124,14 +127,16 @@ def solve(
     -------
     Solution
     """
-    u = np.zeros(len(program.scale)) if start is None else start.copy()
-    at = program.linearise(u)
-    unit = float(np.abs(at.gradient).max()) or 1.0
-    s = np.maximum(at.h, FIRST_SLACK)
-    state = State(u, s, mu / s, at, unit, np.zeros_like(u), HOME * tolerance)
+    begin = np.zeros(len(program.scale)) if start is None else start.copy()
     matrix, retraction = factor(program.pattern), Retraction(program)
+    unit = float(np.abs(program.linearise(begin).gradient).max()) or 1.0
     farthest = LONGEST * horizon / program.length
-    watch = _Watch(tolerance, horizon, stop, progress, u, mu)
+    watch = _Watch(tolerance, horizon, stop, progress, begin, mu)
+
+    def at_start(u: Floats, mu: float, least: float) -> State:
+        at = program.linearise(u)
+        s = np.maximum(at.h, least)
+        return State(u, s, mu / s, at, unit, np.zeros_like(u), HOME * tolerance)
 
     def quick(state: State, primal: Floats, dual: Floats, least: float) -> bool:
         step = _step(state, matrix, retraction, primal, dual, watch.mu, watch.lag, least)
@@ -139,13 +144,17 @@ def solve(
             _advance(state, step.capped(farthest), retraction)
         return step is not None
 
-    status = watch.follow(state, quick, MOST_ITERATIONS)
-    if status == "failed" and watch.legal is not None:
-        u, mu = watch.legal
-        at = program.linearise(u)
-        state = State(u, at.h, mu / at.h, at, unit, np.zeros_like(u), HOME * tolerance)
-        careful = Careful(matrix, retraction, mu, farthest)
-        status = watch.follow(state, careful.advance, MOST_CAREFUL)
+    for ridges in range(MOST_RIDGES + 1):
+        state = at_start(begin, mu, FIRST_SLACK)
+        status = watch.follow(state, quick, MOST_ITERATIONS)
+        if status == "failed" and watch.legal is not None:
+            state = at_start(*watch.legal, 0.0)
+            status = watch.follow(state, Careful(matrix, retraction, watch.legal[1], farthest).advance, MOST_CAREFUL)
+        up = uphill(state, matrix, tolerance) if status == "converged" and ridges < MOST_RIDGES else None
+        if up is None:
+            break
+        begin, mu = beside(program, watch.inner[0], up), watch.inner[1]
+        watch.back_to_inner()
     settled = _settle(state, matrix, retraction) if status == "converged" else state
     inner = watch.legal if status == "failed" and watch.legal else watch.inner
     return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
@@ -172,6 +181,11 @@ class _Watch:
     def __post_init__(self) -> None:
         """Begin with the start as the inner point."""
         self.inner = self.begin, self.first_mu
+
+    def back_to_inner(self) -> None:
+        """Forget the way past the inner point."""
+        last = next((k for k, u in enumerate(self.way) if u is self.inner[0]), -1)
+        del self.way[last + 1 :]
 
     def follow(self, state: State, advance: Callable[[State, Floats, Floats, float], bool], most: int) -> str:
         """Advance the state until it is converged, stopped or escaping, or until that fails."""
