@@ -93,6 +93,13 @@ class Found:
     begin: Floats
     tolerance: float
 
+    @property
+    def nearer(self) -> Floats:
+        """A legal point (3F,) of the round's way half as near to its end as the inner one, in steps of the solver."""
+        way = self.solution.way
+        start = next((k for k, u in enumerate(way) if u is self.solution.inner), -1)
+        return way[(start + len(way)) // 2] if start >= 0 else self.solution.inner
+
     def leg(self, end: Floats) -> Leg:
         """The round's piece of the way, up to its point `end` or to its solution."""
         points = [self.begin, *self.solution.way, self.solution.u]
@@ -142,6 +149,7 @@ class Search:
         fine = max(FINE, EACH * len(self.inner))
         tolerance, mu = ROUGH, self.first_mu
         polished = False
+        nearer = False  # the last rebuilding began nearer to its end
         branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
@@ -158,7 +166,7 @@ class Search:
             best, mu = self.best or found, AGAIN * found.solution.inner_mu
             stale = self._stale(found)
             if gained and len(stale):
-                branches = None
+                branches, nearer = None, False
                 if found.solution.status == "failed":  # still on its way: go on in larger steps
                     tolerance, mu = ROUGH, FIRST_MU
                 self._rebuild(found, stale)
@@ -170,6 +178,10 @@ class Search:
                 tolerance = fine
                 polished, mu = True, best.solution.inner_mu
                 self._rebuild(best, stale[:0])
+            elif best.touch.virtual.any() and not nearer:
+                # past a corner, the walls that matter show only from where the corner has been passed
+                nearer, mu = True, AGAIN * best.solution.inner_mu
+                self._rebuild(best, self._stale(best), nearer=True)
             else:
                 if branches is None or gained:
                     branches = self._branches(best)
@@ -276,18 +288,19 @@ class Search:
         grown, _ = grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), wish=wish)
         self.cells = joined(self.cells, grown)
 
-    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False) -> None:
+    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False, nearer: bool = False) -> None:
         """Begin the next round near `found`, with new cells for some pairs grown there.
 
         The new cells keep the solution itself inside, so the next round can only be better. With `other_side` they avoid the line that a
-        corner touches at its very end: the way past the other side of the corner.
+        corner touches at its very end: the way past the other side of the corner. With `nearer` the round begins nearer to the solution.
 
         """
         began = time.perf_counter()
         self.tell(Progress("free spaces", self.rounds, found.solution.iterations, found.value))
         bodies, old, solution = self.ready.bodies, found.program.cells, found.solution
-        self.inner = found.program.motion(solution.inner)
-        self.legs = (*found.legs, found.leg(solution.inner))
+        inner = found.nearer if nearer else solution.inner
+        self.inner = found.program.motion(inner)
+        self.legs = (*found.legs, found.leg(inner))
         a, b = old.a[pairs], old.b[pairs]
         seed, keep = relative_rest(bodies, a, b, self.inner), relative_rest(bodies, a, b, found.motion)
         room = np.full(len(pairs), self.ready.clearance)
