@@ -156,7 +156,9 @@ class Linearised:
         for f, m in zip(P.slot[body], block, strict=True):
             if f >= 0:
                 scale = P.scale[3 * f : 3 * f + 3]
-                data[pattern.diagonal_at[f]] -= (share * m * scale[:, None] * scale)[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+                data[pattern.diagonal_at[f]] -= (share * m * scale[:, None] * scale)[
+                    [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]
+                ]
         return data
 
     def jacobian(self) -> sp.csr_matrix:

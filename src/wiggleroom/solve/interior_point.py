@@ -220,7 +220,11 @@ class _Watch:
             self.way.append(state.u)
             if k == 0 or gap > INNER * max(abs(value), 1.0):
                 self.inner = state.u, self.mu
-        if k >= LEAST_ITERATIONS and self.error < self.tolerance and np.abs(dual).max() < max(10 * self.tolerance, BALANCED):
+        if (
+            k >= LEAST_ITERATIONS
+            and self.error < self.tolerance
+            and np.abs(dual).max() < max(10 * self.tolerance, BALANCED)
+        ):
             return "converged"
         if self.stop is not None and self.stop.is_set():
             return "stopped"
