@@ -23,6 +23,8 @@ Ints = NDArray[np.int64]
 
 TOUCHING = 1e-6
 """A clearance below this share of the drawing's size counts as touching."""
+ENOUGH = 200
+"""So many bodies tell what the typical clearance is."""
 REACH = 3.0
 """Pairs closer than this multiple of the typical clearance are in the program from the start."""
 
@@ -123,9 +125,8 @@ def _clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
     """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median."""
     if len(geometry) < 2:
         return gap or 1e-3 * size
-    _, apart = shapely.STRtree(geometry).query_nearest(
-        geometry, exclusive=True, all_matches=False, return_distance=True
-    )
+    some = geometry[np.linspace(0, len(geometry) - 1, min(len(geometry), ENOUGH)).astype(int)]
+    _, apart = shapely.STRtree(geometry).query_nearest(some, exclusive=True, all_matches=False, return_distance=True)
     apart = apart[apart > TOUCHING * size]
     middle = float(np.median(apart)) if len(apart) else 1e-3 * size
     return gap if 0.3 * middle < gap < 3 * middle else middle
