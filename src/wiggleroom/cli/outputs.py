@@ -79,7 +79,7 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
 def write(answer: Answer, outputs: Outputs) -> None:
     """Answer as JSON and as a picture, where they are asked for."""
     from wiggleroom.cli.say import note
-    from wiggleroom.report.files import write_whole
+    from wiggleroom.files import write_whole
     from wiggleroom.report.records import flex_record, to_json
 
     if outputs.json is not None:

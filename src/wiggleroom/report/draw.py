@@ -7,7 +7,7 @@ from pathlib import Path
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.errors import InputError
-from wiggleroom.report.files import write_whole
+from wiggleroom.files import write_whole
 from wiggleroom.report.picture import picture
 
 
