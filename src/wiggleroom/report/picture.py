@@ -8,13 +8,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Pull
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, obstacles
 from wiggleroom.report.layout import View
-from wiggleroom.report.names import label, names_group, usual
+from wiggleroom.report.names import names_group
 from wiggleroom.report.shapes import Shapes, spot, use
 from wiggleroom.report.text import escape
-from wiggleroom.report.words import facts, headline, number, short
+from wiggleroom.report.words import facts, headline, number
 
 Floats = NDArray[np.float64]
 
@@ -95,11 +96,17 @@ def _parts(
             style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
             found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(drawn[kind]) + "</g>")
     found += [mark.svg for mark in marks]
-    found.append(names_group([label(short(name), shape, place, usual(room), tree) for name, shape, place in places]))
+    found.append(names_group(places, pulled | {p.name for p in assembly.parts if p.fixed}, room, tree))
     return found
 
 
 _COLOURS = {"neutral": palette.NEUTRAL, "pulled": palette.PULLED, "fixed": palette.FIXED}
+
+
+_ARROW = (
+    f'<path d="M3,6h7" stroke="{palette.MOTION}" stroke-width="2"/><path d="M16,6l-7,-3.5v7z" fill="{palette.MOTION}"/>'
+    f'<circle cx="3" cy="6" r="2.4" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="1.4"/>'
+)
 
 
 def _legend(assembly: Assembly, answer: Answer | None, asked: bool) -> list[frame.LegendEntry]:
@@ -109,6 +116,8 @@ def _legend(assembly: Assembly, answer: Answer | None, asked: bool) -> list[fram
         found.append((frame.swatch(*palette.FIXED), "fixed"))
     if asked:
         found.append((frame.swatch(*palette.PULLED), "pulled"))
+        if answer is not None and any(isinstance(g, Pull) for g in answer.goals):
+            found.append((_ARROW, "gained along the pull"))
     if answer is not None:
         found.append((frame.swatch("none", palette.REST), "at rest"))
         if any(c.force > 0 for c in answer.contacts):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -35,6 +36,12 @@ class Shape:
     key: str
     polygon: shapely.Geometry
     path: str
+
+    @cached_property
+    def circle(self) -> tuple[tuple[float, float], float]:
+        """Middle and radius [px] of the largest circle inside it."""
+        line = shapely.get_coordinates(shapely.maximum_inscribed_circle(self.polygon, tolerance=0.5))
+        return (float(line[0, 0]), float(line[0, 1])), float(np.hypot(*(line[1] - line[0])))
 
 
 @dataclass(eq=False)
