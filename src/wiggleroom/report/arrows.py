@@ -18,7 +18,7 @@ from wiggleroom.report.layout import View
 Floats = NDArray[np.float64]
 
 _SHORTEST = 16.0
-_NOMINAL = 44.0
+PULL_LENGTH = 44.0
 _MOST_CONTACTS = 300
 _FAINT = 1e-3
 
@@ -58,13 +58,13 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
     start, end = view.pixels(point), view.pixels(carry(point, rest[k], shown[k]))
     gain = float((end - start) @ way)
     if gain < _SHORTEST:  # too short to be seen as an arrow: from where the point is now, in the direction of the pull
-        return _pull(end, end + _NOMINAL * way)
+        return _pull(end, end + PULL_LENGTH * way)
     return _pull(start, start + gain * way, end)
 
 
 def pull_arrow(way: tuple[float, float]) -> str:
-    """Arrow of a usual length that begins at 0, 0 [px] and points along `way`, y up."""
-    end = _NOMINAL * np.array(way, dtype=float) / math.hypot(*way) * (1, -1)
+    """Arrow PULL_LENGTH long that begins at 0, 0 [px] and points along `way`, y up."""
+    end = PULL_LENGTH * np.array(way, dtype=float) / math.hypot(*way) * (1, -1)
     return _pull(np.zeros(2), end).svg
 
 
@@ -149,9 +149,14 @@ def arrow(start: Floats, end: Floats, head: float) -> tuple[str, str]:
     )
 
 
+def turn_radius(room: float) -> float:
+    """Radius [px] of the arc that stands for a turn of a part `room` pixels large."""
+    return min(max(0.28 * room, 9.0), 46.0)
+
+
 def _turn(centre: Floats, sense: float, room: float) -> Mark:
     """Arc of 240 degrees round `centre` with a head, counter-clockwise where `sense` is positive."""
-    radius = min(max(0.28 * room, 9.0), 46.0)
+    radius = turn_radius(room)
     angles = sense * np.radians(np.linspace(-30.0, 210.0, 49))
     arc = centre + radius * np.column_stack([np.cos(angles), -np.sin(angles)])
     ahead = arc[-1] + sense * 0.45 * radius * np.array([-math.sin(angles[-1]), -math.cos(angles[-1])])

@@ -19,13 +19,20 @@ _SMALLEST, _LARGEST = 7.0, 15.0
 _MOST_MEASURED = 400
 _CROWDED = 10.0
 _STEPS = (0.0, 0.3, -0.3, 0.6, -0.6)
+Floats = NDArray[np.float64]
 Place = tuple[float, float, float]
 _PLACES = sorted(((dx, dy) for dy in _STEPS for dx in _STEPS), key=lambda d: d[0] ** 2 + d[1] ** 2)
 """Where a name may go, from the middle of the part outwards, in diameters of the circle that fits into it."""
 
 
 def label(name: str, shape: Shape, place: Place, largest: float, marks: shapely.STRtree) -> str:
-    """Text element with the part's name, or nothing where it does not fit.
+    """Text element with the part's name, or nothing where it does not fit; see `room_for`."""
+    found = room_for(name, shape, place, largest, marks)
+    return text_at(name, *found) if found else ""
+
+
+def room_for(name: str, shape: Shape, place: Place, largest: float, marks: shapely.STRtree) -> tuple[Floats, float] | None:
+    """Middle (2,) [px] and font size of a part's name, or None where it does not fit.
 
     Parameters
     ----------
@@ -39,7 +46,7 @@ def label(name: str, shape: Shape, place: Place, largest: float, marks: shapely.
     wide = width(name, 1.0)
     size = min(fitting(name, shape), largest)
     if size < _SMALLEST:
-        return ""
+        return None
     middle, radius = shape.circle
     x, y, turn = place
     moved = affinity.translate(affinity.rotate(shape.polygon, turn, origin=(0, 0)), x, y)
@@ -53,11 +60,11 @@ def label(name: str, shape: Shape, place: Place, largest: float, marks: shapely.
             at = centre + 2 * radius * np.array(step)
             box = shapely.box(*(at - half), *(at + half))
             if not len(marks.query(box, predicate="intersects")) and moved.contains(box):
-                return text_at(name, at, smaller)
-    return ""
+                return at, smaller
+    return None
 
 
-def text_at(name: str, middle: NDArray[np.float64], size: float) -> str:
+def text_at(name: str, middle: Floats, size: float) -> str:
     """Text element with its middle at a place (2,) [px]."""
     return f'<text x="{middle[0]:.2f}" y="{middle[1] + 0.36 * size:.2f}" font-size="{size:.2f}">{escape(name)}</text>'
 

@@ -73,7 +73,7 @@ def _parts(
 ) -> list[str]:
     """Everything inside the drawing, bottom first: rest outlines, parts, marks, names."""
     shapes, still, places = Shapes(view.scale), [], []
-    drawn: dict[str, list[str]] = {kind: [] for kind in _COLOURS}
+    drawn: dict[str, list[str]] = {kind: [] for kind in palette.OF}
     for k, (part, pose) in enumerate(zip(assembly.parts, shown.tolist(), strict=True)):
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
@@ -91,7 +91,7 @@ def _parts(
             + "\n".join(still)
             + "</g>"
         )
-    for kind, (fill, stroke) in _COLOURS.items():
+    for kind, (fill, stroke) in palette.OF.items():
         if drawn[kind]:
             style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
             found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(drawn[kind]) + "</g>")
@@ -99,8 +99,6 @@ def _parts(
     found.append(names_group(places, pulled | {p.name for p in assembly.parts if p.fixed}, room, tree))
     return found
 
-
-_COLOURS = {"neutral": palette.NEUTRAL, "pulled": palette.PULLED, "fixed": palette.FIXED}
 
 
 _ARROW = (
