@@ -34,12 +34,12 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/ready-demo: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,ipopt]'
+	$(BIN)/python -m pip install --quiet --editable '.[fast,film,ipopt]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,ipopt,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[fast,film,ipopt,test]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

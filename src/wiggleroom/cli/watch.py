@@ -45,3 +45,16 @@ def progress() -> Iterator[Callable[[Any], None] | None]:
             status.update(f"{step.stage}, round {step.round}{turn}{value}")
 
         yield show
+
+
+@contextmanager
+def counting(what: str) -> Iterator[Callable[[int, int], None] | None]:
+    """Give a callback that shows on stderr how many of how many are done; None where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.status import Status
+
+    with Status(what, console=Console(stderr=True), spinner="dots") as status:
+        yield lambda done, whole: status.update(f"{what} {done} of {whole}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -30,7 +31,7 @@ def gif(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
     MissingExtraError
         If Pillow is not installed.
     """
-    _library("PIL", "a GIF")
+    see_library(".gif")
     from PIL import Image as images
 
     frames = list(_frames(made, GIF_SIZE, progress))
@@ -53,9 +54,9 @@ def mp4(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
     Raises
     ------
     MissingExtraError
-        If PyAV is not installed.
+        If PyAV or Pillow is not installed.
     """
-    _library("av", "an MP4")
+    see_library(".mp4")
     import av
 
     frames = [av.VideoFrame.from_image(f) for f in _frames(made, MP4_SIZE, progress)]
@@ -108,10 +109,17 @@ def _rgb(colour: str) -> tuple[int, ...]:
     return tuple(bytes.fromhex(colour[1:]))
 
 
-def _library(name: str, what: str) -> None:
-    """See that an optional library is there."""
-    from importlib.util import find_spec
+def see_library(kind: str) -> None:
+    """See that what a film of this kind (.gif or .mp4) needs is installed.
 
-    if find_spec(name) is None:
-        message = f"{what} needs the extra film: pip install 'wiggleroom[film]'; .svg and .html need nothing more"
+    Raises
+    ------
+    MissingExtraError
+        If it is not.
+    """
+    if any(find_spec(name) is None for name in _NEEDS[kind]):
+        message = f"a {kind} film needs the extra film: pip install 'wiggleroom[film]'; .film.svg and .html need nothing more"
         raise MissingExtraError(message)
+
+
+_NEEDS = {".gif": ("PIL",), ".mp4": ("PIL", "av")}

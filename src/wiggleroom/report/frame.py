@@ -14,7 +14,9 @@ LegendEntry = tuple[str, str]
 
 
 def header(title: str, facts: Sequence[str], room: float) -> tuple[list[str], float]:
-    """Title and facts as `text` elements, and the height they take [px]."""
+    """Title and facts as `text` elements, and the height they take [px]; without a title nothing but a margin."""
+    if not title:
+        return [], 0.0
     y, found = palette.MARGIN - 8, []
     for row in wrap(title.split(" "), " ", palette.TITLE_SIZE, room, 2):
         y += palette.TITLE_SIZE

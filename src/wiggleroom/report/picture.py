@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 _GAP = 30.0
 
 
-def picture(answer: Answer, *, magnify: float | None = None) -> str:
+def picture(answer: Answer, *, magnify: float | None = None, framed: bool = True) -> str:
     """Answer as an SVG picture.
 
     Parts at rest are thin grey lines under the moved parts; fixed parts are red, pulled parts blue; contacts are dots
@@ -33,10 +33,12 @@ def picture(answer: Answer, *, magnify: float | None = None) -> str:
     magnify : float, optional
         Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
         The picture says so.
+    framed : bool
+        False: without title, facts and command, for a page that says them itself.
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
     said = facts(answer) + ([f"motion x {number(factor)}"] if factor != 1 else [])
-    return _draw(answer.assembly, answer, factor, headline(answer), said, answer.command)
+    return _draw(answer.assembly, answer, factor, headline(answer), said, answer.command, framed)
 
 
 def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
@@ -45,14 +47,22 @@ def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
     return _draw(assembly, None, 1.0, title, [f"gap {number(assembly.gap)} mm"], command)
 
 
-def _draw(assembly: Assembly, answer: Answer | None, factor: float, title: str, said: list[str], command: str) -> str:
+def _draw(
+    assembly: Assembly,
+    answer: Answer | None,
+    factor: float,
+    title: str,
+    said: list[str],
+    command: str,
+    framed: bool = True,
+) -> str:
     """Whole picture; without an answer the parts lie at rest."""
     rest = assembly.rest
     shown = rest if answer is None else rest + factor * answer.motion
     both = np.vstack([layout.boxes(assembly, rest), layout.boxes(assembly, shown)])
     box = layout.extent(both)
     canvas = layout.view(box, 0.0).canvas
-    head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
+    head, below = frame.header(title if framed else "", said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + _GAP)
     rooms = (both[len(rest) :, 2:] - both[len(rest) :, :2]).max(axis=1) * view.scale
     room = float(np.median(rooms))
@@ -64,7 +74,7 @@ def _draw(assembly: Assembly, answer: Answer | None, factor: float, title: str, 
     pulled = {g.part for g in goals}
     body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room)
     legend = _legend(assembly, answer, bool(pulled))
-    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
+    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command if framed else "")
     return _document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 

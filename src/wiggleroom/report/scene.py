@@ -123,6 +123,7 @@ def scene(
     facts: tuple[str, ...],
     command: str,
     magnify: float | None = None,
+    framed: bool = True,
 ) -> Scene:
     """Scene of a way.
 
@@ -137,6 +138,8 @@ def scene(
     magnify : float, optional
         Factor by which the motion is enlarged; by default as in pictures, but a motion that is large is not made small:
         what leaves the frame fades.
+    framed : bool
+        False: without title, facts and command, for a page that says them itself.
     """
     points = np.asarray(points, dtype=float)
     end = points[-1] if points.ndim == 3 and len(points) and points.shape[1] == len(assembly.parts) else None
@@ -149,7 +152,7 @@ def scene(
     said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
     box = _box(assembly, poses)
     canvas = layout.view(box, 0.0).canvas
-    top, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
+    top, below = frame.header(title if framed else "", said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + _GAP)
     defs, tracks, still = _tracks(view, assembly, poses, goals)
     legend = [(frame.swatch("none", palette.REST), "at rest")]
@@ -157,7 +160,7 @@ def scene(
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
     if goals:
         legend.insert(1, (frame.swatch(*palette.PULLED), "pulled"))
-    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
+    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command if framed else "")
     stage = (view.x - 12, view.y - 12, view.width + 24, view.height + 24)
     words = "; ".join(said)
     # video needs even sizes
