@@ -62,6 +62,26 @@ def swatch(fill: str, stroke: str) -> str:
     return f'<rect x="0.5" y="0.5" width="15" height="11" rx="2" fill="{fill}" stroke="{stroke}"/>'
 
 
+def document(
+    width: float, height: float, title: str, said: Sequence[str], command: str, body: Sequence[str]
+) -> str:
+    """Finished SVG file."""
+    size = f'width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"'
+    made = f"<metadata>{escape(command)}</metadata>" if command else ""
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+        f'{size} font-family="{palette.FONT}" role="img">',
+        f"<title>{escape(title)}</title>",
+        f"<desc>{escape('; '.join(said) + (f'; made by: {command}' if command else ''))}</desc>",
+        made,
+        f'<rect width="{width:.0f}" height="{height:.0f}" fill="{palette.PAPER}"/>',
+        *body,
+        "</svg>",
+    ]
+    return "\n".join(line for line in lines if line) + "\n"
+
+
 def _scale(view: View) -> tuple[float, str]:
     """Length [px] and label of a scale bar of a round length."""
     length = round_down(min(max(view.width / 5, 60.0), 180.0) / view.scale)

@@ -40,6 +40,12 @@ def report(answer: Answer, *, more: Sequence[Section] = ()) -> str:
     return page(headline(answer), facts(answer), sections, answer.command)
 
 
+def ranking(names: Sequence[str], mm_per_mm: Sequence[float], percent: Sequence[float]) -> Section:
+    """Whose gap matters most, as a section for `report`; the columns sort by a click."""
+    rows = sorted(zip(names, map(float, mm_per_mm), map(float, percent), strict=True), key=lambda r: -abs(r[1]))
+    return Section("Whose gap matters most", table(["part", "mm of motion per mm of gap", "%"], rows))
+
+
 def _magnified(answer: Answer) -> str:
     """Say by how much the picture enlarges the motion, where it does."""
     factor = magnification(answer.assembly, answer.motion)

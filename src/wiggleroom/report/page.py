@@ -85,10 +85,10 @@ def table(columns: Sequence[str], rows: Sequence[Sequence[Cell]], *, most: int =
     return f'<div class="scroll"><table><thead><tr>{heads}</tr></thead><tbody>{lines}</tbody></table></div>{left}'
 
 
-def figure(svg: str, caption: str = "") -> str:
-    """Picture, drawn as part of the page."""
+def figure(svg: str, caption: str = "", *, paper: bool = False) -> str:
+    """Picture, drawn as part of the page; on white `paper` also in the dark, where its colours mean something."""
     drawing = svg[svg.index("<svg") :]
-    return f"<figure>{drawing}{f'<figcaption>{escape(caption)}</figcaption>' if caption else ''}</figure>"
+    return f"<figure{' class=paper' if paper else ''}>{drawing}{f'<figcaption>{escape(caption)}</figcaption>' if caption else ''}</figure>"
 
 
 def items(pairs: Sequence[tuple[str, str]]) -> str:
@@ -116,12 +116,13 @@ def _cell(value: Cell, places: int | None) -> str:
 
 # The pictures carry their colours as attributes; rules by attribute turn them over in the dark.
 _DARK = "".join(
-    f'svg [{kind}="{light}"]{{{kind}:{dark}}}'
+    f':is(figure:not(.paper),.film) svg [{kind}="{light}"]{{{kind}:{dark}}}'
     for light, dark in (
         (palette.PAPER, "#161b22"),
         (palette.INK, "#e6e9ed"),
         (palette.QUIET, "#a3adb8"),
         (palette.REST, "#59636e"),
+        (palette.GRID, "#2a313a"),
         (palette.NEUTRAL[0], "#3a4450"),
         (palette.NEUTRAL[1], "#93a0ad"),
         (palette.PULLED[0], "#2c6ca8"),
@@ -147,7 +148,7 @@ overflow-wrap:anywhere}}
 main{{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,430px),1fr));gap:20px;align-items:start}}
 section{{background:var(--paper);border:1px solid var(--line);border-radius:12px;padding:18px;min-width:0}}
 section.wide{{grid-column:1/-1}}
-figure{{margin:0}}svg{{display:block;width:100%;height:auto;max-height:85vh}}
+figure{{margin:0}}.paper svg{{border-radius:8px}}svg{{display:block;width:100%;height:auto;max-height:85vh}}
 .controls{{display:none;gap:12px;align-items:center;margin-top:10px}}.ready .controls{{display:flex}}
 .controls input{{flex:1;accent-color:var(--accent);min-width:0}}
 .controls button{{width:44px;height:36px;border-radius:8px;border:1px solid var(--line);background:none;color:inherit;

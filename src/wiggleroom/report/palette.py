@@ -6,6 +6,7 @@ PAPER = "#ffffff"
 INK = "#1f2933"
 QUIET = "#66727f"
 REST = "#aeb6bf"
+GRID = "#e3e7eb"
 
 NEUTRAL = ("#e4e9ef", "#7c8894")
 PULLED = ("#8fc1ea", "#1f5f99")

@@ -75,7 +75,7 @@ def _draw(
     body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room)
     legend = _legend(assembly, answer, bool(pulled))
     foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command if framed else "")
-    return _document(view.canvas, height, title, said, command, [*head, *body, *foot])
+    return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 
 def _parts(
@@ -135,21 +135,3 @@ def _legend(assembly: Assembly, answer: Answer | None, asked: bool) -> list[fram
             )
             found.append((dot, "contact and force"))
     return found
-
-
-def _document(width: float, height: float, title: str, said: list[str], command: str, body: list[str]) -> str:
-    """Finished SVG file."""
-    size = f'width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"'
-    made = f"<metadata>{escape(command)}</metadata>" if command else ""
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
-        f'{size} font-family="{palette.FONT}" role="img">',
-        f"<title>{escape(title)}</title>",
-        f"<desc>{escape('; '.join(said) + (f'; made by: {command}' if command else ''))}</desc>",
-        made,
-        f'<rect width="{width:.0f}" height="{height:.0f}" fill="{palette.PAPER}"/>',
-        *body,
-        "</svg>",
-    ]
-    return "\n".join(line for line in lines if line) + "\n"
