@@ -8,7 +8,19 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1] / "src" / "wiggleroom"
-ORDER = ["errors", "files", "drawing", "assembly", "pairs", "freespace", "program", "solve", "analysis", "report", "cli"]
+ORDER = [
+    "errors",
+    "files",
+    "drawing",
+    "assembly",
+    "pairs",
+    "freespace",
+    "program",
+    "solve",
+    "analysis",
+    "report",
+    "cli",
+]
 
 
 def imported(tree: ast.AST, package: str) -> set[str]:

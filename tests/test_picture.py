@@ -14,8 +14,8 @@ import pytest
 from tests.answers import answer, block, grid, row
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.drawing.model import Part, Pull, Turn
-from wiggleroom.report import palette
 from wiggleroom.files import write_whole
+from wiggleroom.report import palette
 from wiggleroom.report.picture import picture, picture_of_assembly
 from wiggleroom.report.png import png
 from wiggleroom.report.text import width

@@ -133,6 +133,4 @@ def swing(space: FreeSpace, phi: Floats) -> Floats:
 def about_pivot(space: FreeSpace) -> list[shapely.Geometry]:
     """Slices as motions of the pivot, which lies in the joint, so that they stand above each other."""
     shift = swing(space, np.array([s.angle for s in space.slices]))
-    return [
-        shapely.transform(s.region, lambda p, d=d: p + d) for s, d in zip(space.slices, shift, strict=True)
-    ]
+    return [shapely.transform(s.region, lambda p, d=d: p + d) for s, d in zip(space.slices, shift, strict=True)]

@@ -6,7 +6,7 @@ import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -87,16 +87,10 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
 def write(answer: Answer, outputs: Outputs) -> None:
     """Answer as JSON and as a picture, film or report, where they are asked for."""
     from wiggleroom.cli.say import note
-    from wiggleroom.files import write_whole
-    from wiggleroom.report.records import flex_record, to_json
+    from wiggleroom.report.records import flex_record
 
     if outputs.json is not None:
-        text = to_json(flex_record(answer))
-        if outputs.json == "-":
-            sys.stdout.write(text)
-        else:
-            write_whole(outputs.json, text)
-            note(f"answer: {outputs.json}")
+        write_record(flex_record(answer), outputs.json)
     if outputs.picture is not None:
         from wiggleroom.cli.watch import counting
         from wiggleroom.report.draw import draw
@@ -106,10 +100,29 @@ def write(answer: Answer, outputs: Outputs) -> None:
         note(f"picture: {outputs.picture}")
 
 
-def write_picture(svg: str, path: Path) -> None:
-    """Still picture as SVG or, where the name says so, as PNG."""
+def write_record(record: dict[str, Any], place: str) -> None:
+    """Record as JSON to a file, or to stdout where the place is "-"."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.files import write_whole
+    from wiggleroom.report.records import to_json
+
+    text = to_json(record)
+    if place == "-":
+        sys.stdout.write(text)
+    else:
+        write_whole(place, text)
+        note(f"answer: {place}")
+
+
+def write_picture(made: str, path: Path) -> None:
+    """Still picture as SVG or, where the name says so, as PNG; a page as HTML."""
     from wiggleroom.cli.say import note
     from wiggleroom.report.draw import write_svg
 
-    write_svg(svg, path)
+    if path.suffix.lower() == ".html":
+        from wiggleroom.files import write_whole
+
+        write_whole(path, made)
+    else:
+        write_svg(made, path)
     note(f"picture: {path}")

@@ -52,7 +52,7 @@ def ticks(low: float, high: float) -> Floats:
     """
     power = 10.0 ** math.floor(math.log10((high - low) / _MOST_TICKS))
     step = next(power * s for s in (1, 2, 5, 10) if (high - low) / (power * s) <= _MOST_TICKS)
-    return step * np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)
+    return np.float64(step) * np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)
 
 
 def span(values: Floats, *, zero: bool = False) -> tuple[float, float]:

@@ -94,4 +94,4 @@ def _colour(share: float) -> str:
     at = min(abs(share), 1.0) * (len(ramp) - 1)
     k = min(int(at), len(ramp) - 2)
     mixed = ramp[k] + (at - k) * (ramp[k + 1] - ramp[k])
-    return "#" + bytes(int(round(c)) for c in mixed).hex()
+    return "#" + bytes(round(c) for c in mixed.tolist()).hex()

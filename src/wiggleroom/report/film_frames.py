@@ -15,7 +15,7 @@ from wiggleroom.report.png import png
 from wiggleroom.report.scene import Scene
 
 if TYPE_CHECKING:
-    from PIL.Image import Image
+    from PIL.Image import Image as Picture
 
 Progress = Callable[[int, int], None]
 
@@ -32,12 +32,12 @@ def gif(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
         If Pillow is not installed.
     """
     see_library(".gif")
-    from PIL import Image as images
+    from PIL import Image
 
     frames = list(_frames(made, GIF_SIZE, progress))
-    table = images.new("P", (1, 1))
+    table = Image.new("P", (1, 1))
     table.putpalette(_colours())
-    few = [f.quantize(palette=table, dither=images.Dither.NONE) for f in frames]
+    few = [f.quantize(palette=table, dither=Image.Dither.NONE) for f in frames]
     step = round(1000 / rate)
     wait = [step] * len(few)
     wait[0], wait[-1] = (int(1000 * p) for p in PAUSES)
@@ -77,13 +77,13 @@ def mp4(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
     return file.getvalue()
 
 
-def _frames(made: Scene, room: tuple[int, int], progress: Progress | None) -> Iterator[Image]:
+def _frames(made: Scene, room: tuple[int, int], progress: Progress | None) -> Iterator[Picture]:
     """Frames from rest to the end, as RGB images with even sides."""
-    from PIL import Image as images
+    from PIL import Image
 
     width = 2 * round(min(room[0], room[1] * made.width / made.height) / 2)
     for k in range(made.frames):
-        image = images.open(io.BytesIO(png(made.drawn(k), width=width, own_font_only=True))).convert("RGB")
+        image = Image.open(io.BytesIO(png(made.drawn(k), width=width, own_font_only=True))).convert("RGB")
         if image.height % 2:
             image = image.crop((0, 0, image.width, image.height - 1))
         if progress is not None:
@@ -118,7 +118,9 @@ def see_library(kind: str) -> None:
         If it is not.
     """
     if any(find_spec(name) is None for name in _NEEDS[kind]):
-        message = f"a {kind} film needs the extra film: pip install 'wiggleroom[film]'; .film.svg and .html need nothing more"
+        message = (
+            f"a {kind} film needs the extra film: pip install 'wiggleroom[film]'; .film.svg and .html need nothing more"
+        )
         raise MissingExtraError(message)
 
 

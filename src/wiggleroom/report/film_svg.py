@@ -50,7 +50,9 @@ def _moving(track: Track, order: NDArray[np.int64], times: Floats, seconds: floa
     fade = ""
     if np.ptp(track.opacity) > 0:
         fade = f'<animate attributeName="opacity" values="{_list(track.opacity[order], 2)}" {timing}/>'
-    return f'<g><animateTransform attributeName="transform" type="translate" values="{values}" {timing}/>{fade}{inner}</g>'
+    return (
+        f'<g><animateTransform attributeName="transform" type="translate" values="{values}" {timing}/>{fade}{inner}</g>'
+    )
 
 
 def _list(values: Floats, places: int) -> str:

@@ -62,9 +62,7 @@ def swatch(fill: str, stroke: str) -> str:
     return f'<rect x="0.5" y="0.5" width="15" height="11" rx="2" fill="{fill}" stroke="{stroke}"/>'
 
 
-def document(
-    width: float, height: float, title: str, said: Sequence[str], command: str, body: Sequence[str]
-) -> str:
+def document(width: float, height: float, title: str, said: Sequence[str], command: str, body: Sequence[str]) -> str:
     """Finished SVG file."""
     size = f'width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"'
     made = f"<metadata>{escape(command)}</metadata>" if command else ""

@@ -64,7 +64,9 @@ def _parts(answer: Answer) -> str:
 
 def _contacts(answer: Answer) -> str:
     held = sorted((c for c in answer.contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
-    rows = [(" | ".join(short(n) for n in c.parts), *map(float, c.point), float(c.force)) for c in held]
+    rows: list[tuple[str | float, ...]] = [
+        (" | ".join(short(n) for n in c.parts), *map(float, (*c.point, c.force))) for c in held
+    ]
     return table(["between", "x mm", "y mm", "force"], rows)
 
 

@@ -38,11 +38,7 @@ class Way:
     """
 
     def __init__(self, assembly: Assembly, points: Floats) -> None:
-        points = np.asarray(points, dtype=float)
-        n = len(assembly.parts)
-        if points.ndim != 3 or points.shape[1:] != (n, 3) or not len(points) or not np.isfinite(points).all():
-            finding = f"way-points have shape {points.shape}: they must be (k, {n}, 3) finite numbers, x, y [mm] and turn [rad]"
-            raise InputError(finding)
+        points = way_points(assembly, points)
         them = bodies(assembly)
         self._arm = them.rest[them.body_of, :2] - assembly.rest[:, :2]
         self._centred = _about(points, self._arm)
@@ -62,6 +58,23 @@ class Way:
         share = np.divide(lengths - self._passed[piece], span, out=np.zeros(len(lengths)), where=span > 0)
         share = np.clip(share, 0.0, 1.0)[:, None, None]
         return _about((1 - share) * self._centred[piece] + share * self._centred[piece + 1], -self._arm)
+
+
+def way_points(assembly: Assembly, points: Floats) -> Floats:
+    """Check the motions along a way, (k, n, 3) [mm, mm, rad].
+
+    Raises
+    ------
+    InputError
+        If they have another shape, or are not finite.
+    """
+    points, n = np.asarray(points, dtype=float), len(assembly.parts)
+    if points.ndim != 3 or points.shape[1:] != (n, 3) or not len(points) or not np.isfinite(points).all():
+        finding = (
+            f"way-points have shape {points.shape}: they must be (k, {n}, 3) finite numbers, x, y [mm] and turn [rad]"
+        )
+        raise InputError(finding)
+    return points
 
 
 def eased(count: int) -> Floats:

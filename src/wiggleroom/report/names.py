@@ -31,7 +31,9 @@ def label(name: str, shape: Shape, place: Place, largest: float, marks: shapely.
     return text_at(name, *found) if found else ""
 
 
-def room_for(name: str, shape: Shape, place: Place, largest: float, marks: shapely.STRtree) -> tuple[Floats, float] | None:
+def room_for(
+    name: str, shape: Shape, place: Place, largest: float, marks: shapely.STRtree
+) -> tuple[Floats, float] | None:
     """Middle (2,) [px] and font size of a part's name, or None where it does not fit.
 
     Parameters

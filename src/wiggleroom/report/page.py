@@ -47,7 +47,7 @@ def page(title: str, facts: Sequence[str], sections: Sequence[Section], command:
     """
     chips = "".join(f"<li>{escape(f)}</li>" for f in facts)
     body = "".join(
-        f'<section{" class=wide" if s.wide else ""}><h2>{escape(s.heading)}</h2>{s.body}</section>' for s in sections
+        f"<section{' class=wide' if s.wide else ''}><h2>{escape(s.heading)}</h2>{s.body}</section>" for s in sections
     )
     made = f"<footer>Made by<pre><code>{escape(command)}</code></pre></footer>" if command else ""
     return (

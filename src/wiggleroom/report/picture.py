@@ -110,7 +110,6 @@ def _parts(
     return found
 
 
-
 _ARROW = (
     f'<path d="M3,6h7" stroke="{palette.MOTION}" stroke-width="2"/><path d="M16,6l-7,-3.5v7z" fill="{palette.MOTION}"/>'
     f'<circle cx="3" cy="6" r="2.4" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="1.4"/>'

@@ -14,7 +14,7 @@ from wiggleroom.drawing.model import Goal, Pull, Turn, W
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow, turn_radius
 from wiggleroom.report.layout import View
-from wiggleroom.report.motion import Way, eased
+from wiggleroom.report.motion import Way, eased, way_points
 from wiggleroom.report.names import room_for, text_at, usual
 from wiggleroom.report.shapes import Shape, Shapes, middle, spot, use
 from wiggleroom.report.text import escape
@@ -141,9 +141,8 @@ def scene(
     framed : bool
         False: without title, facts and command, for a page that says them itself.
     """
-    points = np.asarray(points, dtype=float)
-    end = points[-1] if points.ndim == 3 and len(points) and points.shape[1] == len(assembly.parts) else None
-    factor = magnify or (1.0 if end is None else max(1.0, layout.magnification(assembly, end)))
+    points = way_points(assembly, points)
+    factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
     way = Way(assembly, points * factor)
     shown = _seen_length(assembly, way)
     seconds = float(np.clip(_SECONDS[0] + 1.2 * shown / assembly.size, *_SECONDS))
@@ -225,7 +224,9 @@ def _tracks(
         kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
         fill, stroke = palette.OF[kind]
         style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}" fill-rule="evenodd"'
-        body = f'<use xlink:href="#{shape.key}" {style} stroke-linejoin="round"><title>{escape(part.name)}</title></use>'
+        body = (
+            f'<use xlink:href="#{shape.key}" {style} stroke-linejoin="round"><title>{escape(part.name)}</title></use>'
+        )
         layers[kind].append(Track(body, places[:, k], opacity[:, k]))
     arrows, taken = [], []
     for goal in goals:

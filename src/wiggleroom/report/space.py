@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -13,20 +14,24 @@ from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.freespace.space import FreeSpace
 from wiggleroom.report import frame, palette
 from wiggleroom.report.axes import text
+from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.names import label, usual
 from wiggleroom.report.page import Section, figure, items, page, table
 from wiggleroom.report.records import Record
 from wiggleroom.report.shapes import Shapes, spot, use
 from wiggleroom.report.stack import stack
 from wiggleroom.report.text import escape
-from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.words import number, short
+
+if TYPE_CHECKING:
+    from rich.console import Group
 
 Floats = NDArray[np.float64]
 
 _BESIDE = 430.0
 _TILE = 150.0
 _TILES = 5
+_MOST_CELLS = 12
 
 
 def headline(space: FreeSpace) -> str:
@@ -58,7 +63,6 @@ def volume(space: FreeSpace) -> float:
 def space_record(space: FreeSpace, judged: Audit | None, command: str) -> Record:
     """Everything `space --json` says, in the format `wiggleroom.space/1`; lengths in mm, angles in degrees."""
     walls = np.diff(np.concatenate([[0], np.cumsum(space.cells.kind < 2)])[space.cells.row])
-    psi = space.cells.ends - rest_angle(space)
     return {
         "format": "wiggleroom.space/1",
         "parts": list(space.parts),
@@ -70,12 +74,17 @@ def space_record(space: FreeSpace, judged: Audit | None, command: str) -> Record
         "pivot": [float(x) for x in space.pivot],
         "cells": [
             {"walls": int(n), "angles_deg": [math.degrees(x) for x in ends]}
-            for n, ends in zip(walls, psi.tolist(), strict=True)
+            for n, ends in zip(walls, space.intervals.tolist(), strict=True)
         ],
         "slices": [
             {
                 "angle_deg": math.degrees(s.angle),
                 "area": float(s.area),
+                "holes": [
+                    shapely.get_coordinates(ring)[:-1].tolist()
+                    for p in shapely.get_parts(s.region)
+                    for ring in p.interiors
+                ],
                 "outlines": [shapely.get_coordinates(p.exterior)[:-1].tolist() for p in shapely.get_parts(s.region)],
             }
             for s in space.slices
@@ -91,6 +100,41 @@ def space_record(space: FreeSpace, judged: Audit | None, command: str) -> Record
         },
         "command": command,
     }
+
+
+def space_table(space: FreeSpace, judged: Audit | None) -> Group:
+    """Page that `space` prints: headline, facts, some slices, the cells, and how they were judged."""
+    from rich.console import Group
+    from rich.text import Text
+
+    from wiggleroom.report.table import columns, fixed
+
+    slices, cells = columns("turn deg", "area mm2", "free x mm", "free y mm"), columns("cell", "walls", "turn deg")
+    largest = max(s.area for s in space.slices)
+    regions = about_pivot(space)
+    for k in np.linspace(0, len(regions) - 1, min(len(regions), 9)).round().astype(int).tolist():
+        x0, y0, x1, y1 = regions[k].bounds
+        one = space.slices[k]
+        turned = f"{math.degrees(one.angle):.3f}"
+        slices.add_row(turned, fixed(one.area, largest), number(x1 - x0, 3), number(y1 - y0, 3))
+    record = space_record(space, None, "")
+    for k, cell in enumerate(record["cells"][:_MOST_CELLS]):
+        low, high = cell["angles_deg"]
+        cells.add_row(str(k + 1), str(cell["walls"]), f"{low:.3f} to {high:.3f}")
+    if len(record["cells"]) > _MOST_CELLS:
+        cells.add_row(f"... and {len(record['cells']) - _MOST_CELLS} more", "", "", style="dim")
+    lines = [Text(f"judged:   {line}") for line in (_judged(judged) if judged else [])]
+    facts = [Text(line) for line in said(space, None)]
+    return Group(Text(headline(space), style="bold"), *facts, Text(), slices, Text(), cells, Text(), *lines)
+
+
+def _judged(judged: Audit) -> list[str]:
+    """Say what sampled truth says about the cells."""
+    return [
+        f"{judged.samples} random motions, {judged.free} of them free",
+        f"{judged.unsafe} accepted although the parts overlap",
+        f"{judged.lost} free ones not accepted",
+    ]
 
 
 def space_picture(
@@ -121,7 +165,7 @@ def space_picture(
     return frame.document(canvas, bottom + 24, title, facts, command, body)
 
 
-def space_page(space: FreeSpace, assembly: Assembly, judged: Audit | None, command: str) -> str:
+def space_page(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
     """Free space as one HTML page."""
     record = space_record(space, judged, command)
     cells = [(k + 1, c["walls"], *c["angles_deg"]) for k, c in enumerate(record["cells"])]
@@ -135,11 +179,6 @@ def space_page(space: FreeSpace, assembly: Assembly, judged: Audit | None, comma
     if sure:
         sections.append(Section("Judged against polygon intersection", items(sure)))
     return page(headline(space), said(space, judged), sections, command)
-
-
-def rest_angle(space: FreeSpace) -> float:
-    """Angle of body b's frame in body a's frame at rest [rad]: cells count from 0 there."""
-    return float(space._relation.psi)
 
 
 def _pair(space: FreeSpace, assembly: Assembly, left: float, top: float) -> tuple[str, float]:
@@ -188,7 +227,11 @@ def _slices(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
     high_px, found = float((high - low)[1]) * scale, []
     for j, k in enumerate(chosen):
         x = left + j * (_TILE + 24)
-        points = "".join(_ring(ring, low, high, scale, x, top) for p in shapely.get_parts(regions[k]) for ring in (p.exterior, *p.interiors))
+        points = "".join(
+            _ring(ring, low, high, scale, x, top)
+            for p in shapely.get_parts(regions[k])
+            for ring in (p.exterior, *p.interiors)
+        )
         u, v = x - low[0] * scale, top + high[1] * scale
         found.append(
             f'<rect x="{x:.1f}" y="{top:.1f}" width="{(high - low)[0] * scale:.1f}" height="{high_px:.1f}" fill="none" '

@@ -90,7 +90,7 @@ def _prism(
                     continue  # seen from behind: hidden by the roof and by nearer walls
                 quad = np.concatenate([floor[i], floor[i + 1], roofs[i + 1], roofs[i]])
                 colour = _shade(0.62 + 0.3 * float(outward @ _LIGHT))
-                path = "M%.1f,%.1f %.1f,%.1f %.1f,%.1f %.1f,%.1fz" % tuple(quad.tolist())
+                path = "M{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}z".format(*quad.tolist())
                 walls.append((float(depth[i] + depth[i + 1]), f'<path d="{path}" fill="{colour}" stroke="{colour}"/>'))
     walls.sort(key=lambda w: -w[0])
     rim = f' stroke="{palette.MOTION}" stroke-opacity="{ink}" stroke-width="{1.6 if ink > 0.5 else 0.8}"' if ink else ""
