@@ -181,6 +181,7 @@ def test_gif_plays_with_pauses(tmp_path: Path) -> None:
     assert 2000 <= sum(waits) <= 10000
 
 
+@pytest.mark.slow
 def test_mp4_is_h264_at_30_frames_a_second(tmp_path: Path) -> None:
     av = pytest.importorskip("av")
     film_of_answer(leaving(), tmp_path / "a.mp4")

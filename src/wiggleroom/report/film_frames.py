@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 Progress = Callable[[int, int], None]
 
-GIF_SIZE, MP4_SIZE = (680, 640), (960, 900)
+GIF_SIZE, MP4_SIZE = (680, 640), (840, 760)
 """Widest and tallest film [px]."""
 
 
@@ -68,7 +68,7 @@ def mp4(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
     with av.open(file, "w", format="mp4") as box:
         stream: Any = box.add_stream("libx264" if "libx264" in av.codecs_available else "mpeg4", rate=round(rate))
         stream.width, stream.height, stream.pix_fmt = frames[0].width, frames[0].height, "yuv420p"
-        stream.options = {"crf": "22", "preset": "medium", "tune": "animation"}
+        stream.options = {"crf": "22", "preset": "veryfast", "tune": "animation"}
         for k, which in enumerate(order):
             frame = frames[which]
             frame.pts = k
