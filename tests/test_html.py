@@ -16,7 +16,7 @@ import wiggleroom as wr
 from tests.answers import answer, block, grid, row
 from wiggleroom.drawing.model import Part, Pull
 from wiggleroom.report.draw import draw
-from wiggleroom.report.html import ranking, report
+from wiggleroom.report.html import film_section, ranking, report
 from wiggleroom.report.page import Section, figure, page, table
 
 NASTY = "<img src=x onerror=alert(1)></script><b>&\"'"
@@ -62,7 +62,11 @@ def test_nothing_is_asked_of_any_network_and_nothing_slips_in(case: wr.Answer) -
 
 
 def test_all_ids_are_used_once() -> None:
-    ids = [given["id"] for _, given in tags(report(row())) if "id" in given]
+    case = row()
+    second = film_section(case.assembly, case.waypoints, "another way", key="g")
+    seen = tags(report(case, more=[second]))
+    ids = [given["id"] for _, given in seen if "id" in given]
+    assert sum("class" in given and given["class"] == "film" for _, given in seen) == 2
     assert len(ids) == len(set(ids))
 
 

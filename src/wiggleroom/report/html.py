@@ -6,9 +6,11 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.report.film import said
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
 from wiggleroom.report.layout import magnification
 from wiggleroom.report.page import Section, figure, items, page, table
 from wiggleroom.report.picture import picture
@@ -28,16 +30,46 @@ def report(answer: Answer, *, more: Sequence[Section] = ()) -> str:
     more : sequence of Section
         What else is known, such as a ranking; shown after the film.
     """
-    moving = scene(answer.assembly, answer.waypoints, rate=_RATE, framed=False, **said(answer))
+    moving = film_section(
+        answer.assembly,
+        answer.waypoints,
+        "Film, from rest to the end of the way",
+        goals=answer.goals,
+        back=not answer.leaves,
+    )
     sections = [
         Section("Picture", figure(picture(answer, framed=False), _magnified(answer)), wide=True),
-        Section("Film, from rest to the end of the way", player(moving, back=not answer.leaves), wide=True),
+        moving,
         *more,
         Section("Parts", _parts(answer)),
         Section("Contacts that hold the motion", _contacts(answer)),
         Section("How sure is it", items(_sure(answer)), wide=True),
     ]
     return page(headline(answer), facts(answer), sections, answer.command)
+
+
+def film_section(
+    assembly: Assembly,
+    way: NDArray[np.float64],
+    heading: str,
+    *,
+    goals: tuple[Goal, ...] = (),
+    back: bool = False,
+    key: str = "f",
+) -> Section:
+    """Film of a way with a slider, as a section of a page.
+
+    Parameters
+    ----------
+    way : (k, n, 3) float64 [mm, mm, rad]
+        Motions along the way.
+    back : bool
+        True: playing returns to rest the same way.
+    key : str
+        One of its own for each film on a page, letters and digits.
+    """
+    made = scene(assembly, way, rate=_RATE, goals=goals, title=heading, facts=(), command="", framed=False, key=key)
+    return Section(heading, player(made, back=back), wide=True)
 
 
 def ranking(names: Sequence[str], mm_per_mm: Sequence[float], percent: Sequence[float]) -> Section:

@@ -26,7 +26,7 @@ def player(made: Scene, *, back: bool) -> str:
         data.append([place, faded])
     told = json.dumps({"seconds": round(made.seconds, 3), "back": back, "tracks": data}, separators=(",", ":"))
     return (
-        f'<div class="film">{made.head}<g clip-path="url(#stage)">{"".join(tracks)}</g></svg>'
+        f'<div class="film">{made.head}<g clip-path="url(#{made.key}-stage)">{"".join(tracks)}</g></svg>'
         '<div class="controls"><button type="button" aria-label="play or pause">▶</button>'
         '<input type="range" min="0" max="1000" value="0" aria-label="place on the way from rest">'
         '<output>rest</output></div><script type="application/json">' + told.replace("<", "\\u003c") + "</script></div>"

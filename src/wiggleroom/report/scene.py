@@ -76,6 +76,8 @@ class Scene:
     seconds : float
         How long the way takes, from rest to its end.
     title, words, command : str
+    key : str
+        What the ids in its SVG begin with.
     """
 
     width: float
@@ -88,6 +90,7 @@ class Scene:
     title: str
     words: str
     command: str
+    key: str
 
     @property
     def frames(self) -> int:
@@ -100,7 +103,7 @@ class Scene:
         size = f'width="{self.width:.0f}" height="{self.height:.0f}" viewBox="0 0 {self.width:.0f} {self.height:.0f}"'
         made = f"<metadata>{escape(self.command)}</metadata>" if self.command else ""
         x, y, wide, high = self.stage
-        clip = f'<clipPath id="stage"><rect x="{x:.2f}" y="{y:.2f}" width="{wide:.2f}" height="{high:.2f}"/></clipPath>'
+        clip = f'<clipPath id="{self.key}-stage"><rect x="{x:.2f}" y="{y:.2f}" width="{wide:.2f}" height="{high:.2f}"/></clipPath>'
         return (
             '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
             f'{size} font-family="{palette.FONT}" role="img"><title>{escape(self.title)}</title>'
@@ -110,7 +113,7 @@ class Scene:
 
     def drawn(self, k: int) -> str:
         """Whole SVG of frame k."""
-        return f'{self.head}<g clip-path="url(#stage)">{"".join(t.drawn(k) for t in self.tracks)}</g></svg>'
+        return f'{self.head}<g clip-path="url(#{self.key}-stage)">{"".join(t.drawn(k) for t in self.tracks)}</g></svg>'
 
 
 def scene(
@@ -124,6 +127,7 @@ def scene(
     command: str,
     magnify: float | None = None,
     framed: bool = True,
+    key: str = "f",
 ) -> Scene:
     """Scene of a way.
 
@@ -140,6 +144,8 @@ def scene(
         what leaves the frame fades.
     framed : bool
         False: without title, facts and command, for a page that says them itself.
+    key : str
+        What the ids in the SVG begin with; one of its own for each film on a page.
     """
     points = way_points(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
@@ -153,7 +159,7 @@ def scene(
     canvas = layout.view(box, 0.0).canvas
     top, below = frame.header(title if framed else "", said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + _GAP)
-    defs, tracks, still = _tracks(view, assembly, poses, goals)
+    defs, tracks, still = _tracks(view, assembly, poses, goals, key)
     legend = [(frame.swatch("none", palette.REST), "at rest")]
     if any(p.fixed for p in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
@@ -165,7 +171,9 @@ def scene(
     # video needs even sizes
     height = 2.0 * math.ceil(height / 2)
     canvas = 2.0 * math.ceil(view.canvas / 2)
-    return Scene(canvas, height, "".join([*top, *foot, still]), defs, stage, tracks, seconds, title, words, command)
+    return Scene(
+        canvas, height, "".join([*top, *foot, still]), defs, stage, tracks, seconds, title, words, command, key
+    )
 
 
 def _home(assembly: Assembly) -> tuple[Floats, float]:
@@ -208,10 +216,10 @@ def _box(assembly: Assembly, poses: Floats) -> Floats:
 
 
 def _tracks(
-    view: View, assembly: Assembly, poses: Floats, goals: tuple[Goal, ...]
+    view: View, assembly: Assembly, poses: Floats, goals: tuple[Goal, ...], key: str
 ) -> tuple[str, tuple[Track, ...], str]:
     """Shapes, what moves (neutral parts first, then pulled and fixed ones, names, arrows), and the outlines at rest."""
-    shapes, rest = Shapes(view.scale, "f"), assembly.rest
+    shapes, rest = Shapes(view.scale, key), assembly.rest
     far = np.abs(poses - rest)[:, :, :2].max() > _PAN * assembly.size
     opacity = _opacity(assembly, poses) if far else np.ones(poses.shape[:2])
     pulled = {g.part for g in goals}
