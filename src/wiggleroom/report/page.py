@@ -157,7 +157,8 @@ font:inherit;cursor:pointer}}
 .scroll{{max-height:430px;overflow:auto}}
 table{{border-collapse:collapse;width:100%;font-size:14px}}
 thead th{{position:sticky;top:0;background:var(--paper);padding:0;border-bottom:1px solid var(--line)}}
-th button{{all:unset;box-sizing:border-box;text-align:left;width:100%;cursor:pointer;display:block;padding:6px 10px;font-weight:600;color:var(--quiet);white-space:nowrap}}
+th button{{all:unset;box-sizing:border-box;width:100%;text-align:left;
+cursor:pointer;display:block;padding:6px 10px;font-weight:600;color:var(--quiet);white-space:nowrap}}
 th button:focus-visible{{outline:2px solid var(--accent);outline-offset:-2px}}
 th[aria-sort=ascending] button::after{{content:" ▲"}}th[aria-sort=descending] button::after{{content:" ▼"}}
 td{{padding:5px 10px;border-bottom:1px solid var(--line);overflow-wrap:anywhere}}
