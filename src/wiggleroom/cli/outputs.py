@@ -92,10 +92,10 @@ def write(answer: Answer, outputs: Outputs) -> None:
     if outputs.json is not None:
         write_record(flex_record(answer), outputs.json)
     if outputs.picture is not None:
-        from wiggleroom.cli.watch import counting
+        from wiggleroom.cli.watch import bar
         from wiggleroom.report.draw import draw
 
-        with counting("film, frame") as count:
+        with bar("film") as count:
             draw(answer, outputs.picture, progress=count)
         note(f"picture: {outputs.picture}")
 

@@ -48,13 +48,15 @@ def progress() -> Iterator[Callable[[Any], None] | None]:
 
 
 @contextmanager
-def counting(what: str) -> Iterator[Callable[[int, int], None] | None]:
-    """Give a callback that shows on stderr how many of how many are done; None where that is no terminal."""
+def bar(what: str) -> Iterator[Callable[[int, int], None] | None]:
+    """Give a callback that shows how many of many are done, on stderr; None where that is no terminal."""
     if not sys.stderr.isatty():
         yield None
         return
     from rich.console import Console
-    from rich.status import Status
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
-    with Status(what, console=Console(stderr=True), spinner="dots") as status:
-        yield lambda done, whole: status.update(f"{what} {done} of {whole}")
+    pieces = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*pieces, console=Console(stderr=True), transient=True) as page:
+        task = page.add_task(what, total=None)
+        yield lambda done, total: page.update(task, completed=done, total=total)
