@@ -287,3 +287,38 @@ def test_names_hold_colons_and_commas() -> None:
     ]
     assert names(["a,b,c", "d"], {"a", "b,c", "d"}) == ["a", "b,c", "d"]
     assert names(["x,y"], {"a"}) == ["x", "y"]
+
+
+@pytest.mark.parametrize("name", ["a.svg", "a.film.svg", "a.html", "a.gif"])
+def test_the_ending_says_what_kind_of_picture(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if name.endswith("gif"):
+        pytest.importorskip("PIL")
+    monkeypatch.setattr(sys, "argv", ["wiggleroom", "flex", "peg.json", "--pull", "peg:+x", "--picture", name])
+    assert main() == 0
+    data = (folder / name).read_bytes()
+    begins = {"a.svg": b"<?xml", "a.film.svg": b"<?xml", "a.html": b"<!DOCTYPE html>", "a.gif": b"GIF89a"}
+    assert data.startswith(begins[name])
+    assert (b"<animateTransform" in data) == (name == "a.film.svg")
+
+
+def test_a_film_of_parts_at_rest_is_refused(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["wiggleroom", "draw", "peg.json", "out.gif"])
+    assert main() == 2
+    assert ".svg or .png" in capsys.readouterr().err
+    assert not (folder / "out.gif").exists()
+
+
+def test_a_missing_extra_is_said_before_the_long_work(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from wiggleroom.report import film_frames
+
+    monkeypatch.setattr(film_frames, "find_spec", lambda name: None)
+    monkeypatch.setattr(sys, "argv", ["wiggleroom", "flex", "peg.json", "--pull", "peg:+x", "--picture", "a.mp4"])
+    assert main() == 2
+    said = capsys.readouterr()
+    assert "wiggleroom[film]" in said.err
+    assert said.out == ""
+    assert not (folder / "a.mp4").exists()

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
     from wiggleroom.errors import InputError, MissingExtraError, TouchingError, WiggleroomError
     from wiggleroom.freespace.space import FreeSpace, free_space
+    from wiggleroom.report.film import film
     from wiggleroom.solve.verdict import Verdict
 
 _HOME = {
@@ -43,6 +44,7 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
+    "film": "report.film",
     "flex": "analysis.flex",
     "free_space": "freespace.space",
     "patterns": "assembly",
@@ -69,6 +71,7 @@ __all__ = [
     "W",
     "WiggleroomError",
     "assemble",
+    "film",
     "flex",
     "free_space",
     "patterns",

@@ -8,6 +8,7 @@ from wiggleroom.cli.convert import convert
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
+from wiggleroom.cli.space import space
 
 _HELP = """How far loose interlocking flat parts can move.
 
@@ -31,7 +32,7 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, convert, make, draw):
+    for command in (flex, convert, make, draw, space):
         app.command(command, help_format="markdown")
     return app
 

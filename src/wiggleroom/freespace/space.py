@@ -73,6 +73,11 @@ class FreeSpace:
         """Walls of all cells, the ends of their angle intervals not counted."""
         return int((self.cells.kind < 2).sum())
 
+    @property
+    def intervals(self) -> Floats:
+        """Turns phi (c, 2) [rad] between which each cell holds."""
+        return self.cells.ends - self._relation.psi
+
     def contains(self, relative: Floats) -> NDArray[np.bool_]:
         """Which relative motions lie in the space.
 
