@@ -147,11 +147,8 @@ def _in_processes(
 
     def look_after() -> None:
         process: _Process | None = None
-        k: int | None = None
-        while not ending.is_set():
-            k = todo.get() if k is None else k
-            if k is None:
-                break
+        k = todo.get()
+        while k is not None and not ending.is_set():
             try:
                 if process is None:
                     process = _Process(greeting)
@@ -167,7 +164,9 @@ def _in_processes(
                     continue  # the same task again, in a new process
                 good, result = False, WiggleroomError(f"worker processes died {losses[k]} times on one task")
             done.put((k, good, result))
-            k = None
+            k = todo.get()
+        if process is not None:
+            process.end()
 
     threads = [threading.Thread(target=look_after, daemon=True) for _ in range(workers)]
     for k in rest:

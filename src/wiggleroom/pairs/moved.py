@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.errors import InputError
 from wiggleroom.pairs.shapes import Bodies, Shapes
 
 Floats = NDArray[np.float64]
@@ -37,6 +38,11 @@ def moved(bodies: Bodies, inward: Floats) -> Bodies:
     -------
     Bodies
         Bodies that changed have shapes of their own, behind those that were there.
+
+    Raises
+    ------
+    InputError
+        If an edge would be used up.
     """
     shapes, shift, first = bodies.shapes, mitres(bodies.shapes), bodies.shapes.first
     shape, made = bodies.shape.copy(), {}
@@ -54,7 +60,12 @@ def moved(bodies: Bodies, inward: Floats) -> Bodies:
         shape[b] = made[key]
     if not made:
         return bodies
-    return replace(bodies, shapes=_with(shapes, rows, corners, radius), shape=shape)
+    grown = _with(shapes, rows, corners, radius)
+    along = grown.corner[grown.after] - grown.corner
+    if (along[:, 1] * grown.normal[:, 0] - along[:, 0] * grown.normal[:, 1] <= 0).any():
+        finding = "an outline that moved so far would lose an edge"
+        raise InputError(finding)
+    return replace(bodies, shapes=grown, shape=shape)
 
 
 def _changed(bodies: Bodies, inward: Floats) -> NDArray[np.bool_]:
