@@ -213,7 +213,9 @@ def _on_cluster(
     try:
         client = Client(many.cluster, timeout="10s", set_as_default=False)
     except (OSError, ValueError, TypeError):
-        message = f"no Dask scheduler answers at {many.cluster}: start one with `dask scheduler`, and give tcp://host:port"
+        message = (
+            f"no Dask scheduler answers at {many.cluster}: start one with `dask scheduler`, and give tcp://host:port"
+        )
         raise WiggleroomError(message) from None
     with client, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what tasks share may be large: it travels once

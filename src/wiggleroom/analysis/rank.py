@@ -141,17 +141,16 @@ def rank(
     if by not in ("duals", "differences"):
         finding = f"by {by!r}: a ranking is by duals or by differences"
         raise InputError(finding)
-    if isinstance(question, Answer):
-        answer = question
-    else:
-        answer = flex(question, goals, stop=stop)
+    answer = question if isinstance(question, Answer) else flex(question, goals, stop=stop)
     found = ended(answer)
     again = by == "differences" or exact
     if not again:
         return _by_duals(answer, found)
     ready = question if isinstance(question, Prepared) else prepare(answer.assembly)
     start = base(ready, found)
-    ranking = _by_duals(answer, replace(found, solution=replace(found.solution, u=start.solution.u, lam=start.solution.lam)))
+    ranking = _by_duals(
+        answer, replace(found, solution=replace(found.solution, u=start.solution.u, lam=start.solution.lam))
+    )
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
     return _by_differences(ranking, start, parts, by, Many(workers, cluster, stop, progress))
 

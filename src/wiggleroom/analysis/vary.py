@@ -1,27 +1,33 @@
 """The same question with outlines a little larger or smaller.
 
 Walls are linear in the displacement of outlines, so pairs and free spaces of a prepared assembly are used again with
-their walls moved. `follow` solves the last program of an answer once more: what derivatives need. `search` begins at
+their walls moved. `follow` solves the last program of an answer once more: what derivatives need. `vary` begins at
 rest with the moved cells and goes through the rounds of the search: for changes of any size.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared
-from wiggleroom.analysis.search import FAR, Found, Progress, Search
+from wiggleroom.analysis.search import Found, Progress, Search
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.pairs.moved import moved
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.gaps import carried
 from wiggleroom.program.objectives import Objective
-from wiggleroom.solve.interior_point import Solution, Stop, solve
+from wiggleroom.solve.interior_point import Solution, solve
+from wiggleroom.solve.verdict import Verdict
 
 Floats = NDArray[np.float64]
 
@@ -36,9 +42,10 @@ class Varied:
     Parameters
     ----------
     value : float
-        nan where there is none, infinity where nothing stops the motion.
+        nan where parts do not fit beside each other, infinity where nothing stops the motion.
     how : str
-        "bounded", "unbounded", "touching" where parts do not fit beside each other at rest, or "failed".
+        "bounded", "unbounded", "touching" where parts do not fit beside each other at rest, or "cut short": the largest
+        safe motion that was found, without the conditions of an optimum.
     """
 
     value: float
@@ -76,12 +83,17 @@ def ended(answer: Answer) -> Found:
     InputError
         If the motion has no end, or the search was cut short.
     """
-    found = answer.trail
-    if not isinstance(found, Found) or answer.objective is None or found.solution.status != "converged":
+    if not can_be_ranked(answer):
         why = "nothing stops the motion" if answer.objective is None else "the search for its motion was cut short"
         finding = f"{answer.assembly.drawing.source or 'the assembly'}: {why}, so no gap can be held against it"
         raise InputError(finding)
-    return found
+    return cast(Found, answer.trail)
+
+
+def can_be_ranked(answer: Answer) -> bool:
+    """True where the motion ends, at multipliers that say what it is worth to give way."""
+    found = answer.trail
+    return isinstance(found, Found) and answer.objective is not None and found.solution.status == "converged"
 
 
 def base(ready: Prepared, found: Found) -> Base:
@@ -107,31 +119,40 @@ def follow(base: Base, inward: Floats) -> float:
     return np.nan if solution.status != "converged" or overlapping else program.objective.value(motion)
 
 
-def search(ready: Prepared, objective: Objective, inward: Floats, stop: Stop | None = None) -> Varied:
+def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats) -> Varied:
     """Largest objective when the outline of each part moves inward by `inward` (parts,) [mm]; negative moves it out.
 
     The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the way
-    from rest is not checked: one answer of `flex` for the middle of many variations does that.
-
-    Raises
-    ------
-    InputError
-        If an outline would lose an edge.
+    from rest is not checked: one answer of `flex` for the middle of many variations does that. Where the moved cells do
+    not lead to an optimum, or an outline loses an edge, everything is worked out anew.
     """
-    bodies = moved(ready.bodies, inward)
+    try:
+        bodies = moved(ready.bodies, inward)
+    except InputError:
+        return afresh(ready.assembly, goals, inward)
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
         return Varied(np.nan, "touching")
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
-    finder = Search(varied, objective, solve, stop, _silent, thorough=False)
+    finder = Search(varied, objective, solve, None, _silent, thorough=False)
     finder.run()
     found = finder.best
-    if finder.unlimited:
+    if found is None or finder.unlimited or found.solution.status != "converged":
+        return afresh(ready.assembly, goals, inward)
+    if overlaps(bodies, found.motion, ready.barred).deepest > SAFE * ready.size:
+        return afresh(ready.assembly, goals, inward)
+    return Varied(found.value, "bounded")
+
+
+def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> Varied:
+    """The same as `vary`, as `wiggleroom.flex` answers it for parts made so."""
+    offset = {name: -float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
+    try:
+        answer = flex(assemble(assembly.drawing, offset=offset), goals)
+    except InputError:
+        return Varied(np.nan, "touching")
+    if answer.objective is None:
         return Varied(np.inf, "unbounded")
-    if found is None or found.solution.status != "converged":
-        return Varied(np.nan, "failed")
-    deepest = overlaps(bodies, found.motion, ready.barred).deepest
-    good = deepest <= SAFE * ready.size
-    return Varied(found.value if good else np.nan, "bounded" if good else "failed")
+    return Varied(answer.objective, "cut short" if answer.verdict is Verdict.STOPPED else "bounded")
 
 
 def _silent(_: Progress) -> None:
