@@ -124,10 +124,13 @@ def sweep(
     for gap in sizes:
         if stop is not None and stop.is_set():
             break
+        if any(s.verdict == Verdict.UNBOUNDED for s in steps):  # smaller parts leave by the same way
+            steps.append(replace(steps[-1], gap=gap))
+            continue
         step, state = _step(assembly, asked, gap, state, stop)
         if step.verdict == Verdict.STOPPED and stop is not None and stop.is_set():
             break  # a gap that was not finished says nothing about the curve
-        if step.objective is not None and all(s.verdict != Verdict.UNBOUNDED for s in steps):
+        if step.objective is not None:
             held = state
         steps.append(step)
         if progress is not None:
@@ -226,6 +229,9 @@ def _lost(
     while free - low > BRACKET * free and not (stop is not None and stop.is_set()):
         gap = (low + free) / 2
         step, state = _step(assembly, goals, gap, held, stop)
+        if step.objective is not None:  # a narrow way out may show from rest and not from there
+            anew, _ = _step(assembly, goals, gap, None, stop)
+            step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:
             free = gap
         elif step.objective is not None and state is not None:

@@ -6,7 +6,7 @@ import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -78,21 +78,27 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
 
 def write(answer: Answer, outputs: Outputs) -> None:
     """Answer as JSON and as a picture, where they are asked for."""
-    from wiggleroom.cli.say import note
-    from wiggleroom.report.files import write_whole
-    from wiggleroom.report.records import flex_record, to_json
+    from wiggleroom.report.records import flex_record
 
     if outputs.json is not None:
-        text = to_json(flex_record(answer))
-        if outputs.json == "-":
-            sys.stdout.write(text)
-        else:
-            write_whole(outputs.json, text)
-            note(f"answer: {outputs.json}")
+        write_record(flex_record(answer), outputs.json)
     if outputs.picture is not None:
         from wiggleroom.report.picture import picture
 
         write_picture(picture(answer), outputs.picture)
+
+
+def write_record(record: dict[str, Any], place: str) -> None:
+    """Record as JSON to a file, or to stdout where `place` is -."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.report.files import write_whole
+    from wiggleroom.report.records import to_json
+
+    if place == "-":
+        sys.stdout.write(to_json(record))
+    else:
+        write_whole(place, to_json(record))
+        note(f"answer: {place}")
 
 
 def write_picture(svg: str, path: Path) -> None:

@@ -45,7 +45,8 @@ def moved(bodies: Bodies, inward: Floats) -> Bodies:
         If an edge would be used up.
     """
     shapes, shift, first = bodies.shapes, mitres(bodies.shapes), bodies.shapes.first
-    shape, made = bodies.shape.copy(), {}
+    shape = bodies.shape.copy()
+    made: dict[tuple[float, ...], int] = {}
     rows, corners, radius = [], [], []
     for b in np.flatnonzero(_changed(bodies, inward)):
         s = int(bodies.shape[b])

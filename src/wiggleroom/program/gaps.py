@@ -66,9 +66,10 @@ class Gains:
 
     def by_part(self, weight: Floats, parts: int) -> Floats:
         """Sum of weight x gain (parts,) over the rows of each part; `weight` (k,)."""
-        return np.bincount(self.edge_part, weight * self.edge, parts) + np.bincount(
-            self.corner_part, weight * self.corner, parts
-        )
+        out = np.zeros(parts)
+        np.add.at(out, self.edge_part, weight * self.edge)
+        np.add.at(out, self.corner_part, weight * self.corner)
+        return out
 
     def of_part(self, part: int) -> Floats:
         """Gain (k,) of every row for 1 mm that one part's outline moves inward."""

@@ -11,6 +11,10 @@ NEUTRAL = ("#e4e9ef", "#7c8894")
 PULLED = ("#8fc1ea", "#1f5f99")
 FIXED = ("#e58a80", "#a02c22")
 
+BLAME = ("#f3f1ec", "#fbe3b8", "#f8bd76", "#ee8a5b", "#d9606a", "#b0508c")
+"""From no importance to the largest."""
+CHOSEN = "#8c6bb1"
+
 MOTION = "#0b3c6f"
 FORCE = "#c96a00"
 

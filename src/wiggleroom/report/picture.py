@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -21,7 +23,17 @@ Floats = NDArray[np.float64]
 _GAP = 30.0
 
 
-def picture(answer: Answer, *, magnify: float | None = None) -> str:
+@dataclass(frozen=True)
+class Tints:
+    """Colours that say something about parts: fill by name, what the legend says, and the headline and facts."""
+
+    fill: dict[str, str]
+    legend: tuple[frame.LegendEntry, ...]
+    title: str
+    said: tuple[str, ...]
+
+
+def picture(answer: Answer, *, magnify: float | None = None, tints: Tints | None = None) -> str:
     """Answer as an SVG picture.
 
     Parts at rest are thin grey lines under the moved parts; fixed parts are red, pulled parts blue; contacts are dots
@@ -32,10 +44,13 @@ def picture(answer: Answer, *, magnify: float | None = None) -> str:
     magnify : float, optional
         Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
         The picture says so.
+    tints : Tints, optional
+        Colours of the parts in place of the usual ones.
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
-    said = facts(answer) + ([f"motion x {number(factor)}"] if factor != 1 else [])
-    return _draw(answer.assembly, answer, factor, headline(answer), said, answer.command)
+    title, said = (headline(answer), facts(answer)) if tints is None else (tints.title, list(tints.said))
+    said += [f"motion x {number(factor)}"] if factor != 1 else []
+    return _draw(answer.assembly, answer, factor, title, said, answer.command, tints)
 
 
 def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
@@ -44,7 +59,15 @@ def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
     return _draw(assembly, None, 1.0, title, [f"gap {number(assembly.gap)} mm"], command)
 
 
-def _draw(assembly: Assembly, answer: Answer | None, factor: float, title: str, said: list[str], command: str) -> str:
+def _draw(
+    assembly: Assembly,
+    answer: Answer | None,
+    factor: float,
+    title: str,
+    said: list[str],
+    command: str,
+    tints: Tints | None = None,
+) -> str:
     """Whole picture; without an answer the parts lie at rest."""
     rest = assembly.rest
     shown = rest if answer is None else rest + factor * answer.motion
@@ -61,24 +84,33 @@ def _draw(assembly: Assembly, answer: Answer | None, factor: float, title: str, 
     if answer is not None:
         marks.insert(0, contact_mark(view, answer, rest, shown, room))
     pulled = {g.part for g in goals}
-    body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room)
-    legend = _legend(assembly, answer, bool(pulled))
+    body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
+    legend = _legend(assembly, answer, bool(pulled), tints)
     foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
     return _document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 
 def _parts(
-    view: View, assembly: Assembly, rest: Floats | None, shown: Floats, pulled: set[str], marks: list[Mark], room: float
+    view: View,
+    assembly: Assembly,
+    rest: Floats | None,
+    shown: Floats,
+    pulled: set[str],
+    marks: list[Mark],
+    room: float,
+    tints: Tints | None,
 ) -> list[str]:
     """Everything inside the drawing, bottom first: rest outlines, parts, marks, names."""
     shapes, still, places = Shapes(view.scale), [], []
-    drawn: dict[str, list[str]] = {kind: [] for kind in _COLOURS}
+    drawn: dict[tuple[str, str], list[str]] = {colours: [] for colours in _COLOURS.values()}
     for k, (part, pose) in enumerate(zip(assembly.parts, shown.tolist(), strict=True)):
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
             still.append(use(shape, spot(view, part, tuple(rest[k].tolist()))))
         kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        drawn[kind].append(use(shape, place, escape(part.name)))
+        fill, stroke = _COLOURS[kind]
+        colours = (fill if tints is None else tints.fill[part.name], stroke)
+        drawn.setdefault(colours, []).append(use(shape, place, escape(part.name)))
         places.append((part.name, shape, place))
     tree = obstacles(marks) if marks else shapely.STRtree([])
     line = min(max(0.02 * room, 0.3), 1.2)
@@ -90,10 +122,10 @@ def _parts(
             + "\n".join(still)
             + "</g>"
         )
-    for kind, (fill, stroke) in _COLOURS.items():
-        if drawn[kind]:
+    for (fill, stroke), uses in drawn.items():
+        if uses:
             style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
-            found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(drawn[kind]) + "</g>")
+            found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(uses) + "</g>")
     found += [mark.svg for mark in marks]
     found.append(names_group([label(short(name), shape, place, usual(room), tree) for name, shape, place in places]))
     return found
@@ -102,13 +134,17 @@ def _parts(
 _COLOURS = {"neutral": palette.NEUTRAL, "pulled": palette.PULLED, "fixed": palette.FIXED}
 
 
-def _legend(assembly: Assembly, answer: Answer | None, asked: bool) -> list[frame.LegendEntry]:
+def _legend(
+    assembly: Assembly, answer: Answer | None, asked: bool, tints: Tints | None = None
+) -> list[frame.LegendEntry]:
     """Only what the picture shows."""
-    found = []
-    if any(p.fixed for p in assembly.parts):
-        found.append((frame.swatch(*palette.FIXED), "fixed"))
-    if asked:
-        found.append((frame.swatch(*palette.PULLED), "pulled"))
+    found = [] if tints is None else list(tints.legend)
+    for there, (fill, stroke), word in (
+        (any(p.fixed for p in assembly.parts), palette.FIXED, "fixed"),
+        (asked, palette.PULLED, "pulled"),
+    ):
+        if there:
+            found.append((frame.swatch(fill if tints is None else palette.PAPER, stroke), word))
     if answer is not None:
         found.append((frame.swatch("none", palette.REST), "at rest"))
         if any(c.force > 0 for c in answer.contacts):

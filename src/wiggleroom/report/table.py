@@ -58,7 +58,7 @@ def _parts(answer: Answer) -> Table:
     order = sorted(range(len(names)), key=lambda k: (names[k] not in asked, -round(moved[k], 9), k))
     still = [k for k in order if not answer.motion[k].any()]
     order = [k for k in order if k not in set(still)]
-    found = _table("part", "dx mm", "dy mm", "turn deg")
+    found = columns("part", "dx mm", "dy mm", "turn deg")
     for k in order[:_MOST_PARTS]:
         x, y, turn = answer.motion[k].tolist()
         style = "bold" if names[k] in asked else ""
@@ -76,7 +76,7 @@ def _parts(answer: Answer) -> Table:
 def _contacts(answer: Answer) -> Table:
     """Contacts that hold the motion, largest force first."""
     held = sorted((c for c in answer.contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
-    found = _table("held by", "x mm", "y mm", "force")
+    found = columns("held by", "x mm", "y mm", "force")
     size = answer.assembly.size
     for c in held[:_MOST_CONTACTS]:
         found.add_row(" | ".join(short(n) for n in c.parts), *(_fixed(x, size) for x in c.point), number(c.force, 3))
@@ -97,13 +97,14 @@ def _sure(answer: Answer) -> list[str]:
     ]
 
 
-def _table(first: str, *columns: str) -> Table:
+def columns(first: str, *others: str) -> Table:
+    """Plain table without rows: the first column for names, the others for numbers."""
     from rich import box
     from rich.table import Table
 
     found = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, header_style="dim")
     found.add_column(first, overflow="fold")
-    for column in columns:
+    for column in others:
         found.add_column(column, justify="right", no_wrap=True)
     return found
 
