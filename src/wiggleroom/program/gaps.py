@@ -64,17 +64,6 @@ class Gains:
     edge: Floats
     corner: Floats
 
-    def by_part(self, weight: Floats, parts: int) -> Floats:
-        """Sum of weight x gain (parts,) over the rows of each part; `weight` (k,)."""
-        out = np.zeros(parts)
-        np.add.at(out, self.edge_part, weight * self.edge)
-        np.add.at(out, self.corner_part, weight * self.corner)
-        return out
-
-    def of_part(self, part: int) -> Floats:
-        """Gain (k,) of every row for 1 mm that one part's outline moves inward."""
-        return self.edge * (self.edge_part == part) + self.corner * (self.corner_part == part)
-
 
 def gains(program: Program, u: Floats) -> Gains:
     """Derivatives of all walls at u (3F,) by how far the outline of each part moves inward."""
