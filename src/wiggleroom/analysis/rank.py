@@ -99,7 +99,7 @@ def rank(
     *,
     by: str = "duals",
     exact: bool = False,
-    workers: int | None = 1,
+    workers: int | None = None,
     cluster: str | None = None,
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,

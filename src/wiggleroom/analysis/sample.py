@@ -134,7 +134,7 @@ def sample(
     draws: int = 1000,
     seed: int = 0,
     limit: float | None = None,
-    workers: int | None = 1,
+    workers: int | None = None,
     cluster: str | None = None,
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,

@@ -89,7 +89,7 @@ def tighten(
     gap: float | None = None,
     draws: int = DRAWS,
     seed: int = 0,
-    workers: int | None = 1,
+    workers: int | None = None,
     cluster: str | None = None,
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
