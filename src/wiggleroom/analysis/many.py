@@ -222,7 +222,7 @@ def _on_cluster(
         # a task of its own: a worker that loses it can work it out again
         common = client.submit(pickle.loads, pickle.dumps(shared), pure=False)
         futures = {client.submit(work, common, task, pure=False): k for k, task in enumerate(tasks)}
-        waiting = as_completed(futures)
+        waiting = as_completed(futures, loop=client.loop)
         while waiting.count() and not many.stopped:
             if waiting.is_empty():
                 time.sleep(0.05)

@@ -32,6 +32,8 @@ COUNT = 9
 """Gaps of a sweep that names none: from a quarter of the assembly's gap to twice it."""
 BRACKET = 1e-3
 """The gap at which the motion loses its end is found to this share."""
+ASIDE = (0.5, 0.3, 0.7)
+"""Where between two gaps the next one lies; the others where a search there was cut short."""
 SAME = 1e-9
 """Outlines that agree to this share of the drawing's size are the same."""
 
@@ -130,7 +132,7 @@ def sweep(
         step, state = _step(assembly, asked, gap, state, stop)
         if step.verdict == Verdict.STOPPED and stop is not None and stop.is_set():
             break  # a gap that was not finished says nothing about the curve
-        if step.objective is not None:
+        if state is not None and state.gap == gap:
             held = state
         steps.append(step)
         if progress is not None:
@@ -139,6 +141,8 @@ def sweep(
     lost = None
     if free is not None and held is not None:
         lost = _lost(assembly, asked, held, free, stop)
+        least = lost[1]
+        steps = [Step(s.gap, None, str(Verdict.UNBOUNDED), True) if s.gap >= least else s for s in steps]
     return Sweep(assembly, asked, tuple(steps), lost)
 
 
@@ -225,17 +229,17 @@ def _lost(
     assembly: Assembly, goals: tuple[Goal, ...], held: _State, free: float, stop: Stop | None
 ) -> tuple[float, float]:
     """Between which gaps the motion loses its end, by halving."""
-    low = held.gap
-    while free - low > BRACKET * free and not (stop is not None and stop.is_set()):
-        gap = (low + free) / 2
+    low, tries = held.gap, list(ASIDE)
+    while free - low > BRACKET * free and tries and not (stop is not None and stop.is_set()):
+        gap = low + tries[0] * (free - low)
         step, state = _step(assembly, goals, gap, held, stop)
         if step.objective is not None:  # a narrow way out may show from rest and not from there
             anew, _ = _step(assembly, goals, gap, None, stop)
             step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:
-            free = gap
-        elif step.objective is not None and state is not None:
-            low, held = gap, state
+            free, tries = gap, list(ASIDE)
+        elif state is not None and state.gap == gap:
+            low, held, tries = gap, state, list(ASIDE)
         else:
-            break
+            tries.pop(0)  # undecided: beside it, perhaps
     return low, free
