@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -81,6 +85,27 @@ def test_a_limit_out_of_reach_is_no_success(run) -> None:
     code, out, _ = run("tighten", "chain.json", "--limit", "1e-9", "--draws", "0")
     assert code == 3
     assert "not reached" in out
+
+
+@pytest.mark.parametrize("command", ["sample --spread 0.001 --draws 100000", "rank --by differences"])
+def test_ctrl_c_ends_in_order(tmp_path: Path, command: str) -> None:
+    write_drawing(wr.patterns.frame(12, 12, joint="tee", gap=0.01).drawing, tmp_path / "frame.json")
+    name, *options = command.split()
+    program = [sys.executable, "-c", "import sys; from wiggleroom.cli import main; sys.exit(main())"]
+    process = subprocess.Popen(
+        [*program, name, "frame.json", *options, "--workers", "1"], cwd=tmp_path, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+    )  # fmt: skip
+    time.sleep(4)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert "Traceback" not in err
+    if process.returncode == 0 and name == "rank":
+        pytest.skip("it was done before it was interrupted")
+    assert process.returncode == 3
+    assert "stopping" in err
+    # before the first draw is done, and for a ranking, there is nothing to say
+    assert "interrupted" in err or (name == "sample" and "stopped:" in out)
 
 
 @pytest.mark.parametrize(

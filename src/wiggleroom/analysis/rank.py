@@ -194,13 +194,18 @@ def _by_differences(ranking: Ranking, start: Base, parts: Ints, by: str, many: M
         finding = f"stopped after {sum(s is not None for s in slopes)} of {len(tasks)} solves: there is no ranking yet"
         raise InputError(finding)
     pair = np.array(slopes, dtype=float).reshape(-1, 2)
+    solved = np.isfinite(pair).all(axis=1)  # the others keep what the multipliers say
+    parts, pair = parts[solved], pair[solved]
+    ends = "whole" if solved.all() else ranking.ends
     looser, tighter = ranking.looser.copy(), ranking.tighter.copy()
     looser[parts], tighter[parts] = pair.T
     unique = ranking.unique.copy()
+    if by == "differences":
+        unique[:] = False
     low, high = pair.min(axis=1), pair.max(axis=1)
     # a difference over a finite step feels the curvature a little
-    unique[parts] = high - low <= 0.01 * np.maximum(high, 1e-3 * np.nanmax(looser, initial=0.0))
-    return replace(ranking, by=by, looser=looser, tighter=tighter, unique=unique, ends="whole")
+    unique[parts] = high - low <= 0.01 * np.maximum(high, 1e-3 * looser.max(initial=0.0))
+    return replace(ranking, by=by, looser=looser, tighter=tighter, unique=unique, ends=ends)
 
 
 def slope(start: Base, task: tuple[int, float]) -> float:

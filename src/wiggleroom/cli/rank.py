@@ -7,7 +7,7 @@ from typing import Literal
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import PICTURES, Outputs, check, write_picture, write_record
-from wiggleroom.cli.running import Running, complete
+from wiggleroom.cli.running import Running, complete, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), Outputs(), Running()
 
@@ -44,7 +44,7 @@ def rank(
     check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, PICTURES)})
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
-    with interruptible() as stop, bar("differences") as show:
+    with interruptible() as stop, unless_stopped(stop), bar("differences") as show:
         assembly = complete(read(file, asked))
 
         from wiggleroom.analysis.rank import rank as work_out

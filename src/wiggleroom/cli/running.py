@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
+from threading import Event
 from typing import TYPE_CHECKING, Any
 
 from cyclopts import Parameter
@@ -41,6 +44,19 @@ class Running:
             wrong = f"--workers {self.workers}: it must be at least 1"
             raise InputError(wrong)
         return {"workers": self.workers, "cluster": self.cluster}
+
+
+@contextmanager
+def unless_stopped(stop: Event) -> Iterator[None]:
+    """Take what is missing after Ctrl-C for an interruption, not for bad input."""
+    from wiggleroom.errors import InputError
+
+    try:
+        yield
+    except InputError:
+        if stop.is_set():
+            raise KeyboardInterrupt from None
+        raise
 
 
 def complete(assembly: Assembly) -> Assembly:

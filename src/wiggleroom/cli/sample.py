@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import check, write_record
-from wiggleroom.cli.running import Running, complete
+from wiggleroom.cli.running import Running, complete, unless_stopped
 
 _NONE_ASKED, _HERE = Asked(), Running()
 
@@ -67,7 +67,7 @@ def sample(
         raise InputError(wrong)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
-    with interruptible() as stop, bar("draws") as show:
+    with interruptible() as stop, unless_stopped(stop), bar("draws") as show:
         from wiggleroom.analysis.lots import Spread
 
         lot = Spread(spread, kind, sheet, bias)

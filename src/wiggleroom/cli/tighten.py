@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import PICTURES, Outputs, check, write_picture, write_record
-from wiggleroom.cli.running import Running, complete
+from wiggleroom.cli.running import Running, complete, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), Outputs(), Running()
 
@@ -58,7 +58,7 @@ def tighten(
         raise InputError(wrong)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
-    with interruptible() as stop, bar("choices at random") as show:
+    with interruptible() as stop, unless_stopped(stop), bar("choices at random") as show:
         assembly = complete(read(file, asked))
 
         from wiggleroom.analysis.tighten import tighten as work_out
@@ -66,6 +66,7 @@ def tighten(
         found = work_out(
             assembly, parts=parts, limit=limit, gap=to, draws=draws, seed=seed, stop=stop, progress=show, **options
         )
+        cut = stop.is_set()
     from wiggleroom.report.studies import tighten_record, tighten_table
 
     if outputs.json is not None:
@@ -78,4 +79,4 @@ def tighten(
         from wiggleroom.report.blame import picture_of_tightening
 
         write_picture(picture_of_tightening(found, command=command), outputs.picture)
-    return 0 if found.reached else 3
+    return 0 if found.reached and not cut else 3
