@@ -16,7 +16,7 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.program.objectives import objective
 from wiggleroom.solve import solver_named
-from wiggleroom.solve.interior_point import Stop
+from wiggleroom.solve.newton import Stop
 
 
 def flex(

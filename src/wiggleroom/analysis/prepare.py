@@ -56,6 +56,15 @@ class Prepared:
     cells: Cells
     corners: Ints
 
+    @property
+    def arm(self) -> Floats:
+        """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
+        them = self.bodies
+        arm = np.zeros(len(them.fixed))
+        away = np.hypot(*(self.assembly.rest[:, :2] - them.rest[them.body_of, :2]).T)
+        np.maximum.at(arm, them.body_of, away)
+        return arm
+
     def flex(self, goals: Goal | Sequence[Goal] | None = None, **options: Any) -> Answer:
         """How far it can move; see `wiggleroom.flex`, whose other arguments this takes too."""
         from wiggleroom.analysis.flex import flex  # it imports this module

@@ -142,8 +142,8 @@ class Linearised:
         kernel.against(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, y, out)
         return out
 
-    def condensed(self, weight: Floats, lam: Floats, balance: Floats | None = None) -> Floats:
-        """Entries of J^T diag(weight) J - objective'' - sum lam h'' in the order of `program.pattern`."""
+    def condensed(self, weight: Floats, lam: Floats, balance: Floats | None = None, share: float = 1.0) -> Floats:
+        """Entries of J^T diag(weight) J - share objective'' - sum lam h'' in the order of `program.pattern`."""
         P, pattern = self.program, self.program.pattern
         data = np.zeros(len(pattern.indices))
         # second derivatives of h share the rows' unit, first derivatives already carry it
@@ -156,7 +156,9 @@ class Linearised:
         for f, m in zip(P.slot[body], block, strict=True):
             if f >= 0:
                 scale = P.scale[3 * f : 3 * f + 3]
-                data[pattern.diagonal_at[f]] -= (m * scale[:, None] * scale)[[0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]]
+                data[pattern.diagonal_at[f]] -= (share * m * scale[:, None] * scale)[
+                    [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]
+                ]
         return data
 
     def jacobian(self) -> sp.csr_matrix:
