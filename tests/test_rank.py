@@ -93,7 +93,9 @@ def test_exact_solves_what_is_not_unique_again() -> None:
 
 def test_of_glued_parts_only_the_one_that_touches_counts() -> None:
     parts = (
-        box("wall", 10.4, 0.0, 11.0, 2.0, fixed=True),
+        box("wall", 10.4, -1.0, 11.0, 3.0, fixed=True),
+        box("floor", -1.0, -1.2, 10.2, -0.1, fixed=True),
+        box("ceiling", -1.0, 2.1, 10.2, 3.2, fixed=True),
         box("rear", 0.0, 0.0, 5.0, 2.0),
         box("front", 5.0, 0.0, 10.0, 2.0),
     )
@@ -107,6 +109,7 @@ def test_a_slanted_contact_counts_by_its_normal() -> None:
     """A wedge meets the slanted side of a block on a floor: both contacts count, each by its own normal."""
     parts = (
         box("floor", -5.0, -1.1, 15.0, -0.1, fixed=True),
+        box("ceiling", -5.0, 4.1, 7.4, 5.0, fixed=True),
         polygon_part("wedge", [(10.3, 0.4), (14.0, 0.4), (14.0, 4.0), (7.6, 4.0)], fixed=True),
         polygon_part("block", [(0.0, 0.0), (10.0, 0.0), (7.0, 4.0), (0.0, 4.0)]),
     )
