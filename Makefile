@@ -43,7 +43,7 @@ clean:
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,film,ipopt,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[cluster,fast,film,ipopt,test]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

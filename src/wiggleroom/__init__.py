@@ -15,7 +15,12 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer, Contact
     from wiggleroom.analysis.flex import flex
+    from wiggleroom.analysis.lots import Spread
     from wiggleroom.analysis.prepare import Prepared, prepare
+    from wiggleroom.analysis.rank import Ranking, rank
+    from wiggleroom.analysis.sample import Sample, sample
+    from wiggleroom.analysis.sweep import Sweep, sweep
+    from wiggleroom.analysis.tighten import Tightening, tighten
     from wiggleroom.assembly import patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
@@ -37,7 +42,12 @@ _HOME = {
     "Part": "drawing.model",
     "Prepared": "analysis.prepare",
     "Pull": "drawing.model",
+    "Ranking": "analysis.rank",
     "Region": "drawing.model",
+    "Sample": "analysis.sample",
+    "Spread": "analysis.lots",
+    "Sweep": "analysis.sweep",
+    "Tightening": "analysis.tighten",
     "TouchingError": "errors",
     "Turn": "drawing.model",
     "Verdict": "solve.verdict",
@@ -49,7 +59,11 @@ _HOME = {
     "free_space": "freespace.space",
     "patterns": "assembly",
     "prepare": "analysis.prepare",
+    "rank": "analysis.rank",
     "read": "assembly.build",
+    "sample": "analysis.sample",
+    "sweep": "analysis.sweep",
+    "tighten": "analysis.tighten",
 }
 
 __all__ = [
@@ -64,7 +78,12 @@ __all__ = [
     "Part",
     "Prepared",
     "Pull",
+    "Ranking",
     "Region",
+    "Sample",
+    "Spread",
+    "Sweep",
+    "Tightening",
     "TouchingError",
     "Turn",
     "Verdict",
@@ -76,7 +95,11 @@ __all__ = [
     "free_space",
     "patterns",
     "prepare",
+    "rank",
     "read",
+    "sample",
+    "sweep",
+    "tighten",
 ]
 
 

@@ -125,6 +125,8 @@ class Search:
     rounds: int = 0
     iterations: int = 0
     branches_left: bool = False
+    thorough: bool = True
+    """False: other sides of corner contacts are not tried, and the way is not checked."""
     checked: tuple[Found, Way] | None = None
     seconds: dict[str, float] = field(default_factory=lambda: {"freespace": 0.0, "solve": 0.0, "check": 0.0})
 
@@ -184,11 +186,11 @@ class Search:
                 self._rebuild(best, self._stale(best), nearer=True)
             else:
                 if branches is None or gained:
-                    branches = self._branches(best)
+                    branches = self._branches(best) if self.thorough else []
                 if not branches:
                     if self._add_missed(best):
                         self.best = branches = None
-                    elif self._meets_strangers(best):
+                    elif self.thorough and self._meets_strangers(best):
                         tolerance, mu, branches = ROUGH, FIRST_MU, None
                     else:
                         return

@@ -14,6 +14,10 @@ FIXED = ("#e58a80", "#a02c22")
 OF = {"neutral": NEUTRAL, "pulled": PULLED, "fixed": FIXED}
 """Fill and outline of the parts, in the order they are drawn."""
 
+BLAME = ("#f3f1ec", "#fbe3b8", "#f8bd76", "#ee8a5b", "#d9606a", "#b0508c")
+"""From no importance to the largest."""
+CHOSEN = "#8c6bb1"
+
 MOTION = "#0b3c6f"
 FORCE = "#c96a00"
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -22,7 +24,17 @@ Floats = NDArray[np.float64]
 _GAP = 30.0
 
 
-def picture(answer: Answer, *, magnify: float | None = None, framed: bool = True) -> str:
+@dataclass(frozen=True)
+class Tints:
+    """Colours that say something about parts: fill by name, what the legend says, and the headline and facts."""
+
+    fill: dict[str, str]
+    legend: tuple[frame.LegendEntry, ...]
+    title: str
+    said: tuple[str, ...]
+
+
+def picture(answer: Answer, *, magnify: float | None = None, framed: bool = True, tints: Tints | None = None) -> str:
     """Answer as an SVG picture.
 
     Parts at rest are thin grey lines under the moved parts; fixed parts are red, pulled parts blue; contacts are dots
@@ -35,10 +47,13 @@ def picture(answer: Answer, *, magnify: float | None = None, framed: bool = True
         The picture says so.
     framed : bool
         False: without title, facts and command, for a page that says them itself.
+    tints : Tints, optional
+        Colours of the parts in place of the usual ones.
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
-    said = facts(answer) + ([f"motion x {number(factor)}"] if factor != 1 else [])
-    return _draw(answer.assembly, answer, factor, headline(answer), said, answer.command, framed)
+    title, said = (headline(answer), facts(answer)) if tints is None else (tints.title, list(tints.said))
+    said += [f"motion x {number(factor)}"] if factor != 1 else []
+    return _draw(answer.assembly, answer, factor, title, said, answer.command, framed, tints)
 
 
 def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
@@ -55,6 +70,7 @@ def _draw(
     said: list[str],
     command: str,
     framed: bool = True,
+    tints: Tints | None = None,
 ) -> str:
     """Whole picture; without an answer the parts lie at rest."""
     rest = assembly.rest
@@ -72,24 +88,33 @@ def _draw(
     if answer is not None:
         marks.insert(0, contact_mark(view, answer, rest, shown, room))
     pulled = {g.part for g in goals}
-    body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room)
-    legend = _legend(assembly, answer, bool(pulled))
+    body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
+    legend = _legend(assembly, answer, bool(pulled), tints)
     foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command if framed else "")
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 
 def _parts(
-    view: View, assembly: Assembly, rest: Floats | None, shown: Floats, pulled: set[str], marks: list[Mark], room: float
+    view: View,
+    assembly: Assembly,
+    rest: Floats | None,
+    shown: Floats,
+    pulled: set[str],
+    marks: list[Mark],
+    room: float,
+    tints: Tints | None,
 ) -> list[str]:
     """Everything inside the drawing, bottom first: rest outlines, parts, marks, names."""
     shapes, still, places = Shapes(view.scale), [], []
-    drawn: dict[str, list[str]] = {kind: [] for kind in palette.OF}
+    drawn: dict[tuple[str, str], list[str]] = {colours: [] for colours in palette.OF.values()}
     for k, (part, pose) in enumerate(zip(assembly.parts, shown.tolist(), strict=True)):
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
             still.append(use(shape, spot(view, part, tuple(rest[k].tolist()))))
         kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        drawn[kind].append(use(shape, place, escape(part.name)))
+        fill, stroke = palette.OF[kind]
+        colours = (fill if tints is None else tints.fill[part.name], stroke)
+        drawn.setdefault(colours, []).append(use(shape, place, escape(part.name)))
         places.append((part.name, shape, place))
     tree = obstacles(marks) if marks else shapely.STRtree([])
     line = min(max(0.02 * room, 0.3), 1.2)
@@ -101,10 +126,10 @@ def _parts(
             + "\n".join(still)
             + "</g>"
         )
-    for kind, (fill, stroke) in palette.OF.items():
-        if drawn[kind]:
+    for (fill, stroke), uses in drawn.items():
+        if uses:
             style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
-            found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(drawn[kind]) + "</g>")
+            found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(uses) + "</g>")
     found += [mark.svg for mark in marks]
     found.append(names_group(places, pulled | {p.name for p in assembly.parts if p.fixed}, room, tree))
     return found
@@ -116,13 +141,16 @@ _ARROW = (
 )
 
 
-def _legend(assembly: Assembly, answer: Answer | None, asked: bool) -> list[frame.LegendEntry]:
+def _legend(
+    assembly: Assembly, answer: Answer | None, asked: bool, tints: Tints | None = None
+) -> list[frame.LegendEntry]:
     """Only what the picture shows."""
-    found = []
+    found = [] if tints is None else list(tints.legend)
+    filled = tints is None
     if any(p.fixed for p in assembly.parts):
-        found.append((frame.swatch(*palette.FIXED), "fixed"))
+        found.append((frame.swatch(palette.FIXED[0] if filled else palette.PAPER, palette.FIXED[1]), "fixed"))
     if asked:
-        found.append((frame.swatch(*palette.PULLED), "pulled"))
+        found.append((frame.swatch(palette.PULLED[0] if filled else palette.PAPER, palette.PULLED[1]), "pulled"))
         if answer is not None and any(isinstance(g, Pull) for g in answer.goals):
             found.append((_ARROW, "gained along the pull"))
     if answer is not None:

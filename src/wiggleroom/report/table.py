@@ -96,7 +96,7 @@ def _sure(answer: Answer) -> list[str]:
 
 
 def columns(first: str, *others: str) -> Table:
-    """Empty table with a column of text and others of numbers."""
+    """Plain table without rows: the first column for names, the others for numbers."""
     from rich import box
     from rich.table import Table
 
