@@ -207,7 +207,7 @@ def _step(
 ) -> _Step | None:
     """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not a stub."""
     s, lam, at = state.s, state.lam, state.at
-    data = at.condensed(lam / s, lam, retraction.balance(dual, at))
+    data = at.condensed(lam / s, lam, retraction.balance(dual, at), unit=state.unit)
     shift = TINY_SHIFT if state.shift <= 1e-8 else state.shift / 5
     found = None
     for attempt in range(16):
@@ -279,9 +279,9 @@ def _settle(state: _State, matrix: Factor, retraction: Retraction) -> _State:
     mu = _dot(state.s, state.lam) / max(len(state.s), 1)
     for _ in range(6):
         primal, dual, _, _ = state.residuals()
-        if np.abs(primal).max() < 1e-12:
+        if np.abs(primal).max(initial=0.0) < 1e-12:
             break
-        data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at))
+        data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at), unit=state.unit)
         shift = max(state.shift, 1e-2)
         while not matrix.update(data, shift):
             shift *= 10
