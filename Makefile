@@ -39,7 +39,7 @@ clean:
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,ipopt,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[fast,ipopt,halfplane,test]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
