@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.finish import part_motions, unlimited
 from wiggleroom.analysis.overlap import SAFE, overlaps
-from wiggleroom.analysis.prepare import REACH, survey
+from wiggleroom.analysis.prepare import REACH, arms, survey
 from wiggleroom.analysis.way import strangers
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
@@ -146,7 +146,7 @@ def answer_from(
     verdict, free = end.verdict, False
     if verdict is Verdict.UNBOUNDED:  # said only where nothing is met on the way, by exact geometry
         nothing = np.zeros(0, dtype=np.int64)
-        free = not len(strangers(bodies, end.motions, nothing, ready.barred)[0])
+        free = not len(strangers(bodies, arms(assembly, bodies), end.motions, nothing, ready.barred)[0])
         verdict = Verdict.UNBOUNDED if free else Verdict.STOPPED
     leaves, turns = unlimited(assembly, bodies, end.motions[-1], ready.size) if free else ((), ())
     seconds = seconds | {"check": time.perf_counter() - began}

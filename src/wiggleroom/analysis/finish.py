@@ -32,6 +32,10 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
     way, safe = search.way(found), SAFE * ready.size
     motions, deepest = way.motions, overlaps(ready.bodies, found.motion, ready.barred).deepest
     verdict, value = _verdict(search, found, way.sure), found.value
+    sure = way.sure
+    if verdict is Verdict.STOPPED and way.certain < len(motions):  # back to where the way is certain
+        motions, sure = motions[: way.certain], not len(way.strangers[0])
+        value, deepest = search.objective.value(motions[-1]), overlaps(ready.bodies, motions[-1], ready.barred).deepest
     if deepest > safe:  # never report an overlap: back to the last way-point without one
         motions, deepest = _safe_part(search, motions, safe)
         verdict, value = Verdict.STOPPED, search.objective.value(motions[-1])
@@ -58,7 +62,7 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
         motion=part_motions(ready.assembly, ready.bodies, motions[-1:])[0],
         waypoints=part_motions(ready.assembly, ready.bodies, motions),
         contacts=held,
-        path="checked" if way.sure else "not checked",
+        path="checked" if sure else "not checked",
         collision_free=deepest <= safe,
         deepest_overlap=deepest,
         model="walls",
@@ -97,10 +101,10 @@ def _safe_part(search: Search, motions: Floats, safe: float) -> tuple[Floats, fl
 
 
 def _verdict(search: Search, found: Found, sure: bool) -> Verdict:
-    if found.solution.status in ("stopped", "failed"):
-        return Verdict.STOPPED
     if search.unlimited:  # said only where nothing was met on the way
         return Verdict.UNBOUNDED if sure else Verdict.STOPPED
+    if found.solution.status in ("stopped", "failed"):
+        return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
         return Verdict.STOPPED
     return Verdict.STATIONARY if search.branches_left else Verdict.OPTIMAL

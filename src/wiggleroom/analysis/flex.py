@@ -23,8 +23,8 @@ from wiggleroom.errors import InputError
 from wiggleroom.freespace.models import HalfPlane, PairModel, model_named
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.solve import solver_named
-from wiggleroom.solve.interior_point import Stop
 from wiggleroom.solve.linear import linear_solver
+from wiggleroom.solve.newton import Stop
 
 
 def flex(

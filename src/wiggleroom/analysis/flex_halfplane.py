@@ -22,8 +22,8 @@ from wiggleroom.freespace.halfplane import half_planes
 from wiggleroom.pairs.neighbours import neighbours, placed
 from wiggleroom.program.build import Linearised, build
 from wiggleroom.program.objectives import Objective
-from wiggleroom.solve.interior_point import Stop
 from wiggleroom.solve.linear import maximise
+from wiggleroom.solve.newton import Stop
 from wiggleroom.solve.verdict import Verdict
 
 Floats = NDArray[np.float64]

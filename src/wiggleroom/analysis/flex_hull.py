@@ -19,7 +19,8 @@ from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retract import Retraction
 from wiggleroom.solve.conditions import conditions
-from wiggleroom.solve.interior_point import Solution, Stop
+from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.newton import Stop
 from wiggleroom.solve.verdict import Verdict
 
 Floats = NDArray[np.float64]

@@ -61,6 +61,11 @@ class Prepared:
     corners: Ints
     model: Walls = field(default_factory=Walls)
 
+    @property
+    def arm(self) -> Floats:
+        """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
+        return arms(self.assembly, self.bodies)
+
     def flex(self, goals: Goal | Sequence[Goal] | None = None, **options: Any) -> Answer:
         """How far it can move; see `wiggleroom.flex`, whose other arguments this takes too."""
         from wiggleroom.analysis.flex import flex  # it imports this module
@@ -143,6 +148,14 @@ def survey(assembly: Assembly) -> Survey:
     if len(near.a) and near.clearance.min() < TOUCHING * size:
         _refuse_touching(assembly, them, near, size)
     return Survey(them, geometry, barred, clearance, size, near)
+
+
+def arms(assembly: Assembly, them: Bodies) -> Floats:
+    """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
+    arm = np.zeros(len(them.fixed))
+    away = np.hypot(*(assembly.rest[:, :2] - them.rest[them.body_of, :2]).T)
+    np.maximum.at(arm, them.body_of, away)
+    return arm
 
 
 def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:

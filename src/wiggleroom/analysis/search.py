@@ -17,7 +17,8 @@ from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, sele
 from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import Objective
-from wiggleroom.solve.interior_point import FIRST_MU, Solution, Stop
+from wiggleroom.solve.interior_point import FIRST_MU, Solution
+from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,7 +41,7 @@ FEW = 8, 100
 MOST_RESTARTS = 3
 """So often the search begins again because a part may meet another on the way that was not thought of."""
 MANY = 1000
-"""In larger assemblies the other sides of corner contacts are left open."""
+"""In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
 ROUND = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] can turn without limit."""
 
@@ -92,6 +93,13 @@ class Found:
     begin: Floats
     tolerance: float
 
+    @property
+    def nearer(self) -> Floats:
+        """A legal point (3F,) of the round's way half as near to its end as the inner one, in steps of the solver."""
+        way = self.solution.way
+        start = next((k for k, u in enumerate(way) if u is self.solution.inner), -1)
+        return way[(start + len(way)) // 2] if start >= 0 else self.solution.inner
+
     def leg(self, end: Floats) -> Leg:
         """The round's piece of the way, up to its point `end` or to its solution."""
         points = [self.begin, *self.solution.way, self.solution.u]
@@ -141,6 +149,7 @@ class Search:
         fine = max(FINE, EACH * len(self.inner))
         tolerance, mu = ROUGH, self.first_mu
         polished = False
+        nearer = False  # the last rebuilding began nearer to its end
         branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
@@ -155,9 +164,11 @@ class Search:
                     continue
                 return
             best, mu = self.best or found, AGAIN * found.solution.inner_mu
-            stale = np.unique(found.touch.pair[found.touch.virtual])
+            stale = self._stale(found)
             if gained and len(stale):
-                branches = None
+                branches, nearer = None, False
+                if found.solution.status == "failed":  # still on its way: go on in larger steps
+                    tolerance, mu = ROUGH, FIRST_MU
                 self._rebuild(found, stale)
             elif tolerance == ROUGH and found.value >= best.value - ROUGH * abs(best.value):
                 tolerance = fine
@@ -167,6 +178,10 @@ class Search:
                 tolerance = fine
                 polished, mu = True, best.solution.inner_mu
                 self._rebuild(best, stale[:0])
+            elif best.touch.virtual.any() and not nearer and not self.large:
+                # past a corner, the walls that matter show only from where the corner has been passed
+                nearer, mu = True, AGAIN * best.solution.inner_mu
+                self._rebuild(best, self._stale(best), nearer=True)
             else:
                 if branches is None or gained:
                     branches = self._branches(best)
@@ -180,6 +195,19 @@ class Search:
                     continue
                 mu = AGAIN * best.solution.inner_mu
                 self._rebuild(best, branches.pop(), other_side=True)
+
+    def _stale(self, found: Found) -> Ints:
+        """Pairs whose cells stop the motion although nothing touches there; all that moved, where the solver did not get to an end."""
+        if found.solution.status != "failed":
+            return np.unique(found.touch.pair[found.touch.virtual])
+        cells = found.program.cells
+        moved = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion) - cells.seed
+        return np.flatnonzero(np.hypot(moved[:, 0], moved[:, 1]) > self.ready.clearance)
+
+    @property
+    def large(self) -> bool:
+        """True where the last hundredth of a per cent would cost more than all before."""
+        return len(self.ready.bodies.fixed) > MANY
 
     @property
     def unlimited(self) -> bool:
@@ -208,7 +236,8 @@ class Search:
 
     def _keep(self, found: Found) -> bool:
         """Keep what is better than the best so far, or surer and not much worse; True where it is better by more than it might err."""
-        least = max(GAIN * len(found.motion), 0.3 * found.tolerance) * max(abs(found.value), self.ready.clearance)
+        rough = self.best.tolerance if self.best and self.large else found.tolerance
+        least = max(GAIN * len(found.motion), 0.3 * rough) * max(abs(found.value), self.ready.clearance)
         before = self.best.value if self.best else 0.0
         surer = self.best is not None and (
             found.tolerance < self.best.tolerance
@@ -239,7 +268,8 @@ class Search:
             bodies, cells = self.ready.bodies, found.program.cells
             legs = [(leg.program, leg.points) for leg in (*found.legs, found.leg(found.solution.u))]
             known = cells.a * len(bodies.fixed) + cells.b
-            self.checked = found, whole_way(bodies, legs, known, self.ready.barred, 0.1 * SAFE * self.ready.size)
+            slack = 0.1 * SAFE * self.ready.size
+            self.checked = found, whole_way(bodies, self.ready.arm, legs, known, self.ready.barred, slack)
         return self.checked[1]
 
     def _meets_strangers(self, found: Found) -> bool:
@@ -264,24 +294,28 @@ class Search:
         grown, _ = grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), wish=wish)
         self.cells = joined(self.cells, grown)
 
-    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False) -> None:
+    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False, nearer: bool = False) -> None:
         """Begin the next round near `found`, with new cells for some pairs grown there.
 
         The new cells keep the solution itself inside, so the next round can only be better. With `other_side` they avoid the line that a
-        corner touches at its very end: the way past the other side of the corner.
+        corner touches at its very end: the way past the other side of the corner. With `nearer` the round begins nearer to the solution.
 
         """
         began = time.perf_counter()
         self.tell(Progress("free spaces", self.rounds, found.solution.iterations, found.value))
         bodies, old, solution = self.ready.bodies, found.program.cells, found.solution
-        self.inner = found.program.motion(solution.inner)
-        self.legs = (*found.legs, found.leg(solution.inner))
+        inner = found.nearer if nearer else solution.inner
+        self.inner = found.program.motion(inner)
+        self.legs = (*found.legs, found.leg(inner))
         a, b = old.a[pairs], old.b[pairs]
         seed, keep = relative_rest(bodies, a, b, self.inner), relative_rest(bodies, a, b, found.motion)
         room = np.full(len(pairs), self.ready.clearance)
         wish = None if other_side else wishes(found.program, solution.u, found.touch, pairs)
         bar = found.touch.lines_at_end(found.program, pairs) if other_side else None
-        grown, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar, wish=wish)
+        turned_out = np.isin(pairs, found.touch.pair[np.isnan(found.touch.place)])
+        grown, good = grow_cells(
+            bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar, wish=wish, to_the_end=turned_out
+        )
         self.cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
         self.seconds["freespace"] += time.perf_counter() - began
 
@@ -292,7 +326,7 @@ class Search:
         few = len(corners) <= FEW[0] and len(best.motion) <= FEW[1]
         self.branches_left = bool(touch.virtual.any()) or not (few or len(corners) == 0)
         alone = [corners[k : k + 1] for k in range(len(corners))] if few and len(corners) > 1 else []
-        return [*alone, corners] if len(corners) and len(best.motion) <= MANY else []
+        return [*alone, corners] if len(corners) and not self.large else []
 
 
 def nudged(program: Program, u: Floats) -> Floats:

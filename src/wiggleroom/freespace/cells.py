@@ -16,6 +16,8 @@ Ints = NDArray[np.int64]
 
 SPAN = 0.5
 """A cell reaches at most this far [rad] from its seed; beyond, it is rebuilt."""
+FINEST = 1e-8
+"""Share of the first step of the march at which it gives up, where the end of the turn matters."""
 ROOM = 48
 """Walls per cell that the first try has room for."""
 
@@ -66,6 +68,7 @@ def grow_cells(
     keep: Floats | None = None,
     bar: Ints | None = None,
     wish: Floats | None = None,
+    to_the_end: NDArray[np.bool_] | None = None,
     span: float = SPAN,
 ) -> tuple[Cells, NDArray[np.bool_]]:
     """Grow one cell round each seed, all in one batch.
@@ -85,6 +88,8 @@ def grow_cells(
         Kind and edge of a line to avoid where there is a choice: the other branch at a corner; kind -1 for none.
     wish : (P, 3) float64, optional
         Relative poses that the pairs would like to take: of two lines that part two edges, the one that leaves more room there is chosen.
+    to_the_end : (P,) bool, optional
+        Where the cell should reach the end of the turn as nearly as can be; elsewhere the march stops a little before.
     span : float [rad]
         Furthest turn from the seed.
 
@@ -102,7 +107,8 @@ def grow_cells(
     wishes = np.full((count, 3), np.nan) if wish is None else wish
     kind, edge, corner = (np.full((count, ROOM), -1, dtype=np.int64) for _ in range(3))
     number, ends, status = np.zeros(count, dtype=np.int64), np.zeros((count, 2)), np.zeros((count, 2), dtype=np.int64)
-    batch = _Batch(a, b, seed, clearance, keeps, bars, wishes, kind, edge, corner, number, ends, status)
+    finest = np.where(False if to_the_end is None else to_the_end, FINEST, 1 / 64) * np.ones(count)
+    batch = _Batch(a, b, seed, clearance, finest, keeps, bars, wishes, kind, edge, corner, number, ends, status)
     if count < 64:
         batch.grow(bodies, span)
     else:
@@ -131,6 +137,7 @@ class _Batch:
     b: Ints
     seed: Floats
     clearance: Floats
+    finest: Floats
     keeps: Floats
     bars: Ints
     wishes: Floats
@@ -160,7 +167,7 @@ class _Batch:
         step = np.minimum(self.clearance / (4 * radius), span / 4)
         grow.grow_many(
             self.seed, self.keeps.reshape(-1, 3), np.arange(rows + 1) * self.keeps.shape[1], self.bars, self.wishes,
-            10 * self.clearance, step, step / 64, np.full(rows, span), bodies.shape[self.a], bodies.shape[self.b],
+            10 * self.clearance, step, step * self.finest, np.full(rows, span), bodies.shape[self.a], bodies.shape[self.b],
             shapes.corner, shapes.after, shapes.normal, shapes.first, shapes.run, shapes.run_first, shapes.run_disc, 1e-12 * radius,
             self.kind, self.edge, self.corner, self.number, self.ends, self.status,
         )  # fmt: skip

@@ -129,8 +129,8 @@ class Linearised:
         kernel.against(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, y, out)
         return out
 
-    def condensed(self, weight: Floats, lam: Floats, balance: Floats | None = None, *, unit: float = 1.0) -> Floats:
-        """Entries of J^T diag(weight) J - objective'' / unit - sum lam h'' in the order of `program.pattern`."""
+    def condensed(self, weight: Floats, lam: Floats, balance: Floats | None = None, share: float = 1.0) -> Floats:
+        """Entries of J^T diag(weight) J - share objective'' - sum lam h'' in the order of `program.pattern`."""
         P, pattern = self.program, self.program.pattern
         data = np.zeros(len(pattern.indices))
         # second derivatives of h share the rows' unit, first derivatives already carry it
@@ -139,21 +139,21 @@ class Linearised:
             weight, lam, np.zeros((len(P.cells.a), 2)) if balance is None else balance, P.scale, P.slot,
             pattern.diagonal_at, pattern.block_at, data,
         )  # fmt: skip
-        self._add_objective(data, unit)
+        self._add_objective(data, share)
         return data
 
-    def _add_objective(self, data: Floats, unit: float) -> None:
-        """Take the second derivatives of the objective off."""
+    def _add_objective(self, data: Floats, share: float) -> None:
+        """Take a share of the objective's second derivatives off."""
         P = self.program
         body, own, coupled = P.objective.hessian(self.motion)
         f = P.slot[body]
         own, f = own[f >= 0], f[f >= 0]
         scale = P.scale.reshape(-1, 3)
-        own = own * (scale[f, :, None] * scale[f, None, :] / unit)
+        own = share * own * scale[f, :, None] * scale[f, None, :]
         np.subtract.at(data, P.pattern.diagonal_at[f], own[:, [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
         both = P.coupled_at[:, 0] >= 0
         i, j = (P.slot[k[both]] for k in P.objective.couples)
-        blocks = coupled[both] * (scale[i, :, None] * scale[j, None, :] / unit)
+        blocks = share * coupled[both] * scale[i, :, None] * scale[j, None, :]
         blocks[i > j] = blocks[i > j].transpose(0, 2, 1)  # rows belong to the body with the smaller slot
         np.subtract.at(data, P.coupled_at[both], blocks.transpose(0, 2, 1).reshape(-1, 9))
 

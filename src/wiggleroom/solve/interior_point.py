@@ -9,14 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.program.build import Linearised, Program
+from wiggleroom.program.build import Program
 from wiggleroom.program.retract import Retraction
+from wiggleroom.solve.careful import Careful
 from wiggleroom.solve.factor import Factor, factor
+from wiggleroom.solve.newton import TINY_SHIFT, State, Stop, dot, longest, newton
+from wiggleroom.solve.ridge import beside, uphill
 
 Floats = NDArray[np.float64]
 
@@ -30,23 +32,21 @@ FIRST_MU = 0.1
 INNER = 3e-2
 """The next program starts at the last legal iterate whose complementarity was still this share of the objective."""
 LEAST_SLACK = 1e-14
+FIRST_SLACK = 1e-3
+"""Slacks begin no smaller: a wall right beside the start would else block every step away from the others."""
 LONGEST = 0.1
 """Share of the horizon that a body may move in one iteration."""
 HOME = 0.01
 """Share of the tolerance that may be given up to stay near rest."""
-TINY_SHIFT = 1e-11
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
-LEAST_ITERATIONS, MOST_ITERATIONS = 3, 100
+LEAST_ITERATIONS, MOST_ITERATIONS, MOST_CAREFUL = 3, 100, 200
+MOST_RIDGES = 2
+"""So often the search goes on beside a point that balances on a ridge."""
+PATIENCE = 30
+"""After so many iterations that do not make the error less, the quick steps have failed."""
 FREE = 1e-3
 """A diagonal strengthened by more than this keeps steps short."""
-
-
-class Stop(Protocol):
-    """Anything with `is_set`, asked every iteration."""
-
-    def is_set(self) -> bool:
-        """True to stop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,33 +80,6 @@ class Solution:
     inner_mu: float
     way: tuple[Floats, ...] = ()
     error: float = 0.0
-
-
-@dataclass(eq=False)
-class _State:
-    """Iterate of the method; `s` are slacks of the rows."""
-
-    u: Floats
-    s: Floats
-    lam: Floats
-    at: Linearised
-    unit: float
-    move: Floats
-    home: float
-    shift: float = TINY_SHIFT
-    stride: float = 1.0
-    way: list[Floats] = field(default_factory=list)
-
-    def residuals(self) -> tuple[Floats, Floats, float, float]:
-        """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
-        primal = self.s - self.at.h
-        dual = self.pull_home * self.u - self.at.gradient / self.unit - self.at.against(self.lam)
-        return primal, dual, _dot(self.s, self.lam), self.at.value / self.unit
-
-    @property
-    def pull_home(self) -> float:
-        """Weight of half the squared motion, so small that it decides only between motions that are equally good."""
-        return self.home * max(abs(self.at.value) / self.unit, 1.0) / max(_dot(self.u, self.u), 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,49 +127,113 @@ def solve(
     -------
     Solution
     """
-    u = np.zeros(len(program.scale)) if start is None else start.copy()
-    at = program.linearise(u)
-    unit = float(np.abs(at.gradient).max()) or 1.0
-    s = np.maximum(at.h, 1e-9)
-    state = _State(u, s, mu / s, at, unit, np.zeros_like(u), HOME * tolerance)
+    begin = np.zeros(len(program.scale)) if start is None else start.copy()
     matrix, retraction = factor(program.pattern), Retraction(program)
-    inner, inner_mu, status, error, before = u, mu, "failed", np.inf, np.inf
-    for k in range(MOST_ITERATIONS + 1):
-        primal, dual, gap, value = state.residuals()
-        if progress is not None:
-            progress(k, state.at.value)
-        infeasible, wrong = _dot(state.lam, np.abs(primal)), _dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0))
-        if k == 0:
-            wrong = np.inf
-        error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
-        before = value
+    unit = float(np.abs(program.linearise(begin).gradient).max()) or 1.0
+    farthest = LONGEST * horizon / program.length
+    watch = _Watch(tolerance, horizon, stop, progress, begin, mu)
+
+    def at_start(u: Floats, mu: float, least: float) -> State:
+        at = program.linearise(u)
+        s = np.maximum(at.h, least)
+        return State(u, s, mu / s, at, unit, np.zeros_like(u), HOME * tolerance)
+
+    def quick(state: State, primal: Floats, dual: Floats, least: float) -> bool:
+        step = _step(state, matrix, retraction, primal, dual, watch.mu, watch.lag, least)
+        if step is not None:
+            _advance(state, step.capped(farthest), retraction)
+        return step is not None
+
+    for ridges in range(MOST_RIDGES + 1):
+        state = at_start(begin, mu, FIRST_SLACK)
+        status = watch.follow(state, quick, MOST_ITERATIONS)
+        if status == "failed" and watch.legal is not None:
+            state = at_start(*watch.legal, 0.0)
+            status = watch.follow(state, Careful(matrix, retraction, watch.legal[1], farthest).advance, MOST_CAREFUL)
+        up = uphill(state, matrix, tolerance) if status == "converged" and ridges < MOST_RIDGES else None
+        if up is None:
+            break
+        begin, mu = beside(program, watch.inner[0], up), watch.inner[1]
+        watch.back_to_inner()
+    settled = _settle(state, matrix, retraction) if status == "converged" else state
+    inner = watch.legal if status == "failed" and watch.legal else watch.inner
+    return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
+
+
+@dataclass(eq=False)
+class _Watch:
+    """Looks at every iterate: whether to go on, and what to remember."""
+
+    tolerance: float
+    horizon: float
+    stop: Stop | None
+    progress: Callable[[int, float], None] | None
+    begin: Floats
+    first_mu: float
+    iterations: int = 0
+    error: float = np.inf
+    mu: float = 0.0
+    lag: float = 0.0
+    legal: tuple[Floats, float] | None = None
+    way: list[Floats] = field(default_factory=list)
+    inner: tuple[Floats, float] = field(init=False)
+
+    def __post_init__(self) -> None:
+        """Begin with the start as the inner point."""
+        self.inner = self.begin, self.first_mu
+
+    def back_to_inner(self) -> None:
+        """Forget the way past the inner point."""
+        last = next((k for k, u in enumerate(self.way) if u is self.inner[0]), -1)
+        del self.way[last + 1 :]
+
+    def follow(self, state: State, advance: Callable[[State, Floats, Floats, float], bool], most: int) -> str:
+        """Advance the state until it is converged, stopped or escaping, or until that fails."""
+        before, best, since = np.inf, np.inf, 0
+        for k in range(most + 1):
+            primal, dual, gap, value = state.residuals()
+            status = self._judge(state, primal, dual, gap, value, before, k)
+            if status:
+                return status
+            best, since = (self.error, 0) if self.error < 0.9 * best else (best, since + 1)
+            target = 0.2 * self.tolerance * max(abs(value), 1.0) / max(len(primal), 1)
+            if k == most or since > PATIENCE or not advance(state, primal, dual, target):
+                break
+            before = value
+            self.iterations += 1
+        return "failed"
+
+    def _judge(
+        self, state: State, primal: Floats, dual: Floats, gap: float, value: float, before: float, k: int
+    ) -> str:
+        """Measure an iterate; the status to end with, or nothing."""
+        if self.progress is not None:
+            self.progress(self.iterations, state.at.value)
+        self.mu = gap / max(len(primal), 1)
+        infeasible = dot(state.lam, np.abs(primal))
+        wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
+        self.lag = max(infeasible, wrong) / gap if gap > 0 else 0.0
+        self.error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:
-            state.way.append(state.u)
+            self.legal = state.u, self.mu
+            self.way.append(state.u)
             if k == 0 or gap > INNER * max(abs(value), 1.0):
-                inner, inner_mu = state.u, gap / max(program.rows, 1)
-        if k >= LEAST_ITERATIONS and error < tolerance and np.abs(dual).max() < max(10 * tolerance, BALANCED):
-            status = "converged"
-            break
-        if stop is not None and stop.is_set():
-            status = "stopped"
-            break
-        if inside and np.abs(program.motion(state.u)[:, :2]).max(initial=0.0) > horizon:
-            status = "escaping"
-            break
-        lag = max(infeasible, 0.0 if k == 0 else wrong) / gap if gap > 0 else 0.0
-        target = 0.2 * tolerance * max(abs(value), 1.0) / max(program.rows, 1)
-        step = _step(state, matrix, retraction, primal, dual, gap / max(program.rows, 1), lag, target)
-        step = step and step.capped(LONGEST * horizon / program.length)
-        if step is None or k == MOST_ITERATIONS:
-            break
-        _advance(state, step, retraction)
-    settled = _settle(state, matrix, retraction) if status == "converged" else state
-    return Solution(settled.u, settled.lam * unit, status, k, inner, inner_mu, tuple(state.way), error)
+                self.inner = state.u, self.mu
+        if (
+            k >= LEAST_ITERATIONS
+            and self.error < self.tolerance
+            and np.abs(dual).max() < max(10 * self.tolerance, BALANCED)
+        ):
+            return "converged"
+        if self.stop is not None and self.stop.is_set():
+            return "stopped"
+        far = np.abs(state.at.program.motion(state.u)[:, :2]).max(initial=0.0) > self.horizon
+        return ("escaping" if inside else "failed") if far else ""
 
 
 def _step(
-    state: _State,
+    state: State,
     matrix: Factor,
     retraction: Retraction,
     primal: Floats,
@@ -207,21 +244,21 @@ def _step(
 ) -> _Step | None:
     """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not a stub."""
     s, lam, at = state.s, state.lam, state.at
-    data = at.condensed(lam / s, lam, retraction.balance(dual, at), unit=state.unit)
+    data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
     shift = TINY_SHIFT if state.shift <= 1e-8 else state.shift / 5
     found = None
     for attempt in range(16):
         if not matrix.update(data, shift + state.pull_home):
             shift = max(10 * shift, 1e-5)
             continue
-        _, ds, dl = _newton(state, matrix, primal, dual, -s * lam)
-        after = _dot(s + _longest(s, ds) * ds, lam + _longest(lam, dl) * dl) / max(len(s), 1)
+        _, ds, dl = newton(state, matrix, primal, dual, -s * lam)
+        after = dot(s + longest(s, ds) * ds, lam + longest(lam, dl) * dl) / max(len(s), 1)
         centring = (after / mu) ** 3 if mu > 0 else 0.0
         if lag > 0.3:  # feasibility must not fall behind complementarity
             centring = max(centring, min(10.0, lag))
         goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)
-        du, ds, dl = _newton(state, matrix, primal, dual, goal)
-        far, dfar = _longest(s, ds), _longest(lam, dl)
+        du, ds, dl = newton(state, matrix, primal, dual, goal)
+        far, dfar = longest(s, ds), longest(lam, dl)
         found = _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift)
         if found.primal > SHORT or attempt >= 5:
             break
@@ -229,30 +266,11 @@ def _step(
     return found
 
 
-def _newton(state: _State, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
-    """Directions (du, ds, dlam) that change s * lam by `goal` and remove both residuals, to first order."""
-    s, lam, at = state.s, state.lam, state.at
-    du = matrix.solve(at.against((lam * primal + goal) / s) - dual)
-    ds = at.along(du) - primal
-    return du, ds, (goal - lam * ds) / s
-
-
-def _dot(x: Floats, y: Floats) -> float:
-    """X . y without the threads of a linear-algebra library, which cost more than they save here."""
-    return float(np.einsum("i,i->", x, y))
-
-
-def _longest(x: Floats, dx: Floats) -> float:
-    """Largest step in [0, 1] that keeps x + step * dx >= 0."""
-    shrinking = dx < 0
-    return min(1.0, float((-x[shrinking] / dx[shrinking]).min())) if shrinking.any() else 1.0
-
-
-def _advance(state: _State, step: _Step, retraction: Retraction) -> None:
+def _advance(state: State, step: _Step, retraction: Retraction) -> None:
     """Take the step; halve it while the true rows fall behind the foreseen ones by more than half the complementarity."""
     lam = state.lam + step.dual * step.lam
     share = step.primal
-    before = _dot(state.lam, np.abs(state.s - state.at.h))
+    before = dot(state.lam, np.abs(state.s - state.at.h))
     # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so stride out
     state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > FREE else 1.0
     if state.stride > 4.0:
@@ -267,26 +285,26 @@ def _advance(state: _State, step: _Step, retraction: Retraction) -> None:
         u = retraction.step(state.u, share * step.u, state.at)
         at = state.at.program.linearise(u)
         s = np.maximum(np.maximum(state.s + share * step.s, at.h), LEAST_SLACK)
-        if _dot(lam, s - at.h) <= max(0.5 * _dot(s, lam), 2.0 * before):
+        if dot(lam, s - at.h) <= max(0.5 * dot(s, lam), 2.0 * before):
             break
         share /= 2
     state.move, state.shift = step.u, step.shift
     state.u, state.s, state.lam, state.at = u, s, lam, at
 
 
-def _settle(state: _State, matrix: Factor, retraction: Retraction) -> _State:
+def _settle(state: State, matrix: Factor, retraction: Retraction) -> State:
     """A few short centred steps that remove what is left of the violation; bodies that nothing holds stay where they are."""
-    mu = _dot(state.s, state.lam) / max(len(state.s), 1)
+    mu = dot(state.s, state.lam) / max(len(state.s), 1)
     for _ in range(6):
         primal, dual, _, _ = state.residuals()
         if np.abs(primal).max(initial=0.0) < 1e-12:
             break
-        data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at), unit=state.unit)
+        data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at), 1.0 / state.unit)
         shift = max(state.shift, 1e-2)
         while not matrix.update(data, shift):
             shift *= 10
-        du, ds, dl = _newton(state, matrix, primal, dual, mu - state.s * state.lam)
-        far, dfar = _longest(state.s, ds), _longest(state.lam, dl)
+        du, ds, dl = newton(state, matrix, primal, dual, mu - state.s * state.lam)
+        far, dfar = longest(state.s, ds), longest(state.lam, dl)
         _advance(
             state,
             _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift),

@@ -20,7 +20,8 @@ from wiggleroom.errors import InputError, MissingExtraError
 from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
-from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution, Stop
+from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution
+from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
