@@ -109,8 +109,11 @@ class _Steps:
                 break
             self.rounds += 1
             du = self._solve(at, faces, size)
-            if du is None:
-                break
+            if du is None:  # the solver found no way: ask for less
+                size *= SHRINK
+                if size < SMALLEST:
+                    break
+                continue
             moved = way[-1] + at.program.motion(du)
             after, faces_there = self._linearised(moved, self.objective)
             self.tell(Progress("solve", self.rounds, 0, after.value))
