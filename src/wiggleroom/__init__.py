@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from wiggleroom.assembly import patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
-    from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
+    from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Translation, Turn, W
     from wiggleroom.errors import InputError, MissingExtraError, TouchingError, WiggleroomError
+    from wiggleroom.freespace.models import HalfPlane, Hull
+    from wiggleroom.freespace.polyhedron import Polyhedron
     from wiggleroom.freespace.space import FreeSpace, free_space
     from wiggleroom.report.film import film
     from wiggleroom.solve.verdict import Verdict
@@ -33,13 +35,17 @@ if TYPE_CHECKING:
 _HOME = {
     "Answer": "analysis.answer",
     "Assembly": "assembly.model",
+    "Closer": "drawing.model",
     "Contact": "analysis.answer",
     "Drawing": "drawing.model",
     "FreeSpace": "freespace.space",
+    "HalfPlane": "freespace.models",
+    "Hull": "freespace.models",
     "InputError": "errors",
     "JointGap": "drawing.model",
     "MissingExtraError": "errors",
     "Part": "drawing.model",
+    "Polyhedron": "freespace.polyhedron",
     "Prepared": "analysis.prepare",
     "Pull": "drawing.model",
     "Ranking": "analysis.rank",
@@ -49,6 +55,7 @@ _HOME = {
     "Sweep": "analysis.sweep",
     "Tightening": "analysis.tighten",
     "TouchingError": "errors",
+    "Translation": "drawing.model",
     "Turn": "drawing.model",
     "Verdict": "solve.verdict",
     "W": "drawing.model",
@@ -69,13 +76,17 @@ _HOME = {
 __all__ = [
     "Answer",
     "Assembly",
+    "Closer",
     "Contact",
     "Drawing",
     "FreeSpace",
+    "HalfPlane",
+    "Hull",
     "InputError",
     "JointGap",
     "MissingExtraError",
     "Part",
+    "Polyhedron",
     "Prepared",
     "Pull",
     "Ranking",
@@ -85,6 +96,7 @@ __all__ = [
     "Sweep",
     "Tightening",
     "TouchingError",
+    "Translation",
     "Turn",
     "Verdict",
     "W",

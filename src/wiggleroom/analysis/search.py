@@ -226,7 +226,7 @@ class Search:
         self.rounds += 1
         number, begin = self.rounds, program.variables(self.inner)
         solution = self.solve(
-            program, begin if self.legs else _nudged(program, begin), mu=mu, tolerance=tolerance,
+            program, begin if self.legs else nudged(program, begin), mu=mu, tolerance=tolerance,
             horizon=FAR * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
@@ -331,7 +331,7 @@ class Search:
         return [*alone, corners] if len(corners) and not self.large else []
 
 
-def _nudged(program: Program, u: Floats) -> Floats:
+def nudged(program: Program, u: Floats) -> Floats:
     """A point beside u: a symmetric assembly would else stay on the ridge between two equal ways."""
     aside = u + NUDGE * np.random.default_rng(0).standard_normal(len(u))
     return aside if (program.values(aside) > 0.5 * program.values(u)).all() else u

@@ -100,6 +100,20 @@ def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, b
     return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
 
 
+def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, barred: Ints) -> Pairs:
+    """Pairs of bodies whose convex hulls overlap, except fixed with fixed and `barred` ones; arguments as for `neighbours`.
+
+    Source: Mind the Gap, section 4.4: the pairs that get collision constraints.
+    """
+    around = shapely.convex_hull(geometry)
+    i, j = shapely.STRtree(around).query(around, predicate="intersects")
+    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, barred)
+    i, j = i[keep], j[keep]
+    order = np.lexsort((j, i))
+    i, j = i[order], j[order]
+    return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
+
+
 def relative_rest(bodies: Bodies, a: Ints, b: Ints, motion: Floats | None = None) -> Floats:
     """B seen from A (P, 3) [mm, mm, rad]: position of B's origin in A's frame and its angle, at rest or moved."""
     pose = bodies.rest if motion is None else bodies.rest + motion

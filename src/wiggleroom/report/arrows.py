@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.drawing.model import Goal, Pull, Turn
+from wiggleroom.drawing.model import Goal, Pull, Turn, W
 from wiggleroom.report import palette
 from wiggleroom.report.layout import View
 
@@ -44,6 +44,8 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
     room : float [px]
         Size of the part, which the turn arrow fits into.
     """
+    if not isinstance(goal, Pull | Turn | W):
+        return Mark("")
     k = assembly.names.index(goal.part)
     if isinstance(goal, Turn):
         return _turn(view.pixels(shown[k, :2]), 1.0 if goal.sense == "ccw" else -1.0, room)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.drawing.model import Pull
+from wiggleroom.drawing.model import Pull, part_of
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, obstacles
 from wiggleroom.report.layout import View
@@ -84,10 +84,11 @@ def _draw(
     room = float(np.median(rooms))
     goals = assembly.goals if answer is None else answer.goals
     rows = {name: k for k, name in enumerate(assembly.names)}
-    marks = [goal_mark(view, assembly, g, rest, shown, rooms[rows[g.part]]) for g in goals if g.part in rows]
+    marked = [(g, rows[name]) for g in goals if (name := part_of(g)) in rows]
+    marks = [goal_mark(view, assembly, g, rest, shown, rooms[row]) for g, row in marked]
     if answer is not None:
         marks.insert(0, contact_mark(view, answer, rest, shown, room))
-    pulled = {g.part for g in goals}
+    pulled = {assembly.names[row] for _, row in marked}
     body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
     legend = _legend(assembly, answer, bool(pulled), tints)
     foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command if framed else "")

@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.drawing.model import Goal, Pull, Turn, W
+from wiggleroom.drawing.model import Goal, Pull, Turn, W, part_of
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow, turn_radius
 from wiggleroom.report.layout import View
@@ -222,7 +222,7 @@ def _tracks(
     shapes, rest = Shapes(view.scale, key), assembly.rest
     far = np.abs(poses - rest)[:, :, :2].max() > _PAN * assembly.size
     opacity = _opacity(assembly, poses) if far else np.ones(poses.shape[:2])
-    pulled = {g.part for g in goals}
+    pulled = {part_of(g) for g in goals}
     of, places = [shapes.of(p) for p in assembly.parts], _places(view, assembly, poses)
     rooms = np.array([np.ptp(shapely.get_coordinates(s.polygon), axis=0).max() for s in of])
     room = float(np.median(rooms))
@@ -238,7 +238,7 @@ def _tracks(
         layers[kind].append(Track(body, places[:, k], opacity[:, k]))
     arrows, taken = [], []
     for goal in goals:
-        if goal.part in assembly.names:
+        if isinstance(goal, Pull | Turn | W) and goal.part in assembly.names:
             k = assembly.names.index(goal.part)
             arrows.append(_goal(view, goal, rest[k], poses[:, k], opacity[:, k], float(rooms[k])))
             x, y, _ = arrows[-1].place[0]
@@ -262,7 +262,7 @@ def _places(view: View, assembly: Assembly, poses: Floats) -> Floats:
     return np.dstack([view.pixels(np.dstack([x, y])), -np.degrees(poses[:, :, 2])])
 
 
-def _taken(goal: Goal, x: float, y: float, room: float) -> shapely.Geometry:
+def _taken(goal: Pull | Turn | W, x: float, y: float, room: float) -> shapely.Geometry:
     """Where the arrow of a goal is at first, and no name may be."""
     if isinstance(goal, Pull):
         along = PULL_LENGTH * np.array(goal.direction) / math.hypot(*goal.direction) * (1, -1)
@@ -289,7 +289,7 @@ def _names(
     return found
 
 
-def _goal(view: View, goal: Goal, rest: Floats, poses: Floats, opacity: Floats, room: float) -> Track:
+def _goal(view: View, goal: Pull | Turn | W, rest: Floats, poses: Floats, opacity: Floats, room: float) -> Track:
     """Arrow of one goal, which goes with the pulled point."""
     point = np.array(goal.point) if isinstance(goal, Pull) and goal.point is not None else rest[:2]
     track = np.array([[*view.pixels(carry(point, rest, pose)), 0.0] for pose in poses])

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.report.words import ask, certainty, headline, number, short, unit
+from wiggleroom.drawing.model import part_of
+from wiggleroom.report.words import ask, certainty, headline, number, sentence, short, unit
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def table(answer: Answer) -> Group:
     colour = _COLOURS[answer.verdict]
     lines = [
         Text(headline(answer), style="bold"),
-        Text.assemble((answer.verdict.value, f"bold {colour}"), f": {answer.verdict.sentence}"),
+        Text.assemble((answer.verdict.value, f"bold {colour}"), f": {sentence(answer)}"),
     ]
     if answer.objective is not None and len(answer.goals) > 1:
         lines += [Text(f"  {ask(goal)}, weight {number(goal.weight)}") for goal in answer.goals]
@@ -52,7 +53,7 @@ def table(answer: Answer) -> Group:
 
 def _parts(answer: Answer) -> Table:
     """Parts moved most, the pulled ones always among them and first."""
-    asked = {goal.part for goal in answer.goals}
+    asked = {part_of(goal) for goal in answer.goals}
     names, moved = answer.assembly.names, np.hypot(answer.motion[:, 0], answer.motion[:, 1]).tolist()
     farthest = max(moved)
     order = sorted(range(len(names)), key=lambda k: (names[k] not in asked, -round(moved[k], 9), k))
