@@ -1,0 +1,143 @@
+"""Table 3: which methods see whether an assembly comes apart, on assemblies of which it is known.
+
+Where a method answers by pulling, every part is pulled in a fan of directions and turned both ways until one of the questions has no end.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from itertools import product
+
+import numpy as np
+import shapely
+
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.approximate import End
+from wiggleroom.analysis.prepare import prepare
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.bench.published import INTERLOCK
+from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
+from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.drawing.model import Goal, Pull, Turn, part_of
+from wiggleroom.errors import InputError
+from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
+from wiggleroom.pairs.neighbours import placed
+from wiggleroom.solve.newton import Stop
+from wiggleroom.solve.verdict import Verdict
+
+FAN = 8
+"""Directions in which every part is pulled."""
+
+Method = Callable[[Assembly, Stop | None], str]
+"""Says "locked", "comes apart", or in a word why neither."""
+
+
+def by_pulls(*models: PairModel) -> Method:
+    """Method that asks `flex` with pair models, one after the other."""
+
+    def ask(assembly: Assembly, stop: Stop | None) -> str:
+        for ready, goal in product([prepare(assembly, model) for model in models], list(_goals(assembly))):
+            if stop is not None and stop.is_set():
+                return "interrupted"
+            answer = ready.flex(goal, stop=stop)
+            if (answer.verdict is Verdict.UNBOUNDED and answer.leaves) or _outside(answer, part_of(goal)):
+                return APART
+        return LOCKED
+
+    return ask
+
+
+METHODS: dict[str, Method] = {
+    "walls": by_pulls(Walls()),
+    "hull": by_pulls(Hull("joint"), Hull("reference")),
+    "hull, 8 rounds": by_pulls(Hull("joint", rounds=8), Hull("reference", rounds=8)),
+    "half-planes": by_pulls(HalfPlane()),
+}
+"""Registry: every method that is asked."""
+
+
+def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] | None = None) -> Bench:
+    """Ask every method about every assembly, and compare with the truth.
+
+    Parameters
+    ----------
+    stop, progress : optional
+        Asked all the time; told how many questions are done, and how many there are.
+
+    Source: Mind the Gap, Table 3 and Fig. 10.
+    """
+    found: list[Record] = []
+    for k, puzzle in enumerate(PUZZLES):
+        assembly = puzzle.assembly()
+        for i, (name, method) in enumerate(METHODS.items()):
+            if stop is not None and stop.is_set():
+                break
+            if progress is not None:
+                progress(k * len(METHODS) + i, len(PUZZLES) * len(METHODS))
+            began = time.perf_counter()
+            try:
+                says = method(assembly, stop)
+            except InputError as error:
+                says = f"refused: {error.findings[0]}"
+            seconds = time.perf_counter() - began
+            found.append(
+                {"assembly": puzzle.name, "truth": puzzle.truth, "why": puzzle.why, "gap_mm": assembly.drawing.gap, "method": name,
+                 "says": says, "right": says == puzzle.truth, "seconds": seconds, "published": False}
+            )  # fmt: skip
+    notes = (
+        "A cross: the answer is wrong. Spinning in place is not coming apart. Walls, hull and half-planes: every part pulled in "
+        f"{FAN} directions and turned both ways, until a part leaves: walls say so; the other models keep everything within a window, so a "
+        "part counts as out where its convex hull meets none of the others. Hull: about the joint, then about the reference point; in one "
+        "round as in the paper, and in eight, its outlook.",
+        "† Published in Mind the Gap, Table 3: what each kind of method can do; ours stands for PuzzleFlex and its own.",
+    )
+    cut = stop is not None and stop.is_set()
+    return Bench("interlock", "Does it come apart: methods against the truth", tuple(found), _sheets(found), notes, cut)
+
+
+def _outside(answer: Answer, name: str) -> bool:
+    """Whether a model that knows no motion without end has moved a part out: its convex hull meets that of no other part, nor that of
+    everything that is fixed."""
+    if not isinstance(answer.trail, End):
+        return False
+    them = answer.trail.program.bodies
+    where = placed(them, answer.trail.motions[-1])
+    row = them.body_of[answer.assembly.names.index(name)]
+    mine, others = shapely.convex_hull(where[row]), np.delete(where, row)
+    ground = shapely.convex_hull(shapely.union_all(where[them.fixed]))
+    return not shapely.intersects(mine, [*shapely.convex_hull(others), ground]).any()
+
+
+def _goals(assembly: Assembly) -> Iterator[Goal]:
+    """Pulls and turns of every part that is not fixed."""
+    angles = 2 * np.pi * np.arange(FAN) / FAN
+    for part in assembly.parts:
+        if part.fixed:
+            continue
+        for angle in angles.tolist():
+            yield Pull(part.name, (float(np.cos(angle)), float(np.sin(angle))))
+        for sense in ("ccw", "cw"):
+            yield Turn(part.name, sense)
+
+
+def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
+    """Answers with a column for every method, how many are right, and the paper's table."""
+    rows: dict[str, Record] = {}
+    for r in found:
+        row = rows.setdefault(r["assembly"], {"assembly": r["assembly"], "truth": r["truth"], "why": r["why"]})
+        row[r["method"]] = r["says"] if r["right"] else f"{r['says']} ✗"
+    asked = [name for name in METHODS if any(r["method"] == name for r in found)]
+    mine = [[r for r in found if r["method"] == name] for name in asked]
+    score: Record = {"assembly": "right", "truth": f"of {len(rows)}"}
+    score |= {name: str(sum(r["right"] for r in some)) for name, some in zip(asked, mine, strict=True)}
+    spent: Record = {"assembly": "seconds", "truth": "together"}
+    spent |= {name: f"{sum(r['seconds'] for r in some):.2f}" for name, some in zip(asked, mine, strict=True)}
+    columns = (Column("assembly", "assembly"), Column("truth", "truth"), Column("why", "why", wide=True), *[Column(m, m) for m in asked])
+    said = {True: "yes", False: "no"}
+    theirs = tuple({k: said[v] if isinstance(v, bool) else v for k, v in r.items()} | {"published": True} for r in INTERLOCK)
+    names = ("blocking graphs", "infinitesimal", "ours")
+    return (
+        Sheet("", columns, (*rows.values(), score, spent)),
+        Sheet("Mind the Gap, Table 3 †", (Column("property", "method"), *[Column(n, n) for n in names]), theirs),
+    )
