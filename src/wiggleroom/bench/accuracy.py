@@ -90,16 +90,22 @@ def accuracy(
         found += of_pair(name, PAIRS[name](), samples, seed)
     cut = sum(r["method"] == WALLS for r in found) < len(pairs)
     notes = (
-        f"{samples:,} samples a pair, gap {GAP:g}, blocks of side 1. Right, unsafe and lost are shares of all samples, lost of free of "
-        "the free ones. Unsafe: accepted though parts overlap; lost: refused though free.",
-        "Hulls of three slices, B turned about its reference point or about the joint: the paper does not say which. Half-planes: those of "
-        "one linear program, at rest.",
-        "Box: that of the reachable region; for the arc and the open wedge, which leave it, the one that the hulls span, grown by the gap in x and y. "
-        "Angles of half-planes: how far b2 turns in place.",
-        "† Published in Mind the Gap, Table 1, for four joints of its own whose sizes it does not give; PuzzleFlex as measured there.",
+        f"{samples:,} samples a pair, gap {GAP:g}, blocks of side 1. Right, unsafe and lost are shares of all "
+        "samples, lost of free of the free ones. Unsafe: accepted though parts overlap; lost: refused though "
+        "free.",
+        "Hulls of three slices, B turned about its reference point or about the joint: the paper does not say "
+        "which. Half-planes: those of one linear program, at rest.",
+        "Box: that of the reachable region; for the arc and the open wedge, which leave it, the one that the "
+        "hulls span, grown by the gap in x and y. From, to: turns of b2 that the model knows; of half-planes how "
+        "far it turns in place.",
+        "† Published in Mind the Gap, Table 1, for four joints of its own whose sizes it does not give; "
+        "PuzzleFlex as measured there.",
     )
+    command = "wiggleroom bench accuracy" + ("" if samples == SAMPLES else f" --samples {samples}")
     title = "One joint: random motions judged by each model and by exact collision"
-    return Bench("accuracy", title, (*found, *ACCURACY), (Sheet("", COLUMNS, (*found, *ACCURACY)),), notes, cut)
+    return Bench(
+        "accuracy", title, (*found, *ACCURACY), (Sheet("", COLUMNS, (*found, *ACCURACY)),), notes, command, cut
+    )
 
 
 def of_pair(name: str, assembly: Assembly, samples: int, seed: int = 0) -> list[Record]:

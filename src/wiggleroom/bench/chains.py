@@ -79,27 +79,37 @@ def chains(*, stop: Stop | None = None, progress: Callable[[int, int], None] | N
             found.append({**base, "method": name, "moves_mm": value, "overlap_mm": deep, "share_percent": share})
     cut = stop is not None and stop.is_set()
     notes = (
-        f"{blocks} unit blocks in a row, the first fixed, the last pulled in +y. The true optimum is an exact dynamic programme over the turns "
-        "of the links (stored with the package; `python -m benchmarks.optima` works it out anew, accurate to 1e-9).",
-        "A star: parts overlap in that motion. Hull: three slices, about the reference point or the joint. Half-planes: step by step; at rest: "
-        "one linear program.",
-        "† Mind the Gap shows such curves in its Fig. 9, without figures or the sizes of its blocks: there experiments with real blocks move "
-        "furthest, then its hull, then PuzzleFlex.",
+        f"{blocks} unit blocks in a row, the first fixed, the last pulled in +y. The true optimum is an exact "
+        "dynamic programme over the turns of the links (stored with the package, accurate to 1e-9; `python -m "
+        "benchmarks.optima` works it out anew).",
+        "A star: parts overlap in that motion. Hull: three slices, about the reference point or the joint. "
+        "Half-planes: step by step; at rest: one linear program.",
+        "† Mind the Gap shows such curves in its Fig. 9, without figures or the sizes of its blocks: there "
+        "experiments with real blocks move furthest, then its hull, then PuzzleFlex.",
     )
     title = "Chains: displacement against gap, beside the true optimum"
-    return Bench("chains", title, tuple(found), _sheets(found), notes, cut)
+    return Bench("chains", title, tuple(found), _sheets(found), notes, "wiggleroom bench chains", cut)
 
 
 def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
     """Displacement, and share of the true optimum, with a column for every gap."""
     gaps = sorted({r["gap_mm"] for r in found})
     sheets = []
-    for title, key, places in (("Moves [mm] by gap [mm]", "moves_mm", 3), ("Share of the true optimum [%] by gap [mm]", "share_percent", 2)):
+    for title, key, places in (
+        ("Moves [mm] by gap [mm]", "moves_mm", 3),
+        ("Share of the true optimum [%] by gap [mm]", "share_percent", 2),
+    ):
         rows: dict[tuple[str, str], Record] = {}
         for r in found:
             row = rows.setdefault((r["joint"], r["method"]), {"joint": r["joint"], "method": r["method"]})
-            row[f"{r['gap_mm']:g}"] = "unbounded" if r[key] is None else f"{r[key]:.{places}f}{' *' if r['overlap_mm'] else ''}"
+            row[f"{r['gap_mm']:g}"] = (
+                "unbounded" if r[key] is None else f"{r[key]:.{places}f}{' *' if r['overlap_mm'] else ''}"
+            )
         order = [rows[j, m] for j in JOINTS for m in (TRUTH, *METHODS) if (j, m) in rows]
-        columns = (Column("joint", "joint"), Column("method", "method"), *[Column(f"{g:g}", f"{g:g}", right=True) for g in gaps])
+        columns = (
+            Column("joint", "joint"),
+            Column("method", "method"),
+            *[Column(f"{g:g}", f"{g:g}", right=True) for g in gaps],
+        )
         sheets.append(Sheet(title, columns, tuple(order)))
     return tuple(sheets)

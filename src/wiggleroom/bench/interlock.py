@@ -86,20 +86,32 @@ def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] 
                  "says": says, "right": says == puzzle.truth, "seconds": seconds, "published": False}
             )  # fmt: skip
     notes = (
-        "A cross: the answer is wrong. Spinning in place is not coming apart. Walls, hull and half-planes: every part pulled in "
-        f"{FAN} directions and turned both ways, until a part leaves: walls say so; the other models keep everything within a window, so a "
-        "part counts as out where its convex hull meets none of the others. Hull: about the joint, then about the reference point; in one "
-        "round as in the paper, and in eight, its outlook.",
-        "† Published in Mind the Gap, Table 3: what each kind of method can do; ours stands for PuzzleFlex and its own.",
+        "A cross: the answer is wrong. Spinning in place is not coming apart. Walls, hull and half-planes: every "
+        f"part pulled in {FAN} directions and turned both ways, until a part leaves: walls say so; the other "
+        "models keep everything within a window, so a part counts as out where its convex hull meets none of the "
+        "others. Hull: about the joint, then about the reference point; in one round as in the paper, and in "
+        "eight, its outlook.",
+        "† Published in Mind the Gap, Table 3: what each kind of method can do; ours stands for PuzzleFlex and "
+        "its own.",
     )
     cut = stop is not None and stop.is_set()
-    return Bench("interlock", "Does it come apart: methods against the truth", tuple(found), _sheets(found), notes, cut)
+    return Bench(
+        "interlock",
+        "Does it come apart: methods against the truth",
+        tuple(found),
+        _sheets(found),
+        notes,
+        "wiggleroom bench interlock",
+        cut,
+    )
 
 
-def _outside(answer: Answer, name: str) -> bool:
-    """Whether a model that knows no motion without end has moved a part out: its convex hull meets that of no other part, nor that of
-    everything that is fixed."""
-    if not isinstance(answer.trail, End):
+def _outside(answer: Answer, name: str | None) -> bool:
+    """Whether a model that knows no motion without end has moved a part out.
+
+    Its convex hull then meets that of no other part, nor that of everything that is fixed.
+    """
+    if name is None or not isinstance(answer.trail, End):
         return False
     them = answer.trail.program.bodies
     where = placed(them, answer.trail.motions[-1])
@@ -133,9 +145,16 @@ def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
     score |= {name: str(sum(r["right"] for r in some)) for name, some in zip(asked, mine, strict=True)}
     spent: Record = {"assembly": "seconds", "truth": "together"}
     spent |= {name: f"{sum(r['seconds'] for r in some):.2f}" for name, some in zip(asked, mine, strict=True)}
-    columns = (Column("assembly", "assembly"), Column("truth", "truth"), Column("why", "why", wide=True), *[Column(m, m) for m in asked])
+    columns = (
+        Column("assembly", "assembly"),
+        Column("truth", "truth"),
+        Column("why", "why", wide=True),
+        *[Column(m, m) for m in asked],
+    )
     said = {True: "yes", False: "no"}
-    theirs = tuple({k: said[v] if isinstance(v, bool) else v for k, v in r.items()} | {"published": True} for r in INTERLOCK)
+    theirs = tuple(
+        {k: said[v] if isinstance(v, bool) else v for k, v in r.items()} | {"published": True} for r in INTERLOCK
+    )
     names = ("blocking graphs", "infinitesimal", "ours")
     return (
         Sheet("", columns, (*rows.values(), score, spent)),

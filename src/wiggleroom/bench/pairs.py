@@ -27,8 +27,7 @@ def arc() -> Assembly:
     way = np.column_stack([-np.sin(angle), np.cos(angle)])
     outer, inner = centre + OUTER * way, centre + INNER * way[::-1]
     line = np.vstack([(0.0, 0.5), outer, inner, (0.0, -0.5)])  # down the side, material on the right
-    tongue, pocket = line - (0.5, 0.0), line[::-1] + (0.5, 0.0)
-    block = Region(np.vstack([tongue, pocket]))
+    block = Region(np.vstack([np.add(line, (-0.5, 0.0)), np.add(line[::-1], (0.5, 0.0))]))
     parts = tuple(Part(name, (block,), (float(k), 0.0, 0.0), fixed=k == 0) for k, name in enumerate(PAIR))
     return assemble(Drawing(parts), gap=GAP)
 

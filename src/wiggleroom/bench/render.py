@@ -47,13 +47,13 @@ def _rich(sheet: Sheet) -> Table:
     return found
 
 
-def bench_markdown(found: Bench, command: str) -> str:
+def bench_markdown(found: Bench) -> str:
     """Section of a page: heading, the command that made it, tables, what they mean.
 
     Published figures are in italics. The section stands between two marks by which it is found again.
     """
     begin, end = _marks(found.name)
-    lines = [begin, f"## {found.title}", "", f"`{command}`", ""]
+    lines = [begin, f"## {found.title}", "", f"`{found.command}`", ""]
     for sheet in found.sheets:
         if sheet.title:
             lines += [f"**{sheet.title}**", ""]
@@ -72,7 +72,7 @@ def bench_markdown(found: Bench, command: str) -> str:
 
 
 def with_section(page: str, name: str, section: str) -> str:
-    """Page with the section of that name put in the place of the old one, or at its end; the rest stays as it is.
+    r"""Page with the section of that name put in the place of the old one, or at its end; the rest stays as it is.
 
     Raises
     ------
@@ -82,8 +82,8 @@ def with_section(page: str, name: str, section: str) -> str:
     Examples
     --------
     >>> begin, end = _marks("speed")
-    >>> page = f"# Mine\\n\\n{begin}\\nold\\n{end}\\n\\nmore\\n"
-    >>> with_section(page, "speed", f"{begin}\\nnew\\n{end}") == page.replace("old", "new")
+    >>> page = f"# Mine\n\n{begin}\nold\n{end}\n\nmore\n"
+    >>> with_section(page, "speed", f"{begin}\nnew\n{end}") == page.replace("old", "new")
     True
     """
     begin, end = _marks(name)

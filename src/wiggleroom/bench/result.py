@@ -77,6 +77,8 @@ class Bench:
         The same for people.
     notes : tuple of str
         What the figures mean and where they come from.
+    command : str
+        What to type to have it measured again.
     cut : bool
         True where it was stopped before the last line.
     """
@@ -86,4 +88,5 @@ class Bench:
     records: tuple[Record, ...]
     sheets: tuple[Sheet, ...]
     notes: tuple[str, ...]
+    command: str
     cut: bool = False

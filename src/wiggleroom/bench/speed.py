@@ -129,20 +129,44 @@ def speed(
         found += [{"assembly": case.name, **row} for row in published(case.parts, case.joint)]
     cut = stop is not None and stop.is_set()
     notes = (
-        f"Wall-clock seconds, gap {GAP:g}, first block fixed, last one pulled in +y; libraries and compiled code loaded before the clock "
-        "starts. Walls: interior point, all rounds, the check of the end and of the way from rest included. Hull: about the joint, three slices, one "
-        f"round. Half-planes: step by step, linear programs by {linear_solver()}. Peak: memory of the whole process.",
-        "Ended: what the method itself says; a time with > is where it was stopped at its limit, and its motion the best until then. Overlap: how "
-        "deep parts lie in each other in its answer.",
-        "† Published in Mind the Gap, Table 2, on their machine; PuzzleFlex (Julia) as timed there.",
+        f"Wall-clock seconds, gap {GAP:g}, first block fixed, last one pulled in +y; libraries and compiled code "
+        "loaded before the clock starts. Walls: interior point, all rounds, the check of the end and of the way "
+        "from rest included. Hull: about the joint, three slices, one round. Half-planes: step by step, linear "
+        f"programs by {linear_solver()}. Peak: memory of the whole process.",
+        "Ended: what the method itself says; a time with > is where it was stopped at its limit, and its motion "
+        "the best until then. Overlap: how deep parts lie in each other in its answer.",
+        "† Published in Mind the Gap, Table 2 and Fig. 8, on their machine; PuzzleFlex (Julia) as timed there.",
     )
-    return Bench("speed", "Large assemblies: time and memory", tuple(found), (Sheet("", COLUMNS, tuple(found)),), notes, cut)
+    asked = [f"--max-parts {max_parts}"] if max_parts is not None else []
+    asked += [f"--limit {limit:g}"] if limit is not None else []
+    command = " ".join(["wiggleroom bench speed", *asked])
+    return Bench(
+        "speed",
+        "Large assemblies: time and memory",
+        tuple(found),
+        (Sheet("", COLUMNS, tuple(found)),),
+        notes,
+        command,
+        cut,
+    )
 
 
 def measured(case: Case, method: str, limit: float | None, stop: Stop | None = None) -> Record:
     """Figures of one method on one assembly, from a process of its own that ends a while after `limit` [s] at the latest."""
-    record: Record = {"assembly": case.name, "parts": case.parts, "joint": case.joint, "method": method, "published": False}
-    job = {"method": method, "pattern": case.pattern, "arguments": case.arguments, "options": case.options, "limit": limit}
+    record: Record = {
+        "assembly": case.name,
+        "parts": case.parts,
+        "joint": case.joint,
+        "method": method,
+        "published": False,
+    }
+    job = {
+        "method": method,
+        "pattern": case.pattern,
+        "arguments": case.arguments,
+        "options": case.options,
+        "limit": limit,
+    }
     source = str(Path(wiggleroom.__file__).parents[1])
     where = os.pathsep.join([source, *filter(None, [os.environ.get("PYTHONPATH")])])
     with subprocess.Popen(
@@ -162,7 +186,11 @@ def measured(case: Case, method: str, limit: float | None, stop: Stop | None = N
         late = True
         record |= {"total_seconds": limit, "verdict": "no answer"}
     if late:
-        return record | {"limit_seconds": limit, "at_least": ["solve_seconds", "total_seconds", "times_walls"], "ended": record["verdict"]}
+        return record | {
+            "limit_seconds": limit,
+            "at_least": ["solve_seconds", "total_seconds", "times_walls"],
+            "ended": record["verdict"],
+        }
     return record | {"ended": record["verdict"]}
 
 
