@@ -50,8 +50,8 @@ def by_pulls(*models: PairModel) -> Method:
 
 METHODS: dict[str, Method] = {
     "walls": by_pulls(Walls()),
-    "hull": by_pulls(Hull("joint"), Hull("reference")),
-    "hull, 8 rounds": by_pulls(Hull("joint", rounds=8), Hull("reference", rounds=8)),
+    "hull": by_pulls(Hull("reference"), Hull("joint")),
+    "hull, 8 rounds": by_pulls(Hull("reference"), Hull("joint", rounds=8)),
     "half-planes": by_pulls(HalfPlane()),
 }
 """Registry: every method that is asked."""
@@ -89,8 +89,8 @@ def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] 
         "A cross: the answer is wrong. Spinning in place is not coming apart. Walls, hull and half-planes: every "
         f"part pulled in {FAN} directions and turned both ways, until a part leaves: walls say so; the other "
         "models keep everything within a window, so a part counts as out where its convex hull meets none of the "
-        "others. Hull: about the joint, then about the reference point; in one round as in the paper, and in "
-        "eight, its outlook.",
+        "others. Hull: about the reference point, then about the joint; the latter in one round as in the paper, "
+        "and in eight, its outlook.",
         "† Published in Mind the Gap, Table 3: what each kind of method can do; ours stands for PuzzleFlex and "
         "its own.",
     )

@@ -61,7 +61,7 @@ def main() -> None:
             "total_seconds": solved - began,
             "peak_mb": peak(),
             "moves_mm": answer.objective,
-            "overlap_mm": answer.deepest_overlap,
+            "overlap_mm": 0.0 if answer.collision_free else answer.deepest_overlap,
             "verdict": str(answer.verdict),
             "path": answer.path,
             "solver": answer.solver,

@@ -30,20 +30,25 @@ def bench_table(found: Bench) -> Group:
 
 
 def _rich(sheet: Sheet) -> Table:
-    """Table whose first column stands in a line of its own over the lines it belongs to."""
-    group, *others = [c for c in sheet.columns if not c.wide]
+    """Table; where lines share their first value, it stands once in a line of its own over them."""
+    shown = [c for c in sheet.columns if not c.wide]
+    groups = [shown[0].cell(row) for row in sheet.rows]
+    together = len(set(groups)) < len(groups)
+    others = shown[1:] if together else shown
     found = columns(others[0].head, *[c.head for c in others[1:]])
-    for column, made in zip(others, found.columns, strict=True):
-        made.no_wrap = False
+    for k, (column, made) in enumerate(zip(others, found.columns, strict=True)):
+        made.no_wrap, made.overflow = k == 0, "fold"
         if not column.numbers:
             made.justify = "left"
     last = ""
-    for row in sheet.rows:
-        if group.cell(row) != last:
-            last = group.cell(row)
-            found.add_row(last, *[""] * (len(others) - 1), style="bold")
+    for name, row in zip(groups, sheet.rows, strict=True):
         cells = [column.cell(row) for column in others]
-        found.add_row("  " + cells[0], *cells[1:], style="dim" if row.get("published") else "")
+        if together and name != last:
+            last = name
+            found.add_row(name, *[""] * (len(others) - 1), style="bold")
+        if together:
+            cells[0] = f"  {cells[0]}"
+        found.add_row(*cells, style="dim" if row.get("published") else "")
     return found
 
 

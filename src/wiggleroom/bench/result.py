@@ -25,6 +25,8 @@ class Column:
         True: only where there is room for it, not on a terminal.
     right : bool
         True: its words stand to the right, as numbers do.
+    star : str
+        Key of a value; where that is not 0, a star is put behind the number.
     """
 
     key: str
@@ -32,6 +34,7 @@ class Column:
     places: int | None = None
     wide: bool = False
     right: bool = False
+    star: str = ""
 
     @property
     def numbers(self) -> bool:
@@ -50,7 +53,8 @@ class Column:
         if self.places is None:
             return str(value)
         more = "> " if self.key in record.get("at_least", ()) else ""
-        return f"{more}{value + 0.0:,.{self.places}f}"
+        star = " *" if record.get(self.star) else ""
+        return f"{more}{value + 0.0:,.{self.places}f}{star}"
 
 
 @dataclass(frozen=True)

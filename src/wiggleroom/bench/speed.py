@@ -12,6 +12,7 @@ import sys
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from importlib.util import find_spec
 from pathlib import Path
 
 import wiggleroom
@@ -37,8 +38,8 @@ COLUMNS = (
     Column("solve_seconds", "solve s", 2),
     Column("total_seconds", "total s", 2),
     Column("peak_mb", "peak MB", 0),
-    Column("moves_mm", "moves mm", 3),
-    Column("overlap_mm", "overlap mm", 4),
+    Column("moves_mm", "moves mm", 3, star="overlap_mm"),
+    Column("overlap_mm", "overlap mm", 4, wide=True),
     Column("times_walls", "times walls", 1),
     Column("ended", "ended"),
 )
@@ -100,14 +101,7 @@ def speed(
 
     Source: Mind the Gap, Table 2.
     """
-    cases = [case for case in CASES if max_parts is None or case.parts <= max_parts]
-    if not cases:
-        finding = f"max-parts {max_parts}: the smallest assembly has {min(c.parts for c in CASES)} parts"
-        raise InputError(finding)
-    if limit is not None and not 0 < limit < float("inf"):
-        finding = f"limit {limit:g} s: it must be a time above 0"
-        raise InputError(finding)
-    _see_ipopt()
+    cases = asked(max_parts, limit)
     found: list[Record] = []
     count = 0
     for case in cases:
@@ -134,12 +128,12 @@ def speed(
         "from rest included. Hull: about the joint, three slices, one round. Half-planes: step by step, linear "
         f"programs by {linear_solver()}. Peak: memory of the whole process.",
         "Ended: what the method itself says; a time with > is where it was stopped at its limit, and its motion "
-        "the best until then. Overlap: how deep parts lie in each other in its answer.",
+        "the best until then. A star, overlap: parts lie that deep in each other in its answer.",
         "† Published in Mind the Gap, Table 2 and Fig. 8, on their machine; PuzzleFlex (Julia) as timed there.",
     )
-    asked = [f"--max-parts {max_parts}"] if max_parts is not None else []
-    asked += [f"--limit {limit:g}"] if limit is not None else []
-    command = " ".join(["wiggleroom bench speed", *asked])
+    words = [f"--max-parts {max_parts}"] if max_parts is not None else []
+    words += [f"--limit {limit:g}"] if limit is not None else []
+    command = " ".join(["wiggleroom bench speed", *words])
     return Bench(
         "speed",
         "Large assemblies: time and memory",
@@ -149,6 +143,22 @@ def speed(
         command,
         cut,
     )
+
+
+def asked(max_parts: int | None, limit: float | None) -> list[Case]:
+    """Assemblies that are measured, once it is seen that they can be; raises as `speed` does."""
+    cases = [case for case in CASES if max_parts is None or case.parts <= max_parts]
+    wrong = []
+    if not cases:
+        wrong.append(f"max-parts {max_parts}: the smallest assembly has {min(c.parts for c in CASES)} parts")
+    if limit is not None and not 0 < limit < float("inf"):
+        wrong.append(f"limit {limit:g} s: it must be a time above 0")
+    if wrong:
+        raise InputError(wrong)
+    if find_spec("casadi") is None:
+        finding = 'bench speed compares with IPOPT: pip install "wiggleroom[bench]"'
+        raise MissingExtraError(finding)
+    return cases
 
 
 def measured(case: Case, method: str, limit: float | None, stop: Stop | None = None) -> Record:
@@ -208,11 +218,3 @@ def _heard(process: subprocess.Popen[str], limit: float | None, stop: Stop | Non
                 process.kill()
         else:
             return said, wrong, asked
-
-
-def _see_ipopt() -> None:
-    from importlib.util import find_spec
-
-    if find_spec("casadi") is None:
-        finding = 'bench speed compares with IPOPT: pip install "wiggleroom[bench]"'
-        raise MissingExtraError(finding)

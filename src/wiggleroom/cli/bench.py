@@ -61,9 +61,24 @@ def bench(
 
     check("", {"--json": (json, ()), "--markdown": (markdown, (".md",)), "--picture": (picture, STILLS)})
     names = TABLES if table is None else (table,)
-    if picture is not None and table is None:
-        finding = f"--picture {picture}: name one table, {', '.join(TABLES)}"
-        raise InputError(finding)
+    wrong = (
+        [f"--picture {picture}: name one table, {', '.join(TABLES)}"] if picture is not None and table is None else []
+    )
+    for option, value, its in (
+        ("--samples", samples, "accuracy"),
+        ("--max-parts", max_parts, "speed"),
+        ("--limit", limit, "speed"),
+    ):
+        if value is not None and its not in names:
+            wrong.append(f"{option} {value:g}: only {its} knows it; leave it out")
+    if samples is not None and samples < 1:
+        wrong.append(f"--samples {samples}: there must be at least 1")
+    if wrong:
+        raise InputError(wrong)
+    if "speed" in names:
+        from wiggleroom.bench.speed import asked
+
+        asked(max_parts, limit)
     page = _page(markdown, names)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     found: list[Bench] = []
