@@ -46,7 +46,9 @@ def drawn(command: str) -> str:
     found = {joint: swept(joint) for joint in COLOURS}
     theirs = {joint: np.array([hull(joint, g) for g in GAPS]) for joint in COLOURS}
     short = max(float(np.abs(found[j] / truth[j] - 1).max()) for j in COLOURS)
-    share = {j: f"{100 * (theirs[j] / truth[j]).min():.0f} to {100 * (theirs[j] / truth[j]).max():.0f} %" for j in COLOURS}
+    share = {
+        j: f"{100 * (theirs[j] / truth[j]).min():.0f} to {100 * (theirs[j] / truth[j]).max():.0f} %" for j in COLOURS
+    }
     title = "Ten blocks in a row: how far the last one moves sideways"
     facts = [f"sweep meets the true optimum within {short:.0e}"]
     facts += [f"hull of three slices, {joint}: {share[joint]} of it" for joint in COLOURS]
@@ -66,7 +68,10 @@ def drawn(command: str) -> str:
     at, y = axes.left + 24, axes.top + 22
     for k, (mark, said) in enumerate(
         (
-            (f'<circle cx="14" cy="0" r="5" fill="{palette.PAPER}" stroke="{palette.INK}" stroke-width="2"/>', "wiggleroom sweep"),
+            (
+                f'<circle cx="14" cy="0" r="5" fill="{palette.PAPER}" stroke="{palette.INK}" stroke-width="2"/>',
+                "wiggleroom sweep",
+            ),
             (f'<path d="M0,0h28" stroke="{palette.INK}" stroke-width="2"/>', "true optimum: exact dynamic programme"),
             (
                 f'<path d="M0,0h28" stroke="{palette.INK}" stroke-width="1.5" stroke-dasharray="2 5"/>',
