@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.analysis.contacts import contacts
+from wiggleroom.analysis.motions import of_parts
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.search import FAR, ROUND, Found, Progress, Search
 from wiggleroom.drawing.model import Goal
@@ -52,8 +53,8 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
         goals=asked,
         verdict=verdict,
         objective=None if verdict is Verdict.UNBOUNDED else value,
-        motion=part_motions(search, motions[-1:])[0],
-        waypoints=part_motions(search, motions),
+        motion=of_parts(ready.assembly, ready.bodies, motions[-1:])[0],
+        waypoints=of_parts(ready.assembly, ready.bodies, motions),
         contacts=held,
         path="checked" if way.sure else "not checked",
         collision_free=deepest <= safe,
@@ -67,21 +68,6 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
         turns=turns,
         trail=found,
     )
-
-
-def part_motions(search: Search, motions: Floats) -> Floats:
-    """Motions (k, parts, 3) of the parts about their reference points, from those of the bodies (k, n, 3)."""
-    bodies, rest = search.ready.bodies, search.ready.assembly.rest
-    who = bodies.body_of
-    motion = motions[:, who]
-    arm = rest[:, :2] - bodies.rest[who, :2]
-    half = motion[:, :, 2] / 2
-    c, s = np.cos(half), np.sin(half)
-    x, y = arm.T
-    out = motion.copy()
-    out[:, :, 0] += 2 * s * (-s * x - c * y)
-    out[:, :, 1] += 2 * s * (c * x - s * y)
-    return out
 
 
 def _safe_part(search: Search, motions: Floats, safe: float) -> tuple[Floats, float]:

@@ -1,0 +1,280 @@
+"""Does it come apart: which parts leave, in which order, along which motion; or what shows that none do."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.explore import explore
+from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.links import BOXES, Links, links
+from wiggleroom.analysis.motions import of_parts
+from wiggleroom.analysis.overlap import SAFE, overlaps
+from wiggleroom.analysis.prepare import Prepared, prepare
+from wiggleroom.analysis.rigid import leaves_as_one
+from wiggleroom.analysis.search import Progress
+from wiggleroom.analysis.straight import Exit, straight_exit
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Turn
+from wiggleroom.errors import InputError
+from wiggleroom.pairs.neighbours import placed
+from wiggleroom.solve.newton import Stop
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Says = Literal["interlocked", "comes apart", "unknown"]
+
+BEYOND = 0.1
+"""Parts that left end this share of the drawing's size beyond all others."""
+
+
+@dataclass(frozen=True, eq=False)
+class Escape:
+    """Parts that leave together.
+
+    Parameters
+    ----------
+    parts : tuple of names
+    path : (k, n, 3) float64 [mm, mm, rad]
+        Motions of all parts about their reference points, from rest to where `parts` are beyond all others and go on straight without
+        limit; straight between. Parts of earlier escapes stay where those ended and are out of the game. Every step is checked for overlap.
+    """
+
+    parts: tuple[str, ...]
+    path: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Interlock:
+    """Whether an assembly comes apart, and how sure that is.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    verdict : "interlocked", "comes apart" or "unknown"
+    certainty : "proven" or "searched"
+        A way apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
+        together; else every planned question was asked and no way was found.
+    escapes : tuple of Escape
+        In the order in which they leave.
+    spins : tuple of names
+        Parts that turn in place without limit.
+    remains : tuple of names
+        Parts that are left where nothing more was found to leave.
+    questions : int
+        Largest motions that were searched.
+    """
+
+    assembly: Assembly
+    verdict: Says
+    certainty: Literal["proven", "searched"]
+    escapes: tuple[Escape, ...] = ()
+    spins: tuple[str, ...] = ()
+    remains: tuple[str, ...] = ()
+    questions: int = 0
+    seconds: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Stage:
+    """What became of the parts that are left: a way of some of them, or the end."""
+
+    ended: Says
+    certainty: Literal["proven", "searched"]
+    who: Ints
+    way: Floats | None
+    held: Ints
+    questions: int
+
+
+def check(
+    assembly: Assembly, *, stop: Stop | None = None, progress: Callable[[Progress], None] | None = None
+) -> Interlock:
+    """Whether some parts can be moved without limit away from the others.
+
+    Fixed parts stand; where none is fixed, the largest part stands. Turning in place is not coming apart.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    stop : optional
+        Anything with `is_set()`, for example a `threading.Event`; the verdict is then "unknown" unless a way apart is known already.
+    progress : callable, optional
+        Told a `Progress` now and then.
+
+    Raises
+    ------
+    TouchingError
+        If two parts touch at rest.
+    InputError
+        If there is only one body, or all are fixed.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.check(wr.patterns.chain(3, joint="swallowtail", gap=0.02))
+    >>> found.verdict, found.certainty
+    ('interlocked', 'proven')
+    """
+    began = time.perf_counter()
+    tell = progress or _silent
+    left = _standing(assembly)
+    names = np.array(assembly.names, dtype=object)
+    alive = np.arange(len(names))
+    far = np.zeros((len(names), 3))
+    escapes: list[Escape] = []
+    questions = 0
+    while True:
+        ready = prepare(left)
+        stage = _stage(ready, stop, tell)
+        questions += stage.questions
+        if stage.way is None:
+            break
+        who = np.array([p for b in stage.who for p in ready.bodies.members[b]])
+        path = np.repeat(far[None], len(stage.way), 0)
+        path[:, alive] = of_parts(left, ready.bodies, stage.way)
+        escapes.append(Escape(tuple(names[np.sort(alive[who])]), path))
+        far = np.zeros_like(far)
+        gone = np.setdiff1d(np.arange(len(names)), np.delete(alive, who))
+        far[gone] = path[-1, gone]
+        alive = np.delete(alive, who)
+        left = _without(left, who)
+        if len({int(b) for b in np.delete(ready.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
+            stage = replace(stage, ended="interlocked", certainty="proven", held=np.zeros(0, dtype=np.int64))
+            break
+    spins = _spins(ready, stage.held, stop) if stage.way is None else ()
+    verdict: Says = "comes apart" if escapes else stage.ended
+    return Interlock(
+        assembly,
+        verdict,
+        "proven" if escapes else stage.certainty,
+        tuple(escapes),
+        spins,
+        tuple(names[alive]) if stage.ended == "interlocked" else (),
+        questions,
+        time.perf_counter() - began,
+    )
+
+
+def _stage(ready: Prepared, stop: Stop | None, tell: Callable[[Progress], None]) -> _Stage:
+    """The next parts that leave, the cheapest ways of finding them first."""
+    bodies, n = ready.bodies, len(ready.bodies.fixed)
+    stands = np.flatnonzero(bodies.fixed)
+    ground = int(stands[0])
+    own = np.arange(n)
+    own[stands] = ground
+    none = np.zeros(0, dtype=np.int64)
+    rest = np.zeros((1, n, 3))
+    tell(Progress("straight ways"))
+    found = straight_exit(bodies, rest[0], ground, ready.barred, ready.size, own)
+    if found is not None:
+        return _leave(ready, rest, found)
+    tell(Progress("free spaces"))
+    known: Links = links(ready, stands, stop)
+    groups = np.unique(known.group)
+    if len(groups) == 1:
+        return _Stage("interlocked", "proven", none, None, known.held, 0)
+    if n > 2 or len(stands) > 1:
+        for g in groups[groups != known.group[ground]]:
+            if stop is not None and stop.is_set():
+                break
+            rigid = leaves_as_one(ready, np.flatnonzero(known.group == g), BOXES[0])
+            if rigid.closed and len(groups) == 2 and (known.group == g).sum() == 1 and len(stands) == n - 1:
+                return _Stage("interlocked", "proven", none, None, known.held, 0)
+            if rigid.way is not None and (stage := _finish(ready, rigid.way, known.group, ground)):
+                return stage
+    else:
+        rigid = leaves_as_one(ready, np.flatnonzero(~bodies.fixed), BOXES[1])
+        if rigid.way is not None and (stage := _finish(ready, rigid.way, known.group, ground)):
+            return stage
+    searched = explore(ready, ground, known.group, stop, tell)
+    if searched.way is not None and searched.exit is not None:
+        stage = _leave(ready, searched.way, searched.exit)
+        if stage.way is not None:
+            return replace(stage, questions=searched.questions)
+    ended: Says = "interlocked" if searched.whole else "unknown"
+    return _Stage(ended, "searched", none, None, known.held, searched.questions)
+
+
+def _finish(ready: Prepared, way: Floats, group: Ints, ground: int) -> _Stage | None:
+    """The way from its first point on from where bodies leave straight."""
+    for k in range(1, len(way)):
+        found = straight_exit(ready.bodies, way[k], ground, ready.barred, ready.size, group)
+        if found is not None:
+            return _leave(ready, way[: k + 1], found)
+    return None
+
+
+def _leave(ready: Prepared, way: Floats, found: Exit) -> _Stage:
+    """The way continued straight until those who leave are beyond all others, which then go back to rest."""
+    bodies, who = ready.bodies, found.who
+    geometry = placed(bodies, way[-1])
+    along = [shapely.get_coordinates(g) @ found.direction for g in geometry]
+    others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
+    length = max(along[b].max() for b in others) - min(along[b].min() for b in who) + BEYOND * ready.size
+    out = way[-1].copy()
+    out[who, :2] += max(length, BEYOND * ready.size) * found.direction
+    back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]
+    back[:, who] = out[who]
+    whole = np.concatenate([way, out[None], back])
+    deepest = max(overlaps(bodies, m, ready.barred).deepest for m in whole)
+    none = np.zeros(0, dtype=np.int64)
+    if deepest > SAFE * ready.size:
+        return _Stage("unknown", "searched", none, None, none, 0)
+    return _Stage("comes apart", "proven", who, whole, none, 0)
+
+
+def _spins(ready: Prepared, held: Ints, stop: Stop | None) -> tuple[str, ...]:
+    """Names of the parts that turn in place without limit."""
+    bodies, names = ready.bodies, ready.assembly.names
+    if not len(held):
+        return ()
+    ground = int(np.flatnonzero(bodies.fixed)[0])
+    found: set[str] = set()
+    for b in np.flatnonzero(held != held[ground]):
+        name = names[bodies.members[b][0]]
+        if name in found or (stop is not None and stop.is_set()):
+            continue
+        answer = flex(ready, Turn(name), stop=stop)
+        if answer.path == "checked":
+            found |= set(answer.turns)
+    return tuple(n for n in names if n in found)
+
+
+def _standing(assembly: Assembly) -> Assembly:
+    """The assembly with something that stands: the largest part where nothing is fixed."""
+    if any(p.fixed for p in assembly.parts):
+        return assembly
+    area = [sum(shapely.Polygon(r.outer, r.holes).area for r in p.regions) for p in assembly.parts]
+    largest = int(np.argmax(area))
+    parts = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.parts))
+    if len(parts) < 2:
+        finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; draw at least two"
+        raise InputError(finding)
+    return replace(assembly, parts=parts, drawing=replace(assembly.drawing, parts=parts))
+
+
+def _without(assembly: Assembly, who: Ints) -> Assembly:
+    """The assembly as made, without some of its parts."""
+    parts = tuple(p for k, p in enumerate(assembly.parts) if k not in set(who.tolist()))
+    names = {p.name for p in parts}
+    old = assembly.drawing
+    drawing = replace(
+        old,
+        parts=parts,
+        glue=tuple(g for g in (tuple(n for n in g if n in names) for g in old.glue) if len(g) > 1),
+        ignore=tuple(p for p in old.ignore if set(p) <= names),
+        gaps=(),
+        goals=(),
+    )
+    return Assembly(parts, drawing)
+
+
+def _silent(_: Progress) -> None:
+    """Tell nobody."""
