@@ -12,9 +12,9 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.explore import explore
+from wiggleroom.analysis.finish import part_motions
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.links import BOXES, Links, links
-from wiggleroom.analysis.motions import of_parts
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.rigid import leaves_as_one
@@ -138,7 +138,7 @@ def check(
             break
         who = np.array([p for b in stage.who for p in ready.bodies.members[b]])
         path = np.repeat(far[None], len(stage.way), 0)
-        path[:, alive] = of_parts(left, ready.bodies, stage.way)
+        path[:, alive] = part_motions(left, ready.bodies, stage.way)
         escapes.append(Escape(tuple(names[np.sort(alive[who])]), path))
         far = np.zeros_like(far)
         gone = np.setdiff1d(np.arange(len(names)), np.delete(alive, who))

@@ -1,4 +1,4 @@
-"""Motions of parts about their reference points, and of the bodies they belong to about theirs."""
+"""Motions of bodies from those of their parts, and of any points from those of others on the same rigid things."""
 
 from __future__ import annotations
 
@@ -9,12 +9,6 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.pairs.shapes import Bodies
 
 Floats = NDArray[np.float64]
-
-
-def of_parts(assembly: Assembly, bodies: Bodies, motions: Floats) -> Floats:
-    """Motions (k, parts, 3) [mm, mm, rad] of the parts from those of the bodies (k, n, 3)."""
-    who = bodies.body_of
-    return about(motions[:, who], assembly.rest[:, :2] - bodies.rest[who, :2])
 
 
 def of_bodies(assembly: Assembly, bodies: Bodies, motions: Floats) -> Floats:

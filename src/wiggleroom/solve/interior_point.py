@@ -220,7 +220,11 @@ class _Watch:
             self.way.append(state.u)
             if k == 0 or gap > INNER * max(abs(value), 1.0):
                 self.inner = state.u, self.mu
-        if k >= LEAST_ITERATIONS and self.error < self.tolerance and np.abs(dual).max() < max(10 * self.tolerance, BALANCED):
+        if (
+            k >= LEAST_ITERATIONS
+            and self.error < self.tolerance
+            and np.abs(dual).max() < max(10 * self.tolerance, BALANCED)
+        ):
             return "converged"
         if self.stop is not None and self.stop.is_set():
             return "stopped"
@@ -293,7 +297,7 @@ def _settle(state: State, matrix: Factor, retraction: Retraction) -> State:
     mu = dot(state.s, state.lam) / max(len(state.s), 1)
     for _ in range(6):
         primal, dual, _, _ = state.residuals()
-        if np.abs(primal).max() < 1e-12:
+        if np.abs(primal).max(initial=0.0) < 1e-12:
             break
         data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at), 1.0 / state.unit)
         shift = max(state.shift, 1e-2)
