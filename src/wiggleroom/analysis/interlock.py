@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -17,7 +17,7 @@ from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.links import BOXES, Links, links
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared, prepare
-from wiggleroom.analysis.rigid import leaves_as_one
+from wiggleroom.analysis.rigid import Rigid, leaves_as_one
 from wiggleroom.analysis.search import Progress
 from wiggleroom.analysis.straight import Exit, straight_exit
 from wiggleroom.assembly.model import Assembly
@@ -176,22 +176,12 @@ def _stage(ready: Prepared, stop: Stop | None, tell: Callable[[Progress], None])
     if found is not None:
         return _leave(ready, rest, found)
     tell(Progress("free spaces"))
-    known: Links = links(ready, stands, stop)
-    groups = np.unique(known.group)
-    if len(groups) == 1:
+    known, tries = _rigid(ready, stands, own, stop)
+    if not known.group.any():
         return _Stage("interlocked", "proven", none, None, known.held, 0)
-    if n > 2 or len(stands) > 1:
-        for g in groups[groups != known.group[ground]]:
-            if stop is not None and stop.is_set():
-                break
-            rigid = leaves_as_one(ready, np.flatnonzero(known.group == g), BOXES[0])
-            if rigid.closed and len(groups) == 2 and (known.group == g).sum() == 1 and len(stands) == n - 1:
-                return _Stage("interlocked", "proven", none, None, known.held, 0)
-            if rigid.way is not None and (stage := _finish(ready, rigid.way, known.group, ground)):
-                return stage
-    else:
-        rigid = leaves_as_one(ready, np.flatnonzero(~bodies.fixed), BOXES[1])
-        if rigid.way is not None and (stage := _finish(ready, rigid.way, known.group, ground)):
+    for rigid in tries:
+        stage = None if rigid.way is None else _finish(ready, rigid.way, known.group, ground)
+        if stage is not None:
             return stage
     searched = explore(ready, ground, known.group, stop, tell)
     if searched.way is not None and searched.exit is not None:
@@ -200,6 +190,19 @@ def _stage(ready: Prepared, stop: Stop | None, tell: Callable[[Progress], None])
             return replace(stage, questions=searched.questions)
     ended: Says = "interlocked" if searched.whole else "unknown"
     return _Stage(ended, "searched", none, None, known.held, searched.questions)
+
+
+def _rigid(ready: Prepared, stands: Ints, own: Ints, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
+    """What is tied to what, and for each group that may leave what is known about its leaving as one."""
+    if len(stands) == len(own) - 1:
+        free = np.flatnonzero(~ready.bodies.fixed)
+        rigid = leaves_as_one(ready, free, BOXES[1])
+        alone = (own == free[0]).astype(np.int64)
+        return Links(alone * (not rigid.closed), alone * (not rigid.held)), iter([rigid])
+    known = links(ready, stands, stop)
+    ground = known.group[stands[0]]
+    groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
+    return known, (leaves_as_one(ready, who, BOXES[0]) for who in groups if stop is None or not stop.is_set())
 
 
 def _finish(ready: Prepared, way: Floats, group: Ints, ground: int) -> _Stage | None:

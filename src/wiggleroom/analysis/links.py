@@ -68,7 +68,7 @@ def links(ready: Prepared, ground: Ints, stop: Stop | None = None) -> Links:
             if labels[a] == labels[b]:
                 continue
             if c not in known:
-                known[c] = passage(geometry[a], geometry[b], most=BOXES[n == 2])
+                known[c] = passage(geometry[a], geometry[b], most=BOXES[0])
             if known[c].held:
                 held.append((a, b))
             if known[c].closed:

@@ -19,13 +19,24 @@ Ints = NDArray[np.int64]
 
 TURN = 0.02
 """Way-points are no further apart than this [rad]."""
-MOST_HALVINGS = 6
+MOST_HALVINGS = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Rigid:
-    """What is known: `closed` where they certainly cannot leave as one, `way` (k, n, 3) [mm, mm, rad] of all bodies where they can."""
+    """What is known about some bodies leaving as one.
 
+    Parameters
+    ----------
+    held : bool
+        True where they certainly neither leave nor turn half round.
+    closed : bool
+        True where they certainly do not leave.
+    way : (k, n, 3) float64 [mm, mm, rad] or None
+        Motions of all bodies on which they leave.
+    """
+
+    held: bool
     closed: bool
     way: Floats | None
 
@@ -45,17 +56,26 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int) -> Rigid:
     others = np.setdiff1d(np.arange(n), who)
     a, b = ready.barred // n, ready.barred % n
     if (np.isin(a, who) != np.isin(b, who)).any():  # pairs that pass through each other are not one solid
-        return Rigid(False, None)
+        return Rigid(False, False, None)
     found = passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most)
     if found.way is None:
-        return Rigid(found.closed, None)
-    points = found.way
+        return Rigid(found.held, found.closed, None)
+    points = _finer(found.way)
+    nobody = np.zeros(0, dtype=np.int64)
     for _ in range(MOST_HALVINGS):
         motions = np.zeros((len(points), n, 3))
         motions[:, who] = about(np.repeat(points[:, None], len(who), 1), bodies.rest[who, :2] - found.pivot)
-        if np.abs(np.diff(points[:, 2])).max() < TURN and not len(
-            strangers(bodies, ready.arm, motions, np.zeros(0, dtype=np.int64), ready.barred)[0]
-        ):
-            return Rigid(False, motions)
+        if not len(strangers(bodies, ready.arm, motions, nobody, ready.barred)[0]):
+            return Rigid(False, False, motions)
         points = np.insert(points, np.arange(1, len(points)), (points[1:] + points[:-1]) / 2, axis=0)
-    return Rigid(False, None)
+    return Rigid(False, False, None)
+
+
+def _finer(points: Floats) -> Floats:
+    """The same way with points in between where it turns: those of other points of the body are straight only nearly."""
+    count = np.maximum(1, np.ceil(np.abs(np.diff(points[:, 2])) / TURN)).astype(int)
+    pieces = [
+        one + (other - one) * np.arange(k)[:, None] / k
+        for one, other, k in zip(points[:-1], points[1:], count, strict=True)
+    ]
+    return np.concatenate([*pieces, points[-1:]])

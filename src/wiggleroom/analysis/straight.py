@@ -61,6 +61,7 @@ def straight_exit(bodies: Bodies, motion: Floats, ground: int, barred: Ints, siz
     edges, first = _edges(geometry)
     unit = size * NONE
     near = _near(geometry, size)
+    group = np.unique(group, return_inverse=True)[1].ravel()
     groups = int(group.max()) + 1
     best: Exit | None = None
     for d in _directions(edges, geometry):

@@ -129,7 +129,7 @@ def beside(n, middle, level, first, wrap, out):
                 for k in range(8):
                     waiting[count + k] = first[m] + k
                 count += 8
-            elif faces == 1 and found < len(out):
+            elif faces == 1 and found < len(out) - 1:
                 out[found] = m
                 found += 1
     return found
@@ -270,12 +270,19 @@ def explore(
                 state[n] = TINY
                 given_up = True
                 continue
-            if count + 8 > most:
-                return SPENT, count, 0
-            count = split(
-                n, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
-                b_kid,
-            )  # fmt: skip
+            # mixed boxes beside it that are as large will be asked next
+            near = beside(n, middle, level, first, wrap, out)
+            out[near] = n
+            for i in range(near + 1):
+                m = out[i]
+                if state[m] != MIXED or first[m] >= 0 or level[m] > level[n] or level[m] >= deepest:
+                    continue
+                if count + 8 > most:
+                    return SPENT, count, 0
+                count = split(
+                    m, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
+                    b_kid,
+                )  # fmt: skip
         if mixed == 0:
             way[:length] = way[:length][::-1].copy()
             return FOUND, count, length
