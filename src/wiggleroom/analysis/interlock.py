@@ -30,6 +30,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Says = Literal["interlocked", "comes apart", "unknown"]
 
+ONLY = 150_000
+"""Boxes judged at most where one body alone can leave; a few seconds."""
 BEYOND = 0.1
 """Parts that left end this share of the drawing's size beyond all others."""
 
@@ -94,7 +96,11 @@ class _Stage:
 
 
 def check(
-    assembly: Assembly, *, stop: Stop | None = None, progress: Callable[[Progress], None] | None = None
+    assembly: Assembly,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    boxes: int = ONLY,
 ) -> Interlock:
     """Whether some parts can be moved without limit away from the others.
 
@@ -107,6 +113,8 @@ def check(
         Anything with `is_set()`, for example a `threading.Event`; the verdict is then "unknown" unless a way apart is known already.
     progress : callable, optional
         Told a `Progress` now and then.
+    boxes : int
+        Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
 
     Raises
     ------
@@ -132,7 +140,7 @@ def check(
     questions = 0
     while True:
         ready = prepare(left)
-        stage = _stage(ready, stop, tell)
+        stage = _stage(ready, boxes, stop, tell)
         questions += stage.questions
         if stage.way is None:
             break
@@ -162,7 +170,7 @@ def check(
     )
 
 
-def _stage(ready: Prepared, stop: Stop | None, tell: Callable[[Progress], None]) -> _Stage:
+def _stage(ready: Prepared, boxes: int, stop: Stop | None, tell: Callable[[Progress], None]) -> _Stage:
     """The next parts that leave, the cheapest ways of finding them first."""
     bodies, n = ready.bodies, len(ready.bodies.fixed)
     stands = np.flatnonzero(bodies.fixed)
@@ -176,7 +184,7 @@ def _stage(ready: Prepared, stop: Stop | None, tell: Callable[[Progress], None])
     if found is not None:
         return _leave(ready, rest, found)
     tell(Progress("free spaces"))
-    known, tries = _rigid(ready, stands, own, stop)
+    known, tries = _rigid(ready, stands, own, boxes, stop)
     if not known.group.any():
         return _Stage("interlocked", "proven", none, None, known.held, 0)
     for rigid in tries:
@@ -192,17 +200,17 @@ def _stage(ready: Prepared, stop: Stop | None, tell: Callable[[Progress], None])
     return _Stage(ended, "searched", none, None, known.held, searched.questions)
 
 
-def _rigid(ready: Prepared, stands: Ints, own: Ints, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
+def _rigid(ready: Prepared, stands: Ints, own: Ints, boxes: int, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
     """What is tied to what, and for each group that may leave what is known about its leaving as one."""
     if len(stands) == len(own) - 1:
         free = np.flatnonzero(~ready.bodies.fixed)
-        rigid = leaves_as_one(ready, free, BOXES[1])
+        rigid = leaves_as_one(ready, free, boxes)
         alone = (own == free[0]).astype(np.int64)
         return Links(alone * (not rigid.closed), alone * (not rigid.held)), iter([rigid])
     known = links(ready, stands, stop)
     ground = known.group[stands[0]]
     groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
-    return known, (leaves_as_one(ready, who, BOXES[0]) for who in groups if stop is None or not stop.is_set())
+    return known, (leaves_as_one(ready, who, BOXES) for who in groups if stop is None or not stop.is_set())
 
 
 def _finish(ready: Prepared, way: Floats, group: Ints, ground: int) -> _Stage | None:

@@ -17,8 +17,8 @@ from wiggleroom.solve.newton import Stop
 
 Ints = NDArray[np.int64]
 
-BOXES = 20_000, 400_000
-"""Boxes for a pair among many, and for the only one there is."""
+BOXES = 20_000
+"""Boxes judged at most for a pair among many."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ def links(ready: Prepared, ground: Ints, stop: Stop | None = None) -> Links:
             if labels[a] == labels[b]:
                 continue
             if c not in known:
-                known[c] = passage(geometry[a], geometry[b], most=BOXES[0])
+                known[c] = passage(geometry[a], geometry[b], most=BOXES)
             if known[c].held:
                 held.append((a, b))
             if known[c].closed:

@@ -241,7 +241,7 @@ def explore(
     x, y, z = -origin[0] / scale[0], -origin[1] / scale[0], -origin[2] / scale[1]
     while True:
         n = leaf_at(x, y, z, middle, first)
-        if state[n] != MIXED or level[n] >= deepest:
+        if state[n] != MIXED or level[n] >= deepest or count + 8 > most:
             break
         count = split(
             n, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid
