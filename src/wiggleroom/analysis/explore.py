@@ -56,9 +56,7 @@ class Explored:
     questions: int
 
 
-def explore(
-    ready: Prepared, ground: int, group: Ints, stop: Stop | None, tell: Callable[[Progress], None]
-) -> Explored:
+def explore(ready: Prepared, ground: int, group: Ints, stop: Stop | None, tell: Callable[[Progress], None]) -> Explored:
     """Pull and turn every group every way, look for a straight way out along each answer, and go on from new places.
 
     Parameters

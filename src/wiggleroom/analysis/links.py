@@ -57,7 +57,7 @@ def links(ready: Prepared, ground: Ints, stop: Stop | None = None) -> Links:
     tied: list[tuple[int, int]] = [(int(ground[0]), int(k)) for k in ground]
     held = list(tied)
     if len(near.a):
-        first, label = classes(bodies, near.a, near.b, relative_rest(bodies, near.a, near.b))
+        _, label = classes(bodies, near.a, near.b, relative_rest(bodies, near.a, near.b))
         along = _along(geometry[near.a], geometry[near.b], ready.clearance)
         known: dict[int, Passage] = {}
         for k in np.argsort(-along, kind="stable"):

@@ -11,12 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numba import njit
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from wiggleroom.freespace.kernel import OPTIONS
+from wiggleroom.freespace.blocking import block
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import Bodies
 
@@ -64,14 +63,14 @@ def straight_exit(bodies: Bodies, motion: Floats, ground: int, barred: Ints, siz
     group = np.unique(group, return_inverse=True)[1].ravel()
     groups = int(group.max()) + 1
     best: Exit | None = None
-    for d in _directions(edges, geometry):
+    for d in _directions(edges):
         turned = _towards_x(edges, d)
         boxes = np.array([_box(turned[first[k] : first[k + 1]]) for k in range(n)])
         done = np.zeros((n, n), dtype=np.bool_)
         done[barred // n, barred % n] = done[barred % n, barred // n] = True
         arcs = np.zeros((groups, groups), dtype=np.bool_)
         for mask in (near, np.ones((n, n), dtype=np.bool_)):
-            _block(turned, first, boxes, mask & ~done, group, arcs, unit)
+            block(turned, first, boxes, mask & ~done, group, arcs, unit)
             done |= mask
             count, label = connected_components(coo_array(arcs), connection="strong")
             if count == 1:
@@ -98,7 +97,7 @@ def _leaving(arcs: NDArray[np.bool_], count: int, label: Ints, ground: int) -> I
     return np.flatnonzero(label == sinks[sizes[sinks].argmin()])
 
 
-def _directions(edges: Floats, geometry: NDArray[np.object_]) -> Floats:
+def _directions(edges: Floats) -> Floats:
     """Unit vectors (k, 2): a fan, and both ways along the longest edges."""
     fan = 2 * np.pi * np.arange(FAN) / FAN
     along = edges[:, 2:] - edges[:, :2]
@@ -143,44 +142,3 @@ def _towards_x(edges: Floats, d: Floats) -> Floats:
 def _box(edges: Floats) -> tuple[float, float, float, float]:
     x, y = edges[:, ::2], edges[:, 1::2]
     return float(x.min()), float(x.max()), float(y.min()), float(y.max())
-
-
-@njit(**OPTIONS)
-def _block(edges, first, boxes, todo, group, arcs, unit):
-    """Note in `arcs` which groups are blocked by which, looking at the pairs `todo` of moving and standing bodies."""
-    n = len(first) - 1
-    for b in range(n):
-        for a in range(n):
-            if a == b or not todo[b, a] or group[a] == group[b] or arcs[group[b], group[a]]:
-                continue
-            if boxes[b, 0] >= boxes[a, 1] - unit:
-                continue
-            if boxes[b, 2] >= boxes[a, 3] - unit or boxes[b, 3] <= boxes[a, 2] + unit:
-                continue
-            if _blocked(edges, first[b], first[b + 1], first[a], first[a + 1], unit):
-                arcs[group[b], group[a]] = True
-
-
-@njit(**OPTIONS)
-def _blocked(edges, b0, b1, a0, a1, unit):
-    """True where an edge of b lies behind one of a on the same line along x, by more than `unit` both ways."""
-    for i in range(b0, b1):
-        bx, by, cx, cy = edges[i, 0], edges[i, 1], edges[i, 2], edges[i, 3]
-        if by > cy:
-            bx, by, cx, cy = cx, cy, bx, by
-        if cy - by <= unit:
-            continue
-        left = min(bx, cx)
-        for j in range(a0, a1):
-            ax, ay, dx, dy = edges[j, 0], edges[j, 1], edges[j, 2], edges[j, 3]
-            if ay > dy:
-                ax, ay, dx, dy = dx, dy, ax, ay
-            low, high = max(by, ay), min(cy, dy)
-            if high - low <= unit or left >= max(ax, dx) - unit:
-                continue
-            for y in (low + 0.25 * unit, high - 0.25 * unit):
-                xb = bx + (cx - bx) * (y - by) / (cy - by)
-                xa = ax + (dx - ax) * (y - ay) / (dy - ay)
-                if xb < xa - unit:
-                    return True
-    return False

@@ -12,10 +12,47 @@ import numpy as np
 from numba import njit
 
 from wiggleroom.freespace.kernel import INNER, OPTIONS
-from wiggleroom.freespace.solid import DEEPEST_TREE, depth_at
 
+DEEPEST_TREE = 96
+"""Room for the nodes that wait while a tree is walked."""
 MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
 FOUND, CLOSED, SPENT = 0, 1, 2
+
+
+@njit(**INNER)
+def depth_at(x, y, edge, normal, disc, kid, stack):
+    """Signed distance of a point from the boundary, negative inside the material."""
+    best, sign = np.inf, 1.0
+    stack[0] = 0
+    count = 1
+    while count:
+        count -= 1
+        node = stack[count]
+        dx, dy = x - disc[node, 0], y - disc[node, 1]
+        if np.sqrt(dx * dx + dy * dy) - disc[node, 2] >= best:
+            continue
+        if kid[node, 0] >= 0:
+            one, other = kid[node, 0], kid[node, 1]
+            ox, oy = x - disc[one, 0], y - disc[one, 1]
+            px, py = x - disc[other, 0], y - disc[other, 1]
+            if ox * ox + oy * oy < px * px + py * py:  # the nearer one is looked at first
+                one, other = other, one
+            stack[count] = one
+            stack[count + 1] = other
+            count += 2
+            continue
+        e = kid[node, 1]
+        ax, ay = edge[e, 0], edge[e, 1]
+        ex, ey = edge[e, 2] - ax, edge[e, 3] - ay
+        t = ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)
+        t = min(max(t, 0.0), 1.0)
+        qx, qy = x - ax - t * ex, y - ay - t * ey
+        d = np.sqrt(qx * qx + qy * qy)
+        if d < best:
+            best = d
+            which = 1 if t <= 0.0 else (2 if t >= 1.0 else 0)
+            sign = 1.0 if qx * normal[e, which, 0] + qy * normal[e, which, 1] >= 0.0 else -1.0
+    return sign * best
 
 
 @njit(**INNER)
@@ -74,7 +111,7 @@ def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_di
 
 
 @njit(**OPTIONS)
-def straight(one, other, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, least):
+def straight(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, least):
     """True where every motion on the straight line between two (3,) is free; halves it until boxes decide."""
     stack = np.empty(DEEPEST_TREE, dtype=np.int64)
     nodes = np.empty(DEEPEST_TREE, dtype=np.int64)
@@ -226,8 +263,8 @@ def leaf_at(x, y, z, middle, first):
 
 
 @njit(**OPTIONS)
-def explore(
-    middle, level, state, first, count, origin, scale, deepest, wrap, turning, stop,
+def search(
+    middle, level, state, first, count, origin, scale, deepest, wrap, turning,
     a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way,
 ):  # fmt: skip
     """Cut the mixed boxes on the cheapest way from rest to the rim, again and again, until one way is free or none is left.
@@ -250,10 +287,8 @@ def explore(
     if state[start] != FREE:
         return SPENT, count, 0
     given_up = False
-    while not stop[0]:
-        last = cheapest(
-            start, middle, level, state, first, count, wrap, turning, cost, before, heap_cost, heap, out
-        )
+    while True:
+        last = cheapest(start, middle, level, state, first, count, wrap, turning, cost, before, heap_cost, heap, out)
         if last < 0:
             return (SPENT if given_up else CLOSED), count, 0
         length, mixed, n = 0, 0, last
@@ -286,4 +321,3 @@ def explore(
         if mixed == 0:
             way[:length] = way[:length][::-1].copy()
             return FOUND, count, length
-    return SPENT, count, 0

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.boxes import CLOSED, FOUND, explore, straight
-from wiggleroom.freespace.solid import Solid, solid
+from wiggleroom.freespace.boxes import CLOSED, FOUND, search, straight
+from wiggleroom.freespace.solid import solid
 
 Floats = NDArray[np.float64]
 
@@ -18,13 +17,6 @@ DEEPEST = 22
 """Boxes are halved at most this often."""
 ASIDE = np.array([0.0371, 0.0213, 0.0157])
 """The window's middle lies a little beside rest, as a share of its half sides: rest must not lie on the faces of boxes."""
-
-
-class Stop(Protocol):
-    """Anything that can ask to end early, for example `threading.Event`."""
-
-    def is_set(self) -> bool:
-        """True once the work should end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,16 +69,15 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
     state, first = np.zeros(most, dtype=np.int64), np.full(most, -1)
     way, count = np.zeros(most, dtype=np.int64), 1
     pair = (*one.arrays, other.edge, other.disc, other.kid)
-    stop = np.zeros(1, dtype=np.bool_)
     for turning in (True, False):  # first without going round, which is the smaller question
-        how, count, length = explore(
-            middle, level, state, first, count, origin, scale, DEEPEST, not turning, turning, stop, *pair, way
+        how, count, length = search(
+            middle, level, state, first, count, origin, scale, DEEPEST, not turning, turning, *pair, way
         )
         if how == CLOSED:
             return Passage(turning, True, None, pivot, count)
         if how == FOUND and not turning:
             points = _points(way[:length], middle, level, origin, scale)
-            return Passage(False, False, _shorter(points, scale, pair), pivot, count)
+            return Passage(False, False, _shorter(points, pair), pivot, count)
     return Passage(False, False, None, pivot, count)
 
 
@@ -110,18 +101,13 @@ def _points(way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], or
     return np.vstack([np.zeros(3), origin + points * scale[[0, 0, 1]]])
 
 
-def _shorter(points: Floats, scale: Floats, pair: tuple) -> Floats:
+def _shorter(points: Floats, pair: tuple) -> Floats:
     """The way without the detours from box to box: as long straight pieces as are certainly free."""
     kept, k = [0], 0
     while k < len(points) - 1:
         step = len(points) - 1 - k
-        while step > 1 and not straight(points[k], points[k + step], scale, *pair, 1e-4):
+        while step > 1 and not straight(points[k], points[k + step], *pair, 1e-4):
             step = step // 2
         k += step
         kept.append(k)
     return points[kept]
-
-
-def sizes(one: Solid, other: Solid) -> float:
-    """Sum of both radii [mm]."""
-    return one.radius + other.radius

@@ -1,4 +1,4 @@
-"""Material of one body as edges under a tree of discs, and how deep a point lies in it."""
+"""Material of one body as edges under a tree of discs."""
 
 from __future__ import annotations
 
@@ -6,16 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numba import njit
 from numpy.typing import NDArray
-
-from wiggleroom.freespace.kernel import INNER
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-DEEPEST_TREE = 96
-"""Room for the nodes that wait while a tree is walked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,39 +84,3 @@ def _grow(edge: Floats, i: int, j: int, discs: list, kids: list) -> int:
         half = (i + j) // 2
         kids[number] = (_grow(edge, i, half, discs, kids), _grow(edge, half, j, discs, kids))
     return number
-
-
-@njit(**INNER)
-def depth_at(x, y, edge, normal, disc, kid, stack):
-    """Signed distance of a point from the boundary, negative inside the material."""
-    best, sign = np.inf, 1.0
-    stack[0] = 0
-    count = 1
-    while count:
-        count -= 1
-        node = stack[count]
-        dx, dy = x - disc[node, 0], y - disc[node, 1]
-        if np.sqrt(dx * dx + dy * dy) - disc[node, 2] >= best:
-            continue
-        if kid[node, 0] >= 0:
-            one, other = kid[node, 0], kid[node, 1]
-            ox, oy = x - disc[one, 0], y - disc[one, 1]
-            px, py = x - disc[other, 0], y - disc[other, 1]
-            if ox * ox + oy * oy < px * px + py * py:  # the nearer one is looked at first
-                one, other = other, one
-            stack[count] = one
-            stack[count + 1] = other
-            count += 2
-            continue
-        e = kid[node, 1]
-        ax, ay = edge[e, 0], edge[e, 1]
-        ex, ey = edge[e, 2] - ax, edge[e, 3] - ay
-        t = ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)
-        t = min(max(t, 0.0), 1.0)
-        qx, qy = x - ax - t * ex, y - ay - t * ey
-        d = np.sqrt(qx * qx + qy * qy)
-        if d < best:
-            best = d
-            which = 1 if t <= 0.0 else (2 if t >= 1.0 else 0)
-            sign = 1.0 if qx * normal[e, which, 0] + qy * normal[e, which, 1] >= 0.0 else -1.0
-    return sign * best
