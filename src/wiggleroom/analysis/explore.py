@@ -32,7 +32,7 @@ MOST_PLACES = 12
 """From so many places besides rest it goes on at most."""
 ELSEWHERE = 3.0
 """A place is new where some neighbours lie otherwise than in all places before by more than this multiple of the clearance."""
-LOOKS = 24
+LOOKS = 8
 """So many way-points of an answer are looked at for a straight way out."""
 
 

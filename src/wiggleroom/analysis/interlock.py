@@ -101,6 +101,7 @@ def check(
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
     boxes: int = ONLY,
+    every: bool = True,
 ) -> Interlock:
     """Whether some parts can be moved without limit away from the others.
 
@@ -115,6 +116,8 @@ def check(
         Told a `Progress` now and then.
     boxes : int
         Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
+    every : bool
+        False: the first parts that leave are enough; what of the others is not asked.
 
     Raises
     ------
@@ -153,6 +156,8 @@ def check(
         far[gone] = path[-1, gone]
         alive = np.delete(alive, who)
         left = _without(left, who)
+        if not every:
+            break
         if len({int(b) for b in np.delete(ready.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
             stage = replace(stage, ended="interlocked", certainty="proven", held=np.zeros(0, dtype=np.int64))
             break

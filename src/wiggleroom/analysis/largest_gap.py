@@ -80,7 +80,7 @@ def largest_gap(
                 tried[gap] = None
                 return "gone"
             try:
-                tried[gap] = check(made, stop=stop, progress=progress, boxes=BOXES)
+                tried[gap] = check(made, stop=stop, progress=progress, boxes=BOXES, every=False)
             except TouchingError:
                 return "unknown"
         found = tried[gap]

@@ -21,15 +21,20 @@ FOUND, CLOSED, SPENT = 0, 1, 2
 
 @njit(**INNER)
 def depth_at(x, y, edge, normal, disc, kid, stack):
-    """Signed distance of a point from the boundary, negative inside the material."""
+    """Signed distance of a point from the boundary, negative inside the material.
+
+    Where two edges are equally near, as on both sides of a lip of no thickness, the point counts as outside if either says so: nothing is
+    forbidden wrongly, and ways are looked at again by other means.
+    """
     best, sign = np.inf, 1.0
+    same = 1e-9 * disc[0, 2]
     stack[0] = 0
     count = 1
     while count:
         count -= 1
         node = stack[count]
         dx, dy = x - disc[node, 0], y - disc[node, 1]
-        if np.sqrt(dx * dx + dy * dy) - disc[node, 2] >= best:
+        if np.sqrt(dx * dx + dy * dy) - disc[node, 2] > best + same:
             continue
         if kid[node, 0] >= 0:
             one, other = kid[node, 0], kid[node, 1]
@@ -48,10 +53,12 @@ def depth_at(x, y, edge, normal, disc, kid, stack):
         t = min(max(t, 0.0), 1.0)
         qx, qy = x - ax - t * ex, y - ay - t * ey
         d = np.sqrt(qx * qx + qy * qy)
-        if d < best:
-            best = d
-            which = 1 if t <= 0.0 else (2 if t >= 1.0 else 0)
-            sign = 1.0 if qx * normal[e, which, 0] + qy * normal[e, which, 1] >= 0.0 else -1.0
+        if d > best + same:
+            continue
+        which = 1 if t <= 0.0 else (2 if t >= 1.0 else 0)
+        side = 1.0 if qx * normal[e, which, 0] + qy * normal[e, which, 1] >= 0.0 else -1.0
+        sign = side if d < best - same else max(sign, side)
+        best = min(best, d)
     return sign * best
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.boxes import CLOSED, FOUND, search, straight
+from wiggleroom.freespace.boxes import CLOSED, SPENT, search, straight
 from wiggleroom.freespace.solid import solid
 
 Floats = NDArray[np.float64]
@@ -75,7 +75,9 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
         )
         if how == CLOSED:
             return Passage(turning, True, None, pivot, count)
-        if how == FOUND and not turning:
+        if how == SPENT:
+            break
+        if not turning:
             points = _points(way[:length], middle, level, origin, scale)
             return Passage(False, False, _shorter(points, pair), pivot, count)
     return Passage(False, False, None, pivot, count)
