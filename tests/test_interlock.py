@@ -15,6 +15,7 @@ from tests.flexing import displaced, part_at
 from tests.oracle import collision
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.cli import main
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.passage import passage
 
@@ -205,3 +206,51 @@ def test_largest_gap_where_none_holds():
     found = wr.largest_gap(wr.patterns.chain(2, joint="finger", gap=0.02))
     assert found.holds is None
     assert found.apart.verdict == "comes apart"
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr("sys.argv", ["wiggleroom", "check", *words])
+    return main()
+
+
+def test_command_says_who_leaves_and_exits_with_one(monkeypatch, tmp_path, capsys):
+    out, film = tmp_path / "apart.json", tmp_path / "apart.film.svg"
+    code = run(monkeypatch, str(HERE / "sequential.json"), "--json", str(out), "--picture", str(film))
+    page = capsys.readouterr().out
+    assert code == 1
+    assert "comes apart" in page
+    assert page.index("latch") < page.index("drawer leaves")
+    record = json.loads(out.read_text())
+    assert (record["format"], record["verdict"], record["certainty"]) == ("wiggleroom.check/1", "comes apart", "proven")
+    assert [e["parts"] for e in record["escapes"]] == [["latch"], ["drawer"]]
+    first = record["escapes"][0]["path"]
+    assert first[0] == {"latch": {"dx": 0.0, "dy": 0.0, "turn_deg": 0.0}}
+    assert first[-1]["latch"]["dy"] > 50
+    assert "<svg" in film.read_text()
+
+
+def test_command_exits_with_zero_where_it_interlocks(monkeypatch, capsys):
+    assert run(monkeypatch, str(HERE / "round_plug.json"), "--json", "-") == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["verdict"], record["escapes"], record["spins"]) == ("interlocked", [], ["plug"])
+
+
+def test_command_takes_a_gap(monkeypatch, capsys):
+    assert run(monkeypatch, str(HERE / "gap.json"), "--gap", "8") == 1
+    assert "right leaves" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--gap", "0"], "touch at rest"),
+        (["--fix", "nobody"], "nobody"),
+        (["--fix", "right,left"], "every part is fixed"),
+        (["--picture", "apart.docx"], "must end in"),
+    ],
+)
+def test_command_refuses_in_one_plain_line(monkeypatch, capsys, words, said):
+    assert run(monkeypatch, str(HERE / "gap.json"), *words) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1

@@ -3,37 +3,25 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.explore import explore
+from wiggleroom.analysis.escape import ONLY, Certainty, Says, next_stage
 from wiggleroom.analysis.finish import part_motions
 from wiggleroom.analysis.flex import flex
-from wiggleroom.analysis.links import BOXES, Links, links
-from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared, prepare
-from wiggleroom.analysis.rigid import Rigid, leaves_as_one
 from wiggleroom.analysis.search import Progress
-from wiggleroom.analysis.straight import Exit, straight_exit
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError
-from wiggleroom.pairs.neighbours import placed
 from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Says = Literal["interlocked", "comes apart", "unknown"]
-
-ONLY = 150_000
-"""Boxes judged at most where one body alone can leave; a few seconds."""
-BEYOND = 0.1
-"""Parts that left end this share of the drawing's size beyond all others."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,24 +63,12 @@ class Interlock:
 
     assembly: Assembly
     verdict: Says
-    certainty: Literal["proven", "searched"]
+    certainty: Certainty
     escapes: tuple[Escape, ...] = ()
     spins: tuple[str, ...] = ()
     remains: tuple[str, ...] = ()
     questions: int = 0
     seconds: float = 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class _Stage:
-    """What became of the parts that are left: a way of some of them, or the end."""
-
-    ended: Says
-    certainty: Literal["proven", "searched"]
-    who: Ints
-    way: Floats | None
-    held: Ints
-    questions: int
 
 
 def check(
@@ -143,7 +119,7 @@ def check(
     questions = 0
     while True:
         ready = prepare(left)
-        stage = _stage(ready, boxes, stop, tell)
+        stage = next_stage(ready, boxes, stop, tell)
         questions += stage.questions
         if stage.way is None:
             break
@@ -173,77 +149,6 @@ def check(
         questions,
         time.perf_counter() - began,
     )
-
-
-def _stage(ready: Prepared, boxes: int, stop: Stop | None, tell: Callable[[Progress], None]) -> _Stage:
-    """The next parts that leave, the cheapest ways of finding them first."""
-    bodies, n = ready.bodies, len(ready.bodies.fixed)
-    stands = np.flatnonzero(bodies.fixed)
-    ground = int(stands[0])
-    own = np.arange(n)
-    own[stands] = ground
-    none = np.zeros(0, dtype=np.int64)
-    rest = np.zeros((1, n, 3))
-    tell(Progress("straight ways"))
-    found = straight_exit(bodies, rest[0], ground, ready.barred, ready.size, own)
-    if found is not None:
-        return _leave(ready, rest, found)
-    tell(Progress("free spaces"))
-    known, tries = _rigid(ready, stands, own, boxes, stop)
-    if not known.group.any():
-        return _Stage("interlocked", "proven", none, None, known.held, 0)
-    for rigid in tries:
-        stage = None if rigid.way is None else _finish(ready, rigid.way, known.group, ground)
-        if stage is not None:
-            return stage
-    searched = explore(ready, ground, known.group, stop, tell)
-    if searched.way is not None and searched.exit is not None:
-        stage = _leave(ready, searched.way, searched.exit)
-        if stage.way is not None:
-            return replace(stage, questions=searched.questions)
-    ended: Says = "interlocked" if searched.whole else "unknown"
-    return _Stage(ended, "searched", none, None, known.held, searched.questions)
-
-
-def _rigid(ready: Prepared, stands: Ints, own: Ints, boxes: int, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
-    """What is tied to what, and for each group that may leave what is known about its leaving as one."""
-    if len(stands) == len(own) - 1:
-        free = np.flatnonzero(~ready.bodies.fixed)
-        rigid = leaves_as_one(ready, free, boxes)
-        alone = (own == free[0]).astype(np.int64)
-        return Links(alone * (not rigid.closed), alone * (not rigid.held)), iter([rigid])
-    known = links(ready, stands, stop)
-    ground = known.group[stands[0]]
-    groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
-    return known, (leaves_as_one(ready, who, BOXES) for who in groups if stop is None or not stop.is_set())
-
-
-def _finish(ready: Prepared, way: Floats, group: Ints, ground: int) -> _Stage | None:
-    """The way from its first point on from where bodies leave straight."""
-    for k in range(1, len(way)):
-        found = straight_exit(ready.bodies, way[k], ground, ready.barred, ready.size, group)
-        if found is not None:
-            return _leave(ready, way[: k + 1], found)
-    return None
-
-
-def _leave(ready: Prepared, way: Floats, found: Exit) -> _Stage:
-    """The way continued straight until those who leave are beyond all others, which then go back to rest."""
-    bodies, who = ready.bodies, found.who
-    geometry = placed(bodies, way[-1])
-    along = [shapely.get_coordinates(g) @ found.direction for g in geometry]
-    others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
-    length = max(along[b].max() for b in others) - min(along[b].min() for b in who) + BEYOND * ready.size
-    out = way[-1].copy()
-    out[who, :2] += max(length, BEYOND * ready.size) * found.direction
-    back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]
-    back[:, who] = out[who]
-    whole = np.concatenate([way, out[None], back])
-    deepest = max(overlaps(bodies, m, ready.barred).deepest for m in whole)
-    none = np.zeros(0, dtype=np.int64)
-    if deepest > SAFE * ready.size:
-        return _Stage("unknown", "searched", none, None, none, 0)
-    return _Stage("comes apart", "proven", who, whole, none, 0)
 
 
 def _spins(ready: Prepared, held: Ints, stop: Stop | None) -> tuple[str, ...]:
