@@ -26,7 +26,7 @@ def read_drawing(
     Parameters
     ----------
     path : str or Path
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     unit : str, optional
         What one user unit of a drawing is (mm, cm, m, in, px), whatever the file says.
     flatten : float [mm], optional
@@ -41,9 +41,9 @@ def read_drawing(
 
     Examples
     --------
-    >>> read_drawing("puzzle.dxf")
+    >>> read_drawing("puzzle.pdf")
     Traceback (most recent call last):
-    wiggleroom.errors.InputError: puzzle.dxf: ".dxf" files are not read; it must be one of .svg, .json
+    wiggleroom.errors.InputError: puzzle.pdf: ".pdf" files are not read; it must be one of .svg, .dxf, .json
     """
     check_options(flatten=flatten, gap=gap)
     reader = _by_extension(Path(path), READERS, "read")
@@ -91,6 +91,12 @@ def _read_svg(path: Path, unit: str | None, flatten: float | None, gap: float | 
     return read_svg(path, unit=unit, flatten=flatten, gap=gap)
 
 
+def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
+    from wiggleroom.drawing.dxf import read_dxf
+
+    return read_dxf(path, unit=unit, flatten=flatten, gap=gap)
+
+
 def _read_assembly(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
     from wiggleroom.drawing.assembly_file import read_assembly
 
@@ -116,5 +122,5 @@ def _write_assembly(drawing: Drawing) -> str:
     return write_assembly(drawing)
 
 
-READERS: dict[str, Reader] = {".svg": _read_svg, ".json": _read_assembly}
+READERS: dict[str, Reader] = {".svg": _read_svg, ".dxf": _read_dxf, ".json": _read_assembly}
 WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg}
