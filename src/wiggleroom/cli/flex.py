@@ -33,7 +33,7 @@ def flex(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     model
         How the free space of each pair is modelled: walls, the exact contacts.
     solver

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from wiggleroom.drawing.nurbs import cubics_of
-from wiggleroom.drawing.pathdata import Arc, Cubic, Line, Subpath
+from wiggleroom.drawing.pathdata import Arc, Cubic, Line, Segment, Subpath
 from wiggleroom.drawing.strokes import bulge_arc, trace
 
 _FRAME = 16
@@ -105,7 +105,7 @@ def _spline(entity: Any) -> Subpath | None:
     if np.ptp(control, axis=0).max() == 0:
         return None
     cubics = cubics_of(int(tool.degree), np.array(tool.knots(), dtype=float), control, weights)
-    segments = [Cubic(first, second, end) for _, first, second, end in cubics.tolist()]
+    segments: list[Segment] = [Cubic(first, second, end) for _, first, second, end in cubics.tolist()]
     return Subpath(complex(cubics[0, 0]), segments, False)  # where its ends meet it is taken as closed later
 
 

@@ -61,6 +61,7 @@ def shapes_of(walk: DxfWalk) -> tuple[list[Shape], tuple[str, ...]]:
     parts = [outline for outline in distinct if not outline.hole]
     tree = shapely.STRtree([outline.polygon for outline in parts])
     paths = [[outline.path] for outline in parts]
+    cut: list[list[shapely.Polygon]] = [[] for _ in parts]
     for hole in distinct:
         if hole.hole:
             owner = _around(hole.polygon, parts, tree)
@@ -69,8 +70,9 @@ def shapes_of(walk: DxfWalk) -> tuple[list[Shape], tuple[str, ...]]:
                 walk.findings.append(f"{walk.file}: {hole.stroke}: {reason}")
             else:
                 paths[owner].append(hole.path)
+                cut[owner].append(hole.polygon)
     names = _names(walk, parts, tree)
-    inside = sum(_around(outline.polygon, parts, tree) is not None for outline in parts)
+    inside = sum(_fills(outline.polygon, parts, tree, cut) for outline in parts)
     shapes = [_shape(part.stroke, path, name) for part, path, name in zip(parts, paths, names, strict=True)]
     return [*_pieces_joined(parts, shapes), *opened], _notes(walk, repeated, inside)
 
@@ -163,6 +165,14 @@ def _around(inner: shapely.Polygon, parts: Sequence[_Outline], tree: shapely.STR
         and inner.difference(parts[i].polygon).area <= _ALIKE * inner.area
     ]
     return min(holding, key=lambda i: parts[i].polygon.area, default=None)
+
+
+def _fills(
+    inner: shapely.Polygon, parts: Sequence[_Outline], tree: shapely.STRtree, cut: Sequence[Sequence[shapely.Polygon]]
+) -> bool:
+    """Whether an outline lies in another one that has no hole there."""
+    owner = _around(inner, parts, tree)
+    return owner is not None and not any(hole.intersection(inner).area > inner.area / 2 for hole in cut[owner])
 
 
 def _names(walk: DxfWalk, parts: Sequence[_Outline], tree: shapely.STRtree) -> list[str]:

@@ -228,11 +228,12 @@ def _piece(entity: Any) -> tuple[str, int, int] | None:
     """Name of the part, number of this outline and how many there are, where the file says so."""
     if not entity.has_xdata(NAME):
         return None
-    values = [tag.value for tag in entity.get_xdata(NAME) if tag.code in (1000, 1070)]
-    match values:
-        case [str(name), int(number), int(count)] if name:
-            return text_of(name), number, count
-    return None
+    tags = entity.get_xdata(NAME)
+    name = "".join(str(tag.value) for tag in tags if tag.code == 1000)
+    numbers = [int(tag.value) for tag in tags if tag.code == 1070]
+    if not name or not text_of(name).isprintable() or len(numbers) != 2:
+        return None
+    return text_of(name), numbers[0], numbers[1]
 
 
 def edges_by_place(strokes: list[Stroke]) -> Iterator[list[Stroke]]:

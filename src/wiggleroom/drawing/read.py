@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 
+if TYPE_CHECKING:
+    from wiggleroom.drawing.lettering import Label
+
 T = TypeVar("T")
 Reader = Callable[[Path, str | None, float | None, float | None], Drawing]
-Writer = Callable[[Drawing], str]
+Writer = Callable[[Drawing, "Sequence[Label] | None"], str]
 
 
 def read_drawing(
@@ -50,8 +53,16 @@ def read_drawing(
     return reader(Path(path), unit, flatten, gap)
 
 
-def write_drawing(drawing: Drawing, path: str | Path) -> None:
+def write_drawing(drawing: Drawing, path: str | Path, *, labels: Sequence[Label] | None = None) -> None:
     """Write `drawing` in the format that the extension names; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    drawing : Drawing
+    path : str or Path
+        .svg and .dxf are ready to cut, .json is an assembly file.
+    labels : sequence of Label, optional
+        What is engraved, apart from what is cut; by default every part's name.
 
     Raises
     ------
@@ -59,7 +70,7 @@ def write_drawing(drawing: Drawing, path: str | Path) -> None:
         If the extension is not known or the file cannot be written.
     """
     path = Path(path)
-    text = _by_extension(path, WRITERS, "written")(drawing)
+    text = _by_extension(path, WRITERS, "written")(drawing, labels)
     try:
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=path.suffix)
         try:
@@ -110,17 +121,23 @@ def _read_assembly(path: Path, unit: str | None, flatten: float | None, gap: flo
     return drawing if gap is None else replace(drawing, gap=gap)
 
 
-def _write_svg(drawing: Drawing) -> str:
+def _write_svg(drawing: Drawing, labels: Sequence[Label] | None) -> str:
     from wiggleroom.drawing.svg_writer import write_svg
 
-    return write_svg(drawing)
+    return write_svg(drawing, labels)
 
 
-def _write_assembly(drawing: Drawing) -> str:
+def _write_dxf(drawing: Drawing, labels: Sequence[Label] | None) -> str:
+    from wiggleroom.drawing.dxf_writer import write_dxf
+
+    return write_dxf(drawing, labels)
+
+
+def _write_assembly(drawing: Drawing, _: Sequence[Label] | None) -> str:
     from wiggleroom.drawing.assembly_writer import write_assembly
 
     return write_assembly(drawing)
 
 
 READERS: dict[str, Reader] = {".svg": _read_svg, ".dxf": _read_dxf, ".json": _read_assembly}
-WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg}
+WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg, ".dxf": _write_dxf}

@@ -16,6 +16,8 @@ from wiggleroom.errors import InputError
 
 _GROUPS = ("g", "a", "switch")
 _LEFT_OUT = ("text", "image", "foreignObject")
+LABELS = "labels"
+"""A group with this id or label holds names for people to read, and no parts."""
 _DEEPEST = 200
 
 T = TypeVar("T")
@@ -90,6 +92,8 @@ class Walk:
         state = self._inherit(element, outer)
         name = "" if state.copies else _name(element)
         if state.style.get("display") == "none":
+            return
+        if tag == "g" and not state.copies and LABELS in _marks(element):
             return
         if tag in SHAPES:
             self._shape(element, name, state)
