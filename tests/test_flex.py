@@ -321,6 +321,7 @@ def test_stopped_on_the_way_is_safe(count):
     check_safe(answer)
     assert answer.verdict == "stopped" or answer.objective == pytest.approx(best, rel=CLOSE)
     assert answer.objective <= best * (1 + 1e-5)
+    assert answer.path == "checked"  # cut back to where it is
 
 
 def test_stop_is_asked_and_progress_told_every_iteration():

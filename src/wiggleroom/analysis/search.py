@@ -41,7 +41,7 @@ FEW = 8, 100
 MOST_RESTARTS = 3
 """So often the search begins again because a part may meet another on the way that was not thought of."""
 MANY = 1000
-"""In larger assemblies the other sides of corner contacts are left open."""
+"""In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
 ROUND = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] can turn without limit."""
 
@@ -125,6 +125,8 @@ class Search:
     rounds: int = 0
     iterations: int = 0
     branches_left: bool = False
+    thorough: bool = True
+    """False: other sides of corner contacts are not tried, and the way is not checked."""
     checked: tuple[Found, Way] | None = None
     seconds: dict[str, float] = field(default_factory=lambda: {"freespace": 0.0, "solve": 0.0, "check": 0.0})
 
@@ -178,17 +180,17 @@ class Search:
                 tolerance = fine
                 polished, mu = True, best.solution.inner_mu
                 self._rebuild(best, stale[:0])
-            elif best.touch.virtual.any() and not nearer:
+            elif best.touch.virtual.any() and not nearer and not self.large:
                 # past a corner, the walls that matter show only from where the corner has been passed
                 nearer, mu = True, AGAIN * best.solution.inner_mu
                 self._rebuild(best, self._stale(best), nearer=True)
             else:
                 if branches is None or gained:
-                    branches = self._branches(best)
+                    branches = self._branches(best) if self.thorough else []
                 if not branches:
                     if self._add_missed(best):
                         self.best = branches = None
-                    elif self._meets_strangers(best):
+                    elif self.thorough and self._meets_strangers(best):
                         tolerance, mu, branches = ROUGH, FIRST_MU, None
                     else:
                         return
@@ -205,6 +207,11 @@ class Search:
         return np.flatnonzero(np.hypot(moved[:, 0], moved[:, 1]) > self.ready.clearance)
 
     @property
+    def large(self) -> bool:
+        """True where the last hundredth of a per cent would cost more than all before."""
+        return len(self.ready.bodies.fixed) > MANY
+
+    @property
     def unlimited(self) -> bool:
         """True where a body has moved or turned so far that nothing stops it."""
         if self.best is None:
@@ -219,7 +226,7 @@ class Search:
         self.rounds += 1
         number, begin = self.rounds, program.variables(self.inner)
         solution = self.solve(
-            program, begin if self.legs else _nudged(program, begin), mu=mu, tolerance=tolerance,
+            program, begin if self.legs else nudged(program, begin), mu=mu, tolerance=tolerance,
             horizon=FAR * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
@@ -231,7 +238,8 @@ class Search:
 
     def _keep(self, found: Found) -> bool:
         """Keep what is better than the best so far, or surer and not much worse; True where it is better by more than it might err."""
-        least = max(GAIN * len(found.motion), 0.3 * found.tolerance) * max(abs(found.value), self.ready.clearance)
+        rough = self.best.tolerance if self.best and self.large else found.tolerance
+        least = max(GAIN * len(found.motion), 0.3 * rough) * max(abs(found.value), self.ready.clearance)
         before = self.best.value if self.best else 0.0
         surer = self.best is not None and (
             found.tolerance < self.best.tolerance
@@ -320,10 +328,10 @@ class Search:
         few = len(corners) <= FEW[0] and len(best.motion) <= FEW[1]
         self.branches_left = bool(touch.virtual.any()) or not (few or len(corners) == 0)
         alone = [corners[k : k + 1] for k in range(len(corners))] if few and len(corners) > 1 else []
-        return [*alone, corners] if len(corners) and len(best.motion) <= MANY else []
+        return [*alone, corners] if len(corners) and not self.large else []
 
 
-def _nudged(program: Program, u: Floats) -> Floats:
+def nudged(program: Program, u: Floats) -> Floats:
     """A point beside u: a symmetric assembly would else stay on the ridge between two equal ways."""
     aside = u + NUDGE * np.random.default_rng(0).standard_normal(len(u))
     return aside if (program.values(aside) > 0.5 * program.values(u)).all() else u

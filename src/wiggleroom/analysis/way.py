@@ -34,20 +34,20 @@ class Way:
     ----------
     motions : (k, n, 3) float64 [mm, mm, rad]
         Way-points; between them every body moves straight, or the reference point of each of its parts does.
-    inside : bool
-        True where no pair of the programs overlaps anywhere along it.
+    certain : int
+        Up to so many way-points no pair of the programs overlaps anywhere.
     strangers : (p,) and (p,) int64
         Pairs of bodies outside the last program that may meet on it.
     """
 
     motions: Floats
-    inside: bool
+    certain: int
     strangers: tuple[Ints, Ints]
 
     @property
     def sure(self) -> bool:
         """True where nothing overlaps anywhere along the way."""
-        return self.inside and not len(self.strangers[0])
+        return self.certain == len(self.motions) and not len(self.strangers[0])
 
 
 def whole_way(
@@ -71,15 +71,17 @@ def whole_way(
     slack : float [mm]
         Violation that counts as none.
     """
-    motions: list[Floats] = []
-    inside = True
+    motions = [legs[0][0].motion(legs[0][1][0])]
+    certain = 1
     for program, points in legs:
         refined, good = checked_way(program, Retraction(program), points, arm, slack)
-        inside = inside and good
-        fresh = [program.motion(p) for p in refined]
-        motions += fresh[1:] if motions else fresh
-    way = _denser(np.array(motions), arm, ASIDE * legs[-1][0].length)
-    return Way(way, inside, strangers(bodies, arm, way, known, barred))
+        if certain == len(motions):
+            certain += good - 1
+        motions += [program.motion(p) for p in refined[1:]]
+    aside = ASIDE * legs[-1][0].length
+    way = _denser(np.array(motions), arm, aside)
+    certain = len(way) if certain == len(motions) else len(_denser(np.array(motions[:certain]), arm, aside))
+    return Way(way, certain, strangers(bodies, arm, way, known, barred))
 
 
 def _denser(motions: Floats, arm: Floats, aside: float) -> Floats:
@@ -95,7 +97,7 @@ def _denser(motions: Floats, arm: Floats, aside: float) -> Floats:
 
 def checked_way(
     program: Program, retraction: Retraction, points: tuple[Floats, ...], arm: Floats, slack: float
-) -> tuple[list[Floats], bool]:
+) -> tuple[list[Floats], int]:
     """Refine a way until straight motion between its points certainly stays free of overlap for all pairs of the program.
 
     Parameters
@@ -113,11 +115,11 @@ def checked_way(
     -------
     points : list of (3F,) float64
         The way with the points that were needed in between.
-    sure : bool
-        False where halving did not help.
+    certain : int
+        So many of them are certainly reached: all, but where halving did not help.
     """
     rows = [program.values(u) * program.length for u in points]
-    out, sure = [points[0]], True
+    out, certain, sure = [points[0]], 1, True
     matrix: Factor | None = None
     todo = [(points[k], rows[k], points[k + 1], rows[k + 1], 0) for k in range(len(points) - 1)][::-1]
     while todo:
@@ -133,7 +135,8 @@ def checked_way(
                 continue
             sure = False
         out.append(v)
-    return out, sure
+        certain += sure
+    return out, certain
 
 
 def _middle(program: Program, retraction: Retraction, matrix: Factor, u: Floats, v: Floats, target: Floats) -> Floats:
