@@ -92,11 +92,10 @@ class DxfWalk:
         self._copies = 0
         self._layers: dict[str, Group] = {}
         self._off = {layer.dxf.name.lower() for layer in self.document.layers if layer.is_off() or layer.is_frozen()}
-        self._grouped = {
-            handle: Group("" if name.startswith("*") else name, name.lower().startswith("glue"))
-            for name, group in self.document.groups
-            for handle in group.handles()
-        }
+        self._grouped: dict[str, Group] = {}
+        for name, members in self.document.groups:
+            group = Group("" if name.startswith("*") else name, name.lower().startswith("glue"))
+            self._grouped |= dict.fromkeys(members.handles(), group)
         s = self.scale
         self._entities(self.document.modelspace(), _State(Matrix44.scale(s, s, s)))
 
