@@ -153,8 +153,8 @@ def test_writes_whole_or_not_at_all(tmp_path):
     path = tmp_path / "out.json"
     write_drawing(drawing, path)
     assert_same(drawing, read_drawing(path))
-    with pytest.raises(InputError, match=r"out\.dxf.*must be one of"):
-        write_drawing(drawing, tmp_path / "out.dxf")
+    with pytest.raises(InputError, match=r"out\.pdf.*must be one of"):
+        write_drawing(drawing, tmp_path / "out.pdf")
     with pytest.raises(InputError, match="directory that exists"):
         write_drawing(drawing, tmp_path / "no" / "out.json")
     (tmp_path / "taken.json").mkdir()

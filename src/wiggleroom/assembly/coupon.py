@@ -111,7 +111,8 @@ def comb(joint: str, gaps: Sequence[float], pitch: float = 20.0, **sizes: float)
     bar = shapely.box(left, bottom, right, rim)
     for i, gap in enumerate(gaps):
         bar = shapely.difference(bar, shapely.affinity.translate(_grown(key, gap, joint), i * pitch))
-    if bar.geom_type != "Polygon" or bar.interiors:
+    whole = bar.geom_type == "Polygon" and not bar.interiors and bar.bounds == (left, bottom, right, rim)
+    if not whole:
         message = f'joint "{joint}": the pockets cut the comb to pieces: take smaller gaps or a larger pitch'
         raise InputError(message)
     lift = rim - float(line[:, 1].min()) + _MARGIN * pitch

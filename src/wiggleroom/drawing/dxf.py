@@ -35,17 +35,16 @@ def read_dxf(
         If ezdxf is not installed.
     """
     check_options(flatten=flatten, gap=gap)
-    path = Path(path)
-    document, mended = load_dxf(path)
-    scale, assumed = scale_of(document, unit, path.name)
-    walk = DxfWalk(path.name, document, scale)
+    file = load_dxf(Path(path))
+    scale, assumed = scale_of(file, unit)
+    walk = DxfWalk(file.name, file.document, scale)
     walk.run()
     shapes, notes = shapes_of(walk)
     return drawing_of(
-        path.name,
+        file.name,
         shapes,
         walk.findings,
-        notes=(*assumed, *mended, *notes),
+        notes=(*assumed, *file.notes, *notes),
         left_out=walk.left_out,
         flatten=flatten,
         gap=gap,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,26 @@ _UNITS = {1: 25.4, 2: 304.8, 4: 1.0, 5: 10.0, 6: 1000.0, 8: 25.4e-6, 9: 25.4e-3,
 """Length of the units of $INSUNITS that parts are drawn in [mm]."""
 
 
-def load_dxf(path: Path) -> tuple[Any, tuple[str, ...]]:
+@dataclass(frozen=True)
+class DxfFile:
+    """A DXF that was loaded.
+
+    Parameters
+    ----------
+    name : str
+    document : ezdxf document
+    unit : int
+        Code of its unit, 0 where it says none.
+    notes : tuple of str
+    """
+
+    name: str
+    document: Any
+    unit: int
+    notes: tuple[str, ...]
+
+
+def load_dxf(path: Path) -> DxfFile:
     """Document of a DXF, text or binary, and notes.
 
     Files with faults that can be mended without guessing at outlines are mended, which a note says.
@@ -30,9 +50,10 @@ def load_dxf(path: Path) -> tuple[Any, tuple[str, ...]]:
         If ezdxf is not installed.
     """
     ezdxf = import_ezdxf("read")
-    _check(path)
+    raw = read_bytes(path)
+    _check(raw, path.name)
     try:
-        return ezdxf.readfile(path), ()
+        return _loaded(path.name, ezdxf.readfile(path), raw, ())
     except Exception:  # whatever the fault is, the reader below knows more of them
         pass
     from ezdxf import recover
@@ -46,7 +67,14 @@ def load_dxf(path: Path) -> tuple[Any, tuple[str, ...]]:
     if audit.has_errors:
         message = f"{path.name}: is damaged in {len(audit.errors)} places; export it again"
         raise InputError(message)
-    return document, (f"{path.name}: has faults that were mended on reading; see that no part is missing",)
+    note = f"{path.name}: has faults that were mended on reading; see that no part is missing"
+    return _loaded(path.name, document, raw, (note,))
+
+
+def _loaded(name: str, document: Any, raw: bytes, notes: tuple[str, ...]) -> DxfFile:
+    """With the unit that the file says: where it says none, ezdxf has a unit of its own."""
+    says = b"$INSUNITS" in raw
+    return DxfFile(name, document, int(document.header.get("$INSUNITS", 0)) if says else 0, notes)
 
 
 def import_ezdxf(done: str) -> Any:
@@ -66,7 +94,7 @@ def import_ezdxf(done: str) -> Any:
     return ezdxf
 
 
-def scale_of(document: Any, unit: str | None, file: str) -> tuple[float, tuple[str, ...]]:
+def scale_of(file: DxfFile, unit: str | None) -> tuple[float, tuple[str, ...]]:
     """Millimetres per unit of the drawing, and notes.
 
     Raises
@@ -78,18 +106,16 @@ def scale_of(document: Any, unit: str | None, file: str) -> tuple[float, tuple[s
         try:
             return millimetres(unit), ()
         except InputError as error:
-            message = f"{file}: {error}"
+            message = f"{file.name}: {error}"
             raise InputError(message) from None
-    code = document.header.get("$INSUNITS", 0)
-    if code in _UNITS:
-        return _UNITS[code], ()
-    which = f"says no unit that is known here ($INSUNITS {code})" if code else "says no unit"
-    return UNITS["mm"], (f"{file}: {which}; 1 unit is taken as 1 mm",)
+    if file.unit in _UNITS:
+        return _UNITS[file.unit], ()
+    which = f"says no unit that is known here ($INSUNITS {file.unit})" if file.unit else "says no unit"
+    return UNITS["mm"], (f"{file.name}: {which}; 1 unit is taken as 1 mm",)
 
 
-def _check(path: Path) -> None:
+def _check(raw: bytes, name: str) -> None:
     """Refuse what is no whole DXF; ezdxf would read the first half of a file without a word."""
-    raw = read_bytes(path)
     wrong = ""
     if not raw.strip():
         wrong = "is empty; a drawing with at least one part is needed"
@@ -107,5 +133,5 @@ def _check(path: Path) -> None:
         elif raw[-400:].split()[-1:] != [b"EOF"]:
             wrong = "is cut short, its end (EOF) is missing; export it again"
     if wrong:
-        message = f"{path.name}: {wrong}"
+        message = f"{name}: {wrong}"
         raise InputError(message)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
@@ -24,6 +25,7 @@ HOLES = "hole"
 _UNSEEN = ("defpoints", LABELS)
 _TEXTS = ("TEXT", "MTEXT")
 _SILENT = ("VIEWPORT", "POINT", "ATTDEF", "ATTRIB", "SEQEND")
+_SPELLED = re.compile(r"\\U\+([0-9A-Fa-f]{4})")
 _DEEPEST = 50
 _FLAT = 1e-9
 """An entity whose plane is tilted by more than this is not in the drawing's plane."""
@@ -205,13 +207,22 @@ class DxfWalk:
             content, point = entity.plain_text(), second if second is not None else first
         else:
             content, point = entity.plain_text(), entity.dxf.insert
-        at = _affine(state.matrix, entity.ocs() if entity.dxftype() == "TEXT" else None).point(complex(*point[:2]))
+        at = _affine(state.matrix, entity.ocs() if entity.dxftype() == "TEXT" else None).point(
+            complex(point[0], point[1])
+        )
         self.texts.append((text_of(" ".join(content.split())), at))
 
 
 def text_of(value: str) -> str:
-    """Text as people wrote it, where the file's encoding was guessed wrong."""
-    return value.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
+    r"""Text as people wrote it: letters spelled \U+00E4 joined, what cannot be shown replaced.
+
+    Examples
+    --------
+    >>> text_of("\\U+00E4")
+    'ä'
+    """
+    value = _SPELLED.sub(lambda match: chr(int(match.group(1), 16)), value)
+    return value.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
 
 
 def _affine(matrix: Any, ocs: Any) -> Affine:

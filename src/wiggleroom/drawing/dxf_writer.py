@@ -36,6 +36,18 @@ def write_dxf(drawing: Drawing, labels: Sequence[Label] | None = None) -> str:
         If ezdxf is not installed.
     """
     ezdxf = import_ezdxf("written")
+    before = ezdxf.options.write_fixed_meta_data_for_testing
+    stream = StringIO()
+    ezdxf.options.write_fixed_meta_data_for_testing = True  # no dates: the same drawing gives the same file
+    try:
+        _document(ezdxf, drawing, labels_of(drawing.parts) if labels is None else labels).write(stream)
+    finally:
+        ezdxf.options.write_fixed_meta_data_for_testing = before
+    return _ascii(stream.getvalue())
+
+
+def _document(ezdxf: Any, drawing: Drawing, labels: Sequence[Label]) -> Any:
+    """Everything that is cut and engraved."""
     document = ezdxf.new("R2000")
     document.units = ezdxf.units.MM
     document.header["$MEASUREMENT"] = 1
@@ -56,24 +68,25 @@ def write_dxf(drawing: Drawing, labels: Sequence[Label] | None = None) -> str:
             outers[part.name].append(line)
             for hole in holes:
                 space.add_lwpolyline(hole.tolist(), close=True, dxfattribs={"layer": HOLES + "s"})
-    for label in labels_of(drawing.parts) if labels is None else labels:
+    for label in labels:
         for stroke in lettered(label):
             space.add_lwpolyline(stroke.tolist(), dxfattribs={"layer": LABELS})
     for number, names in enumerate(merged(drawing.glue), 1):
         with document.groups.new(f"glue-{number}").edit_data() as members:
             members.extend(line for name in names for line in outers[name])
-    return _text(document)
+    return document
 
 
-def _text(document: Any) -> str:
-    """Text of the document without dates, so that the same drawing gives the same file."""
-    from ezdxf import options
+def _ascii(text: str) -> str:
+    r"""Write other letters as DXF spells them in any code page.
 
-    before = options.write_fixed_meta_data_for_testing
-    stream = StringIO()
-    options.write_fixed_meta_data_for_testing = True
-    try:
-        document.write(stream)
-    finally:
-        options.write_fixed_meta_data_for_testing = before
-    return stream.getvalue().encode("ascii", errors="dxfreplace").decode("ascii")
+    Examples
+    --------
+    >>> _ascii("ä")
+    '\\U+00E4'
+    """
+    if text.isascii():
+        return text
+    units = text.encode("utf-16-be", "surrogatepass")
+    codes = [int.from_bytes(units[i : i + 2]) for i in range(0, len(units), 2)]
+    return "".join(chr(code) if code < 128 else f"\\U+{code:04X}" for code in codes)
