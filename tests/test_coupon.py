@@ -111,6 +111,7 @@ def test_a_joint_of_ones_own():
         (lambda: coupon.comb("tee", GAPS, pitch=-1), "pitch is -1"),
         (lambda: coupon.comb("tee", [50.0]), "cut the comb to pieces"),
         (lambda: coupon.comb("tee", [-50.0]), "vanishes"),
+        (lambda: coupon.comb("tee", [-2.0]), "nothing is left of a pocket"),
         (lambda: coupon.row(own_joint(), "plate", "nose", GAPS), 'no part "nose"'),
         (lambda: coupon.row(own_joint(), "plate", "plate", GAPS), "named twice"),
         (lambda: coupon.row(own_joint(), "plate", "tongue", [90.0]), "vanishes"),

@@ -19,7 +19,7 @@ from wiggleroom.assembly.findings import examine
 from wiggleroom.assembly.joints import joint as joint_of
 from wiggleroom.assembly.model import place
 from wiggleroom.assembly.statements import unknown
-from wiggleroom.drawing.lettering import Label, labels_of
+from wiggleroom.drawing.lettering import Label, labels_of, width_of
 from wiggleroom.drawing.model import Drawing, Part, Points, Region
 from wiggleroom.drawing.rings import clean_ring, part_about_centroid
 from wiggleroom.errors import InputError
@@ -28,6 +28,8 @@ _WALL, _MARGIN, _HANDLE = 0.14, 0.12, 0.6
 """Material round pockets and labels, space between pieces, height of the key's body, as fractions of the pitch."""
 _LETTERS = 0.17
 """Height of labels as a fraction of the pitch; the longest has five letters in one pitch."""
+_STRAY = 0.05
+"""Mitred corners move further than edges by this share at most, unless the tab has lost its end."""
 _MOST = 60
 
 
@@ -110,7 +112,13 @@ def comb(joint: str, gaps: Sequence[float], pitch: float = 20.0, **sizes: float)
     left, right = -1.75 * pitch, (len(gaps) - 0.5) * pitch
     bar = shapely.box(left, bottom, right, rim)
     for i, gap in enumerate(gaps):
-        bar = shapely.difference(bar, shapely.affinity.translate(_grown(key, gap, joint), i * pitch))
+        pocket = _grown(key, gap, joint)
+        if abs(pocket.bounds[1] - float(line[:, 1].min()) + gap) > max(_STRAY * abs(gap), 1e-9 * pitch):
+            message = (
+                f'joint "{joint}": nothing is left of a pocket at gap {gap:g}: take gaps nearer to 0 or a larger pitch'
+            )
+            raise InputError(message)
+        bar = shapely.difference(bar, shapely.affinity.translate(pocket, i * pitch))
     whole = bar.geom_type == "Polygon" and not bar.interiors and bar.bounds == (left, bottom, right, rim)
     if not whole:
         message = f'joint "{joint}": the pockets cut the comb to pieces: take smaller gaps or a larger pitch'
@@ -125,7 +133,10 @@ def comb(joint: str, gaps: Sequence[float], pitch: float = 20.0, **sizes: float)
     words += [("gap mm", words[0][1], height)]
     words += [(text, i * pitch, height) for i, text in enumerate(texts(gaps))]
     words += [("key", 0.0, lift + _HANDLE * pitch / 2)]
-    labels = tuple(Label(text, (float(x), float(y)), letters) for text, x, y in words)
+    labels = tuple(
+        Label(text, (float(x), float(y)), min(letters, letters * pitch / width_of(text, letters)))
+        for text, x, y in words
+    )
     return Coupon(Drawing(parts), labels, tuple(gaps))
 
 

@@ -10,6 +10,7 @@ from wiggleroom.drawing.dxf_walk import DxfWalk
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.parts import drawing_of
+from wiggleroom.errors import InputError
 
 
 def read_dxf(
@@ -38,7 +39,13 @@ def read_dxf(
     file = load_dxf(Path(path))
     scale, assumed = scale_of(file, unit)
     walk = DxfWalk(file.name, file.document, scale)
-    walk.run()
+    try:
+        walk.run()
+    except InputError:
+        raise
+    except Exception:  # tables and layouts of a damaged file
+        message = f"{file.name}: is damaged; export it again"
+        raise InputError(message) from None
     shapes, notes = shapes_of(walk)
     return drawing_of(
         file.name,

@@ -104,14 +104,29 @@ class DxfWalk:
     def _entities(self, layout: Any, state: _State) -> None:
         for entity in layout:
             self._count()
-            own = text_of(entity.dxf.get("layer", "0"))
+            if not entity.dxf.is_supported("layer"):
+                self.left_out[text_of(entity.dxftype()) or "nameless"] += 1  # a kind that ezdxf does not know
+                continue
+            own = text_of(str(entity.dxf.get("layer", "0")))
             layer = state.layer if own == "0" else own
             if entity.dxf.get("invisible", 0) or layer.lower() in _UNSEEN:
                 continue
             if layer.lower() in self._off:
                 self.hidden.add(layer)
                 continue
-            self._entity(entity, replace(state, layer=layer))
+            self._guarded(entity, replace(state, layer=layer))
+
+    def _guarded(self, entity: Any, state: _State) -> None:
+        """Damaged entities fail in as many ways as ezdxf has lines; each becomes one finding."""
+        try:
+            self._entity(entity, state)
+        except InputError:
+            raise
+        except Exception as error:
+            reason = " ".join(str(error).split())[:160] if isinstance(error, ValueError) else "cannot be read"
+            handle = entity.dxf.get("handle") or "?"
+            named = f'{entity.dxftype()} #{handle} on layer "{state.layer}"'
+            self.findings.append(f"{self.file}: {named}: {reason}")
 
     def _count(self) -> None:
         self._visited += 1
@@ -137,12 +152,7 @@ class DxfWalk:
     def _stroke(self, entity: Any, state: _State) -> None:
         handle = "#" + (entity.dxf.get("handle") or "?")
         named = f'{entity.dxftype()} {handle} on layer "{state.layer}"'
-        try:
-            path = stroke_of(entity)
-        except Exception as error:  # damaged entities fail in as many ways as ezdxf has lines
-            reason = str(error) if isinstance(error, ValueError) else "cannot be read"
-            self.findings.append(f"{self.file}: {named}: {' '.join(reason.split())[:160]}")
-            return
+        path = stroke_of(entity)
         if path is None:
             self.pointlike += 1
             return

@@ -75,6 +75,17 @@ def lettered(label: Label) -> list[Points]:
     return [(stroke - middle) * size + label.at for stroke in strokes]
 
 
+def width_of(text: str, height: float) -> float:
+    """Width [mm] of a line of text whose capitals are `height` [mm] high.
+
+    Examples
+    --------
+    >>> width_of("L", 6.0)
+    4.0
+    """
+    return _laid_out(text)[1] * height / _CAPITAL
+
+
 def labels_of(parts: Sequence[Part]) -> tuple[Label, ...]:
     """Name of every part in the middle of its largest free place, none taller than those of most others.
 
@@ -93,7 +104,7 @@ def labels_of(parts: Sequence[Part]) -> tuple[Label, ...]:
         at, radius = places[id(part.regions)]
         x, y, angle = part.at
         turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-        across = np.hypot(_laid_out(part.name)[1], _CAPITAL) / _CAPITAL
+        across = np.hypot(width_of(part.name, 1.0), 1.0)
         rows.append((part.name, at @ turned + (x, y), min(2 * _FILL * radius / across, _TALLEST * radius)))
     tallest = float(np.median([height for *_, height in rows])) if rows else 0.0
     return tuple(Label(name, (float(at[0]), float(at[1])), min(height, tallest)) for name, at, height in rows)
