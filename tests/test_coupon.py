@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from pathlib import Path
+
 import numpy as np
 import pytest
 import shapely
@@ -122,3 +126,27 @@ def test_what_cannot_be_made(make, said):
         make()
     assert said in caught.value.findings[0]
     assert all("\n" not in line for line in caught.value.findings)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["--joint", "finger", "-o", "x.dxf"], 0, "13 gaps from -0.30 to 0.30 mm and a key: x.dxf"),
+        (["DRAWER", "--start", "0", "--stop", "0.2", "--step", "0.1", "-o", "x.svg"], 0, "3 gaps from 0.0 to 0.2 mm"),
+        (["DRAWER", "--joint", "tee", "-o", "x.svg"], 2, "not both"),
+        (["DRAWER", "frame", "-o", "x.svg"], 2, "name the two parts"),
+        (["--unit", "in", "-o", "x.svg"], 2, "go with a file"),
+        (["-o", "x.png"], 2, "must end in .svg or .dxf or .json"),
+        (["--step", "0", "-o", "x.svg"], 2, "in steps of 0"),
+        (["nowhere.svg", "-o", "x.svg"], 2, "no such file"),
+    ],
+)
+def test_command(tmp_path, arguments, code, said):
+    drawer = str(Path(__file__).parents[1] / "examples/10_drawer/drawer.svg")
+    words = [drawer if word == "DRAWER" else word for word in arguments]
+    command = [sys.executable, "-c", "import sys; from wiggleroom.cli import main; sys.exit(main())", "coupon", *words]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == code
+    assert said in done.stderr.splitlines()[-1]
+    assert not done.stdout
+    assert (code == 0) == any(tmp_path.iterdir())
