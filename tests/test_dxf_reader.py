@@ -373,6 +373,45 @@ def test_tangent_curves_are_told_apart(sheet):
     )
 
 
+def test_a_bridge_between_outlines_is_no_edge_of_any(sheet):
+    """A line from an outer square to an inner one, and one from there to nowhere."""
+    lines(sheet.space, [(0, 0), (30, 0), (30, 30), (0, 30)], order=[3, 1, 0, 2])
+    sheet.space.add_line((0, 0), (10, 10))
+    lines(sheet.space, [(10, 10), (20, 10), (20, 20), (10, 20)], order=[1, 3, 2, 0])
+    sheet.space.add_line((20, 20), (22, 25))
+    drawing = sheet.read()
+    assert sorted(area(drawing, i) for i in range(2)) == pytest.approx([100, 800])
+    assert any("open paths are left out" in note for note in drawing.notes)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_jigsaw_of_shared_curves(tmp_path, seed):
+    """Four pieces whose inner lines, of lines and arcs, are each drawn once."""
+    lot = random.Random(seed)
+    sheet = Sheet(tmp_path)
+    rim = [(0, 0), (20, 0), (40, 0), (40, 20), (40, 40), (20, 40), (0, 40), (0, 20)]
+    knobs = [((20, 0), (20, 20)), ((20, 20), (20, 40)), ((0, 20), (20, 20)), ((20, 20), (40, 20))]
+    calls = [lambda a=rim[i], b=rim[(i + 1) % 8]: sheet.space.add_line(a, b) for i in range(8)]
+    for a, b in knobs:
+        along = (np.array(b) - a) / 20
+        first, second = (tuple(a + along * d) for d in (7, 13))
+        calls.append(lambda a=a, b=first: sheet.space.add_line(b, a))
+        calls.append(lambda a=b, b=second: sheet.space.add_line(b, a))
+        calls.append(lambda a=first, b=second: sheet.space.add_lwpolyline([(*a, 1.0), (*b, 0.0)], format="xyb"))
+    lot.shuffle(calls)
+    for call in calls:
+        call()
+    drawing = sheet.read(flatten=1e-5)
+    knob = math.pi * 9 / 2
+    # seen along its line every knob bulges to the right: from the left pieces, the lower ones take, and so on
+    assert sorted(area(drawing, i) for i in range(4)) == pytest.approx(
+        sorted([400 + knob - knob, 400 - knob - knob, 400 + knob + knob, 400 - knob + knob]), rel=1e-4
+    )
+    shapes = [material(part) for part in drawing.parts]
+    assert shapely.union_all(shapes).area == pytest.approx(1600, abs=1e-9)
+    assert not drawing.notes
+
+
 def test_open_edges_are_left_out_and_said(sheet):
     lines(sheet.space, SQUARE)
     sheet.space.add_line((20, 0), (30, 0))
