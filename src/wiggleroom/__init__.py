@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wiggleroom.analysis.sample import Sample, sample
     from wiggleroom.analysis.sweep import Sweep, sweep
     from wiggleroom.analysis.tighten import Tightening, tighten
-    from wiggleroom.assembly import patterns
+    from wiggleroom.assembly import coupon, patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
     from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Translation, Turn, W
@@ -61,6 +61,7 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
+    "coupon": "assembly",
     "film": "report.film",
     "flex": "analysis.flex",
     "free_space": "freespace.space",
@@ -102,6 +103,7 @@ __all__ = [
     "W",
     "WiggleroomError",
     "assemble",
+    "coupon",
     "film",
     "flex",
     "free_space",
@@ -121,6 +123,7 @@ def __getattr__(name: str) -> object:
         message = f"module 'wiggleroom' has no attribute {name!r}"
         raise AttributeError(message)
     module = import_module(f"wiggleroom.{_HOME[name]}")
-    value = import_module("wiggleroom.assembly.patterns") if name == "patterns" else getattr(module, name)
+    is_module = name in ("coupon", "patterns")
+    value = import_module(f"wiggleroom.assembly.{name}") if is_module else getattr(module, name)
     globals()[name] = value
     return value

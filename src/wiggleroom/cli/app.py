@@ -5,6 +5,7 @@ from __future__ import annotations
 from cyclopts import App
 
 from wiggleroom.cli.convert import convert
+from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
@@ -36,7 +37,7 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, rank, tighten, sweep, sample, space, convert, make, draw):
+    for command in (flex, rank, tighten, sweep, sample, space, convert, make, coupon, draw):
         app.command(command, help_format="markdown")
     return app
 
