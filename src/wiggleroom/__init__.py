@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wiggleroom.analysis.sample import Sample, sample
     from wiggleroom.analysis.sweep import Sweep, sweep
     from wiggleroom.analysis.tighten import Tightening, tighten
-    from wiggleroom.assembly import patterns
+    from wiggleroom.assembly import coupon, patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
     from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Translation, Turn, W
@@ -67,6 +67,7 @@ _HOME = {
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
     "check": "analysis.interlock",
+    "coupon": "assembly",
     "film": "report.film",
     "flex": "analysis.flex",
     "free_space": "freespace.space",
@@ -113,6 +114,7 @@ __all__ = [
     "WiggleroomError",
     "assemble",
     "check",
+    "coupon",
     "film",
     "flex",
     "free_space",
@@ -133,6 +135,7 @@ def __getattr__(name: str) -> object:
         message = f"module 'wiggleroom' has no attribute {name!r}"
         raise AttributeError(message)
     module = import_module(f"wiggleroom.{_HOME[name]}")
-    value = import_module("wiggleroom.assembly.patterns") if name == "patterns" else getattr(module, name)
+    is_module = name in ("coupon", "patterns")
+    value = import_module(f"wiggleroom.assembly.{name}") if is_module else getattr(module, name)
     globals()[name] = value
     return value

@@ -6,6 +6,7 @@ from cyclopts import App
 
 from wiggleroom.cli.check import check
 from wiggleroom.cli.convert import convert
+from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
@@ -37,7 +38,7 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, check, rank, tighten, sweep, sample, space, convert, make, draw):
+    for command in (flex, check, rank, tighten, sweep, sample, space, convert, make, coupon, draw):
         app.command(command, help_format="markdown")
     return app
 
