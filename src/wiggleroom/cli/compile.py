@@ -10,6 +10,7 @@ def main() -> None:
 
     for model in ("walls", "hull", "halfplane"):
         flex(patterns.chain(2), model=model)
+    check(patterns.chain(2, joint="swallowtail", gap=0.08))
 
 
 if __name__ == "__main__":
