@@ -38,9 +38,9 @@ def test_shelf_leans_as_far_as_its_narrower_slot_lets_it(k, slot):
 
 @pytest.mark.slow
 def test_row_of_the_space_divider_is_worth_what_the_dynamic_programme_says():
-    ring = wr.read(EXAMPLES / "13_space_divider" / "row.svg", gap=0.9).drawing.parts[1].regions[0].outer
+    ring = wr.read(EXAMPLES / "19_space_divider" / "row.svg", gap=0.9).drawing.parts[1].regions[0].outer
     unit = inset_polygon(shapely.Polygon(np.asarray(ring) / 56), 0.45 / 56)
     joint = Slices(unit, unit, (1.0, 0.0))
-    pushed, _, turned, _ = expected("13_space_divider")
+    pushed, _, turned, _ = expected("19_space_divider")
     assert pushed == pytest.approx(56 * reach(joint, 12).value, rel=1e-8)
     assert turned == pytest.approx(11 * joint.high, rel=1e-8)

@@ -1,4 +1,4 @@
-"""Draw row.svg and two_rows.svg: `python examples/13_space_divider/draw.py`."""
+"""Draw row.svg and two_rows.svg: `python examples/19_space_divider/draw.py`."""
 
 from pathlib import Path
 
