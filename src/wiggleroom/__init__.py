@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer, Contact
     from wiggleroom.analysis.flex import flex
     from wiggleroom.analysis.prepare import Prepared, prepare
+    from wiggleroom.analysis.tight import TightVerdict, tight_verdict
     from wiggleroom.assembly import patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
@@ -37,6 +38,7 @@ _HOME = {
     "Prepared": "analysis.prepare",
     "Pull": "drawing.model",
     "Region": "drawing.model",
+    "TightVerdict": "analysis.tight",
     "TouchingError": "errors",
     "Turn": "drawing.model",
     "Verdict": "solve.verdict",
@@ -48,6 +50,7 @@ _HOME = {
     "patterns": "assembly",
     "prepare": "analysis.prepare",
     "read": "assembly.build",
+    "tight_verdict": "analysis.tight",
 }
 
 __all__ = [
@@ -63,6 +66,7 @@ __all__ = [
     "Prepared",
     "Pull",
     "Region",
+    "TightVerdict",
     "TouchingError",
     "Turn",
     "Verdict",
@@ -74,6 +78,7 @@ __all__ = [
     "patterns",
     "prepare",
     "read",
+    "tight_verdict",
 ]
 
 
