@@ -36,11 +36,11 @@ class Lock:
 def holds(contacts: TightContacts, locks: Sequence[Lock]) -> bool:
     """Whether the locks prove, in exact rationals, that no body can move against any other to first order.
 
-    Every lock is checked by itself. Let B be the rows of its contacts. With forces f >= s > 0 that leave r = B^T f unbalanced
-    (rounding), and a matrix L with L B' = I - D for some rows B' of B, a motion y with B y >= 0 obeys s (1 - |D|) |y| <= |L| |r|_1 |y| (largest-entry
-    norms). Where s (1 - |D|) > |L| |r|_1 only y = 0 is left. Coordinates and forces are taken exactly as the floating-point numbers they
-    are, so the check itself makes no rounding error. Its time grows with the square of the number of bodies that one lock joins;
-    hundreds take seconds.
+    Every lock is checked by itself. Let B be the rows of its contacts. With forces f >= s > 0 that leave r = B^T f
+    unbalanced (rounding), and a matrix L with L B' = I - D for some rows B' of B, a motion y with B y >= 0 obeys
+    s (1 - |D|) |y| <= |L| |r|_1 |y| (largest-entry norms). Where s (1 - |D|) > |L| |r|_1 only y = 0 is left.
+    Coordinates and forces are taken exactly as the floating-point numbers they are, so the check itself makes no
+    rounding error. Its time grows with the square of the number of bodies that one lock joins; hundreds take seconds.
 
     Examples
     --------
