@@ -1,4 +1,4 @@
-# What developers type: make demo, make test, make lint, make types, make slow.
+# What developers type: make demo, make test, make lint, make types, make slow, make browser.
 # The environment .venv is made when it is needed and again only when pyproject.toml changes.
 
 BIN := .venv/bin
@@ -6,7 +6,7 @@ FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
 
-.PHONY: demo test slow lint types clean
+.PHONY: demo test slow browser lint types clean
 
 demo: .venv/ready-demo
 	@mkdir -p out
@@ -18,6 +18,10 @@ test: .venv/ready-test
 
 slow: .venv/ready-test
 	$(BIN)/python -m pytest -n auto -m slow
+
+browser: .venv/ready-test # needs a Chromium on the path
+	$(BIN)/python -m pip install --quiet --editable '.[browser]'
+	$(BIN)/python -m pytest -m slow tests/test_html.py
 
 lint: .venv/ready-lint
 	$(BIN)/ruff check .
@@ -34,12 +38,12 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/ready-demo: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,ipopt]'
+	$(BIN)/python -m pip install --quiet --editable '.[fast,film,ipopt]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,ipopt,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[cluster,fast,film,halfplane,ipopt,test]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

@@ -86,8 +86,12 @@ JSON_CASES = {
     "pull without direction": (assembly(pull=[{"part": "b"}]), "none"),
     "pull and turn": (assembly(pull=[{"part": "b", "turn": "cw", "w": [1, 0, 0]}]), '"turn" or "w"'),
     "turn sideways": (assembly(pull=[{"part": "b", "turn": "left"}]), 'must be "ccw" or "cw"'),
-    "objective": (assembly(objective="translation"), "for a later version"),
-    "unknown objective": (assembly(objective=3), "for a later version"),
+    "unknown objective": (assembly(objective="energy"), 'objective is "energy"; it must be "translation" or "closer"'),
+    "objective of a wrong kind": (assembly(objective=3), "objective must be text, not a number"),
+    "objective besides pull": (
+        assembly(objective="closer", pull=[{"part": "b", "turn": "ccw"}]),
+        '"objective" stands in place of "pull"',
+    ),
 }
 
 SVG_CASES = {

@@ -68,6 +68,38 @@ def test_flex_answers_in_a_table_json_and_a_picture(run, folder: Path) -> None:
     assert set(record["seconds"]) >= {"read", "freespace", "solve", "total"}
 
 
+def test_models_and_objectives_by_option(run) -> None:
+    for options, value in (
+        (["--pull", "peg:+y", "--model", "hull", "--about", "joint", "--slices", "5"], 1.0),
+        (["--pull", "peg:+y", "--model", "halfplane"], 1.0),
+        (["--objective", "translation"], 2.0),
+        (["--objective", "translation", "--model", "hull", "--solver", "ipopt"], 2.0),
+    ):
+        code, out, _ = run("flex", "peg.json", *options, "--json", "-")
+        record = json.loads(out)
+        assert code == 0
+        assert record["objective"] == pytest.approx(value, rel=1e-4)
+        assert record["model"] == (options[options.index("--model") + 1] if "--model" in options else "walls")
+    code, out, _ = run("flex", "peg.json", "--objective", "closer", "--picture", "closer.svg")
+    assert code == 0
+    assert "neighbours closer" in out
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--objective", "closer", "--pull", "peg:+y"], "stands in place of --pull"),
+        (["--pull", "peg:+y", "--slices", "5"], "--slices is for --model hull only"),
+        (["--pull", "peg:+y", "--model", "hull", "--slices", "1"], "3 or more"),
+        (["--pull", "peg:+y", "--model", "halfplane", "--solver", "ipopt"], "leave the solver out"),
+    ],
+)
+def test_options_that_do_not_go_together(run, options: list[str], said: str) -> None:
+    code, _, err = run("flex", "peg.json", *options)
+    assert code == 2
+    assert any(said in line for line in err)
+
+
 def test_json_on_stdout_is_alone_there(run) -> None:
     code, out, err = run("flex", "peg.json", "--pull", "peg:-x", "--json", "-", "--picture", "a.png")
     assert code == 0
@@ -112,7 +144,7 @@ BAD = {
     "infinite direction": ["flex", "peg.json", "--pull", "peg:inf,0"],
     "odd point": ["flex", "peg.json", "--pull", "peg:+y@middle"],
     "odd turn": ["flex", "peg.json", "--turn", "peg:left"],
-    "no such model": ["flex", "peg.json", "--pull", "peg:+y", "--model", "hull"],
+    "no such model": ["flex", "peg.json", "--pull", "peg:+y", "--model", "hulls"],
     "no such solver": ["flex", "peg.json", "--pull", "peg:+y", "--solver", "gurobi"],
     "picture of a kind unknown": ["flex", "peg.json", "--pull", "peg:+y", "--picture", "a.bmp"],
     "picture in no folder": ["flex", "peg.json", "--pull", "peg:+y", "--picture", "none/a.svg"],
@@ -160,7 +192,7 @@ def test_a_stopped_question_reports_what_it_has(run, monkeypatch: pytest.MonkeyP
 
     class Fake:
         @staticmethod
-        def flex(assembly, *, solver, stop, progress):
+        def flex(assembly, *, model, solver, stop, progress):
             os.kill(os.getpid(), signal.SIGINT)
             assert stop.wait(5)
             return dataclasses.replace(row(2), verdict=Verdict.STOPPED, assembly=assembly)
@@ -287,3 +319,38 @@ def test_names_hold_colons_and_commas() -> None:
     ]
     assert names(["a,b,c", "d"], {"a", "b,c", "d"}) == ["a", "b,c", "d"]
     assert names(["x,y"], {"a"}) == ["x", "y"]
+
+
+@pytest.mark.parametrize("name", ["a.svg", "a.film.svg", "a.html", "a.gif"])
+def test_the_ending_says_what_kind_of_picture(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    if name.endswith("gif"):
+        pytest.importorskip("PIL")
+    monkeypatch.setattr(sys, "argv", ["wiggleroom", "flex", "peg.json", "--pull", "peg:+x", "--picture", name])
+    assert main() == 0
+    data = (folder / name).read_bytes()
+    begins = {"a.svg": b"<?xml", "a.film.svg": b"<?xml", "a.html": b"<!DOCTYPE html>", "a.gif": b"GIF89a"}
+    assert data.startswith(begins[name])
+    assert (b"<animateTransform" in data) == (name == "a.film.svg")
+
+
+def test_a_film_of_parts_at_rest_is_refused(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["wiggleroom", "draw", "peg.json", "out.gif"])
+    assert main() == 2
+    assert ".svg or .png" in capsys.readouterr().err
+    assert not (folder / "out.gif").exists()
+
+
+def test_a_missing_extra_is_said_before_the_long_work(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    from wiggleroom.report import film_frames
+
+    monkeypatch.setattr(film_frames, "find_spec", lambda name: None)
+    monkeypatch.setattr(sys, "argv", ["wiggleroom", "flex", "peg.json", "--pull", "peg:+x", "--picture", "a.mp4"])
+    assert main() == 2
+    said = capsys.readouterr()
+    assert "wiggleroom[film]" in said.err
+    assert said.out == ""
+    assert not (folder / "a.mp4").exists()

@@ -14,8 +14,8 @@ import pytest
 from tests.answers import answer, block, grid, row
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.drawing.model import Part, Pull, Turn
+from wiggleroom.files import write_whole
 from wiggleroom.report import palette
-from wiggleroom.report.files import write_whole
 from wiggleroom.report.picture import picture, picture_of_assembly
 from wiggleroom.report.png import png
 from wiggleroom.report.text import width
@@ -256,3 +256,39 @@ def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
         write_whole(tmp_path / "none" / "a", "x")
     assert sorted(p.name for p in tmp_path.iterdir()) == ["a.svg", "busy", "link.svg"]
+
+
+@pytest.mark.parametrize("side", [0.0, 0.3, -0.8])
+def test_the_pull_arrow_is_as_long_as_what_was_gained(side: float) -> None:
+    case = row(5, lift=0.5)
+    case = replace(case, motion=case.motion + np.array([[0, 0, 0]] * 4 + [[side, 0, 0]]))
+    svg = picture(case)
+    bar = re.search(r"v5h([\d.]+)v-5.*?>([\d.]+) mm<", svg)
+    assert bar
+    scale = float(bar[1]) / float(bar[2])
+    (head,) = re.findall(rf'<path d="M[\d.,]+L([\d.]+),([\d.]+)L[\d.,]+z" fill="{palette.MOTION}"/><circle', svg)
+    ring = re.search(rf'<circle cx="([\d.]+)" cy="([\d.]+)" r="4" [^>]*stroke="{palette.MOTION}"', svg)
+    assert ring
+    (x, y), (u, v) = (float(ring[1]), float(ring[2])), map(float, head)
+    assert u == pytest.approx(x, abs=0.02)  # straight up, wherever the part went
+    assert (y - v) / scale == pytest.approx(0.5, rel=0.01)
+    assert ("stroke-dasharray" in svg) == (side != 0.0)
+    assert places(svg)["rest"][4][0] == pytest.approx(x, abs=0.02)
+
+
+def test_names_keep_clear_of_the_turn_arrow() -> None:
+    parts = [Part("a", (block(6.0, hole=4.0),), fixed=True), Part("b", (block(3.0),))]
+    svg = picture(answer(parts, [(0, 0, 0), (0, 0, 0.05)], (Turn("b"),), 0.05))
+    (name,) = [box(t) for t in texts(svg) if t.text == "b" and t.get("fill") is None]
+    x, y = places(svg)[palette.PULLED[0]][0]
+    assert not (name[0] <= x <= name[2] and name[1] <= y <= name[3])
+
+
+def test_small_parts_have_quiet_names_of_one_size() -> None:
+    parts = [Part(f"b{k}-{k}", (block(0.9),), (float(k), 0.0, 0.0), fixed=k == 0) for k in range(24)]
+    svg = picture(answer(parts, [(0, 0.1 * k, 0) for k in range(24)], (Pull("b23-23", (0, 1)),), 2.3))
+    groups = [g for g in tree(svg).iter(f"{SVG}g") if g.get("text-anchor") == "middle"]
+    by_colour = {g.get("fill"): [t.text for t in g.iter(f"{SVG}text")] for g in groups}
+    assert "b0-0" in by_colour[palette.INK]
+    assert len(by_colour[palette.QUIET]) > 10
+    assert len({t.get("font-size") for g in groups for t in g.iter(f"{SVG}text")}) <= 2

@@ -9,7 +9,7 @@ import pytest
 import scipy.sparse as sp
 
 from wiggleroom.assembly import patterns
-from wiggleroom.drawing.model import Pull, Turn, W
+from wiggleroom.drawing.model import Closer, Pull, Translation, Turn, W
 from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program import kernel
 from wiggleroom.program.objectives import TERMS, objective
@@ -22,6 +22,8 @@ GOALS = {
     Pull: lambda name: [Pull(name, (0.6, -0.8)), Pull(name, (-3, 1), point=(2.5, -1.2), weight=0.3)],
     Turn: lambda name: [Turn(name, "ccw", 0.7), Turn(name, "cw", -1.3)],
     W: lambda name: [W(name, (0.2, -0.4, 1.7), weight=2.0)],
+    Translation: lambda _: [Translation(0.4)],
+    Closer: lambda _: [Closer(0.7)],
 }
 each_assembly = pytest.mark.parametrize("name", ASSEMBLIES)
 each_seed = pytest.mark.parametrize("seed", [0, 1])
@@ -122,6 +124,17 @@ def test_condensed_matrix(name, seed):
 
 
 @each_assembly
+@pytest.mark.parametrize("term", [Translation, Closer])
+def test_condensed_matrix_with_an_objective_of_the_whole(name, term):
+    of = first_program(ASSEMBLIES[name](), [term(0.3), Turn(ASSEMBLIES[name]().names[0])])
+    u, random = anywhere(of, 9)
+    at = of.linearise(u)
+    lam = random.uniform(0, 2, of.rows)
+    curved = slope(lambda v: of.linearise(v).against(lam) + of.linearise(v).gradient, u, steps(of))
+    close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
+
+
+@each_assembly
 @pytest.mark.parametrize("kind", KINDS)
 def test_second_derivatives_of_every_row_kind(name, kind):
     of = program(name)
@@ -202,8 +215,12 @@ def check_objective(of, it):
     np.testing.assert_allclose(it.gradient(motion).ravel(), gradient, rtol=0, atol=1e-10)
     curved = slope(lambda m: it.gradient(m.reshape(-1, 3)).ravel(), motion.ravel(), h)
     found = np.zeros((3 * n, 3 * n))
-    for body, block in zip(*it.hessian(motion), strict=True):
+    bodies, own, coupled = it.hessian(motion)
+    for body, block in zip(bodies, own, strict=True):
         found[3 * body : 3 * body + 3, 3 * body : 3 * body + 3] += block
+    for i, j, block in zip(*it.couples, coupled, strict=True):
+        found[3 * i : 3 * i + 3, 3 * j : 3 * j + 3] += block
+        found[3 * j : 3 * j + 3, 3 * i : 3 * i + 3] += block.T
     np.testing.assert_allclose(found, curved, rtol=0, atol=1e-9)
 
 

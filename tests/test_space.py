@@ -204,7 +204,7 @@ def test_questions_without_an_answer(names, words):
     assert free_space(assembly, "b", "d").coverage > 0.99
 
 
-@pytest.mark.parametrize("model", ["hull", "halfplane", ""])
+@pytest.mark.parametrize("model", ["hulls", ""])
 def test_other_models(model):
     with pytest.raises(wr.InputError, match="choose walls"):
         free_space(wr.patterns.chain(2), "b1", "b2", model=model)

@@ -15,70 +15,108 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer, Contact
     from wiggleroom.analysis.flex import flex
+    from wiggleroom.analysis.lots import Spread
     from wiggleroom.analysis.prepare import Prepared, prepare
+    from wiggleroom.analysis.rank import Ranking, rank
+    from wiggleroom.analysis.sample import Sample, sample
+    from wiggleroom.analysis.sweep import Sweep, sweep
     from wiggleroom.analysis.tight import TightVerdict, tight_verdict
+    from wiggleroom.analysis.tighten import Tightening, tighten
     from wiggleroom.assembly import patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
-    from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
+    from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Translation, Turn, W
     from wiggleroom.errors import InputError, MissingExtraError, TouchingError, WiggleroomError
+    from wiggleroom.freespace.models import HalfPlane, Hull
+    from wiggleroom.freespace.polyhedron import Polyhedron
     from wiggleroom.freespace.space import FreeSpace, free_space
+    from wiggleroom.report.film import film
     from wiggleroom.solve.verdict import Verdict
 
 _HOME = {
     "Answer": "analysis.answer",
     "Assembly": "assembly.model",
+    "Closer": "drawing.model",
     "Contact": "analysis.answer",
     "Drawing": "drawing.model",
     "FreeSpace": "freespace.space",
+    "HalfPlane": "freespace.models",
+    "Hull": "freespace.models",
     "InputError": "errors",
     "JointGap": "drawing.model",
     "MissingExtraError": "errors",
     "Part": "drawing.model",
+    "Polyhedron": "freespace.polyhedron",
     "Prepared": "analysis.prepare",
     "Pull": "drawing.model",
+    "Ranking": "analysis.rank",
     "Region": "drawing.model",
+    "Sample": "analysis.sample",
+    "Spread": "analysis.lots",
+    "Sweep": "analysis.sweep",
+    "Tightening": "analysis.tighten",
     "TightVerdict": "analysis.tight",
     "TouchingError": "errors",
+    "Translation": "drawing.model",
     "Turn": "drawing.model",
     "Verdict": "solve.verdict",
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
+    "film": "report.film",
     "flex": "analysis.flex",
     "free_space": "freespace.space",
     "patterns": "assembly",
     "prepare": "analysis.prepare",
+    "rank": "analysis.rank",
     "read": "assembly.build",
+    "sample": "analysis.sample",
+    "sweep": "analysis.sweep",
+    "tighten": "analysis.tighten",
     "tight_verdict": "analysis.tight",
 }
 
 __all__ = [
     "Answer",
     "Assembly",
+    "Closer",
     "Contact",
     "Drawing",
     "FreeSpace",
+    "HalfPlane",
+    "Hull",
     "InputError",
     "JointGap",
     "MissingExtraError",
     "Part",
+    "Polyhedron",
     "Prepared",
     "Pull",
+    "Ranking",
     "Region",
+    "Sample",
+    "Spread",
+    "Sweep",
     "TightVerdict",
+    "Tightening",
     "TouchingError",
+    "Translation",
     "Turn",
     "Verdict",
     "W",
     "WiggleroomError",
     "assemble",
+    "film",
     "flex",
     "free_space",
     "patterns",
     "prepare",
+    "rank",
     "read",
+    "sample",
+    "sweep",
     "tight_verdict",
+    "tighten",
 ]
 
 

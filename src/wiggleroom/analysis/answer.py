@@ -95,6 +95,9 @@ class Answer:
     trail: object = field(default=None, repr=False)
 
     def draw(self, path: str | PathLike[str]) -> None:
-        """Draw the answer into a file, .svg or .png; written whole or not at all."""
+        """Show the answer in a file; written whole or not at all.
+
+        Endings: .svg or .png a picture; .gif, .mp4 (extra `film`) or .film.svg a film; .html a report with everything.
+        """
         drawer = cast(Drawer, import_module(DRAWER))
         drawer.draw(self, path)

@@ -12,6 +12,7 @@ from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.analysis.contacts import contacts
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.search import FAR, ROUND, Found, Progress, Search
+from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
 from wiggleroom.pairs.shapes import Bodies
@@ -44,7 +45,9 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
             search.objective.value(motions[0]),
             0.0,
         )  # rest is better than what was reached
-    leaves, turns = _unlimited(search, found) if verdict is Verdict.UNBOUNDED else ((), ())
+    leaves, turns = (
+        unlimited(ready.assembly, ready.bodies, found.motion, ready.size) if verdict is Verdict.UNBOUNDED else ((), ())
+    )
     held: tuple[Contact, ...] = ()
     if verdict in (Verdict.OPTIMAL, Verdict.STATIONARY):
         held = contacts(ready.assembly, found.program, found.solution.u, found.touch)
@@ -56,8 +59,8 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
         goals=asked,
         verdict=verdict,
         objective=None if verdict is Verdict.UNBOUNDED else value,
-        motion=part_motions(search, motions[-1:])[0],
-        waypoints=part_motions(search, motions),
+        motion=part_motions(ready.assembly, ready.bodies, motions[-1:])[0],
+        waypoints=part_motions(ready.assembly, ready.bodies, motions),
         contacts=held,
         path="checked" if sure else "not checked",
         collision_free=deepest <= safe,
@@ -73,10 +76,9 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
     )
 
 
-def part_motions(search: Search, motions: Floats) -> Floats:
+def part_motions(assembly: Assembly, bodies: Bodies, motions: Floats) -> Floats:
     """Motions (k, parts, 3) of the parts about their reference points, from those of the bodies (k, n, 3)."""
-    bodies, rest = search.ready.bodies, search.ready.assembly.rest
-    who = bodies.body_of
+    rest, who = assembly.rest, bodies.body_of
     motion = motions[:, who]
     arm = rest[:, :2] - bodies.rest[who, :2]
     half = motion[:, :, 2] / 2
@@ -108,13 +110,15 @@ def _verdict(search: Search, found: Found, sure: bool) -> Verdict:
     return Verdict.STATIONARY if search.branches_left else Verdict.OPTIMAL
 
 
-def _unlimited(search: Search, found: Found) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Names of the parts that move away, and of those that turn, without limit."""
-    far = np.hypot(*found.motion[:, :2].T) > FAR * search.ready.size / 2
-    turned = (np.abs(found.motion[:, 2]) > ROUND / 2) & ~far
-    return _names(search, search.ready.bodies, far), _names(search, search.ready.bodies, turned)
+def unlimited(
+    assembly: Assembly, bodies: Bodies, motion: Floats, size: float
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Names of the parts that move away, and of those that turn, without limit, from the motion (n, 3) of the bodies."""
+    far = np.hypot(*motion[:, :2].T) > FAR * size / 2
+    turned = (np.abs(motion[:, 2]) > ROUND / 2) & ~far
+    return _names(assembly, bodies, far), _names(assembly, bodies, turned)
 
 
-def _names(search: Search, bodies: Bodies, which: NDArray[np.bool_]) -> tuple[str, ...]:
-    names: Sequence[str] = search.ready.assembly.names
+def _names(assembly: Assembly, bodies: Bodies, which: NDArray[np.bool_]) -> tuple[str, ...]:
+    names: Sequence[str] = assembly.names
     return tuple(names[p] for b in np.flatnonzero(which) for p in bodies.members[b])

@@ -6,23 +6,32 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.approximate import Approximation, answer_from
 from wiggleroom.analysis.finish import answer_of
+from wiggleroom.analysis.flex_halfplane import flex_half_planes
+from wiggleroom.analysis.flex_hull import flex_hull
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Found, Progress, Search
+from wiggleroom.analysis.starts import pulls
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
-from wiggleroom.program.objectives import objective
+from wiggleroom.freespace.models import HalfPlane, PairModel, model_named
+from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.solve import solver_named
+from wiggleroom.solve.linear import linear_solver
 from wiggleroom.solve.newton import Stop
 
 
 def flex(
-    assembly: Assembly | Prepared,
+    assembly: Assembly | Prepared | Approximation,
     goals: Goal | Sequence[Goal] | None = None,
     *,
+    model: str | PairModel | None = None,
     solver: str = "interior-point",
     start: Answer | None = None,
     stop: Stop | None = None,
@@ -33,12 +42,15 @@ def flex(
     Parameters
     ----------
     assembly : Assembly or Prepared
-    goals : Pull, Turn or W, or several that add up
+    goals : Pull, Turn, W, Translation or Closer, or several that add up
         By default what the assembly's file asks for.
+    model : str, Hull or HalfPlane, optional
+        "walls", the exact contacts; "hull", the paper's, or "halfplane", PuzzleFlex's, to compare with: these accept some overlap, which
+        the answer tells. By default what the assembly was prepared for, else walls.
     solver : str
-        "interior-point", or "ipopt" (needs the extra `ipopt`).
+        "interior-point", or "ipopt" (needs the extra `ipopt`); half-planes need neither.
     start : Answer, optional
-        An earlier answer of the same prepared assembly; the search starts near its motion.
+        An earlier answer of the same prepared assembly, with walls; the search starts near its motion.
     stop : optional
         Anything with `is_set()`, for example a `threading.Event`; asked every iteration.
     progress : callable, optional
@@ -47,12 +59,12 @@ def flex(
     Returns
     -------
     Answer
-        A motion without overlap, and how sure it is.
+        A motion, with walls one without overlap, and how sure it is.
 
     Raises
     ------
     InputError
-        If nothing is fixed or pulled, or a goal names an unknown part.
+        If nothing is fixed or pulled, a goal names an unknown part, or there is no such model.
     TouchingError
         If two parts touch at rest.
 
@@ -63,7 +75,7 @@ def flex(
     >>> round(answer.objective, 4)
     0.0261
 
-    Source: Mind the Gap, section 4; walls instead of the hull, and the iterative re-approximation of its outlook.
+    Source: Mind the Gap, section 4; by default walls instead of the hull, and the iterative re-approximation of its outlook.
     """
     began = time.perf_counter()
     tell = progress or _silent
@@ -72,15 +84,73 @@ def flex(
     findings = role_findings(replace(its.drawing, goals=asked))
     if findings:
         raise InputError(findings)
+    wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
     solve = solver_named(solver)
     tell(Progress("pairs"))
-    ready = prepare(assembly) if isinstance(assembly, Assembly) else assembly
-    search = Search(ready, objective(its, ready.bodies, asked), solve, stop, tell)
+    ready = assembly if not isinstance(assembly, Assembly) and assembly.model == wanted else prepare(its, wanted)
+    if isinstance(ready, Approximation):
+        if start is not None:
+            raise InputError("start: only the model walls begins at an earlier answer; leave it out")
+        return _approximately(ready, asked, solver, stop, tell, time.perf_counter() - began)
+    n = len(ready.bodies.fixed)
+    near = np.union1d(ready.cells.a * n + ready.cells.b, ready.corners)
+    goal = objective(its, ready.bodies, asked, (near // n, near % n))
+    search = Search(ready, goal, solve, stop, tell)
     search.seconds["freespace"] += time.perf_counter() - began
+    first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
+    if first:
+        return _from_several(search, first, asked, solver, began)
     if start is not None:
         search.resume(_trail(start, ready))
     search.run()
     return answer_of(search, asked, solver, began)
+
+
+def _from_several(
+    search: Search, first: Sequence[Objective], asked: tuple[Goal, ...], solver: str, began: float
+) -> Answer:
+    """Best answer of searches that begin at the ends of several pulls, for objectives without a direction at rest."""
+    answers = []
+    for pull in first:
+        way_out = Search(search.ready, pull, search.solve, search.stop, search.tell)
+        way_out.run()
+        again = Search(search.ready, search.objective, search.solve, search.stop, search.tell)
+        if way_out.best is not None:
+            again.resume(way_out.best)
+        again.run()
+        for stage in search.seconds:
+            search.seconds[stage] += way_out.seconds[stage] + again.seconds[stage]
+        search.rounds += way_out.rounds + again.rounds
+        search.iterations += way_out.iterations + again.iterations
+        answers.append(answer_of(again, asked, solver, began))
+        if answers[-1].objective is None or (search.stop is not None and search.stop.is_set()):
+            break
+    best = max(answers, key=lambda a: (a.objective is None, a.collision_free, a.objective))
+    seconds = search.seconds | {"total": time.perf_counter() - began}
+    return replace(best, seconds=seconds, rounds=search.rounds, iterations=search.iterations)
+
+
+def _approximately(
+    ready: Approximation,
+    asked: tuple[Goal, ...],
+    solver: str,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+    spent: float,
+) -> Answer:
+    """Answer by the model hull or halfplane."""
+    began = time.perf_counter()
+    goal = objective(ready.assembly, ready.bodies, asked, ready.near)
+    if isinstance(ready.model, HalfPlane):
+        if solver != "interior-point":
+            finding = f'solver "{solver}": half-planes make linear programs; leave the solver out'
+            raise InputError(finding)
+        solver = linear_solver()
+        end = flex_half_planes(ready, goal, ready.model.iterated, stop, tell)
+    else:
+        end = flex_hull(ready, goal, solver_named(solver), stop, tell)
+    seconds = {"freespace": spent, "solve": time.perf_counter() - began}
+    return answer_from(ready, asked, solver, end, seconds)
 
 
 def _trail(start: Answer, ready: Prepared) -> Found:

@@ -35,7 +35,8 @@ class Overlaps:
 def overlaps(bodies: Bodies, motion: Floats, barred: Ints) -> Overlaps:
     """Every pair of bodies that overlaps at `motion` (n, 3) [mm, mm, rad], apart from fixed with fixed and `barred` keys a * n + b.
 
-    Depth is the smaller side of the smallest rectangle round the common material.
+    Depth is how far the outline of one lies inside the other: the largest distance of a corner of the common material from either outline,
+    or the width of the largest disc in it where that is more.
     """
     geometry = placed(bodies, motion)
     a, b = shapely.STRtree(geometry).query(geometry)
@@ -46,19 +47,17 @@ def overlaps(bodies: Bodies, motion: Floats, barred: Ints) -> Overlaps:
     common = shapely.intersection(geometry[a], geometry[b])
     solid = shapely.area(common) > 0
     a, b, common = a[solid], b[solid], common[solid]
-    return Overlaps(a, b, np.array([_depth(c) for c in common]))
+    return Overlaps(a, b, _depth(common, geometry[a], geometry[b]))
 
 
-def _depth(common: shapely.Geometry) -> float:
-    """Width of the widest piece [mm]."""
-    widest = 0.0
-    for piece in shapely.get_parts(common):
-        if piece.area <= 0:
-            continue
-        around = shapely.get_coordinates(shapely.minimum_rotated_rectangle(piece))
-        if len(around) < 4:
-            widest = max(widest, 2 * piece.area / piece.length)
-        else:
-            sides = np.hypot(*np.diff(around[:3], axis=0).T)
-            widest = max(widest, float(sides.min()))
-    return widest
+def _depth(common: NDArray[np.object_], a: NDArray[np.object_], b: NDArray[np.object_]) -> Floats:
+    """Depth (k,) [mm] of common material of pairs of bodies."""
+    corners, pair = shapely.get_coordinates(common, return_index=True)
+    spots = shapely.points(corners)
+    far = [shapely.distance(shapely.boundary(body)[pair], spots) for body in (a, b)]
+    depth = np.zeros(len(common))
+    np.maximum.at(depth, pair, np.maximum(*far))
+    pieces, owner = shapely.get_parts(common, return_index=True)
+    solid = shapely.area(pieces) > 0
+    np.maximum.at(depth, owner[solid], 2 * shapely.length(shapely.maximum_inscribed_circle(pieces[solid])))
+    return depth

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 import shapely
@@ -15,8 +15,12 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, TouchingError
 from wiggleroom.freespace.cells import Cells, grow_cells, select
+from wiggleroom.freespace.models import PairModel, Walls, model_named
 from wiggleroom.pairs.neighbours import Pairs, classes, neighbours, placed, relative_rest
 from wiggleroom.pairs.shapes import Bodies, bodies
+
+if TYPE_CHECKING:
+    from wiggleroom.analysis.approximate import Approximation
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -57,15 +61,12 @@ class Prepared:
     size: float
     cells: Cells
     corners: Ints
+    model: Walls = field(default_factory=Walls)
 
     @property
     def arm(self) -> Floats:
         """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
-        them = self.bodies
-        arm = np.zeros(len(them.fixed))
-        away = np.hypot(*(self.assembly.rest[:, :2] - them.rest[them.body_of, :2]).T)
-        np.maximum.at(arm, them.body_of, away)
-        return arm
+        return arms(self.assembly, self.bodies)
 
     def flex(self, goals: Goal | Sequence[Goal] | None = None, **options: Any) -> Answer:
         """How far it can move; see `wiggleroom.flex`, whose other arguments this takes too."""
@@ -74,16 +75,70 @@ class Prepared:
         return flex(self, goals, **options)
 
 
-def prepare(assembly: Assembly) -> Prepared:
+@overload
+def prepare(assembly: Assembly) -> Prepared: ...
+@overload
+def prepare(assembly: Assembly, model: str | PairModel) -> Prepared | Approximation: ...
+def prepare(assembly: Assembly, model: str | PairModel = "walls") -> Prepared | Approximation:
     """Find the pairs that can meet and work out their free spaces round rest, congruent pairs once.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    model : str, Hull or HalfPlane
+        "walls", "hull" or "halfplane": what stands for the free space of a pair.
 
     Raises
     ------
     TouchingError
         If two parts touch or overlap after gap and offsets.
     InputError
-        If nothing can move.
+        If nothing can move, or there is no such model.
     """
+    wanted = model_named(model)
+    if not isinstance(wanted, Walls):
+        from wiggleroom.analysis.approximate import approximate  # it imports this module
+
+        return approximate(assembly, wanted)
+    ground = survey(assembly)
+    them, geometry, near = ground.bodies, ground.geometry, ground.near
+    a, b = near.a, near.b
+    first, label = classes(them, a, b, relative_rest(them, a, b))
+    facing = _facing(geometry[a[first]], geometry[b[first]], ground.clearance)[label]
+    cells = cells_at(them, a[facing], b[facing], near.clearance[facing])
+    corners = a[~facing] * len(geometry) + b[~facing]
+    return Prepared(assembly, them, ground.barred, ground.clearance, ground.size, cells, corners)
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """What every pair model begins with.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    geometry : (n,) shapely geometries
+        Material at rest.
+    barred : (k,) int64
+        Keys a * n + b of pairs of bodies that never collide.
+    clearance : float [mm]
+        Typical clearance between neighbours.
+    size : float [mm]
+        Longer side of the box round everything.
+    near : Pairs
+        Bodies no further apart than a few clearances.
+    """
+
+    bodies: Bodies
+    geometry: NDArray[np.object_]
+    barred: Ints
+    clearance: float
+    size: float
+    near: Pairs
+
+
+def survey(assembly: Assembly) -> Survey:
+    """Bodies and neighbours of an assembly, once it is sure that none touch; raises as `prepare` does."""
     them = bodies(assembly)
     if them.fixed.all():
         finding = f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move"
@@ -94,11 +149,15 @@ def prepare(assembly: Assembly) -> Prepared:
     near = neighbours(them, geometry, REACH * clearance, barred=barred)
     if len(near.a) and near.clearance.min() < TOUCHING * size:
         _refuse_touching(assembly, them, near, size)
-    a, b = near.a, near.b
-    first, label = classes(them, a, b, relative_rest(them, a, b))
-    facing = _facing(geometry[a[first]], geometry[b[first]], clearance)[label]
-    cells = cells_at(them, a[facing], b[facing], near.clearance[facing])
-    return Prepared(assembly, them, barred, clearance, size, cells, a[~facing] * len(geometry) + b[~facing])
+    return Survey(them, geometry, barred, clearance, size, near)
+
+
+def arms(assembly: Assembly, them: Bodies) -> Floats:
+    """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
+    arm = np.zeros(len(them.fixed))
+    away = np.hypot(*(assembly.rest[:, :2] - them.rest[them.body_of, :2]).T)
+    np.maximum.at(arm, them.body_of, away)
+    return arm
 
 
 def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:

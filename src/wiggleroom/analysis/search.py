@@ -125,6 +125,8 @@ class Search:
     rounds: int = 0
     iterations: int = 0
     branches_left: bool = False
+    thorough: bool = True
+    """False: other sides of corner contacts are not tried, and the way is not checked."""
     checked: tuple[Found, Way] | None = None
     seconds: dict[str, float] = field(default_factory=lambda: {"freespace": 0.0, "solve": 0.0, "check": 0.0})
 
@@ -184,11 +186,11 @@ class Search:
                 self._rebuild(best, self._stale(best), nearer=True)
             else:
                 if branches is None or gained:
-                    branches = self._branches(best)
+                    branches = self._branches(best) if self.thorough else []
                 if not branches:
                     if self._add_missed(best):
                         self.best = branches = None
-                    elif self._meets_strangers(best):
+                    elif self.thorough and self._meets_strangers(best):
                         tolerance, mu, branches = ROUGH, FIRST_MU, None
                     else:
                         return
@@ -224,7 +226,7 @@ class Search:
         self.rounds += 1
         number, begin = self.rounds, program.variables(self.inner)
         solution = self.solve(
-            program, begin if self.legs else _nudged(program, begin), mu=mu, tolerance=tolerance,
+            program, begin if self.legs else nudged(program, begin), mu=mu, tolerance=tolerance,
             horizon=FAR * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
@@ -329,7 +331,7 @@ class Search:
         return [*alone, corners] if len(corners) and not self.large else []
 
 
-def _nudged(program: Program, u: Floats) -> Floats:
+def nudged(program: Program, u: Floats) -> Floats:
     """A point beside u: a symmetric assembly would else stay on the ridge between two equal ways."""
     aside = u + NUDGE * np.random.default_rng(0).standard_normal(len(u))
     return aside if (program.values(aside) > 0.5 * program.values(u)).all() else u

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 
 import numpy as np
 
-from wiggleroom.drawing.model import Drawing, Goal, Pull, Turn, W
+from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Translation, Turn, W, part_of
 
 
 def statement_findings(drawing: Drawing) -> list[str]:
@@ -46,7 +46,7 @@ def _references(drawing: Drawing) -> list[str]:
     uses = [("glue", name) for group in drawing.glue for name in group]
     uses += [("ignore", name) for pair in drawing.ignore for name in pair]
     uses += [("gaps", name) for joint in drawing.gaps for name in joint.parts]
-    uses += [(_kind(goal), goal.part) for goal in drawing.goals]
+    uses += [(_kind(goal), part) for goal in drawing.goals if (part := part_of(goal)) is not None]
     found = [f"{kind}: {unknown(name, names)}" for kind, name in dict.fromkeys(uses) if name not in names]
     same = [j.parts[0] for j in drawing.gaps if j.parts[0] == j.parts[1]]
     return found + [f'gaps: "{name}" is named twice: a joint lies between two parts' for name in same]
@@ -63,8 +63,10 @@ def _numbers(drawing: Drawing) -> list[str]:
 
 
 def _goal_numbers(goal: Goal) -> list[str]:
-    where = f'{_kind(goal)} of "{goal.part}"'
+    where = _kind(goal) if isinstance(goal, Translation | Closer) else f'{_kind(goal)} of "{goal.part}"'
     found = [] if np.isfinite(goal.weight) else [f"{where}: weight is {goal.weight:g}: it must be a finite number"]
+    if isinstance(goal, Translation | Closer):
+        return found
     if isinstance(goal, Turn):
         return found if goal.sense in ("ccw", "cw") else [*found, f'{where}: sense is "{goal.sense}": it is ccw or cw']
     vector = goal.direction if isinstance(goal, Pull) else goal.w
@@ -82,7 +84,7 @@ def plain(values: Sequence[float]) -> str:
 
 
 def _kind(goal: Goal) -> str:
-    return {Pull: "pull", Turn: "turn", W: "w"}[type(goal)]
+    return {Pull: "pull", Turn: "turn", W: "w", Translation: "translation", Closer: "closer"}[type(goal)]
 
 
 def _roles(drawing: Drawing) -> list[str]:
@@ -90,11 +92,11 @@ def _roles(drawing: Drawing) -> list[str]:
     still = {p.name: "it is fixed" for p in drawing.parts if p.fixed}
     for anchor, name in _glued_to(drawing, still):
         still.setdefault(name, f'it is glued to "{anchor}", which is fixed')
-    asked = dict.fromkeys((_kind(goal), goal.part) for goal in drawing.goals)
+    asked = dict.fromkeys((_kind(goal), part_of(goal)) for goal in drawing.goals)
     return [
         f'"{name}" cannot be moved ({kind}), for {still[name]}: fix it or move it, not both'
         for kind, name in asked
-        if name in still
+        if name is not None and name in still
     ]
 
 

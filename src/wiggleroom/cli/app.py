@@ -8,6 +8,11 @@ from wiggleroom.cli.convert import convert
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
+from wiggleroom.cli.rank import rank
+from wiggleroom.cli.sample import sample
+from wiggleroom.cli.space import space
+from wiggleroom.cli.sweep import sweep
+from wiggleroom.cli.tighten import tighten
 
 _HELP = """How far loose interlocking flat parts can move.
 
@@ -31,7 +36,7 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, convert, make, draw):
+    for command in (flex, rank, tighten, sweep, sample, space, convert, make, draw):
         app.command(command, help_format="markdown")
     return app
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 
 def main() -> None:
-    """Answer a tiny question; what it compiles is kept beside the package."""
+    """Answer a tiny question by every model; what it compiles is kept beside the package."""
     from wiggleroom.analysis.flex import flex
     from wiggleroom.assembly import patterns
 
-    flex(patterns.chain(2))
+    for model in ("walls", "hull", "halfplane"):
+        flex(patterns.chain(2), model=model)
 
 
 if __name__ == "__main__":

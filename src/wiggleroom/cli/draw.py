@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import PICTURES, check, write_picture
+from wiggleroom.cli.outputs import STILLS, check, write_picture
 
 _NONE_ASKED = Asked()
 
@@ -27,7 +27,7 @@ def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
 
     from wiggleroom.report.picture import picture_of_assembly
 
-    check(file, {"OUT": (out, PICTURES)})
+    check(file, {"OUT": (out, STILLS)})
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     write_picture(picture_of_assembly(read(file, asked), command=command), out)
     return 0

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import PICTURES, Outputs, check, write
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer
+    from wiggleroom.freespace.models import PairModel
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
 
@@ -20,13 +21,16 @@ def flex(
     *,
     asked: Asked = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
-    model: str = "walls",
+    model: Literal["walls", "hull", "halfplane"] = "walls",
+    about: Literal["reference", "joint"] | None = None,
+    slices: int | None = None,
+    rounds: int | None = None,
     solver: Literal["interior-point", "ipopt"] = "interior-point",
 ) -> int:
     """Find the largest motion of the pulled parts.
 
-    Parts are rigid and never overlap. The answer is a motion that was found and checked by exact geometry, with a
-    verdict on how sure it is. Ctrl-C stops early and reports the best safe motion so far (exit 3).
+    Parts are rigid and, with walls, never overlap. The answer is a motion that was found and checked by exact geometry,
+    with a verdict on how sure it is. Ctrl-C stops early and reports the best safe motion so far (exit 3).
 
     Example: wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture moved.svg
 
@@ -35,7 +39,14 @@ def flex(
     file
         A drawing (.svg) or an assembly file (.json).
     model
-        How the free space of each pair is modelled: walls, the exact contacts.
+        How the free space of each pair is modelled: walls, the exact contacts; to compare with, hull, the convex hulls
+        of "Mind the Gap", or halfplane, the linear programs of PuzzleFlex. These two may overlap, which is told.
+    about
+        For hull: the point that a part turns about to find the angles of its slices. By default reference.
+    slices
+        For hull: number of slices. By default 3, as in the paper.
+    rounds
+        For hull: so often the hulls are worked out, from the second time on round the motion found. By default 1.
     solver
         interior-point is this program's own; ipopt needs the extra wiggleroom[ipopt].
     """
@@ -43,12 +54,19 @@ def flex(
     from dataclasses import replace
 
     from wiggleroom.errors import InputError
+    from wiggleroom.freespace.models import Hull
 
-    if model != "walls":
-        wrong = f"--model {model}: there is only walls"
+    settings: dict[str, Any] = {
+        k: v for k, v in (("about", about), ("slices", slices), ("rounds", rounds)) if v is not None
+    }
+    if settings and model != "hull":
+        wrong = f"--{next(iter(settings))} is for --model hull only"
         raise InputError(wrong)
     check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, PICTURES)})
-    answer = replace(_answer(file, asked, solver), command=shlex.join(["wiggleroom", *sys.argv[1:]]))
+    answer = replace(
+        _answer(file, asked, Hull(**settings) if model == "hull" else model, solver),
+        command=shlex.join(["wiggleroom", *sys.argv[1:]]),
+    )
     if outputs.json != "-":
         from wiggleroom.cli.say import show
         from wiggleroom.report.table import table
@@ -58,7 +76,7 @@ def flex(
     return 3 if answer.verdict == "stopped" else 0
 
 
-def _answer(file: str, asked: Asked, solver: str) -> Answer:
+def _answer(file: str, asked: Asked, model: str | PairModel, solver: str) -> Answer:
     """Read, solve and measure; Ctrl-C and progress are looked after."""
     import time
     from dataclasses import replace
@@ -77,5 +95,5 @@ def _answer(file: str, asked: Asked, solver: str) -> Answer:
 
         from wiggleroom.analysis.flex import flex as solve
 
-        answer = solve(assembly, solver=solver, stop=stop, progress=show)
+        answer = solve(assembly, model=model, solver=solver, stop=stop, progress=show)
     return replace(answer, seconds={"read": spent} | answer.seconds | {"total": time.perf_counter() - begin})

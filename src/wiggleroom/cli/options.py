@@ -34,6 +34,9 @@ class Asked:
         May repeat; pulls add up.
     turn
         A part that is turned: NAME:ccw or NAME:cw. May repeat; adds to the pulls, in radians.
+    objective
+        In place of pulls, about all parts: translation, the largest sum of squared translations, or closer, neighbours
+        as near each other as they come.
     """
 
     gap: float | None = None
@@ -42,6 +45,7 @@ class Asked:
     fix: Many = ()
     pull: Many = ()
     turn: Many = ()
+    objective: Literal["translation", "closer"] | None = None
 
 
 def read(file: str, asked: Asked) -> Assembly:
@@ -54,6 +58,7 @@ def read(file: str, asked: Asked) -> Assembly:
     """
     from wiggleroom.cli.asking import goals, names
     from wiggleroom.cli.say import note
+    from wiggleroom.drawing.model import WHOLE
     from wiggleroom.errors import InputError
 
     wrong = [
@@ -65,6 +70,10 @@ def read(file: str, asked: Asked) -> Assembly:
         if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and option == "gap")))
     ]
     wanted, odd = goals(asked.pull, asked.turn)
+    if asked.objective is not None:
+        if asked.pull or asked.turn:
+            wrong.append(f"--objective {asked.objective} stands in place of --pull and --turn; leave one of them out")
+        wanted = [WHOLE[asked.objective]()]
     if wrong or odd:
         raise InputError([*wrong, *odd])
 

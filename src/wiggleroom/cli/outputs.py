@@ -6,14 +6,15 @@ import os
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer
 
-PICTURES = (".svg", ".png")
+STILLS = (".svg", ".png")
+PICTURES = (*STILLS, ".gif", ".mp4", ".html")
 
 
 @Parameter(name="*")
@@ -26,7 +27,7 @@ class Outputs:
     json
         Write the answer as JSON to this file; - is stdout, which then holds nothing else.
     picture
-        Draw the answer to this file: .svg or .png.
+        Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
     """
 
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
@@ -47,6 +48,8 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
     ------
     InputError
         With one line for each that cannot.
+    MissingExtraError
+        If a film needs a library that is not installed.
     """
     from wiggleroom.errors import InputError
 
@@ -59,6 +62,11 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
             wrong.append(f"{option} {place}: {problem}")
     if wrong:
         raise InputError(wrong)
+    for place, _ in places.values():
+        if place is not None and Path(place).suffix.lower() in (".gif", ".mp4"):
+            from wiggleroom.report.film_frames import see_library
+
+            see_library(Path(place).suffix.lower())
 
 
 def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
@@ -77,28 +85,44 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
 
 
 def write(answer: Answer, outputs: Outputs) -> None:
-    """Answer as JSON and as a picture, where they are asked for."""
+    """Answer as JSON and as a picture, film or report, where they are asked for."""
     from wiggleroom.cli.say import note
-    from wiggleroom.report.files import write_whole
-    from wiggleroom.report.records import flex_record, to_json
+    from wiggleroom.report.records import flex_record
 
     if outputs.json is not None:
-        text = to_json(flex_record(answer))
-        if outputs.json == "-":
-            sys.stdout.write(text)
-        else:
-            write_whole(outputs.json, text)
-            note(f"answer: {outputs.json}")
+        write_record(flex_record(answer), outputs.json)
     if outputs.picture is not None:
-        from wiggleroom.report.picture import picture
+        from wiggleroom.cli.watch import bar
+        from wiggleroom.report.draw import draw
 
-        write_picture(picture(answer), outputs.picture)
+        with bar("film") as count:
+            draw(answer, outputs.picture, progress=count)
+        note(f"picture: {outputs.picture}")
 
 
-def write_picture(svg: str, path: Path) -> None:
-    """Picture as SVG or, where the name says so, as PNG."""
+def write_record(record: dict[str, Any], place: str) -> None:
+    """Record as JSON to a file, or to stdout where the place is "-"."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.files import write_whole
+    from wiggleroom.report.records import to_json
+
+    text = to_json(record)
+    if place == "-":
+        sys.stdout.write(text)
+    else:
+        write_whole(place, text)
+        note(f"answer: {place}")
+
+
+def write_picture(made: str, path: Path) -> None:
+    """Still picture as SVG or, where the name says so, as PNG; a page as HTML."""
     from wiggleroom.cli.say import note
     from wiggleroom.report.draw import write_svg
 
-    write_svg(svg, path)
+    if path.suffix.lower() == ".html":
+        from wiggleroom.files import write_whole
+
+        write_whole(path, made)
+    else:
+        write_svg(made, path)
     note(f"picture: {path}")

@@ -45,3 +45,18 @@ def progress() -> Iterator[Callable[[Any], None] | None]:
             status.update(f"{step.stage}, round {step.round}{turn}{value}")
 
         yield show
+
+
+@contextmanager
+def bar(what: str) -> Iterator[Callable[[int, int], None] | None]:
+    """Give a callback that shows how many of many are done, on stderr; None where that is no terminal."""
+    if not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    pieces = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    with Progress(*pieces, console=Console(stderr=True), transient=True) as page:
+        task = page.add_task(what, total=None)
+        yield lambda done, total: page.update(task, completed=done, total=total)

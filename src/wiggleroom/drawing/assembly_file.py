@@ -23,7 +23,7 @@ from wiggleroom.drawing.assembly_schema import (
     decode,
 )
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
-from wiggleroom.drawing.model import Drawing, Goal, JointGap, Part, Points, Pull, Region, Turn, W
+from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Turn, W
 from wiggleroom.drawing.rings import clean_ring, signed_area
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.units import UNITS
@@ -85,7 +85,9 @@ class _Reader:
         ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
         gaps = tuple(found for i, value in enumerate(entry.gaps) if (found := self._gap(i, value)))
         self._twice((frozenset(joint.parts) for joint in gaps), "gaps")
-        goals = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
+        goals: tuple[Goal, ...] = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
+        if entry.objective in WHOLE:
+            goals = (WHOLE[entry.objective](),)
         if not self._findings:
             self._whole_size(parts)
         if self._findings:
@@ -101,8 +103,11 @@ class _Reader:
             self._say("", f'format is "{entry.format[:40]}"; it must be "{FORMAT}"')
         if entry.unit not in _FILE_UNITS:
             self._say("", f'unit is "{entry.unit[:40]}"; it must be one of {", ".join(_FILE_UNITS)}')
-        if entry.objective is not None:
-            self._say("", 'field "objective" is for a later version; "pull" with direction, turn or w exists now')
+        if entry.objective is not None and entry.objective not in WHOLE:
+            known = " or ".join(f'"{name}"' for name in WHOLE)
+            self._say("", f'objective is "{entry.objective[:40]}"; it must be {known}')
+        if entry.objective is not None and entry.pull:
+            self._say("", '"objective" stands in place of "pull"; leave one of them out')
         if not entry.parts:
             self._say("", "has no parts; at least one is needed")
 

@@ -77,7 +77,7 @@ class FileEntry(Entry):
     ignore: list[Any] = []
     gaps: list[Any] = []
     pull: list[Any] = []
-    objective: Any = None
+    objective: str | None = None
 
 
 def decode(source: Source) -> Any:

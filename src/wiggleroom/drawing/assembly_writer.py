@@ -10,7 +10,7 @@ from typing import Any
 import msgspec
 
 from wiggleroom.drawing.assembly_schema import FORMAT
-from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn
+from wiggleroom.drawing.model import WHOLE, Drawing, Part, Pull, Region, Turn, W
 
 Json = dict[str, Any]
 
@@ -46,9 +46,10 @@ def write_assembly(drawing: Drawing) -> str:
         "glue": [list(names) for names in drawing.glue],
         "ignore": [list(names) for names in drawing.ignore],
         "gaps": [{"parts": joint.parts, "gap": joint.gap} for joint in drawing.gaps],
-        "pull": [_goal(goal) for goal in drawing.goals],
+        "pull": [_goal(goal) for goal in drawing.goals if isinstance(goal, Pull | Turn | W)],
     }
     fields += [_lines(name, rows) for name, rows in tables.items() if rows]
+    fields += [f'"objective": "{name}"' for name, kind in WHOLE.items() if kind() in drawing.goals]
     return "{\n" + ",\n".join(fields) + "\n}\n"
 
 
@@ -93,7 +94,7 @@ def _part(part: Part, material: Json) -> Json:
     return entry
 
 
-def _goal(goal: Goal) -> Json:
+def _goal(goal: Pull | Turn | W) -> Json:
     entry: Json = {"part": goal.part}
     if isinstance(goal, Pull):
         entry["direction"] = goal.direction

@@ -102,7 +102,35 @@ class W:
     weight: float = 1.0
 
 
-Goal = Pull | Turn | W
+@dataclass(frozen=True)
+class Translation:
+    """Ask for the largest sum of squared translations [mm2] of all parts: how much there is to wiggle at all.
+
+    Source: Mind the Gap, section 4.4.
+    """
+
+    weight: float = 1.0
+
+
+@dataclass(frozen=True)
+class Closer:
+    """Ask neighbouring parts to come closer: the largest loss of the squared distances [mm2] of their reference points.
+
+    Source: Mind the Gap, section 4.4; between neighbours.
+    """
+
+    weight: float = 1.0
+
+
+Goal = Pull | Turn | W | Translation | Closer
+
+WHOLE: dict[str, type[Translation] | type[Closer]] = {"translation": Translation, "closer": Closer}
+"""Goals of the whole assembly by the names that files and commands use; each stands in place of all pulls."""
+
+
+def part_of(goal: Goal) -> str | None:
+    """The part that a goal names, or None where it is about the whole assembly."""
+    return None if isinstance(goal, Translation | Closer) else goal.part
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,7 +149,7 @@ class Drawing:
         Parts that never collide.
     gaps : tuple of JointGap
         Joints with a gap of their own.
-    goals : tuple of Pull, Turn or W
+    goals : tuple of Pull, Turn, W, Translation or Closer
         What is asked; several add up.
     source : str
         The file's name, for messages.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import tempfile
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +10,7 @@ from typing import TypeVar
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
+from wiggleroom.files import write_whole
 
 T = TypeVar("T")
 Reader = Callable[[Path, str | None, float | None, float | None], Drawing]
@@ -61,15 +60,7 @@ def write_drawing(drawing: Drawing, path: str | Path) -> None:
     path = Path(path)
     text = _by_extension(path, WRITERS, "written")(drawing)
     try:
-        handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=".", suffix=path.suffix)
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8", newline="\n") as file:
-                file.write(text)
-            os.chmod(temporary, 0o644)
-            os.replace(temporary, path)
-        except BaseException:
-            os.unlink(temporary)
-            raise
+        write_whole(path, text)
     except OSError as error:
         reason = (error.strerror or "no access").lower()
         message = f"{path}: cannot be written ({reason}); give a file in a directory that exists"

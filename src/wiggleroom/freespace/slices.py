@@ -133,7 +133,7 @@ def _grown(pair: Meeting, phi: float, near: shapely.Geometry, limit: float) -> S
     margin = 0.5 * pair.clearance + 0.15 * float((high - low).max())
     while True:
         box = (*np.maximum(low - margin, -largest), *np.minimum(high + margin, largest))
-        quads = _parallelograms(pair, phi, box)
+        quads = parallelograms(pair, phi, box)
         pieces = _pieces(quads, box, near)
         pieces = pieces[[_free(pair, phi, p) for p in pieces]]
         if not len(pieces):
@@ -147,7 +147,7 @@ def _grown(pair: Meeting, phi: float, near: shapely.Geometry, limit: float) -> S
         margin *= 2
 
 
-def _parallelograms(pair: Meeting, phi: float, box: Box) -> Floats:
+def parallelograms(pair: Meeting, phi: float, box: Box) -> Floats:
     """Corners (k, 4, 2) of the translations in which two edges meet, for all edge pairs that touch the box."""
     b = turn(pair.b.reshape(-1, 2), np.array([phi])).reshape(-1, 2, 2)
     a, (low, high) = pair.a, np.array(box).reshape(2, 2)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import overload
 
 import numpy as np
 import shapely
@@ -14,6 +15,10 @@ from wiggleroom.assembly.statements import unknown
 from wiggleroom.errors import InputError, TouchingError
 from wiggleroom.freespace.cells import Cells
 from wiggleroom.freespace.cover import cover
+from wiggleroom.freespace.halfplane import half_planes
+from wiggleroom.freespace.hulls import hulls, joint_point
+from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls, model_named
+from wiggleroom.freespace.polyhedron import Polyhedron
 from wiggleroom.freespace.relative import Relative, relate, turn
 from wiggleroom.freespace.slices import Slice, march, meeting
 from wiggleroom.pairs.neighbours import placed
@@ -24,6 +29,8 @@ Ints = NDArray[np.int64]
 
 TOUCHING = 1e-6
 """A clearance below this share of the drawing's size counts as touching."""
+SEEN = 6.0
+"""Half-planes are made of corners and edges no further apart than this multiple of the clearance."""
 REACH = 10.0
 """Open free spaces are worked out this many clearances far, though no further than the larger part's radius."""
 
@@ -72,6 +79,11 @@ class FreeSpace:
     def rows(self) -> int:
         """Walls of all cells, the ends of their angle intervals not counted."""
         return int((self.cells.kind < 2).sum())
+
+    @property
+    def intervals(self) -> Floats:
+        """Turns phi (c, 2) [rad] between which each cell holds."""
+        return self.cells.ends - self._relation.psi
 
     def contains(self, relative: Floats) -> NDArray[np.bool_]:
         """Which relative motions lie in the space.
@@ -131,7 +143,11 @@ def _in_any(
     return out
 
 
-def free_space(assembly: Assembly, a: str, b: str, model: str = "walls") -> FreeSpace:
+@overload
+def free_space(assembly: Assembly, a: str, b: str) -> FreeSpace: ...
+@overload
+def free_space(assembly: Assembly, a: str, b: str, model: str | PairModel) -> FreeSpace | Polyhedron: ...
+def free_space(assembly: Assembly, a: str, b: str, model: str | PairModel = "walls") -> FreeSpace | Polyhedron:
     """Free space of two parts, the others left out.
 
     Parameters
@@ -139,8 +155,8 @@ def free_space(assembly: Assembly, a: str, b: str, model: str = "walls") -> Free
     assembly : Assembly
     a, b : str
         Names of two parts that are not glued to each other.
-    model : str
-        "walls": cells that never overlap.
+    model : str, Hull or HalfPlane
+        "walls": cells that never overlap. "hull", "halfplane": the polyhedra of the paper and of PuzzleFlex, to compare with.
 
     Raises
     ------
@@ -153,16 +169,21 @@ def free_space(assembly: Assembly, a: str, b: str, model: str = "walls") -> Free
     --------
     >>> import numpy as np
     >>> import wiggleroom as wr
-    >>> space = wr.free_space(wr.patterns.chain(2, joint="tee", gap=0.01), "b1", "b2")
+    >>> chain = wr.patterns.chain(2, joint="tee", gap=0.01)
+    >>> space = wr.free_space(chain, "b1", "b2")
     >>> space.closed, round(space.angles[1], 4)
     (True, 0.0317)
     >>> space.contains(np.array([[0.0, 0.009, 0.0], [0.0, 0.011, 0.0]]))
     array([ True, False])
+    >>> hull = wr.free_space(chain, "b1", "b2", model="hull")
+    >>> hull.rows, round(hull.angles[1], 4)
+    (14, 0.0148)
 
     Source: Mind the Gap, section 4.1; exact walls instead of the hull of three slices.
     """
+    wanted = model_named(model)
     them = bodies(assembly)
-    one, other = _bodies_of(assembly, them, a, b, model)
+    one, other = _bodies_of(assembly, them, a, b)
     material = placed(them)[[one, other]]
     apart = float(shapely.distance(*material))
     if apart < TOUCHING * assembly.size:
@@ -172,15 +193,25 @@ def free_space(assembly: Assembly, a: str, b: str, model: str = "walls") -> Free
             "there is no room to move: give a gap"
         )
         raise TouchingError(finding, (a, b), apart)
-    near = shapely.intersection(material[1], shapely.buffer(material[0], 2 * apart))
-    pivot = shapely.get_coordinates(shapely.centroid(near))[0]
-    at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in (a, b))
+    if isinstance(wanted, Walls):
+        return _walls(assembly, them, (one, other), (a, b), material)
+    return _polyhedron(assembly, them, (one, other), (a, b), wanted)
+
+
+def _walls(
+    assembly: Assembly, them: Bodies, rows: tuple[int, int], names: tuple[str, str], material: NDArray[np.object_]
+) -> FreeSpace:
+    """Union of cells round exact slices."""
+    one, other = rows
+    apart = float(shapely.distance(*material))
+    pivot = joint_point(*material)
+    at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
     relation = relate(at_a, at_b, them.rest[one], them.rest[other], pivot)
     own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
     space = march(meeting(own[0], own[1]), min(REACH * apart, float(them.radius[[one, other]].max())))
     covered = cover(them, (one, other), relation, space)
     return FreeSpace(
-        parts=(a, b),
+        parts=names,
         cells=covered.cells,
         slices=tuple(_about_reference(s, relation) for s in covered.slices),
         coverage=covered.coverage,
@@ -194,17 +225,51 @@ def free_space(assembly: Assembly, a: str, b: str, model: str = "walls") -> Free
     )
 
 
+def _polyhedron(
+    assembly: Assembly, them: Bodies, rows: tuple[int, int], names: tuple[str, str], model: Hull | HalfPlane
+) -> Polyhedron:
+    """Faces of a model, turned from the body's frame into that of part a."""
+    at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
+    a, b = (np.array([k]) for k in rows)
+    reference = np.zeros((len(them.rest), 2))
+    reference[rows[1]] = turn(at_b[:2] - them.rest[rows[1], :2], -them.rest[rows[1], 2:])[0]
+    slices: tuple[Slice, ...] = ()
+    if isinstance(model, Hull):
+        found = hulls(them, a, b, reference, model)
+        if found is None:
+            finding = f'parts "{names[0]}" and "{names[1]}": no free space was found round rest'
+            raise InputError(finding)
+        faces, (hull,) = found.faces, found.distinct
+        slices, angles, closed = hull.slices, hull.ends, hull.closed
+    else:
+        apart = float(shapely.distance(*placed(them)[list(rows)]))
+        faces = half_planes(them, a, b, np.zeros_like(them.rest), SEEN * apart)
+        turns = np.where(faces.normal[:, 2] != 0, -faces.offset / faces.normal[:, 2], np.inf)
+        angles = float(-np.abs(turns[turns < 0]).min(initial=np.inf)), float(turns[turns > 0].min(initial=np.inf))
+        closed = bool(np.isfinite(angles).all())
+    body = them.rest[rows[1]]
+    pivot = body[:2] + turn(faces.point[0], body[2:])[0]
+    relation = relate(at_a, at_b, them.rest[rows[0]], body, pivot)
+    normal = np.column_stack(
+        [turn(faces.normal[:, :2], np.full(len(faces.normal), relation.turned)), faces.normal[:, 2]]
+    )
+    if slices and relation.turned:
+        slices = tuple(
+            replace(s, region=shapely.transform(s.region, lambda p: turn(p, np.array([relation.turned]))))
+            for s in slices
+        )
+    return Polyhedron(names, model.name, normal, faces.offset, slices, angles, closed, -relation.point, relation)
+
+
 def _about_reference(one: Slice, relation: Relative) -> Slice:
     """Express the same slice as motions of part b's reference point."""
     swing = relation.swing(np.array([one.angle]))
     return replace(one, region=shapely.transform(one.region, lambda p: p + swing))
 
 
-def _bodies_of(assembly: Assembly, them: Bodies, a: str, b: str, model: str) -> tuple[int, int]:
+def _bodies_of(assembly: Assembly, them: Bodies, a: str, b: str) -> tuple[int, int]:
     """Rows of the bodies of two parts that can meet."""
     wrong = [unknown(name, assembly.names) for name in dict.fromkeys((a, b)) if name not in assembly.names]
-    if model != "walls":
-        wrong.append(f'there is no model "{model}": choose walls')
     if wrong:
         raise InputError(wrong)
     if a == b:

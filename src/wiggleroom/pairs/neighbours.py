@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.pairs.shapes import Bodies
+from wiggleroom.pairs.shapes import Bodies, Shapes
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -34,39 +34,44 @@ class Pairs:
 def placed(bodies: Bodies, motion: Floats | None = None, only: Ints | None = None) -> NDArray[np.object_]:
     """Material of every body (or of `only` some) as shapely geometries (n,), at rest or moved by `motion` (n, 3) [mm, mm, rad]."""
     pose = bodies.rest if motion is None else bodies.rest + motion
-    shapes = bodies.shapes
-    out = np.empty(len(pose), dtype=object)
-    for s, rings in enumerate(bodies.outlines):
-        who = np.flatnonzero(bodies.shape == s) if only is None else only[bodies.shape[only] == s]
-        if not len(who):
-            continue
-        c, sn = np.cos(pose[who, 2])[:, None], np.sin(pose[who, 2])[:, None]
-        corner = shapes.corner[shapes.first[s] : shapes.first[s + 1]]
-        x = c * corner[:, 0] - sn * corner[:, 1] + pose[who, 0][:, None]
-        y = sn * corner[:, 0] + c * corner[:, 1] + pose[who, 1][:, None]
-        out[who] = _polygons(np.stack([x, y], -1), rings)
+    shapes, out = bodies.shapes, np.empty(len(pose), dtype=object)
+    who = np.arange(len(pose)) if only is None else only
+    if not len(who):
+        return out
+    start, count = shapes.first[bodies.shape[who]], np.diff(shapes.first)[bodies.shape[who]]
+    at = np.repeat(np.arange(len(who)), count)
+    row = np.arange(len(at)) + np.repeat(start - (np.cumsum(count) - count), count)
+    c, s = np.cos(pose[who, 2])[at], np.sin(pose[who, 2])[at]
+    x, y = shapes.corner[row].T
+    points = np.column_stack([c * x - s * y + pose[who, 0][at], s * x + c * y + pose[who, 1][at]])
+    ring, outer = _rings(shapes)
+    mine = ring[row] + np.repeat(np.arange(len(who)), count) * (
+        ring[-1] + 1
+    )  # rings of one body after those of another
+    first = np.flatnonzero(np.diff(mine, prepend=-1))
+    made = shapely.linearrings(points, indices=np.cumsum(np.diff(mine, prepend=mine[0]) != 0))
+    # outer rings turn counter-clockwise, holes clockwise and follow theirs
+    region = np.cumsum(outer[ring[row[first]]]) - 1
+    pieces = np.asarray(shapely.polygons(made, indices=region))
+    owner = at[first][np.flatnonzero(np.diff(region, prepend=-1))]
+    if len(pieces) == len(who):
+        out[who] = pieces
+        return out
+    several = np.bincount(owner, minlength=len(who)) > 1
+    out[who[owner[~several[owner]]]] = pieces[~several[owner]]
+    for k in np.flatnonzero(several):
+        out[who[k]] = shapely.union_all(pieces[owner == k])
     return out
 
 
-def _polygons(points: Floats, rings: list[Floats]) -> NDArray[np.object_]:
-    """Polygons from corners (k, n, 2) laid out like `rings`: outer rings turn counter-clockwise, holes clockwise and follow theirs."""
-    ends = np.cumsum([len(r) for r in rings])
-    starts = ends - [len(r) for r in rings]
-    made = [shapely.linearrings(points[:, i:j]) for i, j in zip(starts, ends, strict=True)]
-    outer = [k for k, r in enumerate(rings) if _turns_left(r)]
-    pieces = []
-    for n, k in enumerate(outer):
-        last = outer[n + 1] if n + 1 < len(outer) else len(rings)
-        holes = made[k + 1 : last]
-        pieces.append(shapely.polygons(made[k], np.stack(holes, 1)) if holes else shapely.polygons(made[k]))
-    if len(pieces) == 1:
-        return np.asarray(pieces[0])
-    return shapely.union_all(np.stack(pieces, 1), axis=1)
-
-
-def _turns_left(ring: Floats) -> bool:
-    x, y = ring.T
-    return float(x @ np.roll(y, -1) - np.roll(x, -1) @ y) > 0
+def _rings(shapes: Shapes) -> tuple[Ints, NDArray[np.bool_]]:
+    """Ring (N,) of every corner, counted through all shapes, and which rings are outer ones."""
+    ends = shapes.after != np.arange(1, len(shapes.after) + 1)
+    ring = np.cumsum(ends) - ends
+    x, y = shapes.corner.T
+    after = shapes.after
+    cross = x * y[after] - x[after] * y
+    return ring, np.bincount(ring, cross) > 0
 
 
 def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, barred: Ints) -> Pairs:
@@ -88,6 +93,20 @@ def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, b
     """
     tree = shapely.STRtree(geometry)
     i, j = tree.query(geometry, predicate="dwithin", distance=reach)
+    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, barred)
+    i, j = i[keep], j[keep]
+    order = np.lexsort((j, i))
+    i, j = i[order], j[order]
+    return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
+
+
+def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, barred: Ints) -> Pairs:
+    """Pairs of bodies whose convex hulls overlap, except fixed with fixed and `barred` ones; arguments as for `neighbours`.
+
+    Source: Mind the Gap, section 4.4: the pairs that get collision constraints.
+    """
+    around = shapely.convex_hull(geometry)
+    i, j = shapely.STRtree(around).query(around, predicate="intersects")
     keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, barred)
     i, j = i[keep], j[keep]
     order = np.lexsort((j, i))

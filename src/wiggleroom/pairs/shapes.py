@@ -87,11 +87,6 @@ class Bodies:
         """Radius of each body about its origin (n,) [mm]."""
         return self.shapes.radius[self.shape]
 
-    @property
-    def outlines(self) -> list[list[Floats]]:
-        """Rings of every shape, each (n, 2) [mm]."""
-        return [_rings(self.shapes, s) for s in range(len(self.shapes.radius))]
-
 
 def bodies(assembly: Assembly) -> Bodies:
     """Join glued parts and find which bodies have the same shape, wherever they lie and however they are turned.
@@ -250,12 +245,6 @@ def _stack(known: list[tuple[list[Floats], list[int]]]) -> Shapes:
         corners, nexts, normal, length, np.concatenate(member), np.array(first), np.array(radius),
         np.array([*run, at]), np.array(run_first), np.array(disc),
     )  # fmt: skip
-
-
-def _rings(shapes: Shapes, s: int) -> list[Floats]:
-    rows = slice(shapes.first[s], shapes.first[s + 1])
-    ends = np.flatnonzero(shapes.after[rows] != np.arange(shapes.first[s], shapes.first[s + 1]) + 1) + 1
-    return np.split(shapes.corner[rows], ends)[:-1]
 
 
 def _area(ring: Floats) -> float:

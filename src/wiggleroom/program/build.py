@@ -2,38 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells import Cells
 from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program import kernel
 from wiggleroom.program.objectives import Objective
+from wiggleroom.program.pattern import Pattern, pattern
+from wiggleroom.program.rows import Regions, rows_of
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-
-@dataclass(frozen=True, eq=False)
-class Pattern:
-    """Where the entries of the condensed matrix live: upper triangle, compressed columns.
-
-    Parameters
-    ----------
-    indptr, indices : column pointers and row indices
-    diagonal_at : (F, 6) int64
-        Entries (0,0) (0,1) (1,1) (0,2) (1,2) (2,2) of each free body's own block.
-    block_at : (P, 9) int64
-        Entries of each pair's block, column by column; -1 where one of the two is fixed.
-    """
-
-    indptr: Ints
-    indices: Ints
-    diagonal_at: Ints
-    block_at: Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,9 +27,9 @@ class Program:
     ----------
     bodies : Bodies
     objective : Objective
-    cells : Cells
-        One cell per pair; `cells.row` holds the first row of each pair.
-    kind, normal, off, corner : (R,), (R, 2), (R,), (R, 2)
+    cells : Cells or Faces
+        One region per pair; `cells.row` holds the first row of each pair.
+    kind, normal, per_turn, off, corner : (R,), (R, 2), (R,), (R,), (R, 2)
         Geometry of the rows, see `wiggleroom.program.kernel`.
     slot : (n,) int64
         Position of each body among the free ones, -1 where fixed.
@@ -57,13 +40,16 @@ class Program:
     length : float [mm]
         Rows are compared with this length.
     pattern : Pattern
+    coupled_at : (k, 9) int64
+        Where the blocks of pairs of bodies live that the objective couples, in the order of its `couples`; -1 where one is fixed.
     """
 
     bodies: Bodies
     objective: Objective
-    cells: Cells
+    cells: Any
     kind: Ints
     normal: Floats
+    per_turn: Floats
     off: Floats
     corner: Floats
     slot: Ints
@@ -71,6 +57,7 @@ class Program:
     scale: Floats
     length: float
     pattern: Pattern
+    coupled_at: Ints
 
     @property
     def rows(self) -> int:
@@ -100,7 +87,7 @@ class Program:
         """Rows h (R,) in units of `length`."""
         g, _ = self.relative(self.motion(u))
         h = np.empty(self.rows)
-        kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.off, self.corner, h)
+        kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
         h /= self.length
         return h
 
@@ -109,8 +96,8 @@ class Program:
         motion = self.motion(u)
         g, turn = self.relative(motion)
         h, d = np.empty(self.rows), np.empty((self.rows, 3))
-        kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.off, self.corner, h)
-        kernel.wall_gradients(g, self.cells.row, self.kind, self.normal, self.corner, d)
+        kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
+        kernel.wall_gradients(g, self.cells.row, self.kind, self.normal, self.per_turn, self.corner, d)
         h /= self.length
         d /= self.length
         gradient = self.objective.gradient(motion)[self.free].ravel() * self.scale
@@ -152,14 +139,23 @@ class Linearised:
             weight, lam, np.zeros((len(P.cells.a), 2)) if balance is None else balance, P.scale, P.slot,
             pattern.diagonal_at, pattern.block_at, data,
         )  # fmt: skip
-        body, block = P.objective.hessian(self.motion)
-        for f, m in zip(P.slot[body], block, strict=True):
-            if f >= 0:
-                scale = P.scale[3 * f : 3 * f + 3]
-                data[pattern.diagonal_at[f]] -= (share * m * scale[:, None] * scale)[
-                    [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]
-                ]
+        self._add_objective(data, share)
         return data
+
+    def _add_objective(self, data: Floats, share: float) -> None:
+        """Take a share of the objective's second derivatives off."""
+        P = self.program
+        body, own, coupled = P.objective.hessian(self.motion)
+        f = P.slot[body]
+        own, f = own[f >= 0], f[f >= 0]
+        scale = P.scale.reshape(-1, 3)
+        own = share * own * scale[f, :, None] * scale[f, None, :]
+        np.subtract.at(data, P.pattern.diagonal_at[f], own[:, [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
+        both = P.coupled_at[:, 0] >= 0
+        i, j = (P.slot[k[both]] for k in P.objective.couples)
+        blocks = share * coupled[both] * scale[i, :, None] * scale[j, None, :]
+        blocks[i > j] = blocks[i > j].transpose(0, 2, 1)  # rows belong to the body with the smaller slot
+        np.subtract.at(data, P.coupled_at[both], blocks.transpose(0, 2, 1).reshape(-1, 9))
 
     def jacobian(self) -> sp.csr_matrix:
         """The whole Jacobian (R, 3F), for checks and for solvers that want it."""
@@ -182,75 +178,34 @@ class Linearised:
         return sp.csr_matrix((np.concatenate(vals), where), shape=(P.rows, len(P.scale)))
 
 
-def build(bodies: Bodies, cells: Cells, objective: Objective, *, length: float) -> Program:
+def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float) -> Program:
     """Put all pairs and the objective into one program.
 
     Parameters
     ----------
     bodies : Bodies
-    cells : Cells
-        One cell per pair that can meet.
+    cells : Cells or Faces
+        One region per pair that can meet.
     objective : Objective
     length : float [mm]
         Typical clearance; variables and rows are scaled by it.
 
     Source: Mind the Gap, Eq. (4); glue and fixed parts are eliminated instead of added as equations.
     """
-    shapes = bodies.shapes
-    normal = np.where(cells.kind[:, None] <= kernel.B_EDGE, shapes.normal[cells.edge], 0.0)
-    corner = np.where(cells.kind[:, None] <= kernel.B_EDGE, shapes.corner[cells.corner], 0.0)
-    off = (normal * shapes.corner[cells.edge]).sum(1)
-    pair = np.repeat(np.arange(len(cells.a)), np.diff(cells.row))
-    lever = np.minimum(bodies.radius[cells.a], bodies.radius[cells.b])[pair]
-    for kind, end in ((kernel.LOW, 0), (kernel.HIGH, 1)):
-        rows = cells.kind == kind
-        normal[rows, 0] = lever[rows]
-        off[rows] = cells.ends[pair[rows], end]
+    rows = rows_of(bodies, cells)
     free = np.flatnonzero(~bodies.fixed)
     slot = np.full(len(bodies.fixed), -1, dtype=np.int64)
     slot[free] = np.arange(len(free))
     scale = np.repeat(length, 3 * len(free)).reshape(-1, 3)
     scale[:, 2] /= bodies.radius[free]
+    n, (i, j) = len(slot), objective.couples
+    own, other = cells.a * n + cells.b, i * n + j
+    extra = np.setdiff1d(other, own)
+    whole = pattern(np.concatenate([cells.a, extra // n]), np.concatenate([cells.b, extra % n]), slot, len(free))
+    key = np.concatenate([own, extra])
+    order = np.argsort(key)
+    at = order[np.searchsorted(key, other, sorter=order)] if len(other) else other
     return Program(
-        bodies,
-        objective,
-        cells,
-        cells.kind,
-        normal,
-        off,
-        corner,
-        slot,
-        free,
-        scale.ravel(),
-        length,
-        _pattern(cells, slot, len(free)),
-    )
-
-
-def _pattern(cells: Cells, slot: Ints, n: int) -> Pattern:
-    """Block pattern of the neighbour graph, with a place for every entry."""
-    i, j = slot[cells.a], slot[cells.b]
-    both = (i >= 0) & (j >= 0)
-    lo, hi = np.minimum(i, j)[both], np.maximum(i, j)[both]
-    rank = np.empty(len(lo), dtype=np.int64)
-    order = np.lexsort((lo, hi))
-    rank[order] = np.arange(len(lo))
-    count = np.bincount(hi, minlength=n)  # blocks above the diagonal in each block column
-    start = np.concatenate([[0], np.cumsum(count)])
-    height = 3 * count[:, None] + np.arange(1, 4)  # entries of the three columns of each block column
-    indptr = np.concatenate([[0], np.cumsum(height.ravel())])
-    top = indptr[:-1].reshape(-1, 3)
-    indices = np.empty(indptr[-1], dtype=np.int64)
-    place = rank - start[hi]
-    block = top[hi][:, :, None] + 3 * place[:, None, None] + np.arange(3)
-    indices[block] = 3 * lo[:, None, None] + np.arange(3)
-    own = np.empty((n, 6), dtype=np.int64)
-    k = 0
-    for q in range(3):
-        for r in range(q + 1):
-            own[:, k] = top[:, q] + 3 * count + r
-            indices[own[:, k]] = 3 * np.arange(n) + r
-            k += 1
-    block_at = np.full((len(i), 9), -1, dtype=np.int64)
-    block_at[both] = block.reshape(-1, 9)
-    return Pattern(indptr, indices, own, block_at)
+        bodies, objective, cells, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, slot, free, scale.ravel(),
+        length, replace(whole, block_at=whole.block_at[: len(own)]), whole.block_at[at],
+    )  # fmt: skip

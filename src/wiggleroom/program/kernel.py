@@ -3,6 +3,7 @@
 The one equation: B seen from A is q = R(theta_A)^T (T_B - T_A), psi = theta_B - theta_A. A wall is
 h = n . (R(psi) v + q) - off (corner v of B before an edge of A), or h = n . R(-psi) (v - q) - off (corner v of A before an edge of B).
 Rows of kind 2 and 3 keep psi inside the interval over which a cell was verified: n[0] (psi - off) and n[0] (off - psi).
+Rows of kind 4 are flat faces, linear in where a point v of B is seen and in psi: h = n . (R(psi) v + q) + per_turn psi - off.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ import numpy as np
 from numba import njit
 
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
-A_EDGE, B_EDGE, LOW, HIGH = 0, 1, 2, 3
+A_EDGE, B_EDGE, LOW, HIGH, FACE = 0, 1, 2, 3, 4
 
 
 @njit(**OPTIONS)
@@ -28,7 +29,7 @@ def relative_poses(pose, a, b, g):
 
 
 @njit(**OPTIONS)
-def wall_values(g, row, kind, normal, off, corner, h):
+def wall_values(g, row, kind, normal, per_turn, off, corner, h):
     """Values h (R,) of all rows; rows of pair p are row[p] .. row[p + 1]."""
     for p in range(len(row) - 1):
         x, y, psi = g[p, 0], g[p, 1], g[p, 2]
@@ -42,12 +43,14 @@ def wall_values(g, row, kind, normal, off, corner, h):
                 h[k] = (c * nx - s * ny) * ux + (s * nx + c * ny) * uy - off[k]
             elif kind[k] == 2:
                 h[k] = nx * (psi - off[k])
-            else:
+            elif kind[k] == 3:
                 h[k] = nx * (off[k] - psi)
+            else:
+                h[k] = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) + per_turn[k] * psi - off[k]
 
 
 @njit(**OPTIONS)
-def wall_gradients(g, row, kind, normal, corner, d):
+def wall_gradients(g, row, kind, normal, per_turn, corner, d):
     """Derivatives d (R, 3) of all rows with respect to (q, psi)."""
     for p in range(len(row) - 1):
         x, y, psi = g[p, 0], g[p, 1], g[p, 2]
@@ -62,8 +65,11 @@ def wall_gradients(g, row, kind, normal, corner, d):
                 d[k, 0], d[k, 1], d[k, 2] = -mx, -my, mx * (vy - y) - my * (vx - x)
             elif kind[k] == 2:
                 d[k, 0], d[k, 1], d[k, 2] = 0.0, 0.0, nx
-            else:
+            elif kind[k] == 3:
                 d[k, 0], d[k, 1], d[k, 2] = 0.0, 0.0, -nx
+            else:
+                zx, zy = c * vx - s * vy, s * vx + c * vy
+                d[k, 0], d[k, 1], d[k, 2] = nx, ny, ny * zx - nx * zy + per_turn[k]
 
 
 @njit(**OPTIONS)
@@ -135,7 +141,7 @@ def condensed(
             M[2, 2] += w * d2 * d2
             fx += force * d0
             fy += force * d1
-            if kind[k] == 0:
+            if kind[k] == 0 or kind[k] == 4:
                 vx, vy = corner[k, 0], corner[k, 1]
                 M[2, 2] += force * (normal[k, 0] * (cp * vx - sp * vy) + normal[k, 1] * (sp * vx + cp * vy))
             elif kind[k] == 1:

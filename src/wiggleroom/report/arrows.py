@@ -11,28 +11,31 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.drawing.model import Goal, Pull, Turn
+from wiggleroom.drawing.model import Goal, Pull, Turn, W
 from wiggleroom.report import palette
 from wiggleroom.report.layout import View
 
 Floats = NDArray[np.float64]
 
 _SHORTEST = 16.0
-_NOMINAL = 44.0
+PULL_LENGTH = 44.0
 _MOST_CONTACTS = 300
 _FAINT = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
 class Mark:
-    """Piece of SVG and the lines [px] that names should keep away from."""
+    """Piece of SVG, and the lines that names should keep away from by `clear` [px]."""
 
     svg: str
     lines: tuple[Floats, ...] = ()
+    clear: float = 4.0
 
 
 def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: Floats, room: float) -> Mark:
-    """Arrow of one goal: from the pulled point at rest to where it goes, or round a part that is turned.
+    """Arrow of one goal: from the pulled point at rest along the pull, or round a part that is turned.
+
+    Its length is what the motion gains along the pull.
 
     Parameters
     ----------
@@ -41,6 +44,8 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
     room : float [px]
         Size of the part, which the turn arrow fits into.
     """
+    if not isinstance(goal, Pull | Turn | W):
+        return Mark("")
     k = assembly.names.index(goal.part)
     if isinstance(goal, Turn):
         return _turn(view.pixels(shown[k, :2]), 1.0 if goal.sense == "ccw" else -1.0, room)
@@ -51,17 +56,38 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
         if math.hypot(*goal.w[:2]) == 0:
             return _turn(view.pixels(shown[k, :2]), math.copysign(1.0, goal.w[2]), room)
         way, point = np.array(goal.w[:2], dtype=float), rest[k, :2]
-    start = view.pixels(point)
-    end = view.pixels(carry(point, rest[k], shown[k]))
-    if np.hypot(*(end - start)) < _SHORTEST:  # too short to be seen as an arrow: show the way of the pull instead
-        start, end = end, end + _NOMINAL * way / np.hypot(*way) * (1, -1)
+    way = way / np.hypot(*way) * (1, -1)
+    start, end = view.pixels(point), view.pixels(carry(point, rest[k], shown[k]))
+    gain = float((end - start) @ way)
+    if gain < _SHORTEST:  # too short to be seen as an arrow: from where the point is now, in the direction of the pull
+        return _pull(end, end + PULL_LENGTH * way)
+    return _pull(start, start + gain * way, end)
+
+
+def pull_arrow(way: tuple[float, float]) -> str:
+    """Arrow PULL_LENGTH long that begins at 0, 0 [px] and points along `way`, y up."""
+    end = PULL_LENGTH * np.array(way, dtype=float) / math.hypot(*way) * (1, -1)
+    return _pull(np.zeros(2), end).svg
+
+
+def turn_arrow(sense: float, room: float) -> str:
+    """Arc round 0, 0 [px], counter-clockwise where `sense` is positive, for a part `room` pixels large."""
+    return _turn(np.zeros(2), sense, room).svg
+
+
+def _pull(start: Floats, tip: Floats, moved: Floats | None = None) -> Mark:
+    """Arrow along the pull; where the point moved sideways too, a thin line leads from the tip to where it is."""
+    colour, lines = palette.MOTION, [np.array([start, tip])]
+    shaft, head = arrow(start, tip, 11.0)
+    svg = f'<path d="{shaft}" fill="none" stroke="{colour}" stroke-width="3" stroke-linecap="round"/>'
+    if moved is not None and np.hypot(*(moved - tip)) > 6.0:
+        (x, y), (u, v) = tip, moved
+        svg += f'<path d="M{x:.2f},{y:.2f}L{u:.2f},{v:.2f}" fill="none" stroke="{colour}" stroke-dasharray="2 4"/>'
+        svg += f'<circle cx="{u:.2f}" cy="{v:.2f}" r="3" fill="{colour}"/>'
+        lines.append(np.array([tip, moved]))
     x, y = start
-    ring = (
-        f'<circle cx="{x:.2f}" cy="{y:.2f}" r="4" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="2"/>'
-    )
-    shaft, head = arrow(start, end, 11.0)
-    body = f'<path d="{shaft}" fill="none" stroke="{palette.MOTION}" stroke-width="3" stroke-linecap="round"/>'
-    return Mark(body + f'<path d="{head}" fill="{palette.MOTION}"/>' + ring, (np.array([start, end]),))
+    ring = f'<circle cx="{x:.2f}" cy="{y:.2f}" r="4" fill="{palette.PAPER}" stroke="{colour}" stroke-width="2"/>'
+    return Mark(svg + f'<path d="{head}" fill="{colour}"/>' + ring, tuple(lines))
 
 
 def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: float) -> Mark:
@@ -99,7 +125,7 @@ def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: 
     arrows = (
         f'<path d="{"".join(shafts)}" {stroke}/><path d="{"".join(heads)}" fill="{palette.FORCE}"/>' if shafts else ""
     )
-    return Mark(f'{arrows}<g fill="{palette.INK}">{"".join(dots)}</g>', tuple(lines))
+    return Mark(f'{arrows}<g fill="{palette.INK}">{"".join(dots)}</g>', tuple(lines), radius)
 
 
 def carry(point: Floats, before: Floats, after: Floats) -> Floats:
@@ -125,9 +151,14 @@ def arrow(start: Floats, end: Floats, head: float) -> tuple[str, str]:
     )
 
 
+def turn_radius(room: float) -> float:
+    """Radius [px] of the arc that stands for a turn of a part `room` pixels large."""
+    return min(max(0.28 * room, 9.0), 46.0)
+
+
 def _turn(centre: Floats, sense: float, room: float) -> Mark:
     """Arc of 240 degrees round `centre` with a head, counter-clockwise where `sense` is positive."""
-    radius = min(max(0.28 * room, 9.0), 46.0)
+    radius = turn_radius(room)
     angles = sense * np.radians(np.linspace(-30.0, 210.0, 49))
     arc = centre + radius * np.column_stack([np.cos(angles), -np.sin(angles)])
     ahead = arc[-1] + sense * 0.45 * radius * np.array([-math.sin(angles[-1]), -math.cos(angles[-1])])
@@ -138,9 +169,11 @@ def _turn(centre: Floats, sense: float, room: float) -> Mark:
         f'<path d="{path}" fill="none" stroke="{palette.MOTION}" stroke-width="3" stroke-linecap="round"/>'
         f'<path d="{head}" fill="{palette.MOTION}"/><circle cx="{x:.2f}" cy="{y:.2f}" r="3" fill="{palette.MOTION}"/>'
     )
-    return Mark(svg, (arc,))
+    return Mark(svg, (arc, np.array([centre, centre])))
 
 
 def obstacles(marks: list[Mark]) -> shapely.STRtree:
-    """Tree over all lines that names keep away from."""
-    return shapely.STRtree([shapely.LineString(line) for mark in marks for line in mark.lines])
+    """Tree over all lines that names keep away from, as thick as they are drawn."""
+    return shapely.STRtree(
+        [shapely.buffer(shapely.LineString(line), mark.clear, quad_segs=2) for mark in marks for line in mark.lines]
+    )

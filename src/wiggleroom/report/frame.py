@@ -14,7 +14,9 @@ LegendEntry = tuple[str, str]
 
 
 def header(title: str, facts: Sequence[str], room: float) -> tuple[list[str], float]:
-    """Title and facts as `text` elements, and the height they take [px]."""
+    """Title and facts as `text` elements, and the height they take [px]; without a title nothing but a margin."""
+    if not title:
+        return [], 0.0
     y, found = palette.MARGIN - 8, []
     for row in wrap(title.split(" "), " ", palette.TITLE_SIZE, room, 2):
         y += palette.TITLE_SIZE
@@ -58,6 +60,24 @@ def footer(view: View, y: float, legend: Sequence[LegendEntry], command: str) ->
 def swatch(fill: str, stroke: str) -> str:
     """Small filled box for the legend."""
     return f'<rect x="0.5" y="0.5" width="15" height="11" rx="2" fill="{fill}" stroke="{stroke}"/>'
+
+
+def document(width: float, height: float, title: str, said: Sequence[str], command: str, body: Sequence[str]) -> str:
+    """Finished SVG file."""
+    size = f'width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"'
+    made = f"<metadata>{escape(command)}</metadata>" if command else ""
+    lines = [
+        '<?xml version="1.0" encoding="UTF-8"?>',
+        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+        f'{size} font-family="{palette.FONT}" role="img">',
+        f"<title>{escape(title)}</title>",
+        f"<desc>{escape('; '.join(said) + (f'; made by: {command}' if command else ''))}</desc>",
+        made,
+        f'<rect width="{width:.0f}" height="{height:.0f}" fill="{palette.PAPER}"/>',
+        *body,
+        "</svg>",
+    ]
+    return "\n".join(line for line in lines if line) + "\n"
 
 
 def _scale(view: View) -> tuple[float, str]:

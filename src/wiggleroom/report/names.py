@@ -3,23 +3,38 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 from shapely import affinity
 
 from wiggleroom.report import palette
 from wiggleroom.report.shapes import Shape
 from wiggleroom.report.text import escape, width
+from wiggleroom.report.words import short
 
 _SMALLEST, _LARGEST = 7.0, 15.0
+_MOST_MEASURED = 400
+_CROWDED = 10.0
 _STEPS = (0.0, 0.3, -0.3, 0.6, -0.6)
+Floats = NDArray[np.float64]
+Place = tuple[float, float, float]
 _PLACES = sorted(((dx, dy) for dy in _STEPS for dx in _STEPS), key=lambda d: d[0] ** 2 + d[1] ** 2)
 """Where a name may go, from the middle of the part outwards, in diameters of the circle that fits into it."""
 
 
-def label(name: str, shape: Shape, place: tuple[float, float, float], largest: float, marks: shapely.STRtree) -> str:
-    """Text element with the part's name, or nothing where it does not fit.
+def label(name: str, shape: Shape, place: Place, largest: float, marks: shapely.STRtree) -> str:
+    """Text element with the part's name, or nothing where it does not fit; see `room_for`."""
+    found = room_for(name, shape, place, largest, marks)
+    return text_at(name, *found) if found else ""
+
+
+def room_for(
+    name: str, shape: Shape, place: Place, largest: float, marks: shapely.STRtree
+) -> tuple[Floats, float] | None:
+    """Middle (2,) [px] and font size of a part's name, or None where it does not fit.
 
     Parameters
     ----------
@@ -27,43 +42,72 @@ def label(name: str, shape: Shape, place: tuple[float, float, float], largest: f
         Where the shape lies in the picture.
     largest : float [px]
         Font size that is never exceeded, see `usual`.
-    marks : tree of lines [px]
+    marks : tree of areas [px]
         What the name must not cover.
     """
     wide = width(name, 1.0)
-    # the circle round a text box must fit into the part: no part holds a circle larger than its area says
-    if min(_size(math.sqrt(shape.polygon.area / math.pi), wide), largest) < _SMALLEST:
-        return ""
-    line = shapely.get_coordinates(shapely.maximum_inscribed_circle(shape.polygon, tolerance=0.5))
-    radius = float(np.hypot(*(line[1] - line[0])))
-    size = min(_size(radius, wide), largest)
+    size = min(fitting(name, shape), largest)
     if size < _SMALLEST:
-        return ""
+        return None
+    middle, radius = shape.circle
     x, y, turn = place
     moved = affinity.translate(affinity.rotate(shape.polygon, turn, origin=(0, 0)), x, y)
     centre = shapely.get_coordinates(
-        affinity.translate(affinity.rotate(shapely.Point(line[0]), turn, origin=(0, 0)), x, y)
+        affinity.translate(affinity.rotate(shapely.Point(middle), turn, origin=(0, 0)), x, y)
     )[0]
+    shapely.prepare(moved)
     for smaller in (size, max(0.75 * size, _SMALLEST)):
-        half = np.array([wide * smaller / 2 + 2, smaller / 2 + 1])
+        half = np.array([wide * smaller / 2 + 0.25 * smaller, smaller / 2 + 1])
         for step in _PLACES:
-            middle = centre + 2 * radius * np.array(step)
-            box = shapely.box(*(middle - half), *(middle + half))
+            at = centre + 2 * radius * np.array(step)
+            box = shapely.box(*(at - half), *(at + half))
             if not len(marks.query(box, predicate="intersects")) and moved.contains(box):
-                at = f'x="{middle[0]:.2f}" y="{middle[1] + 0.36 * smaller:.2f}" font-size="{smaller:.2f}"'
-                return f"<text {at}>{escape(name)}</text>"
-    return ""
+                return at, smaller
+    return None
 
 
-def usual(room: float) -> float:
-    """Largest font size in a picture whose usual part is `room` pixels large, so that names look alike."""
-    return min(0.23 * room, _LARGEST)
+def text_at(name: str, middle: Floats, size: float) -> str:
+    """Text element with its middle at a place (2,) [px]."""
+    return f'<text x="{middle[0]:.2f}" y="{middle[1] + 0.36 * size:.2f}" font-size="{size:.2f}">{escape(name)}</text>'
 
 
-def names_group(labels: list[str]) -> str:
-    """All names of a picture in one group."""
-    found = "".join(labels)
-    return f'<g fill="{palette.INK}" text-anchor="middle">{found}</g>' if found else ""
+def fitting(name: str, shape: Shape) -> float:
+    """Font size [px] at which a name fits into the largest circle inside a shape."""
+    wide = width(name, 1.0)
+    # no part holds a circle larger than its area says
+    most = _size(math.sqrt(shape.polygon.area / math.pi), wide)
+    return most if most < _SMALLEST else _size(shape.circle[1], wide)
+
+
+def usual(named: Sequence[tuple[str, Shape]], room: float) -> float:
+    """One font size for all names in a picture whose usual part is `room` pixels large.
+
+    Most names fit in this size; those that do not are written smaller, or left out.
+    """
+    sizes = sorted(fitting(name, shape) for name, shape in named[:_MOST_MEASURED])
+    return min(0.23 * room, _LARGEST, max(sizes[len(sizes) // 5], _SMALLEST) if sizes else _LARGEST)
+
+
+def names_group(named: Sequence[tuple[str, Shape, Place]], first: set[str], room: float, marks: shapely.STRtree) -> str:
+    """All names of a picture; where the parts are small, those that are not among the `first` ones stand back.
+
+    Parameters
+    ----------
+    named : sequence of (name, shape, place)
+    first : set of names
+    room : float [px]
+        Size of a usual part.
+    marks : tree of areas [px]
+        What names must not cover.
+    """
+    size = usual([(short(name), shape) for name, shape, _ in named], room)
+    found: dict[str, list[str]] = {palette.QUIET: [], palette.INK: []}
+    for name, shape, place in named:
+        quiet = size < _CROWDED and name not in first
+        found[palette.QUIET if quiet else palette.INK].append(label(short(name), shape, place, size, marks))
+    return "".join(
+        f'<g fill="{colour}" text-anchor="middle">{"".join(texts)}</g>' for colour, texts in found.items() if any(texts)
+    )
 
 
 def _size(radius: float, wide: float) -> float:

@@ -2,26 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Pull, part_of
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, obstacles
 from wiggleroom.report.layout import View
-from wiggleroom.report.names import label, names_group, usual
+from wiggleroom.report.names import names_group
 from wiggleroom.report.shapes import Shapes, spot, use
 from wiggleroom.report.text import escape
-from wiggleroom.report.words import facts, headline, number, short
+from wiggleroom.report.words import facts, headline, number
 
 Floats = NDArray[np.float64]
 
 _GAP = 30.0
 
 
-def picture(answer: Answer, *, magnify: float | None = None) -> str:
+@dataclass(frozen=True)
+class Tints:
+    """Colours that say something about parts: fill by name, what the legend says, and the headline and facts."""
+
+    fill: dict[str, str]
+    legend: tuple[frame.LegendEntry, ...]
+    title: str
+    said: tuple[str, ...]
+
+
+def picture(answer: Answer, *, magnify: float | None = None, framed: bool = True, tints: Tints | None = None) -> str:
     """Answer as an SVG picture.
 
     Parts at rest are thin grey lines under the moved parts; fixed parts are red, pulled parts blue; contacts are dots
@@ -32,10 +45,15 @@ def picture(answer: Answer, *, magnify: float | None = None) -> str:
     magnify : float, optional
         Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
         The picture says so.
+    framed : bool
+        False: without title, facts and command, for a page that says them itself.
+    tints : Tints, optional
+        Colours of the parts in place of the usual ones.
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
-    said = facts(answer) + ([f"motion x {number(factor)}"] if factor != 1 else [])
-    return _draw(answer.assembly, answer, factor, headline(answer), said, answer.command)
+    title, said = (headline(answer), facts(answer)) if tints is None else (tints.title, list(tints.said))
+    said += [f"motion x {number(factor)}"] if factor != 1 else []
+    return _draw(answer.assembly, answer, factor, title, said, answer.command, framed, tints)
 
 
 def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
@@ -44,41 +62,60 @@ def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
     return _draw(assembly, None, 1.0, title, [f"gap {number(assembly.gap)} mm"], command)
 
 
-def _draw(assembly: Assembly, answer: Answer | None, factor: float, title: str, said: list[str], command: str) -> str:
+def _draw(
+    assembly: Assembly,
+    answer: Answer | None,
+    factor: float,
+    title: str,
+    said: list[str],
+    command: str,
+    framed: bool = True,
+    tints: Tints | None = None,
+) -> str:
     """Whole picture; without an answer the parts lie at rest."""
     rest = assembly.rest
     shown = rest if answer is None else rest + factor * answer.motion
     both = np.vstack([layout.boxes(assembly, rest), layout.boxes(assembly, shown)])
     box = layout.extent(both)
     canvas = layout.view(box, 0.0).canvas
-    head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
+    head, below = frame.header(title if framed else "", said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + _GAP)
     rooms = (both[len(rest) :, 2:] - both[len(rest) :, :2]).max(axis=1) * view.scale
     room = float(np.median(rooms))
     goals = assembly.goals if answer is None else answer.goals
     rows = {name: k for k, name in enumerate(assembly.names)}
-    marks = [goal_mark(view, assembly, g, rest, shown, rooms[rows[g.part]]) for g in goals if g.part in rows]
+    marked = [(g, rows[name]) for g in goals if (name := part_of(g)) in rows]
+    marks = [goal_mark(view, assembly, g, rest, shown, rooms[row]) for g, row in marked]
     if answer is not None:
         marks.insert(0, contact_mark(view, answer, rest, shown, room))
-    pulled = {g.part for g in goals}
-    body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room)
-    legend = _legend(assembly, answer, bool(pulled))
-    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
-    return _document(view.canvas, height, title, said, command, [*head, *body, *foot])
+    pulled = {assembly.names[row] for _, row in marked}
+    body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
+    legend = _legend(assembly, answer, bool(pulled), tints)
+    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command if framed else "")
+    return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 
 def _parts(
-    view: View, assembly: Assembly, rest: Floats | None, shown: Floats, pulled: set[str], marks: list[Mark], room: float
+    view: View,
+    assembly: Assembly,
+    rest: Floats | None,
+    shown: Floats,
+    pulled: set[str],
+    marks: list[Mark],
+    room: float,
+    tints: Tints | None,
 ) -> list[str]:
     """Everything inside the drawing, bottom first: rest outlines, parts, marks, names."""
     shapes, still, places = Shapes(view.scale), [], []
-    drawn: dict[str, list[str]] = {kind: [] for kind in _COLOURS}
+    drawn: dict[tuple[str, str], list[str]] = {colours: [] for colours in palette.OF.values()}
     for k, (part, pose) in enumerate(zip(assembly.parts, shown.tolist(), strict=True)):
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
             still.append(use(shape, spot(view, part, tuple(rest[k].tolist()))))
         kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        drawn[kind].append(use(shape, place, escape(part.name)))
+        fill, stroke = palette.OF[kind]
+        colours = (fill if tints is None else tints.fill[part.name], stroke)
+        drawn.setdefault(colours, []).append(use(shape, place, escape(part.name)))
         places.append((part.name, shape, place))
     tree = obstacles(marks) if marks else shapely.STRtree([])
     line = min(max(0.02 * room, 0.3), 1.2)
@@ -90,25 +127,33 @@ def _parts(
             + "\n".join(still)
             + "</g>"
         )
-    for kind, (fill, stroke) in _COLOURS.items():
-        if drawn[kind]:
+    for (fill, stroke), uses in drawn.items():
+        if uses:
             style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
-            found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(drawn[kind]) + "</g>")
+            found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(uses) + "</g>")
     found += [mark.svg for mark in marks]
-    found.append(names_group([label(short(name), shape, place, usual(room), tree) for name, shape, place in places]))
+    found.append(names_group(places, pulled | {p.name for p in assembly.parts if p.fixed}, room, tree))
     return found
 
 
-_COLOURS = {"neutral": palette.NEUTRAL, "pulled": palette.PULLED, "fixed": palette.FIXED}
+_ARROW = (
+    f'<path d="M3,6h7" stroke="{palette.MOTION}" stroke-width="2"/><path d="M16,6l-7,-3.5v7z" fill="{palette.MOTION}"/>'
+    f'<circle cx="3" cy="6" r="2.4" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="1.4"/>'
+)
 
 
-def _legend(assembly: Assembly, answer: Answer | None, asked: bool) -> list[frame.LegendEntry]:
+def _legend(
+    assembly: Assembly, answer: Answer | None, asked: bool, tints: Tints | None = None
+) -> list[frame.LegendEntry]:
     """Only what the picture shows."""
-    found = []
+    found = [] if tints is None else list(tints.legend)
+    filled = tints is None
     if any(p.fixed for p in assembly.parts):
-        found.append((frame.swatch(*palette.FIXED), "fixed"))
+        found.append((frame.swatch(palette.FIXED[0] if filled else palette.PAPER, palette.FIXED[1]), "fixed"))
     if asked:
-        found.append((frame.swatch(*palette.PULLED), "pulled"))
+        found.append((frame.swatch(palette.PULLED[0] if filled else palette.PAPER, palette.PULLED[1]), "pulled"))
+        if answer is not None and any(isinstance(g, Pull) for g in answer.goals):
+            found.append((_ARROW, "gained along the pull"))
     if answer is not None:
         found.append((frame.swatch("none", palette.REST), "at rest"))
         if any(c.force > 0 for c in answer.contacts):
@@ -118,21 +163,3 @@ def _legend(assembly: Assembly, answer: Answer | None, asked: bool) -> list[fram
             )
             found.append((dot, "contact and force"))
     return found
-
-
-def _document(width: float, height: float, title: str, said: list[str], command: str, body: list[str]) -> str:
-    """Finished SVG file."""
-    size = f'width="{width:.0f}" height="{height:.0f}" viewBox="0 0 {width:.0f} {height:.0f}"'
-    made = f"<metadata>{escape(command)}</metadata>" if command else ""
-    lines = [
-        '<?xml version="1.0" encoding="UTF-8"?>',
-        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
-        f'{size} font-family="{palette.FONT}" role="img">',
-        f"<title>{escape(title)}</title>",
-        f"<desc>{escape('; '.join(said) + (f'; made by: {command}' if command else ''))}</desc>",
-        made,
-        f'<rect width="{width:.0f}" height="{height:.0f}" fill="{palette.PAPER}"/>',
-        *body,
-        "</svg>",
-    ]
-    return "\n".join(line for line in lines if line) + "\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -36,12 +37,19 @@ class Shape:
     polygon: shapely.Geometry
     path: str
 
+    @cached_property
+    def circle(self) -> tuple[tuple[float, float], float]:
+        """Middle and radius [px] of the largest circle inside it."""
+        line = shapely.get_coordinates(shapely.maximum_inscribed_circle(self.polygon, tolerance=0.5))
+        return (float(line[0, 0]), float(line[0, 1])), float(np.hypot(*(line[1] - line[0])))
+
 
 @dataclass(eq=False)
 class Shapes:
-    """All shapes of one picture; `of` adds a part's shape unless an equal one is there."""
+    """All shapes of one picture, their ids begin with `first`; `of` adds a part's shape unless an equal one is there."""
 
     scale: float
+    first: str = "s"
     known: dict[bytes, Shape] = field(default_factory=dict)
 
     def of(self, part: Part) -> Shape:
@@ -53,7 +61,7 @@ class Shapes:
         if key not in self.known:
             polygon = shapely.MultiPolygon([(region[0], region[1:]) for region in pixels])
             path = "".join(_ring(ring) for region in pixels for ring in region)
-            self.known[key] = Shape(f"s{len(self.known) + 1}", polygon, path)
+            self.known[key] = Shape(f"{self.first}{len(self.known) + 1}", polygon, path)
         return self.known[key]
 
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.report.words import ask, certainty, headline, number, short, unit
+from wiggleroom.drawing.model import part_of
+from wiggleroom.report.words import ask, certainty, headline, number, sentence, short, unit
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ def table(answer: Answer) -> Group:
     colour = _COLOURS[answer.verdict]
     lines = [
         Text(headline(answer), style="bold"),
-        Text.assemble((answer.verdict.value, f"bold {colour}"), f": {answer.verdict.sentence}"),
+        Text.assemble((answer.verdict.value, f"bold {colour}"), f": {sentence(answer)}"),
     ]
     if answer.objective is not None and len(answer.goals) > 1:
         lines += [Text(f"  {ask(goal)}, weight {number(goal.weight)}") for goal in answer.goals]
@@ -52,19 +53,17 @@ def table(answer: Answer) -> Group:
 
 def _parts(answer: Answer) -> Table:
     """Parts moved most, the pulled ones always among them and first."""
-    asked = {goal.part for goal in answer.goals}
+    asked = {part_of(goal) for goal in answer.goals}
     names, moved = answer.assembly.names, np.hypot(answer.motion[:, 0], answer.motion[:, 1]).tolist()
     farthest = max(moved)
     order = sorted(range(len(names)), key=lambda k: (names[k] not in asked, -round(moved[k], 9), k))
     still = [k for k in order if not answer.motion[k].any()]
     order = [k for k in order if k not in set(still)]
-    found = _table("part", "dx mm", "dy mm", "turn deg")
+    found = columns("part", "dx mm", "dy mm", "turn deg")
     for k in order[:_MOST_PARTS]:
         x, y, turn = answer.motion[k].tolist()
         style = "bold" if names[k] in asked else ""
-        found.add_row(
-            short(names[k]), _fixed(x, farthest), _fixed(y, farthest), f"{math.degrees(turn):.3f}", style=style
-        )
+        found.add_row(short(names[k]), fixed(x, farthest), fixed(y, farthest), f"{math.degrees(turn):.3f}", style=style)
     rest = len(order) - _MOST_PARTS
     if rest > 0:
         found.add_row(f"... and {rest} more", "", "", "", style="dim")
@@ -76,10 +75,10 @@ def _parts(answer: Answer) -> Table:
 def _contacts(answer: Answer) -> Table:
     """Contacts that hold the motion, largest force first."""
     held = sorted((c for c in answer.contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
-    found = _table("held by", "x mm", "y mm", "force")
+    found = columns("held by", "x mm", "y mm", "force")
     size = answer.assembly.size
     for c in held[:_MOST_CONTACTS]:
-        found.add_row(" | ".join(short(n) for n in c.parts), *(_fixed(x, size) for x in c.point), number(c.force, 3))
+        found.add_row(" | ".join(short(n) for n in c.parts), *(fixed(x, size) for x in c.point), number(c.force, 3))
     if len(held) > _MOST_CONTACTS:
         found.add_row(f"... and {len(held) - _MOST_CONTACTS} more", "", "", "", style="dim")
     return found
@@ -97,18 +96,19 @@ def _sure(answer: Answer) -> list[str]:
     ]
 
 
-def _table(first: str, *columns: str) -> Table:
+def columns(first: str, *others: str) -> Table:
+    """Plain table without rows: the first column for names, the others for numbers."""
     from rich import box
     from rich.table import Table
 
     found = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, header_style="dim")
     found.add_column(first, overflow="fold")
-    for column in columns:
+    for column in others:
         found.add_column(column, justify="right", no_wrap=True)
     return found
 
 
-def _fixed(value: float, largest: float) -> str:
+def fixed(value: float, largest: float) -> str:
     """`value` with as many decimals as show four digits of the largest, so that columns line up."""
     places = 3 if largest == 0 else min(max(3 - math.floor(math.log10(largest)), 0), 9)
     return f"{value + 0.0:.{places}f}"

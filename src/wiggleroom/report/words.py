@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.drawing.model import Goal, Pull, Turn, W
+from wiggleroom.drawing.model import Closer, Goal, Pull, Translation, Turn, W
 from wiggleroom.solve.verdict import Verdict
 
 _NAME_LENGTH = 40
@@ -55,10 +55,16 @@ def ask(goal: Goal) -> str:
             return f"turn of {short(goal.part)} {goal.sense}"
         case W():
             return f"{short(goal.part)} along w = ({', '.join(number(x, 3) for x in goal.w)})"
+        case Translation():
+            return "sum of squared translations"
+        case Closer():
+            return "neighbours closer"
 
 
 def unit(goals: tuple[Goal, ...]) -> str:
-    """Say the unit of the objective: mm, rad, or nothing where goals of both kinds add up."""
+    """Say the unit of the objective: mm, rad, mm² or nothing where goals of several kinds add up."""
+    if all(isinstance(g, Translation | Closer) for g in goals):
+        return "mm²"
     if all(isinstance(g, Pull) or (isinstance(g, W) and g.w[2] == 0) for g in goals):
         return "mm"
     return "rad" if all(isinstance(g, Turn) or (isinstance(g, W) and g.w[:2] == (0, 0)) for g in goals) else ""
@@ -82,8 +88,21 @@ def headline(answer: Answer) -> str:
                 return f"{short(goal.part)} at {place} moves {number(own)} mm in {towards(goal.direction)}"
             case Turn():
                 return f"{short(goal.part)} turns {number(math.degrees(own))}° {goal.sense}"
+            case Translation():
+                return f"sum of squared translations {number(own)} mm²"
+            case Closer():
+                return f"neighbours closer: their squared distances lose {number(own)} mm²"
     asked = [ask(g) for g in goals[:_MOST_GOALS]] + [f"{len(goals) - _MOST_GOALS} more"] * (len(goals) > _MOST_GOALS)
     return f"{number(value)} {unit(goals)}".strip() + f": {', '.join(asked)}"
+
+
+def sentence(answer: Answer) -> str:
+    """Say what the verdict means; of a model that approximates the free space, what it does not."""
+    if answer.model == "walls" or answer.verdict is Verdict.UNBOUNDED:
+        return answer.verdict.sentence
+    end = "reached its end" if answer.verdict is Verdict.STATIONARY else "stopped before its end"
+    truth = "this motion does not overlap" if answer.collision_free else "the parts overlap in this motion"
+    return f"the model {answer.model} {end}; it only approximates the contacts: {truth}"
 
 
 def certainty(answer: Answer) -> str:

@@ -297,7 +297,7 @@ def _settle(state: State, matrix: Factor, retraction: Retraction) -> State:
     mu = dot(state.s, state.lam) / max(len(state.s), 1)
     for _ in range(6):
         primal, dual, _, _ = state.residuals()
-        if np.abs(primal).max() < 1e-12:
+        if np.abs(primal).max(initial=0.0) < 1e-12:
             break
         data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at), 1.0 / state.unit)
         shift = max(state.shift, 1e-2)

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError, MissingExtraError
 from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
-from wiggleroom.program.objectives import PointMotion
+from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
 from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution
 from wiggleroom.solve.newton import Stop
 
@@ -143,16 +143,29 @@ def _expressions(casadi: Any, program: Program) -> tuple[Any, Any, Any]:
 
 def _objective(casadi: Any, objective: object, motion: list) -> Any:
     """Objective [mm] as an expression of the motions of all bodies, one column each."""
+    if isinstance(objective, Sum):
+        return sum(_objective(casadi, term, motion) for term in objective.terms)
+    if isinstance(objective, SquaredTravel):
+        dx, dy = _moved(casadi, objective.points, motion)
+        return objective.weight * casadi.sum1(dx**2 + dy**2)
+    if isinstance(objective, Nearness):
+        (ax, ay), (bx, by) = (_moved(casadi, points, motion) for points in (objective.one, objective.other))
+        (x, y), dx, dy = objective.apart.T, bx - ax, by - ay
+        return -objective.weight * casadi.sum1(dx * (2 * x + dx) + dy * (2 * y + dy))
     if not isinstance(objective, PointMotion):
         message = (
             f'solver "ipopt" cannot take the objective "{type(objective).__name__}"; use the solver "interior-point"'
         )
         raise InputError(message)
-    x, y, angle = (column[objective.body.tolist(), 0] for column in motion)
-    c, s = casadi.cos(angle), casadi.sin(angle)
-    (dx, dy), (px, py) = objective.direction.T, objective.arm.T
-    moved = dx * (x + c * px - s * py - px) + dy * (y + s * px + c * py - py)
-    return casadi.sum1(moved + objective.turn * angle)
+    (dx, dy), (x, y) = objective.direction.T, _moved(casadi, objective.points, motion)
+    return casadi.sum1(dx * x + dy * y + objective.turn * motion[2][objective.body.tolist(), 0])
+
+
+def _moved(casadi: Any, points: Points, motion: list) -> tuple[Any, Any]:
+    """Displacements (k,) [mm] of material points along x and y."""
+    x, y, angle = (column[points.body.tolist(), 0] for column in motion)
+    c, s, (px, py) = casadi.cos(angle), casadi.sin(angle), points.arm.T
+    return x + c * px - s * py - px, y + s * px + c * py - py
 
 
 def _rows(casadi: Any, program: Program, pose: list) -> Any:
@@ -166,7 +179,7 @@ def _rows(casadi: Any, program: Program, pose: list) -> Any:
     psi = pose[2][b, 0] - pose[2][a, 0]
     pair, sees = program.cells.pair, (c * x + s * y, c * y - s * x, psi, casadi.cos(psi), casadi.sin(psi))
     parts, places = [], []
-    for kind in (kernel.A_EDGE, kernel.B_EDGE, kernel.LOW, kernel.HIGH):
+    for kind in (kernel.A_EDGE, kernel.B_EDGE, kernel.LOW, kernel.HIGH, kernel.FACE):
         k = np.flatnonzero(program.kind == kind)
         if len(k):
             parts.append(_of_kind(kind, [e[pair[k].tolist(), 0] for e in sees], program, k))
@@ -181,8 +194,8 @@ def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:
     """Rows k, all of one kind, where B is seen at `sees`: x, y, angle, its cosine and sine."""
     x, y, psi, c, s = sees
     (nx, ny), (vx, vy), off = program.normal[k].T, program.corner[k].T, program.off[k]
-    if kind == kernel.A_EDGE:
-        return nx * (x + c * vx - s * vy) + ny * (y + s * vx + c * vy) - off
+    if kind in (kernel.A_EDGE, kernel.FACE):
+        return nx * (x + c * vx - s * vy) + ny * (y + s * vx + c * vy) + program.per_turn[k] * psi - off
     if kind == kernel.B_EDGE:
         return nx * (c * (vx - x) + s * (vy - y)) + ny * (c * (vy - y) - s * (vx - x)) - off
     return nx * (psi - off) if kind == kernel.LOW else nx * (off - psi)

@@ -1,0 +1,94 @@
+"""`wiggleroom sweep`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import check, write_record
+from wiggleroom.cli.running import complete
+
+_NONE_ASKED = Asked()
+
+
+def sweep(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    gaps: str | None = None,
+    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
+    csv: Path | None = None,
+) -> int:
+    """Find the motion for several gaps, and the gap from which on nothing stops it.
+
+    Example: wiggleroom sweep puzzle.svg --gap 0.2 --gaps 0.1:1:10 --fix p1 --pull p20:+x
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg) or an assembly file (.json).
+    gaps
+        Gaps in mm: a list 0.1,0.2,0.5, or from, to and how many as 0.1:1:10. By default nine, from a quarter of the
+        gap to twice it.
+    json
+        Write what was found as JSON to this file; - is stdout, which then holds nothing else.
+    csv
+        Write gap, objective and verdict as comma-separated values: .csv.
+    """
+    import shlex
+
+    from wiggleroom.cli.say import note
+    from wiggleroom.cli.watch import bar, interruptible
+
+    check(file, {"--json": (json, ()), "--csv": (csv, (".csv",))})
+    wanted = None if gaps is None else _gaps(gaps)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    with interruptible() as stop, bar("gaps") as show:
+        assembly = complete(read(file, asked))
+
+        from wiggleroom.analysis.sweep import sweep as work_out
+
+        found = work_out(assembly, wanted, stop=stop, progress=show)
+        cut = stop.is_set()
+    from wiggleroom.report.studies import sweep_csv, sweep_record, sweep_table
+
+    if json is not None:
+        write_record(sweep_record(found, command), json)
+    if json != "-":
+        from wiggleroom.cli.say import show as print_page
+
+        print_page(sweep_table(found))
+    if csv is not None:
+        from wiggleroom.files import write_whole
+
+        write_whole(csv, sweep_csv(found))
+        note(f"table: {csv}")
+    return 3 if cut else 0
+
+
+def _gaps(text: str) -> list[float]:
+    """Gaps from "0.1,0.2" or "0.1:1:10".
+
+    >>> _gaps("0.1,0.2"), _gaps("1:2:3")
+    ([0.1, 0.2], [1.0, 1.5, 2.0])
+    """
+    import math
+
+    from wiggleroom.errors import InputError
+
+    try:
+        if ":" in text:
+            low, high, count = text.split(":")
+            first, last, many = float(low), float(high), int(count)
+            if many < 2 or not (math.isfinite(first) and math.isfinite(last)):
+                raise ValueError
+            return [first + (last - first) * k / (many - 1) for k in range(many)]
+        return [float(piece) for piece in text.split(",")]
+    except ValueError:
+        wrong = f"--gaps {text}: write gaps in mm as 0.1,0.2,0.5, or from, to and how many as 0.1:1:10"
+        raise InputError(wrong) from None

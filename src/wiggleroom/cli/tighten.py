@@ -1,0 +1,82 @@
+"""`wiggleroom tighten`."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import PICTURES, Outputs, check, write_picture, write_record
+from wiggleroom.cli.running import Running, complete, unless_stopped
+
+_NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), Outputs(), Running()
+
+
+def tighten(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: Outputs = _NO_OUTPUTS,
+    running: Running = _HERE,
+    parts: Annotated[int | None, Parameter(name=("--parts", "-k"))] = None,
+    limit: float | None = None,
+    to: float | None = None,
+    draws: int = 50,
+    seed: int = 0,
+) -> int:
+    """Say which parts to make tighter for the least motion, or the fewest that keep it below a limit.
+
+    Example: wiggleroom tighten frame.json --parts 11 --picture tighter.svg
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg) or an assembly file (.json).
+    parts
+        How many parts to choose.
+    limit
+        Or: choose as few as keep the motion below this [mm, turns in rad].
+    to
+        Gap that a tightened part aims at [mm]: its own half of every joint shrinks to half of this. By default a tenth
+        of the gap.
+    draws
+        Choices at random to compare with.
+    seed
+        Same seed, same choices at random.
+    """
+    import shlex
+
+    from wiggleroom.cli.watch import bar, interruptible
+    from wiggleroom.errors import InputError
+
+    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, PICTURES)})
+    if draws < 0 or seed < 0:
+        wrong = f"--draws {draws} --seed {seed}: both must be 0 or more"
+        raise InputError(wrong)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    options = running.options()
+    with interruptible() as stop, unless_stopped(stop), bar("choices at random") as show:
+        assembly = complete(read(file, asked))
+
+        from wiggleroom.analysis.tighten import tighten as work_out
+
+        found = work_out(
+            assembly, parts=parts, limit=limit, gap=to, draws=draws, seed=seed, stop=stop, progress=show, **options
+        )
+        cut = stop.is_set()
+    from wiggleroom.report.studies import tighten_record, tighten_table
+
+    if outputs.json is not None:
+        write_record(tighten_record(found, command), outputs.json)
+    if outputs.json != "-":
+        from wiggleroom.cli.say import show as print_page
+
+        print_page(tighten_table(found))
+    if outputs.picture is not None:
+        from wiggleroom.report.blame import picture_of_tightening
+
+        write_picture(picture_of_tightening(found, command=command), outputs.picture)
+    return 0 if found.reached and not cut else 3

@@ -1,0 +1,145 @@
+"""A plot's frame: axes with round numbers, in the look of the pictures."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.report import frame, palette
+from wiggleroom.report.text import escape, width, wrap
+from wiggleroom.report.words import number
+
+Floats = NDArray[np.float64]
+
+WIDTH, HEIGHT = 840.0, 440.0
+"""Size of the field between the axes [px]."""
+_MOST_TICKS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Axes:
+    """Values to pixels.
+
+    Parameters
+    ----------
+    x, y : (low, high)
+        What the axes span.
+    left, top : float [px]
+        Upper left corner of the field.
+    """
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    left: float
+    top: float
+
+    def pixels(self, x: Floats, y: Floats) -> Floats:
+        """Points (k, 2) [px] of values."""
+        u = (np.asarray(x, dtype=float) - self.x[0]) / (self.x[1] - self.x[0])
+        v = (np.asarray(y, dtype=float) - self.y[0]) / (self.y[1] - self.y[0])
+        return np.column_stack([self.left + u * WIDTH, self.top + (1 - v) * HEIGHT])
+
+
+def ticks(low: float, high: float) -> Floats:
+    """Round numbers between two values, at most eight steps.
+
+    >>> ticks(0.0, 1.3).round(3).tolist()
+    [0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2]
+    """
+    power = 10.0 ** math.floor(math.log10((high - low) / _MOST_TICKS))
+    step = next(power * s for s in (1, 2, 5, 10) if (high - low) / (power * s) <= _MOST_TICKS)
+    return np.float64(step) * np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)
+
+
+def span(values: Floats, *, zero: bool = False) -> tuple[float, float]:
+    """Low and high end of an axis for some values; never empty, with a little room above.
+
+    Parameters
+    ----------
+    zero : bool
+        True: the axis holds 0.
+    """
+    some = values[np.isfinite(values)]
+    low, high = (float(some.min()), float(some.max())) if len(some) else (0.0, 1.0)
+    if zero:
+        low, high = min(low, 0.0), max(high, 0.0)
+    if high - low <= 1e-12 * max(abs(low), abs(high)):
+        room = abs(high) or 1.0
+        return (low - (0.0 if zero and low == 0 else 0.5 * room), high + 0.5 * room)
+    room = 0.06 * (high - low)
+    return (low if zero and low == 0 else low - room, high if zero and high == 0 else high + room)
+
+
+def plot(
+    x: tuple[float, float],
+    y: tuple[float, float],
+    labels: tuple[str, str],
+    title: str,
+    facts: Sequence[str],
+) -> tuple[Axes, list[str]]:
+    """Axes and their SVG: title, facts, grid lines, numbers and labels.
+
+    Parameters
+    ----------
+    labels : (along x, along y)
+    """
+    head, below = frame.header(title, facts, WIDTH + 40)
+    rows = ticks(*y)
+    left = palette.MARGIN + max(width(number(t), palette.TEXT_SIZE) for t in rows) + 10
+    axes = Axes(x, y, left, below + 46)
+    bottom = axes.top + HEIGHT
+    found = [*head, text(palette.MARGIN, axes.top - 18, palette.TEXT_SIZE, palette.INK, labels[1])]
+    for t in rows:
+        v = axes.pixels(np.array([x[0]]), np.array([t]))[0, 1]
+        found.append(_line(left, v, left + WIDTH, v, palette.GRID))
+        found.append(text(left - 8, v + 5, palette.TEXT_SIZE, palette.QUIET, number(t), "end"))
+    for t in ticks(*x):
+        u = axes.pixels(np.array([t]), np.array([y[0]]))[0, 0]
+        found.append(_line(u, bottom, u, bottom + 5, palette.QUIET))
+        found.append(text(u, bottom + 22, palette.TEXT_SIZE, palette.QUIET, number(t), "middle"))
+    found.append(_line(left, bottom, left + WIDTH, bottom, palette.QUIET))
+    found.append(text(left + WIDTH, bottom + 46, palette.TEXT_SIZE, palette.INK, labels[0], "end"))
+    return axes, found
+
+
+def uprights(axes: Axes, marks: Sequence[tuple[float, str]]) -> list[str]:
+    """Upright lines at some values of x with their labels, each label in a row of its own."""
+    lines, labels = [], []
+    for row, (value, label) in enumerate(marks):
+        if not axes.x[0] <= value <= axes.x[1]:
+            continue
+        x = float(axes.pixels(np.array([value]), np.array([axes.y[0]]))[0, 0])
+        lines.append(
+            f'<path d="M{x:.2f},{axes.top:.2f}v{HEIGHT:.2f}" stroke="{palette.FORCE}" stroke-width="1.5" '
+            'stroke-dasharray="5 4" fill="none"/>'
+        )
+        left = x + 8 + width(label, palette.TEXT_SIZE) > axes.left + WIDTH
+        y, side = axes.top + 14 + 20 * row, "end" if left else "start"
+        said = text(x + (-7 if left else 7), y, palette.TEXT_SIZE, palette.INK, label, side)
+        # a rim of paper round the letters, so that lines and bars behind them do not disturb
+        labels.append(f'<g paint-order="stroke" stroke="{palette.PAPER}" stroke-width="5">{said}</g>')
+    return lines + labels
+
+
+def finished(axes: Axes, body: list[str], title: str, facts: Sequence[str], command: str) -> str:
+    """Whole SVG document of a plot."""
+    wide = axes.left + WIDTH + palette.MARGIN
+    y = axes.top + HEIGHT + 60
+    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command else []:
+        y += palette.SMALL_SIZE + 4
+        body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
+    return frame.document(wide, y + palette.MARGIN - 12, title, facts, command, body)
+
+
+def text(x: float, y: float, size: float, colour: str, said: str, anchor: str = "start") -> str:
+    """Text element."""
+    side = "" if anchor == "start" else f' text-anchor="{anchor}"'
+    return f'<text x="{x:.2f}" y="{y:.2f}" font-size="{size:g}" fill="{colour}"{side}>{escape(said)}</text>'
+
+
+def _line(x0: float, y0: float, x1: float, y1: float, colour: str) -> str:
+    return f'<path d="M{x0:.2f},{y0:.2f}L{x1:.2f},{y1:.2f}" stroke="{colour}" fill="none"/>'

@@ -1,0 +1,120 @@
+"""Films of a way: GIF, MP4, and SVG that plays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError
+from wiggleroom.files import write_whole
+from wiggleroom.report.scene import Scene, scene
+from wiggleroom.report.words import facts, headline
+
+Floats = NDArray[np.float64]
+Progress = Callable[[int, int], None]
+
+RATES = {".gif": 12.5, ".mp4": 30.0, ".svg": 16.0}
+"""Frames a second by the ending of the name; an SVG that plays fills in between its frames."""
+
+
+def film(
+    assembly: Assembly,
+    way: Floats,
+    path: str | PathLike[str],
+    *,
+    goals: tuple[Goal, ...] = (),
+    title: str = "",
+    facts: tuple[str, ...] = (),
+    command: str = "",
+    back: bool = False,
+    magnify: float | None = None,
+    progress: Progress | None = None,
+) -> None:
+    """Write a film of parts on their way.
+
+    They move evenly along the way, gently at both ends, with a pause there; parts that go far away fade. The file is
+    written whole or not at all.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    way : (k, n, 3) float64 [mm, mm, rad]
+        Motions of the parts along the way, such as `Answer.waypoints`.
+    path : str or path
+        .gif and .mp4 need the extra `film`; .svg plays in browsers.
+    goals : tuple of Pull, Turn or W
+        Drawn as arrows; their parts are blue.
+    title, facts, command : str, tuple of str, str
+        Said above and below.
+    back : bool
+        True: the film returns to rest the same way before it begins again.
+    magnify : float, optional
+        Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
+    progress : callable, optional
+        Told after every frame how many of how many are drawn.
+
+    Raises
+    ------
+    InputError
+        If the name has another ending, or the way another shape.
+    MissingExtraError
+        If the library for this kind of film is not installed.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import numpy as np
+    >>> import wiggleroom as wr
+    >>> chain = wr.patterns.chain(2, gap=0.02)
+    >>> way = np.array([[[0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 0.02, 0.01]]])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     film(chain, way, f"{folder}/way.svg", title="a small move")
+    """
+    path = Path(path)
+    kind = path.suffix.lower()
+    if kind not in RATES:
+        finding = f"film {path}: the name must end in {', '.join(RATES)}"
+        raise InputError(finding)
+    made = scene(
+        assembly,
+        way,
+        rate=RATES[kind],
+        goals=goals,
+        title=title or f"{len(assembly.parts)} parts",
+        facts=facts,
+        command=command,
+        magnify=magnify,
+    )
+    write_whole(path, _written(made, kind, back, progress))
+
+
+def film_of_answer(answer: Answer, path: str | PathLike[str], *, progress: Progress | None = None) -> None:
+    """Write a film of an answer: from rest along its way-points and, where something holds it, back again."""
+    film(answer.assembly, answer.waypoints, path, **said(answer), back=not answer.leaves, progress=progress)
+
+
+def said(answer: Answer) -> dict:
+    """Return what the film of an answer says about it: title, facts, goals and command."""
+    return {
+        "goals": answer.goals,
+        "title": headline(answer),
+        "facts": tuple(facts(answer)),
+        "command": answer.command,
+    }
+
+
+def _written(made: Scene, kind: str, back: bool, progress: Progress | None) -> str | bytes:
+    if kind == ".svg":
+        from wiggleroom.report.film_svg import moving_svg
+
+        return moving_svg(made, back=back)
+    from wiggleroom.report.film_frames import gif, mp4
+
+    return (gif if kind == ".gif" else mp4)(made, RATES[kind], back=back, progress=progress)

@@ -1,0 +1,127 @@
+"""Films of pixels: GIF by Pillow, MP4 by PyAV."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterator
+from importlib.util import find_spec
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+from wiggleroom.errors import MissingExtraError
+from wiggleroom.report import palette
+from wiggleroom.report.film_svg import PAUSES
+from wiggleroom.report.png import png
+from wiggleroom.report.scene import Scene
+
+if TYPE_CHECKING:
+    from PIL.Image import Image as Picture
+
+Progress = Callable[[int, int], None]
+
+GIF_SIZE, MP4_SIZE = (680, 640), (840, 760)
+"""Widest and tallest film [px]."""
+
+
+def gif(made: Scene, rate: float, *, back: bool, progress: Progress | None = None) -> bytes:
+    """Scene as a GIF that plays for ever.
+
+    Raises
+    ------
+    MissingExtraError
+        If Pillow is not installed.
+    """
+    see_library(".gif")
+    from PIL import Image
+
+    frames = list(_frames(made, GIF_SIZE, progress))
+    table = Image.new("P", (1, 1))
+    table.putpalette(_colours())
+    few = [f.quantize(palette=table, dither=Image.Dither.NONE) for f in frames]
+    step = round(1000 / rate)
+    wait = [step] * len(few)
+    wait[0], wait[-1] = (int(1000 * p) for p in PAUSES)
+    if back:
+        few, wait = [*few, *few[-2:0:-1]], [*wait, *wait[-2:0:-1]]
+    file = io.BytesIO()
+    few[0].save(file, "GIF", save_all=True, append_images=few[1:], duration=wait, loop=0, optimize=False, disposal=1)
+    return file.getvalue()
+
+
+def mp4(made: Scene, rate: float, *, back: bool, progress: Progress | None = None) -> bytes:
+    """Scene as H.264 in an MP4 file that plays in browsers and slides.
+
+    Raises
+    ------
+    MissingExtraError
+        If PyAV or Pillow is not installed.
+    """
+    see_library(".mp4")
+    import av
+
+    frames = [av.VideoFrame.from_image(f) for f in _frames(made, MP4_SIZE, progress)]
+    still = [round(p * rate) for p in PAUSES]
+    order = [0] * still[0] + list(range(len(frames))) + [len(frames) - 1] * still[1]
+    if back:
+        order += list(range(len(frames) - 2, -1, -1))
+    file = io.BytesIO()
+    with av.open(file, "w", format="mp4") as box:
+        stream: Any = box.add_stream("libx264" if "libx264" in av.codecs_available else "mpeg4", rate=round(rate))
+        stream.width, stream.height, stream.pix_fmt = frames[0].width, frames[0].height, "yuv420p"
+        stream.options = {"crf": "22", "preset": "veryfast", "tune": "animation"}
+        for k, which in enumerate(order):
+            frame = frames[which]
+            frame.pts = k
+            box.mux(stream.encode(frame))
+        box.mux(stream.encode(None))
+    return file.getvalue()
+
+
+def _frames(made: Scene, room: tuple[int, int], progress: Progress | None) -> Iterator[Picture]:
+    """Frames from rest to the end, as RGB images with even sides."""
+    from PIL import Image
+
+    width = 2 * round(min(room[0], room[1] * made.width / made.height) / 2)
+    for k in range(made.frames):
+        image = Image.open(io.BytesIO(png(made.drawn(k), width=width, own_font_only=True))).convert("RGB")
+        if image.height % 2:
+            image = image.crop((0, 0, image.width, image.height - 1))
+        if progress is not None:
+            progress(k + 1, made.frames)
+        yield image
+
+
+def _colours() -> list[int]:
+    """Red, green and blue of the colours that films are made of and of the steps between any two of them."""
+    thin = [tuple(round(0.85 * c + 0.15 * 255) for c in _rgb(fill)) for fill, _ in palette.OF.values()]
+    lines = [stroke for _, stroke in palette.OF.values()]
+    pure = [_rgb(c) for c in (palette.PAPER, palette.INK, palette.QUIET, palette.REST, palette.MOTION, *lines)]
+    pure += thin
+    between = [
+        tuple(round((1 - t) * p + t * q) for p, q in zip(one, other, strict=True))
+        for one, other in combinations(pure, 2)
+        for t in (1 / 3, 2 / 3)
+    ]
+    return [value for colour in [*pure, *between] for value in colour]
+
+
+def _rgb(colour: str) -> tuple[int, ...]:
+    return tuple(bytes.fromhex(colour[1:]))
+
+
+def see_library(kind: str) -> None:
+    """See that what a film of this kind (.gif or .mp4) needs is installed.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not.
+    """
+    if any(find_spec(name) is None for name in _NEEDS[kind]):
+        message = (
+            f"a {kind} film needs the extra film: pip install 'wiggleroom[film]'; .film.svg and .html need nothing more"
+        )
+        raise MissingExtraError(message)
+
+
+_NEEDS = {".gif": ("PIL",), ".mp4": ("PIL", "av")}

@@ -1,0 +1,171 @@
+"""Plots of numbers as SVG: a curve, a histogram, bars. Values in, text out; `write_svg` makes files of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import InputError
+from wiggleroom.report import frame, palette
+from wiggleroom.report.axes import WIDTH, finished, plot, span, text, uprights
+from wiggleroom.report.text import elide, wrap
+from wiggleroom.report.words import number
+
+Floats = NDArray[np.float64]
+Mark = tuple[float, str]
+"""A value on the x axis and what is written beside its line."""
+
+_BAR, _BETWEEN = 20.0, 8.0
+_NAMES = 220.0
+
+
+def curve(
+    x: Floats,
+    y: Floats,
+    *,
+    labels: tuple[str, str],
+    title: str,
+    facts: Sequence[str] = (),
+    marks: Sequence[Mark] = (),
+    command: str = "",
+) -> str:
+    """Curve through points, such as motion against gap; it is broken where `y` is not finite.
+
+    Parameters
+    ----------
+    x, y : (k,) float64
+        In the order they are joined.
+    labels : (along x, along y)
+        With units: ("gap mm", "motion mm").
+    marks : sequence of (value, label)
+        Upright lines, such as where interlock is lost.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> svg = curve(np.array([0.1, 0.2]), np.array([1.0, 2.1]), labels=("gap mm", "motion mm"), title="b2 in +y")
+    >>> svg.count("<circle")
+    2
+    """
+    x, y = _values(x, y)
+    shown = [x[np.isfinite(x)], np.array([m[0] for m in marks])]
+    axes, body = plot(span(np.concatenate(shown)), span(y, zero=True), labels, title, facts)
+    at, there = axes.pixels(x, np.where(np.isfinite(y), y, 0.0)), np.isfinite(x) & np.isfinite(y)
+    colour = palette.PULLED[1]
+    line = "".join(
+        f"{'L' if k and there[k - 1] else 'M'}{u:.2f},{v:.2f}" for k, (u, v) in enumerate(at.tolist()) if there[k]
+    )
+    body.append(f'<path d="{line}" fill="none" stroke="{colour}" stroke-width="2.5" stroke-linejoin="round"/>')
+    radius = 3.5 if there.sum() <= 60 else 1.5
+    body += [f'<circle cx="{u:.2f}" cy="{v:.2f}" r="{radius}" fill="{colour}"/>' for u, v in at[there].tolist()]
+    body += uprights(axes, marks)
+    return finished(axes, body, title, facts, command)
+
+
+def histogram(
+    values: Floats,
+    *,
+    label: str,
+    title: str,
+    facts: Sequence[str] = (),
+    marks: Sequence[Mark] = (),
+    command: str = "",
+) -> str:
+    """How often values come up, such as motions under random gaps; values that are not finite are counted in words.
+
+    Parameters
+    ----------
+    values : (k,) float64
+    label : str
+        What the values are, with their unit.
+    marks : sequence of (value, label)
+        Upright lines, such as a limit, the mean and quantiles.
+    """
+    values = np.asarray(values, dtype=float).ravel()
+    some = values[np.isfinite(values)]
+    facts = [*facts] + ([f"{len(values) - len(some)} without limit, not drawn"] if len(some) < len(values) else [])
+    shown = span(np.concatenate([some, [m[0] for m in marks]]))
+    bins = int(np.clip(2 * len(some) ** (1 / 3), 5, 60))  # the rule of Rice
+    count, edges = np.histogram(some, bins, range=(float(some.min()), float(some.max())) if len(some) else (0.0, 1.0))
+    axes, body = plot(shown, span(count.astype(float), zero=True), (label, "samples"), title, facts)
+    fill, stroke = palette.PULLED
+    for n, low, high in zip(count.tolist(), edges[:-1], edges[1:], strict=True):
+        if n:
+            (x0, y0), (x1, y1) = axes.pixels(np.array([low, high]), np.array([n, 0.0])).tolist()
+            body.append(
+                f'<rect x="{x0:.2f}" y="{y0:.2f}" width="{max(x1 - x0, 0.5):.2f}" height="{y1 - y0:.2f}" '
+                f'fill="{fill}" stroke="{stroke}"/>'
+            )
+    body += uprights(axes, marks)
+    return finished(axes, body, title, facts, command)
+
+
+def bars(
+    names: Sequence[str],
+    values: Floats,
+    *,
+    label: str,
+    title: str,
+    facts: Sequence[str] = (),
+    most: int = 25,
+    command: str = "",
+) -> str:
+    """Bars with names, the longest first, such as a ranking.
+
+    Parameters
+    ----------
+    names : sequence of str
+    values : (k,) float64
+        Of either sign.
+    label : str
+        What the values are, with their unit.
+    most : int
+        Bars that are drawn; a line says how many are left out.
+    """
+    values = np.asarray(values, dtype=float)
+    if values.shape != (len(names),) or not np.isfinite(values).all():
+        finding = f"bars: {len(names)} names need as many finite values, not {values.shape}"
+        raise InputError(finding)
+    order = np.argsort(-np.abs(values), kind="stable")[:most]
+    body, y = frame.header(title, facts, WIDTH + 40)
+    low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
+    scale = (WIDTH - _NAMES - 90) / ((high - low) or 1.0)
+    zero = palette.MARGIN + _NAMES - low * scale
+    y += 34
+    body.append(text(palette.MARGIN + _NAMES, y, palette.TEXT_SIZE, palette.INK, label))
+    y += 14
+    top = y
+    for k in order.tolist():
+        value, long = float(values[k]), abs(float(values[k])) * scale
+        fill, stroke = palette.PULLED if value >= 0 else palette.FIXED
+        left = zero if value >= 0 else zero - long
+        name = elide(names[k], palette.TEXT_SIZE, _NAMES - 12)
+        said = number(value)
+        middle = y + _BAR / 2 + 5
+        body.append(text(palette.MARGIN + _NAMES - 10, middle, palette.TEXT_SIZE, palette.INK, name, "end"))
+        body.append(
+            f'<rect x="{left:.2f}" y="{y:.2f}" width="{long:.2f}" height="{_BAR}" fill="{fill}" stroke="{stroke}"/>'
+        )
+        body.append(text(max(zero, left + long) + 8, middle, palette.TEXT_SIZE, palette.QUIET, said))
+        y += _BAR + _BETWEEN
+    body.append(f'<path d="M{zero:.2f},{top - 4:.2f}V{y - _BETWEEN + 4:.2f}" stroke="{palette.QUIET}"/>')
+    if len(values) > len(order):
+        y += 18
+        body.append(
+            text(palette.MARGIN, y, palette.TEXT_SIZE, palette.QUIET, f"and {len(values) - len(order)} smaller ones")
+        )
+    y += 14
+    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command else []:
+        y += palette.SMALL_SIZE + 4
+        body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
+    return frame.document(WIDTH + 2 * palette.MARGIN, y + palette.MARGIN - 12, title, facts, command, body)
+
+
+def _values(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    x, y = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if x.ndim != 1 or x.shape != y.shape or not len(x):
+        finding = f"curve: x and y must be as many numbers, at least one, not {x.shape} and {y.shape}"
+        raise InputError(finding)
+    return x, y

@@ -1,0 +1,89 @@
+"""A ranking as JSON and as a table."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from wiggleroom.analysis.rank import Ranking
+from wiggleroom.report.records import Record
+from wiggleroom.report.table import columns
+from wiggleroom.report.words import headline, number, short, unit
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+_MOST = 15
+_MOST_JOINTS = 8
+
+
+def rank_record(ranking: Ranking, command: str = "") -> Record:
+    """Everything `rank --json` says, parts and joints in order of importance; format `wiggleroom.rank/1`."""
+    answer, names = ranking.answer, ranking.answer.assembly.names
+    parts = {}
+    for k in ranking.order.tolist():
+        parts[names[k]] = {
+            "mm_per_mm": float(ranking.looser[k]),
+            "percent": float(ranking.percent[k]),
+            "tighter_mm_per_mm": float(ranking.tighter[k]),
+            "duals_mm_per_mm": float(ranking.by_duals[k]),
+            "unique": bool(ranking.unique[k]),
+        }
+    joints = [
+        {
+            "parts": [names[i] for i in ranking.joints[k].tolist()],
+            "mm_per_mm": float(ranking.joint_looser[k]),
+            "percent": float(ranking.joint_percent[k]),
+            "unique": bool(ranking.joint_unique[k]),
+        }
+        for k in (-ranking.joint_looser).argsort(kind="stable").tolist()
+    ]
+    return {
+        "format": "wiggleroom.rank/1",
+        "objective": answer.objective,
+        "verdict": answer.verdict.value,
+        "by": ranking.by,
+        "parts": parts,
+        "joints": joints,
+        "ranges": ranking.ends,
+        "virtual_percent": 100 * ranking.virtual,
+        "command": command,
+    }
+
+
+def rank_table(ranking: Ranking) -> Group:
+    """Page that `rank` prints."""
+    from rich.console import Group
+    from rich.text import Text
+
+    answer, names = ranking.answer, ranking.answer.assembly.names
+    both = not ranking.unique.all()
+    per = f"{unit(answer.goals)} per mm of gap".strip()
+    found = columns("part", per, *(["if tighter"] if both else []), "%")
+    for k in ranking.order[:_MOST].tolist():
+        side = [number(ranking.tighter[k])] if both else []
+        found.add_row(short(names[k]), number(ranking.looser[k]), *side, f"{ranking.percent[k]:.1f}")
+    rest = len(names) - _MOST
+    if rest > 0:
+        left = 100 - ranking.percent[ranking.order[:_MOST]].sum()
+        found.add_row(f"... and {rest} more", "", *([""] if both else []), f"{max(left, 0.0):.1f}", style="dim")
+    joints = columns("joint", per, "%")
+    order = (-ranking.joint_looser).argsort(kind="stable")
+    for k in order[:_MOST_JOINTS].tolist():
+        pair = " | ".join(short(names[i]) for i in ranking.joints[k].tolist())
+        joints.add_row(pair, number(ranking.joint_looser[k]), f"{ranking.joint_percent[k]:.1f}")
+    if len(order) > _MOST_JOINTS:
+        joints.add_row(f"... and {len(order) - _MOST_JOINTS} more", "", "", style="dim")
+    lines = [Text(line) for line in _sure(ranking)]
+    return Group(Text(headline(answer), style="bold"), Text(), found, Text(), joints, Text(), *lines)
+
+
+def _sure(ranking: Ranking) -> list[str]:
+    """How sure the ranking is."""
+    many = int((~ranking.unique).sum())
+    said = [f"by:       {ranking.by}; extra gap moves a part's own outline inward by half of it"]
+    if many:
+        ends = "" if ranking.ends == "whole" else " (at least so wide)"
+        said.append(f"unique:   not for {many} parts: a looser and a tighter gap count differently{ends}")
+    if ranking.virtual > 1e-6:
+        said.append(f"walls:    {100 * ranking.virtual:.2g} % of the force is held where nothing touches (see flex)")
+    return said

@@ -1,0 +1,199 @@
+"""What `tighten`, `sweep` and `sample` found, as JSON, as tables and as CSV."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wiggleroom.analysis.sample import Sample
+from wiggleroom.analysis.sweep import Sweep
+from wiggleroom.analysis.tighten import Tightening
+from wiggleroom.report.records import Record
+from wiggleroom.report.table import columns
+from wiggleroom.report.words import ask, headline, number, short, unit
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+_MOST = 12
+QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
+
+
+def tighten_record(found: Tightening, command: str = "") -> Record:
+    """Everything `tighten --json` says; format `wiggleroom.tighten/1`."""
+    return {
+        "format": "wiggleroom.tighten/1",
+        "objective": found.before.objective,
+        "tightened": found.after.objective,
+        "verdict": found.after.verdict.value,
+        "lowered_percent": found.lowered,
+        "parts": list(found.chosen),
+        "gap": found.gap,
+        "limit": found.limit,
+        "reached": found.reached,
+        "random": {
+            "draws": len(found.random),
+            "mean": float(np.mean(found.random)) if len(found.random) else None,
+            "lowered_percent": found.lowered_at_random,
+        },
+        "command": command,
+    }
+
+
+def tighten_table(found: Tightening) -> Group:
+    """Page that `tighten` prints."""
+    from rich.console import Group
+    from rich.text import Text
+
+    what = unit(found.before.goals)
+    if found.after.objective is None:
+        now = "nothing stops it"
+    else:
+        now = f"{number(found.after.objective)} {what}".rstrip() + f", {found.lowered:.1f} % less"
+    lines = [Text(headline(found.before), style="bold"), Text()]
+    if found.chosen:
+        parts = ", ".join(short(n) for n in found.chosen)
+        lines += [Text(f"make tighter:  {parts}"), Text(f"to a gap of:   {number(found.gap)} mm, their share of it")]
+        lines.append(Text(f"then:          {now}", style="bold"))
+    if found.limit is not None:
+        word = "reached" if found.reached else "not reached: tightening every part that can be is not enough"
+        lines.append(Text(f"limit:         {number(found.limit)} {what}".rstrip() + f", {word}"))
+    if len(found.random):
+        lines.append(
+            Text(
+                f"at random:     {found.lowered_at_random:.1f} % less, mean of {len(found.random)} choices of as many parts"
+            )
+        )
+    return Group(*lines)
+
+
+def sweep_record(found: Sweep, command: str = "") -> Record:
+    """Everything `sweep --json` says; format `wiggleroom.sweep/1`."""
+    return {
+        "format": "wiggleroom.sweep/1",
+        "gaps": [
+            {
+                "gap": s.gap,
+                "objective": s.objective,
+                "verdict": str(s.verdict),
+                "path": "checked" if s.checked else "not checked",
+            }
+            for s in found.steps
+        ],
+        "lost_between": None if found.lost is None else list(found.lost),
+        "command": command,
+    }
+
+
+def sweep_table(found: Sweep) -> Group:
+    """Page that `sweep` prints."""
+    from rich.console import Group
+    from rich.text import Text
+
+    what = unit(found.goals)
+    asked = ", ".join(ask(g) for g in found.goals[:3]) + (", ..." if len(found.goals) > 3 else "")
+    rows = columns("gap mm", f"motion {what}".rstrip(), "per mm of gap", "verdict")
+    for s in found.steps:
+        value = "" if s.objective is None else number(s.objective)
+        rate = "" if s.objective is None or s.gap == 0 else number(s.objective / s.gap, 3)
+        rows.add_row(number(s.gap), value, rate, str(s.verdict))
+    if found.lost is None:
+        last = "nothing in this range sets it free" if found.steps else "stopped before the first gap was done"
+    else:
+        last = f"the motion loses its end between gaps of {number(found.lost[0])} and {number(found.lost[1])} mm"
+    return Group(Text(asked, style="bold"), Text(), rows, Text(), Text(last))
+
+
+def sweep_csv(found: Sweep) -> str:
+    """Gaps as comma-separated values, a line each."""
+    lines = [f"{s.gap!r},{'' if s.objective is None else repr(float(s.objective))},{s.verdict}" for s in found.steps]
+    return "\n".join(["gap,objective,verdict", *lines]) + "\n"
+
+
+def sample_record(found: Sample, command: str = "") -> Record:
+    """Everything `sample --json` says; format `wiggleroom.sample/1`."""
+    names, share = found.answer.assembly.names, found.contributions
+    good, low, high = found.yields
+    worst = found.worst
+    order = np.argsort(-share, kind="stable").tolist()
+    bounded = found.bounded
+    return {
+        "format": "wiggleroom.sample/1",
+        "objective": found.answer.objective,
+        "spread": {
+            "width": found.spread.width,
+            "kind": found.spread.kind,
+            "sheet": found.spread.sheet,
+            "bias": found.spread.bias,
+        },
+        "draws": len(found.value),
+        "asked": found.asked,
+        "seed": found.seed,
+        "mean": float(bounded.mean()) if len(bounded) else None,
+        "standard_deviation": float(bounded.std(ddof=1)) if len(bounded) > 1 else None,
+        "foreseen_standard_deviation": found.foreseen,
+        "quantiles": {f"{q:g}": found.quantile(q) for q in QUANTILES},
+        "worst": {
+            "objective": float(found.value[worst]),
+            "extra_gap": dict(zip(names, found.extra[worst].tolist(), strict=True)),
+        },
+        "unbounded": found.loose,
+        "misfits": found.misfits,
+        "cut_short": found.cut_short,
+        "limit": found.limit,
+        "yield": {"share": good, "low": float(low), "high": float(high)},
+        "contributions_percent": {names[k]: float(share[k]) for k in order},
+        "checked": {"draws": len(found.checked), "largest_difference": found.largest_difference},
+        "command": command,
+    }
+
+
+def sample_table(found: Sample) -> Group:
+    """Page that `sample` prints."""
+    from rich.console import Group
+    from rich.text import Text
+
+    what, bounded, spread = unit(found.answer.goals), found.bounded, found.spread
+    rows = columns("motion", what)
+    if len(bounded):
+        rows.add_row("mean", number(float(bounded.mean())))
+        if len(bounded) > 1:
+            rows.add_row("standard deviation", number(float(bounded.std(ddof=1)), 3))
+    for q in QUANTILES:
+        rows.add_row(f"{100 * q:g} % of the draws below", number(found.quantile(q)))
+    rows.add_row("worst", number(float(found.value[found.worst])), style="bold")
+    share = found.contributions
+    parts = columns("contributes", "%")
+    for k in np.argsort(-share, kind="stable")[:_MOST].tolist():
+        parts.add_row(short(found.answer.assembly.names[k]), f"{share[k]:.1f}")
+    together = f", {100 * spread.sheet:.0f} % shared by the sheet" if spread.sheet else ""
+    lines = [
+        Text(f"{headline(found.answer)} without variation", style="bold"),
+        Text(
+            f"gaps vary: {spread.kind}, {number(spread.width)} mm{together}; {len(found.value)} draws, seed {found.seed}"
+        ),
+    ]
+    return Group(*lines, Text(), rows, Text(), parts, Text(), *[Text(line) for line in _sure(found)])
+
+
+def _sure(found: Sample) -> list[str]:
+    """Yield, misfits, and how it was checked."""
+    good, low, high = found.yields
+    said = []
+    if found.limit is not None:
+        kept = f"{100 * good:.1f} % keep {number(found.limit)} {unit(found.answer.goals)}".rstrip()
+        said.append(f"yield:    {kept} (95 % sure: {100 * low:.1f} to {100 * high:.1f} %)")
+    if found.misfits:
+        said.append(f"misfits:  in {found.misfits} draws parts do not fit beside each other")
+    if found.loose:
+        said.append(f"loose:    in {found.loose} draws nothing stops the motion")
+    if found.cut_short:
+        said.append(f"safe:     in {found.cut_short} draws the motion is safe but not an optimum")
+    if len(found.value) < found.asked:
+        said.append(f"stopped:  after {len(found.value)} of {found.asked} draws")
+    if not math.isnan(found.largest_difference):
+        off = f"off by {found.largest_difference:.1e}"
+        said.append(f"checked:  every end for overlap; {len(found.checked)} draws again from nothing, {off}")
+    return said

@@ -1,0 +1,136 @@
+"""rank, tighten, sweep and sample on the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import wiggleroom as wr
+from wiggleroom.cli import main
+from wiggleroom.drawing import write_drawing
+
+COMMANDS = {
+    "rank": [],
+    "tighten": ["--parts", "1", "--draws", "2", "--workers", "1"],
+    "sweep": ["--gaps", "0.01,0.02"],
+    "sample": ["--spread", "0.001", "--draws", "5", "--limit", "1", "--workers", "1"],
+}
+
+
+@pytest.fixture
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
+    """Run the program beside a small chain; exit code, stdout and the lines of stderr."""
+    write_drawing(wr.patterns.chain(3, joint="tee", gap=0.02).drawing, tmp_path / "chain.json")
+    monkeypatch.chdir(tmp_path)
+
+    def here(*argv: str) -> tuple[int, str, list[str]]:
+        monkeypatch.setattr(sys, "argv", ["wiggleroom", *argv])
+        code = main()
+        out, err = capfd.readouterr()
+        return code, out, err.splitlines()
+
+    return here
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_json_on_stdout_is_all_there_is(run, command: str) -> None:
+    code, out, err = run(command, "chain.json", *COMMANDS[command], "--json", "-")
+    assert (code, err) == (0, [])
+    record = json.loads(out)
+    assert record["format"] == f"wiggleroom.{command}/1"
+    assert record["command"].startswith(f"wiggleroom {command} chain.json")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_table_for_people(run, command: str) -> None:
+    code, out, err = run(command, "chain.json", *COMMANDS[command], "--json", "out.json")
+    assert code == 0
+    assert "b3" in out
+    assert max(map(len, out.splitlines())) <= 80
+    assert err == ["answer: out.json"]
+
+
+def test_rank_json_keeps_the_contract(run) -> None:
+    record = json.loads(run("rank", "chain.json", "--json", "-")[1])
+    answer = wr.flex(wr.patterns.chain(3, joint="tee", gap=0.02))
+    assert record["objective"] == pytest.approx(answer.objective)
+    assert set(record["parts"]) == {"b1", "b2", "b3"}
+    assert sum(p["percent"] for p in record["parts"].values()) == pytest.approx(100)
+    assert all(p["mm_per_mm"] > 0 and p["unique"] for p in record["parts"].values())
+
+
+@pytest.mark.parametrize("command", ["rank", "tighten"])
+def test_pictures_have_the_parts_in_colour(run, command: str) -> None:
+    code, _, err = run(command, "chain.json", *COMMANDS[command], "--picture", "p.svg")
+    assert (code, err) == (0, ["picture: p.svg"])
+    colour = {"rank": "#b0508c", "tighten": "#8c6bb1"}[command]
+    assert f'fill="{colour}" fill-opacity' in Path("p.svg").read_text()
+
+
+def test_sweep_writes_a_table_of_values(run) -> None:
+    assert run("sweep", "chain.json", "--gaps", "0.01:0.02:2", "--csv", "c.csv")[0] == 0
+    lines = Path("c.csv").read_text().splitlines()
+    assert lines[0] == "gap,objective,verdict"
+    assert [float(line.split(",")[0]) for line in lines[1:]] == [0.01, 0.02]
+
+
+def test_a_limit_out_of_reach_is_no_success(run) -> None:
+    code, out, _ = run("tighten", "chain.json", "--limit", "1e-9", "--draws", "0")
+    assert code == 3
+    assert "not reached" in out
+
+
+@pytest.mark.parametrize("command", ["sample --spread 0.001 --draws 100000", "rank --by differences"])
+def test_ctrl_c_ends_in_order(tmp_path: Path, command: str) -> None:
+    write_drawing(wr.patterns.frame(12, 12, joint="tee", gap=0.01).drawing, tmp_path / "frame.json")
+    name, *options = command.split()
+    program = [sys.executable, "-c", "import sys; from wiggleroom.cli import main; sys.exit(main())"]
+    process = subprocess.Popen(
+        [*program, name, "frame.json", *options, "--workers", "1"], cwd=tmp_path, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
+    )  # fmt: skip
+    time.sleep(4)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert "Traceback" not in err
+    if process.returncode == 0 and name == "rank":
+        pytest.skip("it was done before it was interrupted")
+    assert process.returncode == 3
+    assert "stopping" in err
+    # before the first draw is done, and for a ranking, there is nothing to say
+    assert "interrupted" in err or (name == "sample" and "stopped:" in out)
+
+
+@pytest.mark.parametrize(
+    ("argv", "said"),
+    [
+        (["rank", "chain.json", "--by", "magic"], "magic"),
+        (["rank", "chain.json", "--workers", "0"], "--workers 0"),
+        (["rank", "chain.json", "--picture", "p.txt"], "--picture p.txt"),
+        (["tighten", "chain.json"], "how many parts"),
+        (["tighten", "chain.json", "--parts", "9"], "choose 1 to 3"),
+        (["tighten", "chain.json", "--parts", "1", "--to", "1"], "less than the present gap"),
+        (["tighten", "chain.json", "--parts", "1", "--draws", "-1"], "--draws -1"),
+        (["sweep", "chain.json", "--gaps", "a"], "--gaps a"),
+        (["sweep", "chain.json", "--gaps", "1:2:1"], "--gaps 1:2:1"),
+        (["sweep", "chain.json", "--gaps", "-1"], "gap -1"),
+        (["sample", "chain.json"], "--spread"),
+        (["sample", "chain.json", "--spread", "0"], "spread 0"),
+        (["sample", "chain.json", "--spread", "0.1", "--sheet", "2"], "correlation 2"),
+        (["sample", "chain.json", "--spread", "0.1", "--draws", "0"], "at least 1"),
+        (["sample", "chain.json", "--spread", "0.1", "--seed", "-1"], "--seed -1"),
+        (["sample", "missing.json", "--spread", "0.1"], "missing.json"),
+    ],
+)
+def test_bad_input_is_one_plain_line(run, argv: list[str], said: str) -> None:
+    code, out, err = run(*argv)
+    assert (code, out) == (2, "")
+    assert len(err) == 1
+    assert said in err[0]

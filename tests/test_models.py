@@ -1,0 +1,358 @@
+"""The models hull and halfplane against closed forms, sampled collision and the dynamic programme of chains."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import shapely
+
+import wiggleroom as wr
+from tests.audit import part, reachable
+from tests.oracle.blocks import block, outline
+from tests.oracle.chain import stored
+from tests.oracle.collision import overlaps as collide
+from tests.test_program import close, slope, steps, whole
+from wiggleroom.analysis.approximate import approximate
+from wiggleroom.analysis.overlap import overlaps
+from wiggleroom.assembly.build import assemble
+from wiggleroom.drawing.model import Drawing, Part, Region
+from wiggleroom.freespace.halfplane import half_planes
+from wiggleroom.freespace.hull import pair_hull
+from wiggleroom.freespace.slices import meeting
+from wiggleroom.program import kernel
+from wiggleroom.program.build import build
+from wiggleroom.program.objectives import objective
+from wiggleroom.report.records import flex_record
+from wiggleroom.report.words import sentence
+from wiggleroom.solve.linear import maximise
+
+
+def box(x0: float, y0: float, x1: float, y1: float) -> shapely.Polygon:
+    return shapely.box(x0, y0, x1, y1)
+
+
+def chain(joint: str, gap: float, n: int, angle: float = 0.0) -> wr.Assembly:
+    """Blocks of the oracle in a row, the whole turned by `angle`, each outline stored in a turned frame of its own."""
+    c, s = np.cos(angle), np.sin(angle)
+    parts = []
+    for k in range(n):
+        own = 0.4 * k * (angle != 0)
+        turned = outline(joint) @ np.array([[np.cos(own), np.sin(own)], [-np.sin(own), np.cos(own)]])
+        at = (7 * angle + k * c, -3 * angle + k * s, angle - own)
+        parts.append(Part(f"b{k + 1}", (Region(turned),), at, fixed=k == 0))
+    return assemble(Drawing(tuple(parts), gap=gap, goals=(wr.Pull(f"b{n}", (-s, c)),)))
+
+
+PEG = meeting(box(-3, -3, 3, 3) - box(-1, -1, 1, 1), box(-0.9, -0.9, 0.9, 0.9))
+
+
+def test_hull_of_a_square_peg_is_two_pyramids() -> None:
+    hull = pair_hull(PEG, wr.Hull(), 1.0)
+    assert hull is not None
+    turn = np.arcsin(1 / (0.9 * np.sqrt(2))) - np.pi / 4  # 0.9 (cos + sin) = 1
+    assert hull.ends == pytest.approx((-turn, turn), abs=1e-6)
+    random = np.random.default_rng(0)
+    g = random.uniform((-0.12, -0.12, -1.1 * turn), (0.12, 0.12, 1.1 * turn), (2000, 3))
+    inside = (g @ hull.normal.T + hull.offset <= 0).all(1)
+    wanted = np.abs(g[:, :2]).max(1) <= 0.1 * (1 - np.abs(g[:, 2]) / turn)
+    assert (inside == wanted).mean() > 0.999
+
+
+def test_b_is_centred_before_it_turns() -> None:
+    ring = box(-3, -3, 3, 3) - box(-1, -1, 1, 1)
+    off = pair_hull(meeting(ring, shapely.affinity.translate(box(-0.9, -0.9, 0.9, 0.9), 0.06, -0.03)), wr.Hull(), 1.0)
+    assert off is not None
+    # about a pivot 0.06 off the middle of the square the first corner touches earlier, but not as early as off centre
+    alone = np.arcsin(1 / (0.9 * np.sqrt(2))) - np.pi / 4
+    assert 0.9 * alone < off.ends[1] < alone
+
+
+def test_turning_about_the_joint_reaches_further() -> None:
+    for name in ("tee", "swallowtail", "hook"):
+        pair = chain(name, 0.01, 2, 0.6)
+        ends = [wr.free_space(pair, "b1", "b2", model=wr.Hull(about)).angles for about in ("reference", "joint")]
+        whole_range = wr.free_space(pair, "b1", "b2").angles
+        assert whole_range[0] < ends[1][0] < ends[0][0] < 0 < ends[0][1] < ends[1][1] < whole_range[1]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+@pytest.mark.parametrize("joint", ["tee", "hook", "arrow"])
+def test_pair_models_against_sampled_collision(joint: str, angle: float) -> None:
+    pair, body, D = chain(joint, 0.01, 2, angle), block(joint, 0.01), np.array([1.0, 0.0])
+    walls = wr.free_space(pair, "b1", "b2")
+    boxes = shapely.bounds([s.region for s in walls.slices])
+    low, high = (*boxes[:, :2].min(0), walls.angles[0]), (*boxes[:, 2:].max(0), walls.angles[1])
+    samples = np.random.default_rng(1).uniform(low, high, (20000, 3))
+    # the pair may lie turned: the models speak of part a's own frame, the oracle of unturned blocks
+    free = ~collide(body, body, samples, D) & reachable(walls, samples)
+    for model, least, unsafe in (
+        (wr.Hull(), 0.94, 0.005),
+        (wr.Hull(slices=21), 0.99, 0.005),
+        (wr.HalfPlane(), 0.97, 0.01),
+    ):
+        found = wr.free_space(pair, "b1", "b2", model=model).contains(samples)
+        assert (found == free).mean() > least
+        assert (found & ~free).mean() < unsafe
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("joint", ["tee", "swallowtail", "arrow"])
+@pytest.mark.parametrize("gap", [0.01, 0.02])
+def test_chains_against_the_true_optimum(joint: str, gap: float) -> None:
+    made, (best, _) = chain(joint, gap, 10), stored(joint, gap, 10)
+    value = {
+        model: wr.flex(made, model=model).objective / best
+        for model in (wr.Hull(), wr.Hull("joint"), wr.Hull(slices=41), wr.Hull("joint", rounds=8), wr.HalfPlane())
+    }
+    assert 0.3 < value[wr.Hull()] < value[wr.Hull("joint")] < 0.8
+    assert value[wr.Hull(slices=41)] == pytest.approx(1, abs=5e-3)
+    assert value[wr.Hull("joint")] + 0.1 < value[wr.Hull("joint", rounds=8)] < 1 + 1e-6
+    # chains of arrows have local optima
+    assert value[wr.HalfPlane()] == pytest.approx(1, abs=1e-2 if joint == "arrow" else 1e-5)
+
+
+def test_a_short_chain_against_the_true_optimum() -> None:
+    made, (best, _) = chain("swallowtail", 0.02, 5), stored("swallowtail", 0.02, 5)
+    share = [
+        wr.flex(made, model=m).objective / best for m in ("hull", wr.Hull("joint"), wr.Hull(slices=21), "halfplane")
+    ]
+    assert 0.3 < share[0] < share[1] < 0.8
+    assert share[2:] == pytest.approx([1, 1], abs=2e-3)
+
+
+def test_figures_of_the_paper_model_on_chains() -> None:
+    # worked out once by an independent prototype: blocks turned about their centres
+    for joint, gap, wanted in (("swallowtail", 0.01, 0.642), ("swallowtail", 0.02, 1.285), ("tee", 0.01, 0.695)):
+        assert wr.flex(chain(joint, gap, 10), model="hull").objective == pytest.approx(wanted, abs=1.5e-3)
+
+
+def test_hull_by_both_solvers() -> None:
+    pytest.importorskip("casadi")
+    made = wr.patterns.jigsaw(2, 3, seed=4)
+    ours, theirs = (wr.flex(made, model="hull", solver=s) for s in ("interior-point", "ipopt"))
+    assert ours.objective == pytest.approx(theirs.objective, rel=1e-6)
+    assert ours.verdict == theirs.verdict == "stationary"
+
+
+SLOT = box(-3, -3, 3, 3) - box(-1, 0, 1, 4)
+
+
+@pytest.mark.parametrize("slices", [3, 7])
+def test_open_pair_is_followed_as_a_strip(slices: int) -> None:
+    pair = meeting(SLOT, box(-0.95, 0.05, 0.95, 2))
+    hull = pair_hull(pair, wr.Hull(slices=slices), reach=5.0)
+    assert hull is not None
+    assert not hull.closed
+    middle = min(hull.slices, key=lambda s: abs(s.angle)).region
+    assert shapely.area(shapely.symmetric_difference(middle, box(-0.05, -0.05, 0.05, 5))) < 1e-9
+    spots = np.random.default_rng(0).uniform(*np.reshape(middle.bounds, (2, 2)), (200, 2))
+    moved = [shapely.affinity.translate(pair.material[1], *(0.999 * spot)) for spot in spots]
+    assert not shapely.intersects(pair.material[0], moved).any()
+
+
+def test_extension_that_takes_in_forbidden_space_is_discarded() -> None:
+    # a bar rests above a floor; a post stands in the strip over it, further away than what counts as nearby
+    floor = box(-3, -3, 3, 0) | box(0.9, 0, 1.1, 2)
+    pair = meeting(floor, box(-0.5, 0.1, 0.5, 0.6))
+    hull = pair_hull(pair, wr.Hull(), reach=3.0)
+    assert hull is not None
+    middle = hull.slices[1].region
+    for x, y in shapely.get_coordinates(middle) * 0.999:
+        assert not shapely.intersects(pair.material[0], shapely.affinity.translate(pair.material[1], x, y))
+    assert np.hypot(*shapely.get_coordinates(middle).T).max() < 0.6  # the ball of Lemma 1, not the window
+
+
+def test_faces_in_a_program_have_exact_derivatives() -> None:
+    made = chain("hook", 0.02, 4, 0.5)
+    ready = approximate(made, wr.Hull("joint"))
+    of = build(ready.bodies, ready.faces, objective(made, ready.bodies, made.goals), length=ready.clearance)
+    assert (of.kind == kernel.FACE).all()
+    random = np.random.default_rng(3)
+    motion = np.zeros((4, 3))
+    motion[of.free] = random.uniform(-0.3, 0.3, (3, 3))
+    u, lam = of.variables(motion), random.uniform(0, 2, of.rows)
+    at = of.linearise(u)
+    close(at.jacobian().toarray(), slope(of.values, u, steps(of)), 1e-8)
+    curved = slope(lambda v: of.linearise(v).against(lam) + of.linearise(v).gradient, u, steps(of))
+    close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
+
+
+def test_faces_are_the_same_wherever_the_assembly_lies() -> None:
+    straight, turned = (wr.flex(chain("tee", 0.01, 5, angle), model="hull").objective for angle in (0.0, 0.7))
+    assert straight == pytest.approx(turned, rel=1e-6)
+
+
+def test_half_planes_are_distances_and_their_derivatives() -> None:
+    made = chain("tee", 0.01, 2)
+    ready = approximate(made, wr.HalfPlane())
+    there = np.array([[0.0, 0, 0], [0.003, -0.002, 0.004]])
+    here = half_planes(ready.bodies, *ready.near, there, 0.05)
+    step = np.array([2e-7, -3e-7, 2e-7])
+    after = half_planes(ready.bodies, *ready.near, there + np.array([np.zeros(3), step]), 0.05)
+    assert len(here.offset) == len(after.offset) > 20
+    g = (after.rest - here.rest)[here.pair]
+    np.testing.assert_allclose(-after.offset, -here.offset - (here.normal * g).sum(1), atol=1e-12)
+    corners = outline_of(made, 1, there[1])
+    walls = shapely.LinearRing(outline_of(made, 0, there[0]))
+    nearest = min(walls.distance(shapely.Point(p)) for p in corners)
+    assert -here.offset.max() == pytest.approx(nearest, abs=1e-12)
+
+
+def outline_of(assembly: wr.Assembly, index: int, motion: np.ndarray) -> np.ndarray:
+    """Corners of a part moved about its centroid."""
+    x, y, angle = assembly.parts[index].at
+    c, s = np.cos(angle), np.sin(angle)
+    ring = assembly.parts[index].regions[0].outer @ np.array([[c, s], [-s, c]]) + (x, y)
+    middle = np.array(shapely.Polygon(ring).centroid.coords[0])
+    c, s = np.cos(motion[2]), np.sin(motion[2])
+    return (ring - middle) @ np.array([[c, s], [-s, c]]) + middle + motion[:2]
+
+
+def test_one_linear_program_at_rest_promises_what_it_cannot_keep() -> None:
+    made = wr.patterns.grid(4, 4, gap=0.02)
+    once, often, walls = (wr.flex(made, model=m) for m in (wr.HalfPlane(iterated=False), "halfplane", "walls"))
+    assert not once.collision_free
+    assert once.deepest_overlap > 1e-4
+    assert often.objective == pytest.approx(walls.objective, rel=2e-3)
+    assert often.deepest_overlap < 1e-6
+
+
+def test_both_linear_solvers_agree() -> None:
+    pytest.importorskip("piqp")
+    random = np.random.default_rng(5)
+    rows = sp.csr_matrix(random.normal(size=(60, 12)))
+    cost, least, bound = random.normal(size=12), -random.uniform(0.1, 1, 60), random.uniform(0.5, 2, 12)
+    values = []
+    for solver in ("piqp", "highs"):
+        x = maximise(cost, rows, least, bound, solver).x
+        assert x is not None
+        assert (rows @ x >= least - 1e-7).all()
+        assert (np.abs(x) <= bound + 1e-7).all()
+        values.append(cost @ x)
+    assert values[0] == pytest.approx(values[1], abs=1e-6)
+
+
+def test_answers_say_what_the_model_does_not_see() -> None:
+    answer = wr.flex(wr.patterns.grid(4, 4, gap=0.02), model=wr.HalfPlane(iterated=False))
+    record = flex_record(answer)
+    assert record["model"] == "halfplane"
+    assert record["verdict"] == "stationary"
+    assert record["collision_free"] is False
+    assert record["deepest_overlap"] == answer.deepest_overlap > 0
+    assert "only approximates" in sentence(answer)
+    assert "overlap" in sentence(answer)
+
+
+def test_a_part_that_nothing_holds_leaves_by_every_model() -> None:
+    made = assemble(
+        Drawing(
+            (part("a", box(-1, -1, 1, 1), fixed=True), part("b", box(-1, -1, 1, 1), (2.1, 0.0, 0.0))),
+            goals=(wr.Pull("b", (1.0, 0.0)),),
+        )
+    )
+    for model in ("walls", "hull", "halfplane", wr.HalfPlane(iterated=False)):
+        answer = wr.flex(made, model=model)
+        assert answer.verdict == "unbounded", model
+        assert answer.objective is None
+        assert answer.leaves == ("b",)
+
+
+def test_prepared_models_answer_many_questions() -> None:
+    ready = wr.prepare(wr.patterns.chain(4, joint="tee", gap=0.01), "hull")
+    up, down = (ready.flex(wr.Pull("b4", (0.0, y))).objective for y in (1.0, -1.0))
+    assert up == pytest.approx(down, rel=1e-5)
+    assert ready.flex(model="walls").model == "walls"
+
+
+def test_wrong_models_are_refused() -> None:
+    made = wr.patterns.chain(2)
+    with pytest.raises(wr.InputError, match='no model "hulls": choose walls, hull, halfplane'):
+        wr.flex(made, model="hulls")
+    with pytest.raises(wr.InputError, match='no model "3"'):
+        wr.flex(made, model=3)
+    with pytest.raises(wr.InputError, match="3 or more"):
+        wr.Hull(slices=2)
+    with pytest.raises(wr.InputError, match="leave the solver out"):
+        wr.flex(made, model="halfplane", solver="ipopt")
+    with pytest.raises(wr.InputError, match="only the model walls"):
+        wr.flex(made, model="hull", start=wr.flex(made))
+
+
+def ring_and_peg() -> wr.Assembly:
+    ring, peg = box(-3, -3, 3, 3) - box(-1, -1, 1, 1), box(-0.98, -0.98, 0.98, 0.98)
+    return assemble(Drawing((part("ring", ring, fixed=True), part("peg", peg))))
+
+
+@pytest.mark.parametrize("model", ["walls", "hull", "halfplane"])
+def test_sum_of_squares_leaves_rest_for_a_corner(model: str) -> None:
+    answer = wr.flex(ring_and_peg(), wr.Translation(), model=model)
+    assert answer.objective == pytest.approx(2 * 0.02**2, rel=1e-4)
+    assert np.abs(answer.motion[1, :2]) == pytest.approx(0.02, rel=1e-4)
+
+
+@pytest.mark.parametrize("model", ["walls", "hull", "halfplane"])
+def test_concentric_parts_are_as_close_as_they_come(model: str) -> None:
+    answer = wr.flex(ring_and_peg(), wr.Closer(), model=model)
+    assert answer.objective == pytest.approx(0, abs=1e-9)
+
+
+@pytest.mark.parametrize("model", ["walls", "hull", "halfplane"])
+def test_neighbours_come_closer_by_the_gap(model: str) -> None:
+    squares = assemble(
+        Drawing(tuple(part(f"s{k}", box(-0.5, -0.5, 0.5, 0.5), (1.05 * k, 0.0, 0.0), fixed=k == 0) for k in range(3)))
+    )
+    answer = wr.flex(squares, wr.Closer(), model=model)
+    if (
+        model == "hull"
+    ):  # convex hulls that do not overlap make no pairs, as in the paper: the squares run into each other
+        assert answer.objective == pytest.approx(2 * 1.05**2, rel=1e-3)
+        assert not answer.collision_free
+    else:
+        assert answer.objective == pytest.approx(2 * (1.05**2 - 1.0), rel=1e-4)
+        assert answer.collision_free
+
+
+def test_wiggling_of_a_grid_by_two_models() -> None:
+    made = wr.patterns.grid(3, 3, gap=0.01)
+    walls, planes = (wr.flex(made, wr.Translation(), model=m) for m in ("walls", "halfplane"))
+    assert walls.collision_free
+    assert walls.objective == pytest.approx(float((walls.motion[:, :2] ** 2).sum()), rel=1e-9)
+    assert walls.objective == pytest.approx(planes.objective, rel=0.02)
+
+
+def test_objective_of_the_whole_in_a_file(tmp_path) -> None:
+    text = {
+        "format": "wiggleroom/1", "objective": "translation", "gap": 0.04,
+        "parts": [
+            {"name": "ring", "outline": [[-3, -3], [3, -3], [3, 3], [-3, 3]], "fixed": True,
+             "holes": [[[-1, -1], [-1, 1], [1, 1], [1, -1]]]},
+            {"name": "peg", "outline": [[-1, -1], [1, -1], [1, 1], [-1, 1]]},
+        ],
+    }  # fmt: skip
+    file = tmp_path / "peg.json"
+    file.write_text(json.dumps(text))
+    assembly = wr.read(file)
+    assert assembly.goals == (wr.Translation(),)
+    assert wr.flex(assembly).objective == pytest.approx(2 * 0.04**2, rel=1e-4)
+
+    from wiggleroom.drawing.assembly_file import read_assembly
+    from wiggleroom.drawing.assembly_writer import write_assembly
+
+    assert read_assembly(write_assembly(assembly.drawing)).goals == (wr.Translation(),)
+
+
+def test_depth_of_an_overlap_round_a_corner_is_its_thickness() -> None:
+    # an L-shaped overlap, 0.01 thick: a ring pushed over a square by 0.01 both ways
+    made = assemble(
+        Drawing(
+            (part("ring", box(-3, -3, 3, 3) - box(-1, -1, 1, 1), fixed=True), part("peg", box(-0.9, -0.9, 0.9, 0.9)))
+        )
+    )
+    ready = approximate(made, wr.HalfPlane())
+    motion = np.array([[0.0, 0, 0], [0.11, 0.11, 0]])
+    found = overlaps(ready.bodies, motion, ready.barred).deepest
+    assert found + 1e-12 >= 0.01
+    assert found < 0.0142

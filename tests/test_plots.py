@@ -1,0 +1,134 @@
+"""Plots and colours: what is drawn must be as large as the numbers say."""
+
+from __future__ import annotations
+
+import re
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import wiggleroom as wr
+from tests.answers import grid, row
+from wiggleroom.report.axes import span, ticks
+from wiggleroom.report.colours import picture_of_values
+from wiggleroom.report.plots import bars, curve, histogram
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+def all_of(svg: str, tag: str) -> list[ElementTree.Element]:
+    return list(ElementTree.fromstring(svg.encode()).iter(f"{SVG}{tag}"))
+
+
+def axis(svg: str, *, of_x: bool) -> tuple[float, float]:
+    """Pixels per unit and the place of 0 on an axis, from its numbers and their lines."""
+    found = []
+    for text in all_of(svg, "text"):
+        if text.get("anchor", text.get("text-anchor")) == ("middle" if of_x else "end") and re.fullmatch(
+            r"-?[\d.]+", text.text or ""
+        ):
+            place = float(text.get("x", "0")) if of_x else float(text.get("y", "0")) - 5
+            found.append((float(text.text or "0"), place))
+    values, places = np.array(found).T
+    scale, zero = np.polyfit(values, places, 1)
+    np.testing.assert_allclose(scale * values + zero, places, atol=0.1)
+    return float(scale), float(zero)
+
+
+@pytest.mark.parametrize("size", [1e-5, 1.0, 3e4])
+def test_points_lie_where_the_numbers_on_the_axes_say(size: float) -> None:
+    x, y = np.array([0.1, 0.25, 0.6, 0.9]), np.array([0.3, 1.7, -0.4, 2.2]) * size
+    svg = curve(x, y, labels=("gap mm", "motion mm"), title="t")
+    dots = np.array([[float(c.get("cx", "0")), float(c.get("cy", "0"))] for c in all_of(svg, "circle")])
+    for k, values in enumerate((x, y)):
+        scale, zero = axis(svg, of_x=k == 0)
+        np.testing.assert_allclose((dots[:, k] - zero) / scale, values, atol=2e-3 * np.ptp(values))
+
+
+def test_a_curve_breaks_where_there_is_no_value() -> None:
+    svg = curve(np.arange(5.0), np.array([1.0, 2.0, np.nan, np.inf, 3.0]), labels=("x", "y"), title="t")
+    assert len(all_of(svg, "circle")) == 3
+    (line,) = [p.get("d", "") for p in all_of(svg, "path") if p.get("stroke-width") == "2.5"]
+    assert (line.count("M"), line.count("L")) == (2, 1)
+
+
+def test_a_mark_stands_at_its_value() -> None:
+    svg = curve(np.linspace(0, 1, 4), np.ones(4), labels=("x", "y"), title="t", marks=[(0.7, "comes apart")])
+    scale, zero = axis(svg, of_x=True)
+    (line,) = [p.get("d", "") for p in all_of(svg, "path") if p.get("stroke-dasharray")]
+    assert (float(line[1:].split(",")[0]) - zero) / scale == pytest.approx(0.7, abs=2e-3)
+    assert "comes apart" in svg
+
+
+def test_a_histogram_counts_every_finite_value_once() -> None:
+    values = np.concatenate([np.random.default_rng(1).normal(2.0, 0.1, 500), [np.inf, np.nan]])
+    svg = histogram(values, label="motion mm", title="t")
+    scale, _ = axis(svg, of_x=False)
+    boxes = [r for r in all_of(svg, "rect") if r.get("stroke")]
+    assert sum(float(r.get("height", "0")) for r in boxes) / -scale == pytest.approx(500, rel=2e-3)
+    assert "2 without limit" in svg
+
+
+def test_bars_are_as_long_as_their_values_and_sorted() -> None:
+    svg = bars(["a", "b<", "c"], np.array([1.0, -4.0, 2.0]), label="mm per mm", title="t")
+    wide = [float(r.get("width", "0")) for r in all_of(svg, "rect") if r.get("stroke")]
+    np.testing.assert_allclose(np.array(wide) / wide[2], [4, 2, 1], rtol=1e-3)
+    names = [t.text for t in all_of(svg, "text") if t.text in ("a", "b<", "c")]
+    assert names == ["b<", "c", "a"]
+    assert "and 15 smaller ones" in bars([str(k) for k in range(40)], np.arange(40.0), label="x", title="t")
+
+
+@pytest.mark.parametrize("values", [[], [np.inf], [1.0] * 5, [0.0]])
+def test_odd_values_are_drawn_too(values: list[float]) -> None:
+    ElementTree.fromstring(histogram(np.array(values), label="x", title="t").encode())
+    if values:
+        found = curve(np.array(values), np.array(values), labels=("x", "y"), title="t")
+        assert "nan" not in found
+
+
+def test_wrong_shapes_are_refused() -> None:
+    with pytest.raises(wr.InputError):
+        curve(np.zeros(3), np.zeros(2), labels=("x", "y"), title="t")
+    with pytest.raises(wr.InputError):
+        bars(["a"], np.array([np.nan]), label="x", title="t")
+    with pytest.raises(wr.InputError):
+        picture_of_values(row(3).assembly, np.zeros(2), label_of="x", title="t")
+
+
+@pytest.mark.parametrize(("low", "high"), [(0, 1), (-3.3, 1e5), (1e-9, 3e-9), (5.0, 5.0001)])
+def test_ticks_are_round_and_inside(low: float, high: float) -> None:
+    found = ticks(low, high)
+    assert 2 <= len(found) <= 10
+    slack = 1e-6 * (high - low)
+    assert low - slack <= found[0]
+    assert found[-1] <= high + slack
+    step = found[1] - found[0]
+    assert round(step / 10 ** np.floor(np.log10(step) + 1e-9), 6) in (1, 2, 5)
+
+
+def test_an_axis_is_never_empty() -> None:
+    for values in ([], [0.0], [3.0, 3.0], [np.nan], [-1.0]):
+        low, high = span(np.array(values), zero=True)
+        assert low < high
+
+
+def light(colour: str) -> float:
+    """Relative luminance of a colour."""
+    r, g, b = (int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
+    return 0.2126 * r**2.2 + 0.7152 * g**2.2 + 0.0722 * b**2.2
+
+
+def test_larger_numbers_are_darker_also_without_colour() -> None:
+    case = grid(4).assembly
+    for sign in (1.0, -1.0):
+        svg = picture_of_values(case, sign * np.arange(16.0), label_of="mm per mm", title="t")
+        fills = [
+            g.get("fill", "")
+            for g in all_of(svg, "g")
+            if (g.get("fill") or "").startswith("#") and g.find(f"{SVG}use") is not None
+        ]
+        assert len(fills) == 16
+        assert (np.diff([light(f) for f in fills]) < 0).all()
+    unknown = picture_of_values(case, np.full(16, np.nan), label_of="x", title="t")
+    assert "not known" in unknown

@@ -1,0 +1,201 @@
+"""Importance of gaps, against closed forms and against questions asked again from nothing."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+import wiggleroom as wr
+from tests.flexing import box, part_at, polygon_part
+from wiggleroom.assembly.build import assemble
+from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
+
+
+def slot(**more: object) -> Drawing:
+    """A block between two fixed walls, floor and ceiling: 0.3 mm free to the right, 0.2 mm to the left."""
+    parts = (
+        box("left", -2.0, 0.0, -1.0, 4.0, fixed=True),
+        box("right", 5.5, 0.0, 6.5, 4.0, fixed=True),
+        box("block", -0.8, 0.1, 5.2, 3.9),
+        box("floor", -0.8, -1.0, 5.3, -0.1, fixed=True),
+        box("ceiling", -0.8, 4.1, 5.3, 5.0, fixed=True),
+    )
+    return Drawing(parts, goals=(Pull("block", (1.0, 0.0)),), **more)
+
+
+def two_stops() -> Drawing:
+    """A bar with a slot, stopped by a wall before its nose and by a peg in its slot at the same time."""
+    ring = [(0, -2), (10, -2), (10, 2), (0, 2)]
+    material = shapely.Polygon(ring, [[(3, -1), (7, -1), (7, 1), (3, 1)]])
+    parts = (
+        box("wall", 10.5, -1.0, 11.5, 1.0, fixed=True),
+        box("peg", 3.5, -0.6, 4.5, 0.6, fixed=True),
+        part_at("bar", material, (5.0, 0.0, 0.0)),
+    )
+    return Drawing(parts, goals=(Pull("bar", (1.0, 0.0)),))
+
+
+def of(ranking: wr.Ranking, name: str) -> tuple[float, float]:
+    """What more and less gap round a part are worth."""
+    k = ranking.answer.assembly.names.index(name)
+    return float(ranking.looser[k]), float(ranking.tighter[k])
+
+
+def again(drawing: Drawing, name: str, h: float) -> float:
+    """Central difference by the gap round one part, everything worked out from nothing."""
+    high, low = (wr.flex(assemble(drawing, offset={name: -s * h / 2})).objective for s in (1, -1))
+    assert high is not None
+    assert low is not None
+    return (high - low) / (2 * h)
+
+
+@pytest.mark.parametrize("by", ["duals", "differences"])
+def test_only_what_stops_a_block_counts(by: str) -> None:
+    ranking = wr.rank(assemble(slot()), by=by)
+    assert ranking.answer.objective == pytest.approx(0.3, abs=1e-6)
+    assert of(ranking, "block") == pytest.approx((0.5, 0.5), abs=1e-5)
+    assert of(ranking, "right") == pytest.approx((0.5, 0.5), abs=1e-5)
+    assert of(ranking, "left") == pytest.approx((0.0, 0.0), abs=1e-5)
+    assert ranking.percent.sum() == pytest.approx(100)
+    assert ranking.unique.all()
+
+
+def test_one_joint_holds_the_block() -> None:
+    ranking = wr.rank(assemble(slot()))
+    names = ranking.answer.assembly.names
+    assert [{names[i] for i in pair} for pair in ranking.joints] == [{"right", "block"}]
+    assert ranking.joint_looser == pytest.approx([1.0], abs=1e-5)
+
+
+@pytest.mark.parametrize("by", ["duals", "differences"])
+def test_two_stops_at_once_differ_on_both_sides(by: str) -> None:
+    ranking = wr.rank(assemble(two_stops()), by=by)
+    assert ranking.answer.objective == pytest.approx(0.5, abs=1e-6)
+    for stop in ("wall", "peg"):  # loosening one leaves the other; tightening one is felt at once
+        assert of(ranking, stop) == pytest.approx((0.0, 0.5), abs=1e-4)
+    assert of(ranking, "bar") == pytest.approx((0.5, 0.5), abs=1e-4)
+    assert dict(zip(ranking.answer.assembly.names, ranking.unique, strict=True)) == {
+        "wall": False,
+        "peg": False,
+        "bar": True,
+    }
+
+
+def test_exact_solves_what_is_not_unique_again() -> None:
+    ranking = wr.rank(assemble(two_stops()), exact=True)
+    assert of(ranking, "peg") == pytest.approx((0.0, 0.5), abs=1e-4)
+    assert ranking.by == "duals"
+
+
+def test_of_glued_parts_only_the_one_that_touches_counts() -> None:
+    parts = (
+        box("wall", 10.4, -1.0, 11.0, 3.0, fixed=True),
+        box("floor", -1.0, -1.2, 10.2, -0.1, fixed=True),
+        box("ceiling", -1.0, 2.1, 10.2, 3.2, fixed=True),
+        box("rear", 0.0, 0.0, 5.0, 2.0),
+        box("front", 5.0, 0.0, 10.0, 2.0),
+    )
+    drawing = Drawing(parts, glue=(("rear", "front"),), goals=(Pull("rear", (1.0, 0.0)),))
+    ranking = wr.rank(assemble(drawing))
+    assert of(ranking, "front") == pytest.approx((0.5, 0.5), abs=1e-5)
+    assert of(ranking, "rear") == pytest.approx((0.0, 0.0), abs=1e-5)
+
+
+def test_a_slanted_contact_counts_by_its_normal() -> None:
+    """A wedge meets the slanted side of a block on a floor: both contacts count, each by its own normal."""
+    parts = (
+        box("floor", -5.0, -1.1, 15.0, -0.1, fixed=True),
+        box("ceiling", -5.0, 4.1, 7.4, 5.0, fixed=True),
+        polygon_part("wedge", [(10.3, 0.4), (14.0, 0.4), (14.0, 4.0), (7.6, 4.0)], fixed=True),
+        polygon_part("block", [(0.0, 0.0), (10.0, 0.0), (7.0, 4.0), (0.0, 4.0)]),
+    )
+    drawing = Drawing(parts, goals=(Pull("block", (1.0, 0.0)),))
+    ranking = wr.rank(assemble(drawing))
+    for name in ("floor", "wedge", "block"):
+        assert of(ranking, name)[0] == pytest.approx(again(drawing, name, 0.002), rel=0.02, abs=1e-4)
+
+
+ASSEMBLIES = {
+    "jigsaw": lambda: wr.patterns.jigsaw(4, 3, gap=0.012, seed=5),
+    "dovetails": lambda: wr.patterns.chain(6, joint="dovetail", gap=0.015),
+    "revolute": lambda: wr.patterns.chain(4, joint="revolute", gap=0.02),
+    "grid of swallowtails": lambda: wr.patterns.grid(3, 3, joint="swallowtail", gap=0.02),
+}
+
+
+@pytest.mark.parametrize("name", ASSEMBLIES)
+def test_multipliers_agree_with_asking_again_from_nothing(name: str) -> None:
+    assembly = ASSEMBLIES[name]()
+    ranking = wr.rank(assembly)
+    for k in ranking.order[: max(2, len(assembly.parts) // 5)]:
+        truth = again(assembly.drawing, assembly.names[k], 0.01 * assembly.gap)
+        assert ranking.unique[k]
+        assert ranking.looser[k] == pytest.approx(truth, rel=0.02)
+
+
+def test_all_parts_together_are_worth_what_the_gap_is() -> None:
+    drawing = wr.patterns.chain(5, joint="tee", gap=0.02).drawing
+    ranking = wr.rank(assemble(drawing))
+    high, low = (wr.flex(assemble(drawing, gap=g)).objective for g in (0.0202, 0.0198))
+    assert high is not None
+    assert low is not None
+    assert ranking.looser.sum() == pytest.approx((high - low) / 0.0004, rel=1e-3)
+
+
+def test_a_joint_is_worth_what_its_own_gap_is() -> None:
+    drawing = wr.patterns.chain(4, joint="tee", gap=0.02).drawing
+    ranking = wr.rank(assemble(drawing))
+    names = ranking.answer.assembly.names
+    worth = {tuple(names[i] for i in p): v for p, v in zip(ranking.joints.tolist(), ranking.joint_looser, strict=True)}
+    h = 0.0004
+    for pair in (("b1", "b2"), ("b2", "b3"), ("b3", "b4")):
+        made = [assemble(replace(drawing, gaps=(JointGap(pair, 0.02 + s * h),))) for s in (1, -1)]
+        high, low = (wr.flex(m).objective for m in made)
+        assert high is not None
+        assert low is not None
+        assert worth[pair] == pytest.approx((high - low) / (2 * h), rel=0.02)
+
+
+def test_turns_are_ranked_in_radians() -> None:
+    drawing = wr.patterns.chain(3, joint="tee", gap=0.02).drawing
+    drawing = replace(drawing, goals=(Turn("b3", "ccw"),))
+    ranking = wr.rank(assemble(drawing))
+    for k, name in enumerate(("b1", "b2", "b3")):
+        assert ranking.looser[k] == pytest.approx(again(drawing, name, 0.0002), rel=0.02)
+
+
+@pytest.mark.parametrize("name", ["frame", "jigsaw"])
+def test_both_ways_put_the_top_fifth_in_the_same_order(name: str) -> None:
+    assembly = wr.patterns.frame(15, 15, gap=0.01) if name == "frame" else wr.patterns.jigsaw(5, 4, gap=0.01)
+    model = wr.prepare(assembly)
+    answer = model.flex()
+    duals, differences = wr.rank(answer), wr.rank(answer, by="differences", workers=1)
+    top = len(assembly.parts) // 5
+    assert (duals.order[:top] == differences.order[:top]).all()
+    large = duals.unique & (differences.looser > 0.01 * differences.looser.max())
+    assert duals.looser[large] == pytest.approx(differences.looser[large], rel=0.02)
+
+
+def test_what_has_no_end_cannot_be_ranked() -> None:
+    drawing = slot()
+    drawing = replace(drawing, parts=drawing.parts[:-1], goals=(Pull("block", (0.0, 1.0)),))
+    with pytest.raises(wr.InputError, match="nothing stops the motion"):
+        wr.rank(assemble(drawing))
+    with pytest.raises(wr.InputError, match="duals or by differences"):
+        wr.rank(assemble(slot()), by="magic")
+
+
+@pytest.mark.slow
+def test_a_grid_of_4096_blocks_is_ranked_within_the_time_of_its_solve() -> None:
+    answer = wr.flex(wr.patterns.grid(64, 64, joint="tee", gap=0.01))
+    began = time.perf_counter()
+    ranking = wr.rank(answer)
+    spent = time.perf_counter() - began
+    assert spent < answer.seconds["solve"]
+    assert np.isfinite(ranking.looser).all()
+    assert ranking.percent.sum() == pytest.approx(100)
+    assert answer.assembly.names[ranking.order[0]] == "b1-1"

@@ -1,0 +1,253 @@
+"""tighten, sweep and sample, against closed forms, against all choices, and against asking again from nothing."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import wiggleroom as wr
+from tests.flexing import box
+from wiggleroom.analysis.lots import wilson
+from wiggleroom.assembly.build import assemble
+from wiggleroom.drawing.model import Drawing, JointGap, Pull
+
+
+def slot() -> Drawing:
+    """A block between two fixed walls, floor and ceiling: 0.3 mm free to the right, 0.2 mm to the left."""
+    parts = (
+        box("left", -2.0, 0.0, -1.0, 4.0, fixed=True),
+        box("right", 5.5, 0.0, 6.5, 4.0, fixed=True),
+        box("block", -0.8, 0.1, 5.2, 3.9),
+        box("floor", -0.8, -1.0, 5.3, -0.1, fixed=True),
+        box("ceiling", -0.8, 4.1, 5.3, 5.0, fixed=True),
+    )
+    return Drawing(parts, goals=(Pull("block", (1.0, 0.0)),))
+
+
+# -- tighten --------------------------------------------------------------------------------------------------------
+
+
+def test_eleven_parts_of_the_frame_take_most_of_the_motion() -> None:
+    found = wr.tighten(wr.patterns.frame(15, 15, gap=0.01), parts=11, draws=12, workers=1)
+    assert len(set(found.chosen)) == 11
+    assert found.lowered >= 50
+    assert found.lowered_at_random < found.lowered / 2
+    assert found.after.collision_free
+
+
+def test_the_tightened_motion_is_that_of_parts_made_so() -> None:
+    assembly = wr.patterns.chain(5, joint="tee", gap=0.01)
+    found = wr.tighten(assembly, parts=2, gap=0.004, draws=0)
+    made = assemble(assembly.drawing, offset=dict.fromkeys(found.chosen, 0.003))
+    assert found.after.objective == pytest.approx(wr.flex(made).objective, rel=1e-9)
+
+
+def everything(assembly: wr.Assembly, count: int, outward: float) -> dict[tuple[str, ...], float]:
+    """Motion with every choice of so many parts made larger."""
+    found = {}
+    for chosen in combinations(assembly.names, count):
+        value = wr.flex(assemble(assembly.drawing, offset=dict.fromkeys(chosen, outward))).objective
+        assert value is not None
+        found[chosen] = value
+    return found
+
+
+def test_no_other_choice_of_two_is_better() -> None:
+    assembly = wr.patterns.chain(5, joint="swallowtail", gap=0.02)
+    found = wr.tighten(assembly, parts=2, draws=0)
+    assert found.after.objective <= min(everything(assembly, 2, 0.009).values()) * (1 + 1e-6)
+
+
+def test_no_fewer_parts_keep_the_limit() -> None:
+    assembly = wr.patterns.jigsaw(3, 2, gap=0.01, seed=2)
+    before = wr.flex(assembly).objective
+    assert before is not None
+    found = wr.tighten(assembly, limit=0.5 * before, draws=0)
+    assert found.reached
+    assert found.after.objective <= 0.5 * before
+    fewer = everything(assembly, len(found.chosen) - 1, 0.0045)
+    assert min(fewer.values()) > 0.5 * before
+
+
+def test_a_limit_that_nothing_reaches_is_said_so() -> None:
+    found = wr.tighten(wr.patterns.chain(3, gap=0.02), limit=1e-6, draws=0)
+    assert not found.reached
+    assert len(found.chosen) == 3
+
+
+def test_a_limit_that_holds_already_needs_nothing() -> None:
+    found = wr.tighten(wr.patterns.chain(3, gap=0.02), limit=5.0)
+    assert found.chosen == ()
+    assert found.reached
+
+
+def test_a_smaller_joint_of_its_own_is_not_closed_beyond() -> None:
+    drawing = replace(wr.patterns.chain(3, joint="tee", gap=0.02).drawing, gaps=(JointGap(("b1", "b2"), 0.004),))
+    found = wr.tighten(assemble(drawing), parts=3, draws=2, workers=1)
+    assert found.after.objective is not None
+    assert found.after.objective < (found.before.objective or 0)
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({}, "how many parts, or the limit"),
+        ({"parts": 1, "limit": 1.0}, "how many parts, or the limit"),
+        ({"parts": 0}, "choose 1 to 3"),
+        ({"parts": 4}, "choose 1 to 3"),
+        ({"limit": -1.0}, "more than 0"),
+        ({"limit": float("nan")}, "more than 0"),
+        ({"parts": 1, "gap": 0.02}, "less than the present gap"),
+    ],
+)
+def test_tighten_refuses(asked: dict[str, float], said: str) -> None:
+    with pytest.raises(wr.InputError, match=said):
+        wr.tighten(wr.patterns.chain(3, gap=0.02), **asked)
+
+
+# -- sweep ----------------------------------------------------------------------------------------------------------
+
+
+def test_sweep_is_what_flex_says_for_each_gap() -> None:
+    drawing = wr.patterns.chain(5, joint="dovetail", gap=0.02).drawing
+    found = wr.sweep(assemble(drawing), [0.03, 0.01, 0.02, 0.015])
+    assert [s.gap for s in found.steps] == [0.01, 0.015, 0.02, 0.03]
+    for step in found.steps:
+        assert step.objective == pytest.approx(wr.flex(assemble(drawing, gap=step.gap)).objective, rel=1e-6)
+        assert step.checked
+    assert found.lost is None
+
+
+def test_sweep_of_joints_with_gaps_of_their_own() -> None:
+    drawing = replace(wr.patterns.chain(3, gap=0.02).drawing, gaps=(JointGap(("b1", "b2"), 0.01),))
+    found = wr.sweep(assemble(drawing), [0.01, 0.02])
+    for step in found.steps:
+        assert step.objective == pytest.approx(wr.flex(assemble(drawing, gap=step.gap)).objective, rel=1e-6)
+
+
+def test_swallowtails_come_apart_where_they_are_known_to() -> None:
+    found = wr.sweep(wr.patterns.chain(2, joint="swallowtail"), np.linspace(0.02, 0.08, 4))
+    assert found.lost is not None
+    assert 0.0595 < found.lost[0] < found.lost[1] < 0.0607
+    assert found.lost[1] - found.lost[0] < 1e-3 * found.lost[1]
+    assert [s.verdict == "unbounded" for s in found.steps] == [False, False, False, True]
+
+
+def test_a_sweep_can_be_stopped() -> None:
+    stop = threading.Event()
+    found = wr.sweep(
+        wr.patterns.chain(3, gap=0.02), stop=stop, progress=lambda done, _: stop.set() if done == 2 else None
+    )
+    assert len(found.steps) == 2
+
+
+@pytest.mark.parametrize("gaps", [[], [-0.1], [float("nan")], [float("inf")]])
+def test_sweep_refuses(gaps: list[float]) -> None:
+    with pytest.raises(wr.InputError):
+        wr.sweep(wr.patterns.chain(3, gap=0.02), gaps)
+
+
+def test_gaps_that_cannot_be_made_or_touch_are_said() -> None:
+    found = wr.sweep(wr.patterns.chain(2, joint="tee", gap=0.02), [0.0, 0.02, 0.5])
+    assert found.steps[0].verdict == "touching"
+    assert found.steps[1].objective is not None
+    assert found.steps[2].objective is None
+
+
+# -- sample ---------------------------------------------------------------------------------------------------------
+
+
+def test_every_draw_of_the_slot_is_its_closed_form() -> None:
+    found = wr.sample(assemble(slot()), 0.05, draws=200, limit=0.32, workers=1)
+    left, right, block, *_ = found.extra.T
+    exact = 0.3 + (right + block) / 2
+    misfit = (exact <= 0) | (0.2 + (left + block) / 2 <= 0)
+    assert (np.isnan(found.value) == misfit).all()
+    assert found.value[~misfit] == pytest.approx(exact[~misfit], abs=1e-6)
+    assert found.good == ((exact <= 0.32) & ~misfit).sum()
+    assert found.contributions == pytest.approx([0, 50, 50, 0, 0], abs=1e-3)
+    assert found.foreseen == pytest.approx(0.05 / np.sqrt(2), rel=1e-4)
+    assert found.largest_difference < 1e-6
+    assert found.value[found.worst] == np.nanmax(found.value)
+
+
+def test_parts_that_do_not_fit_are_counted_and_fail() -> None:
+    found = wr.sample(
+        assemble(slot()), wr.Spread(0.15, "uniform", sheet=1.0, bias=-0.15), draws=60, limit=10.0, workers=1
+    )
+    assert found.misfits == (found.extra[:, 0] <= -0.2).sum() > 0
+    assert found.good == 60 - found.misfits
+
+
+def test_draws_on_a_jigsaw_are_what_flex_says() -> None:
+    assembly = wr.patterns.jigsaw(3, 3, gap=0.012, seed=8)
+    found = wr.sample(assembly, wr.Spread(0.002, "truncated", sheet=0.4), draws=12, seed=5, workers=1)
+    for value, extra in zip(found.value, found.extra, strict=True):
+        offset = dict(zip(assembly.names, (-extra / 2).tolist(), strict=True))
+        assert value == pytest.approx(wr.flex(assemble(assembly.drawing, offset=offset)).objective, rel=1e-3)
+    assert len(found.checked) == 10
+    assert found.largest_difference < 1e-3
+
+
+def test_the_spread_is_foreseen_by_the_ranking() -> None:
+    for sheet in (0.0, 0.7):
+        found = wr.sample(wr.patterns.chain(4, gap=0.02), wr.Spread(0.001, sheet=sheet), draws=100, workers=1)
+        assert found.bounded.std(ddof=1) == pytest.approx(found.foreseen, rel=0.2)
+
+
+@pytest.mark.parametrize("kind", ["normal", "uniform", "truncated"])
+def test_lots_are_distributed_as_they_say(kind: str) -> None:
+    lot = wr.Spread(0.1, kind, sheet=0.5, bias=0.02)
+    drawn = lot.draw(4000, 3, seed=1)
+    truth = {
+        "normal": stats.norm(0.02, 0.1),
+        "uniform": stats.uniform(-0.08, 0.2),
+        "truncated": stats.truncnorm(-2, 2, loc=0.02, scale=0.1),
+    }[kind]
+    for column in drawn.T:
+        assert stats.kstest(column, truth.cdf).pvalue > 1e-3
+    assert lot.deviation == pytest.approx(truth.std(), rel=1e-6)
+    assert stats.spearmanr(drawn[:, 0], drawn[:, 1]).statistic == pytest.approx(6 / np.pi * np.arcsin(0.25), abs=0.05)
+    assert (lot.draw(10, 3, seed=1) == drawn[:10]).all()
+
+
+def test_wilson_holds_as_often_as_it_says() -> None:
+    rng, share, count = np.random.default_rng(0), 0.93, 60
+    inside = [
+        low <= share <= high for low, high in (wilson(int(rng.binomial(count, share)), count) for _ in range(2000))
+    ]
+    assert np.mean(inside) == pytest.approx(0.95, abs=0.02)
+    truth = stats.binomtest(57, 60).proportion_ci(method="wilson")
+    assert wilson(57, 60) == pytest.approx((truth.low, truth.high))
+
+
+@pytest.mark.parametrize("spread", [0.0, -1.0, float("nan"), float("inf")])
+def test_sample_refuses(spread: float) -> None:
+    with pytest.raises(wr.InputError, match="spread"):
+        wr.sample(assemble(slot()), spread)
+
+
+def test_sample_refuses_other_nonsense() -> None:
+    for make, said in (
+        (lambda: wr.Spread(0.1, "cauchy"), "distribution"),
+        (lambda: wr.Spread(0.1, sheet=1.5), "correlation"),
+        (lambda: wr.Spread(0.1, bias=float("nan")), "bias"),
+        (lambda: wr.sample(assemble(slot()), 0.1, draws=0), "at least 1"),
+        (lambda: wr.sample(assemble(slot()), 0.1, limit=float("nan")), "limit"),
+    ):
+        with pytest.raises(wr.InputError, match=said):
+            make()
+
+
+def test_a_stopped_sample_says_what_it_has() -> None:
+    stop = threading.Event()
+    found = wr.sample(
+        assemble(slot()), 0.01, draws=30, workers=1, stop=stop, progress=lambda done, _: stop.set() if done == 7 else None
+    )  # fmt: skip
+    assert len(found.value) == 7
+    assert found.asked == 30
