@@ -26,7 +26,12 @@ PATTERNS = {
     "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
     "06_frame/frame.json": "frame 15 15 --joint tee --gap 0.01",
     "07_grid/grid.json": "grid 6 5 --joint tee --gap 0.01",
+    "20_elephant/elephant.json": "image examples/pictures/elephant.png --blocks 66 --fix b9-1,b47-1 --pull b49-42:+y",
+    "21_butterfly/butterfly.json": "image examples/pictures/butterfly.png --blocks 39 --fix b20-15 "
+    "--pull b3-23:-x --pull b37-23:+x",
 }
+LONG = {"20_elephant", "21_butterfly"}
+FOLDERS = [pytest.param(p, id=p.name, marks=[pytest.mark.slow] if p.name in LONG else []) for p in EXAMPLES]
 
 
 def run(command: str, monkeypatch: pytest.MonkeyPatch) -> int:
@@ -39,7 +44,7 @@ def test_there_are_examples():
     assert len(EXAMPLES) >= 12
 
 
-@pytest.mark.parametrize("folder", EXAMPLES, ids=lambda folder: folder.name)
+@pytest.mark.parametrize("folder", FOLDERS)
 def test_example_gives_what_it_promises(folder, monkeypatch, tmp_path):
     command = (folder / "command.txt").read_text().strip()
     expected = json.loads((folder / "expected.json").read_text())

@@ -8,6 +8,7 @@ from wiggleroom.cli.convert import convert
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
+from wiggleroom.cli.make_image import image
 from wiggleroom.cli.rank import rank
 from wiggleroom.cli.sample import sample
 from wiggleroom.cli.space import space
@@ -36,8 +37,12 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, rank, tighten, sweep, sample, space, convert, make, draw):
+    for command in (flex, rank, tighten, sweep, sample, space, convert, draw):
         app.command(command, help_format="markdown")
+    maker = App(name="make", help_format="markdown")
+    maker.default(make)
+    maker.command(image)
+    app.command(maker)
     return app
 
 
