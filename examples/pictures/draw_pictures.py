@@ -7,6 +7,7 @@ blocks: 1,669 and 532, as many as the two picture assemblies of the paper (Fig. 
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -67,7 +68,7 @@ def elephant(scale: float) -> Pen:
     pen.stroke([(-25.5, 31), (-29.5, 26), (-30, 17)], [3, 2.2, 2.6])  # tail
     pen.shape([(19.5, 26.5), (25.5, 18.5), (26.5, 19.5), (22, 28)], 255)  # tusk
     ear = np.array([(8.5, 40.0), (3, 40.5), (0.2, 35), (1.2, 27), (6, 21.5), (10.5, 25.5), (12, 32)])
-    for a, b in zip(ear[:-1], ear[1:], strict=True):
+    for a, b in pairwise(ear):
         pen.stroke([a, b], [1.5, 1.5], 255)
     pen.oval(19, 35.5, 1.15, 1.15, 255)  # eye
     return pen
