@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer, Contact
+    from wiggleroom.analysis.blocking import Blocking, blocking
     from wiggleroom.analysis.flex import flex
     from wiggleroom.analysis.lots import Spread
     from wiggleroom.analysis.prepare import Prepared, prepare
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
 _HOME = {
     "Answer": "analysis.answer",
     "Assembly": "assembly.model",
+    "Blocking": "analysis.blocking",
     "Closer": "drawing.model",
     "Contact": "analysis.answer",
     "Drawing": "drawing.model",
@@ -63,6 +65,7 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
+    "blocking": "analysis.blocking",
     "film": "report.film",
     "flex": "analysis.flex",
     "free_space": "freespace.space",
@@ -79,6 +82,7 @@ _HOME = {
 __all__ = [
     "Answer",
     "Assembly",
+    "Blocking",
     "Closer",
     "Contact",
     "Drawing",
@@ -106,6 +110,7 @@ __all__ = [
     "W",
     "WiggleroomError",
     "assemble",
+    "blocking",
     "film",
     "flex",
     "free_space",
