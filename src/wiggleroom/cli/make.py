@@ -56,7 +56,7 @@ def make(
     from wiggleroom.drawing import write_drawing
     from wiggleroom.errors import InputError
 
-    sizes, wrong = read_sizes(size)
+    sizes, wrong = sizes_of(size)
     wrong += _misfits(pattern, ny, pitch, drawn_by_lot=joint is None and not sizes)
     if wrong:
         raise InputError(wrong)
@@ -84,7 +84,7 @@ def pitch_misfits(pitch: float) -> list[str]:
     return [] if math.isfinite(pitch) and pitch > 0 else [f"--pitch {pitch:g}: it must be more than 0"]
 
 
-def read_sizes(texts: tuple[str, ...]) -> tuple[dict[str, float], list[str]]:
+def sizes_of(texts: tuple[str, ...]) -> tuple[dict[str, float], list[str]]:
     """Sizes by name, and one line for each text that cannot be read."""
     found: dict[str, float] = {}
     wrong = []

@@ -63,12 +63,12 @@ def image(
     """
     from wiggleroom.assembly import patterns
     from wiggleroom.cli.asking import goals
-    from wiggleroom.cli.make import pitch_misfits, read_sizes
+    from wiggleroom.cli.make import pitch_misfits, sizes_of
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_bitmap, write_drawing
     from wiggleroom.errors import InputError
 
-    sizes, wrong = read_sizes(size)
+    sizes, wrong = sizes_of(size)
     asked, odd = goals(pull, turn)
     wrong += [*odd, *pitch_misfits(pitch)]
     if wrong:
