@@ -27,9 +27,12 @@ PATTERNS = {
     "03_chain_of_swallowtails/chain.json": "chain 10 --joint swallowtail --gap 0.01",
     "06_frame/frame.json": "frame 15 15 --joint tee --gap 0.01",
     "07_grid/grid.json": "grid 6 5 --joint tee --gap 0.01",
+    "20_elephant/elephant.json": "image examples/pictures/elephant.png --blocks 66 --fix b9-1,b47-1 --pull b49-42:+y",
+    "21_butterfly/butterfly.json": "image examples/pictures/butterfly.png --blocks 39 --fix b20-15 "
+    "--pull b3-23:-x --pull b37-23:+x",
 }
 
-SLOW = ("18_grid_of_4096",)
+SLOW = ("18_grid_of_4096", "20_elephant", "21_butterfly")
 DRAWN = ("14_shelf", "19_space_divider")
 """Examples whose drawings a script writes, draw.py beside them."""
 
