@@ -18,7 +18,7 @@ import wiggleroom as wr
 from tests.audit import polygon, reachable
 from tests.oracle import chain as oracle_chain
 from tests.oracle.collision import overlaps, pose_depth
-from wiggleroom.bench import accuracy, chains, interlock, one, published, speed
+from wiggleroom.bench import accuracy, chains, interlock, large, one, published, speed
 from wiggleroom.bench.collide import overlapping
 from wiggleroom.bench.pairs import PAIR, PAIRS
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
@@ -27,6 +27,7 @@ from wiggleroom.bench.result import Bench, Column, Sheet
 from wiggleroom.cli import main
 from wiggleroom.report.records import to_json
 
+EXAMPLES = Path(__file__).parents[1] / "examples"
 needs_ipopt = pytest.mark.skipif(find_spec("casadi") is None, reason="needs the extra bench")
 
 
@@ -128,7 +129,7 @@ def test_published_cells_add_up_as_printed() -> None:
     np.testing.assert_allclose(sums, [100, 99.93, 100, 100], atol=1e-9)
     tees = published.speed(4096, "tee")
     assert [r["total_seconds"] for r in tees] == [128.2, 1130.0]
-    for parts, joint in ((c.parts, c.joint) for c in speed.CASES):
+    for parts, joint in ((c.parts, c.joint) for c in large.CASES if not c.picture):
         ours = published.speed(parts, joint)[0]
         off = 0.04 if joint == "revolute" else 0.0  # as printed
         assert ours["preprocess_seconds"] + ours["solve_seconds"] - ours["total_seconds"] == pytest.approx(
@@ -166,6 +167,7 @@ def test_methods_against_the_true_optimum() -> None:
     assert share["walls"] == pytest.approx(1, abs=1e-6)
     assert share["hull, reference"] < share["hull, joint"] < 0.6
     assert share["half-planes"] == pytest.approx(1, abs=1e-3)
+    assert share["physics engine"] == pytest.approx(1, abs=0.02)
 
 
 # interlock
@@ -192,10 +194,17 @@ def _placed(points: np.ndarray, at: tuple[float, float, float]) -> np.ndarray:
     return points @ turn(at[2]).T + at[:2]
 
 
-def test_both_truths_are_there_and_walls_tell_them_apart() -> None:
+@pytest.mark.parametrize("method", ["check", "walls"])
+def test_both_truths_are_told_apart(method: str) -> None:
     assert {p.truth for p in PUZZLES} == {LOCKED, APART}
     for puzzle in PUZZLES:
-        assert interlock.METHODS["walls"](puzzle.assembly(), None) == puzzle.truth, puzzle.name
+        assert interlock.METHODS[method](puzzle.assembly(), None) == puzzle.truth, puzzle.name
+
+
+def test_methods_for_tight_parts_see_no_gap() -> None:
+    wedges = [p for p in PUZZLES if p.drawing == "gap"]
+    for method in ("first order", "blocking graphs"):
+        assert {interlock.METHODS[method](p.assembly(), None) for p in wedges} == {LOCKED}
 
 
 def test_a_method_that_refuses_is_not_right(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -228,7 +237,7 @@ def test_small_assemblies_are_timed_in_processes_of_their_own() -> None:
 
 @needs_ipopt
 def test_a_limit_is_kept_and_said() -> None:
-    case = speed.CASES[1]
+    case = large.CASES[1]
     row = speed.measured(case, "half-planes", 0.05)
     assert row["limit_seconds"] == 0.05
     assert "total_seconds" in row["at_least"]
@@ -236,7 +245,7 @@ def test_a_limit_is_kept_and_said() -> None:
 
 
 def test_a_process_that_fails_is_told_of() -> None:
-    case = speed.Case("none", 1, "tee", "grid", (1, 1))
+    case = large.Case("none", 1, "tee")
     assert speed.measured(case, "walls", None)["ended"].startswith("failed: ")
 
 
@@ -246,6 +255,22 @@ def test_a_process_that_fails_is_told_of() -> None:
 def test_speed_refuses_what_it_cannot_do(parts, limit, word) -> None:
     with pytest.raises(wr.InputError, match=word):
         speed.speed(parts, limit=limit)
+
+
+@pytest.mark.parametrize("case", large.CASES, ids=lambda c: c.name)
+def test_assemblies_have_as_many_parts_as_they_say(case) -> None:
+    made = large.assembly_of(case) if case.parts <= 2000 else None
+    assert made is None or len(made.parts) == case.parts
+    assert case.name.startswith(f"{case.parts:,} ")
+
+
+def test_pictures_are_those_of_the_gallery() -> None:
+    for folder, name, case in (("20_elephant", "elephant", -2), ("21_butterfly", "butterfly", -1)):
+        mine, other = large.assembly_of(large.CASES[case]), wr.read(EXAMPLES / folder / f"{name}.json")
+        assert mine.names == other.names
+        np.testing.assert_allclose(mine.rest, other.rest, atol=1e-9)
+        assert mine.goals == other.goals
+        assert [p.fixed for p in mine.parts] == [p.fixed for p in other.parts]
 
 
 # pages

@@ -5,11 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from importlib.resources import files
+from importlib.util import find_spec
 
 from wiggleroom.analysis.flex import flex
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.bench.physics import pulled_to_rest
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.errors import MissingExtraError
 from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.solve.newton import Stop
 
@@ -31,12 +34,19 @@ def by_model(model: PairModel) -> Method:
     return ask
 
 
+def by_physics(assembly: Assembly, _: Stop | None) -> Found:
+    """Method that pulls in a physics engine until everything is at rest."""
+    rest = pulled_to_rest(assembly)
+    return rest.objective, rest.deepest_overlap
+
+
 METHODS: dict[str, Method] = {
     "walls": by_model(Walls()),
     "hull, reference": by_model(Hull("reference")),
     "hull, joint": by_model(Hull("joint")),
     "half-planes, at rest": by_model(HalfPlane(iterated=False)),
     "half-planes": by_model(HalfPlane()),
+    "physics engine": by_physics,
 }
 """Registry: every method that is given a chain."""
 
@@ -49,6 +59,13 @@ def optima() -> tuple[int, dict[tuple[str, float], float]]:
     stored = json.loads(files("wiggleroom.bench").joinpath("optima.json").read_text(encoding="utf-8"))
     split = {key: key.split() for key in stored["optima"]}
     return stored["blocks"], {(split[k][0], float(split[k][1])): value for k, value in stored["optima"].items()}
+
+
+def see_engine() -> None:
+    """See that the physics engine is there; raises MissingExtraError."""
+    if find_spec("pymunk") is None:
+        finding = 'bench chains compares with a physics engine: pip install "wiggleroom[bench]"'
+        raise MissingExtraError(finding)
 
 
 def chains(*, stop: Stop | None = None, progress: Callable[[int, int], None] | None = None) -> Bench:
@@ -83,7 +100,8 @@ def chains(*, stop: Stop | None = None, progress: Callable[[int, int], None] | N
         "dynamic programme over the turns of the links (stored with the package, accurate to 1e-9; `python -m "
         "benchmarks.optima` works it out anew).",
         "A star: parts overlap in that motion. Hull: three slices, about the reference point or the joint. "
-        "Half-planes: step by step; at rest: one linear program.",
+        "Half-planes: step by step; at rest: one linear program. Physics engine: Chipmunk, no friction, a force lowered until all is at rest; "
+        "bodies sink into each other a little.",
         "† Mind the Gap shows such curves in its Fig. 9, without figures or the sizes of its blocks: there "
         "experiments with real blocks move furthest, then its hull, then PuzzleFlex.",
     )

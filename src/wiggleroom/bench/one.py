@@ -13,7 +13,7 @@ import time
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.bench.large import CASES, assembly_of
 from wiggleroom.bench.result import Record
 from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
 
@@ -36,18 +36,13 @@ class Clock:
         return self.end is not None and time.perf_counter() > self.end
 
 
-def assembly_of(pattern: str, arguments: list[int], options: Record) -> Assembly:
-    """Assembly of `wiggleroom.patterns`."""
-    made: Assembly = getattr(patterns, pattern)(*arguments, **options)
-    return made
-
-
 def main() -> None:
     """Do the job, and say what it took."""
     job = json.loads(sys.argv[1])
     model, solver = METHODS[job["method"]]
+    (case,) = [c for c in CASES if c.name == job["case"]]
     flex(patterns.chain(2), model=model, solver=solver)
-    assembly = assembly_of(job["pattern"], job["arguments"], job["options"])
+    assembly = assembly_of(case)
     clock = Clock(job["limit"])
     began = time.perf_counter()
     ready = prepare(assembly, model)

@@ -25,6 +25,7 @@ STYLES = {
     "hull, 8 rounds": Style(_HULL_2, "square"),
     "half-planes": Style(_PLANES, "triangle"),
     "half-planes, at rest": Style(_PLANES_2, "triangle"),
+    "physics engine": Style(_OTHER, "diamond", hollow=True),
     "Mind the Gap †": Style(_THEIRS, "square", hollow=True),
     "PuzzleFlex †": Style(_THEIRS_2, "triangle", hollow=True),
 }

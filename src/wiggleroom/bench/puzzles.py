@@ -49,13 +49,13 @@ class Puzzle:
 PUZZLES = (
     Puzzle("locked", "locked", LOCKED, "three blocks, T in T"),
     Puzzle("sequential", "sequential", APART, "the latch lets the drawer go"),
-    Puzzle("simultaneous only", "simultaneous", APART, "two parts leave together, each its own way (as in Fig. 10a)"),
-    Puzzle("rotation only", "rotation", APART, "a hook that must be turned out"),
+    Puzzle("simultaneous", "simultaneous", APART, "two parts leave together, each its own way (as in Fig. 10a)"),
+    Puzzle("rotation", "rotation", APART, "a hook that must be turned out"),
     Puzzle("key not glued", "glued_key", APART, "each part of the key slides out its own way", glued=False),
     Puzzle("keyed by glue", "glued_key", LOCKED, "glued together they cannot (as in Fig. 10b)"),
-    Puzzle("wedge, small gap", "gap", LOCKED, "neither straight nor turned (as in Fig. 10c)", gap=5.5),
-    Puzzle("wedge, wider gap", "gap", APART, "too wide to come straight, but turned it does", gap=6.4),
-    Puzzle("wedge, widest gap", "gap", APART, "straight", gap=7.0),
+    Puzzle("wedge, gap 5.5", "gap", LOCKED, "neither straight nor turned (as in Fig. 10c)", gap=5.5),
+    Puzzle("wedge, gap 6.4", "gap", APART, "too wide to come straight, but turned it does", gap=6.4),
+    Puzzle("wedge, gap 7", "gap", APART, "straight", gap=7.0),
     Puzzle("through slot", "through_slot", APART, "a bar between two walls"),
     Puzzle("round plug", "round_plug", LOCKED, "it spins, and stays"),
 )

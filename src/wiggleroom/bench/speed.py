@@ -11,11 +11,11 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 
 import wiggleroom
+from wiggleroom.bench.large import CASES, GAP, Case
 from wiggleroom.bench.one import METHODS
 from wiggleroom.bench.published import speed as published
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
@@ -23,7 +23,6 @@ from wiggleroom.errors import InputError, MissingExtraError
 from wiggleroom.solve.linear import linear_solver
 from wiggleroom.solve.newton import Stop
 
-GAP = 0.01
 PATIENCE, SHORTEST, LONGEST = 4.2, 10.0, 50.0
 """Others may take so many times as long as walls, and at least and at most so many seconds."""
 GRACE = 1.5
@@ -43,35 +42,6 @@ COLUMNS = (
     Column("times_walls", "times walls", 1),
     Column("ended", "ended"),
 )
-
-
-@dataclass(frozen=True)
-class Case:
-    """One assembly: how it is made from `wiggleroom.patterns`, how many parts it has, and whose joint."""
-
-    name: str
-    parts: int
-    joint: str
-    pattern: str
-    arguments: tuple[int, ...]
-    options: Record = field(default_factory=dict)
-
-
-def _grid(nx: int, ny: int, joint: str) -> Case:
-    return Case(f"{nx * ny:,} {joint}", nx * ny, joint, "grid", (nx, ny), {"joint": joint, "gap": GAP})
-
-
-CASES = (
-    _grid(6, 5, "tee"),
-    _grid(14, 13, "tee"),
-    _grid(27, 25, "tee"),
-    _grid(45, 42, "tee"),
-    _grid(64, 64, "tee"),
-    _grid(64, 64, "dovetail"),
-    _grid(64, 64, "swallowtail"),
-    _grid(64, 64, "revolute"),
-)
-"""Assemblies in the order they are asked."""
 
 
 def speed(
@@ -123,8 +93,10 @@ def speed(
         found += [{"assembly": case.name, **row} for row in published(case.parts, case.joint)]
     cut = stop is not None and stop.is_set()
     notes = (
-        f"Wall-clock seconds, gap {GAP:g}, first block fixed, last one pulled in +y; libraries and compiled code "
-        "loaded before the clock starts. Walls: interior point, all rounds, the check of the end and of the way "
+        f"Wall-clock seconds, gap {GAP:g}, first block fixed, last one pulled in +y (of the pictures "
+        "as in the paper's Fig. 8b: elephant, two feet fixed, the head pulled up; butterfly, the middle fixed, both "
+        "sides pulled apart); libraries and compiled code loaded before the clock starts. "
+        "Walls: interior point, all rounds, the check of the end and of the way "
         "from rest included. Hull: about the joint, three slices, one round. Half-planes: step by step, linear "
         f"programs by {linear_solver()}. Peak: memory of the whole process.",
         "Ended: what the method itself says; a time with > is where it was stopped at its limit, and its motion "
@@ -170,13 +142,7 @@ def measured(case: Case, method: str, limit: float | None, stop: Stop | None = N
         "method": method,
         "published": False,
     }
-    job = {
-        "method": method,
-        "pattern": case.pattern,
-        "arguments": case.arguments,
-        "options": case.options,
-        "limit": limit,
-    }
+    job = {"case": case.name, "method": method, "limit": limit}
     source = str(Path(wiggleroom.__file__).parents[1])
     where = os.pathsep.join([source, *filter(None, [os.environ.get("PYTHONPATH")])])
     with subprocess.Popen(

@@ -79,6 +79,10 @@ def bench(
         from wiggleroom.bench.speed import asked
 
         asked(max_parts, limit)
+    if "chains" in names:
+        from wiggleroom.bench.chains import see_engine
+
+        see_engine()
     page = _page(markdown, names)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     found: list[Bench] = []
