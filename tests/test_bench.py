@@ -81,6 +81,7 @@ def test_models_of_closed_joints(name: str) -> None:
         assert 0 < rows[hull]["to_deg"] < rows["walls"]["to_deg"]
 
 
+@pytest.mark.slow
 def test_open_pairs_are_sampled_where_the_hulls_reach() -> None:
     rows = {r["method"]: r for r in accuracy.of_pair("open wedge", PAIRS["open wedge"](), 20_000)}
     assert rows["walls"]["unsafe_samples"] == 0
@@ -194,7 +195,7 @@ def _placed(points: np.ndarray, at: tuple[float, float, float]) -> np.ndarray:
     return points @ turn(at[2]).T + at[:2]
 
 
-@pytest.mark.parametrize("method", ["check", "walls"])
+@pytest.mark.parametrize("method", [pytest.param("check", marks=pytest.mark.slow), "walls"])
 def test_both_truths_are_told_apart(method: str) -> None:
     assert {p.truth for p in PUZZLES} == {LOCKED, APART}
     for puzzle in PUZZLES:
@@ -205,6 +206,18 @@ def test_methods_for_tight_parts_see_no_gap() -> None:
     wedges = [p for p in PUZZLES if p.drawing == "gap"]
     for method in ("first order", "blocking graphs"):
         assert {interlock.METHODS[method](p.assembly(), None) for p in wedges} == {LOCKED}
+
+
+def test_all_columns_fit_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rich.console import Console
+
+    monkeypatch.setattr(interlock, "METHODS", dict.fromkeys(interlock.METHODS, lambda *_: LOCKED))
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(bench_table(interlock.interlock()))
+    said = console.export_text()
+    head = said[: said.index("──")]
+    assert all(word in head for name in interlock.METHODS for word in name.replace(",", " ").split())
+    assert said.count("✓") + said.count("✗") == len(PUZZLES) * len(interlock.METHODS)
 
 
 def test_a_method_that_refuses_is_not_right(monkeypatch: pytest.MonkeyPatch) -> None:

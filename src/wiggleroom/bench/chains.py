@@ -100,8 +100,8 @@ def chains(*, stop: Stop | None = None, progress: Callable[[int, int], None] | N
         "dynamic programme over the turns of the links (stored with the package, accurate to 1e-9; `python -m "
         "benchmarks.optima` works it out anew).",
         "A star: parts overlap in that motion. Hull: three slices, about the reference point or the joint. "
-        "Half-planes: step by step; at rest: one linear program. Physics engine: Chipmunk, no friction, a force lowered until all is at rest; "
-        "bodies sink into each other a little.",
+        "Half-planes: step by step; at rest: one linear program. Physics engine: Chipmunk, no friction, a force lowered until "
+        "all is at rest; bodies sink into each other a little.",
         "† Mind the Gap shows such curves in its Fig. 9, without figures or the sizes of its blocks: there "
         "experiments with real blocks move furthest, then its hull, then PuzzleFlex.",
     )
@@ -121,7 +121,7 @@ def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
         for r in found:
             row = rows.setdefault((r["joint"], r["method"]), {"joint": r["joint"], "method": r["method"]})
             row[f"{r['gap_mm']:g}"] = (
-                "unbounded" if r[key] is None else f"{r[key]:.{places}f}{' *' if r['overlap_mm'] else ''}"
+                "unbounded" if r[key] is None else f"{r[key]:.{places}f}{'*' if r['overlap_mm'] else ''}"
             )
         order = [rows[j, m] for j in JOINTS for m in (TRUTH, *METHODS) if (j, m) in rows]
         columns = (

@@ -171,7 +171,7 @@ def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
     score: Record = {"assembly": "right", "truth": f"of {len(rows)}"}
     score |= {name: str(sum(r["right"] for r in some)) for name, some in zip(asked, mine, strict=True)}
     spent: Record = {"assembly": "seconds", "truth": "in all"}
-    spent |= {name: f"{sum(r['seconds'] for r in some):.2f}" for name, some in zip(asked, mine, strict=True)}
+    spent |= {name: f"{sum(r['seconds'] for r in some):.1f}" for name, some in zip(asked, mine, strict=True)}
     columns = (
         Column("assembly", "assembly"),
         Column("truth", "truth"),

@@ -53,9 +53,9 @@ PUZZLES = (
     Puzzle("rotation", "rotation", APART, "a hook that must be turned out"),
     Puzzle("key not glued", "glued_key", APART, "each part of the key slides out its own way", glued=False),
     Puzzle("keyed by glue", "glued_key", LOCKED, "glued together they cannot (as in Fig. 10b)"),
-    Puzzle("wedge, gap 5.5", "gap", LOCKED, "neither straight nor turned (as in Fig. 10c)", gap=5.5),
-    Puzzle("wedge, gap 6.4", "gap", APART, "too wide to come straight, but turned it does", gap=6.4),
-    Puzzle("wedge, gap 7", "gap", APART, "straight", gap=7.0),
+    Puzzle("wedge gap 5.5", "gap", LOCKED, "neither straight nor turned (as in Fig. 10c)", gap=5.5),
+    Puzzle("wedge gap 6.4", "gap", APART, "too wide to come straight, but turned it does", gap=6.4),
+    Puzzle("wedge gap 7", "gap", APART, "straight", gap=7.0),
     Puzzle("through slot", "through_slot", APART, "a bar between two walls"),
     Puzzle("round plug", "round_plug", LOCKED, "it spins, and stays"),
 )

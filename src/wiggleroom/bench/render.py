@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from rich.console import Group
     from rich.table import Table
 
+_LONGEST_WORD = 12
+"""Columns are at least as wide as their words, up to this many letters."""
+
 
 def bench_table(found: Bench) -> Group:
     """Page that `bench` prints; published figures are dim."""
@@ -38,6 +41,8 @@ def _rich(sheet: Sheet) -> Table:
     found = columns(others[0].head, *[c.head for c in others[1:]])
     for k, (column, made) in enumerate(zip(others, found.columns, strict=True)):
         made.no_wrap, made.overflow = k == 0, "fold"
+        words = [word for cell in (column.head, *map(column.cell, sheet.rows)) for word in cell.split()]
+        made.min_width = min(max(map(len, words)), _LONGEST_WORD)
         if not column.numbers:
             made.justify = "left"
     last = ""

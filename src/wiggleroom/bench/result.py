@@ -53,7 +53,7 @@ class Column:
         if self.places is None:
             return str(value)
         more = "> " if self.key in record.get("at_least", ()) else ""
-        star = " *" if record.get(self.star) else ""
+        star = "*" if record.get(self.star) else ""
         return f"{more}{value + 0.0:,.{self.places}f}{star}"
 
 
