@@ -39,6 +39,7 @@ def _rich(sheet: Sheet) -> Table:
     together = len(set(groups)) < len(groups)
     others = shown[1:] if together else shown
     found = columns(others[0].head, *[c.head for c in others[1:]])
+    found.padding = (0, 1, 0, 0)
     for k, (column, made) in enumerate(zip(others, found.columns, strict=True)):
         made.no_wrap, made.overflow = k == 0, "fold"
         words = [word for cell in (column.head, *map(column.cell, sheet.rows)) for word in cell.split()]
