@@ -110,8 +110,10 @@ def _places(column: Sequence[Cell]) -> int | None:
 def _cell(value: Cell, places: int | None) -> str:
     if isinstance(value, str):
         return f"<td>{escape(value)}</td>"
-    shown = f"{value + 0.0:.{places or 0}f}"
-    return f'<td class="n" data-v="{value!r}">{shown}</td>'
+    if math.isfinite(value):
+        return f'<td class="n" data-v="{value!r}">{value + 0.0:.{places or 0}f}</td>'
+    sign, shown = ("", "∞") if value > 0 else ("-", "-∞" if value < 0 else "–")  # what is not known sorts as the least
+    return f'<td class="n" data-v="{sign}Infinity">{shown}</td>'
 
 
 # The pictures carry their colours as attributes; rules by attribute turn them over in the dark.
@@ -190,7 +192,8 @@ for (const head of document.querySelectorAll('thead th')) {
     head.setAttribute('aria-sort', down ? 'descending' : 'ascending');
     const order = [...body.rows].sort((a, b) => {
       const [x, y] = [key(a), key(b)];
-      return typeof x === 'number' && typeof y === 'number' ? x - y : String(x).localeCompare(String(y), undefined, {numeric: true});
+      if (typeof x === 'number' && typeof y === 'number') return x === y ? 0 : x - y;
+      return String(x).localeCompare(String(y), undefined, {numeric: true});
     });
     body.append(...(down ? order.reverse() : order));
   });
