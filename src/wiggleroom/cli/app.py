@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from cyclopts import App
 
 from wiggleroom.cli.convert import convert
@@ -20,6 +22,8 @@ Say what is fixed and where it is pulled, and get the largest motion as a number
 
   wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
 
+wiggleroom COMMAND --help says what a command takes; with --picture most of them draw their answer.
+
 Lengths are in mm, angles in degrees. Exit codes: 0 answered, 2 bad input or usage, 3 no verdict.
 """
 
@@ -36,8 +40,9 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, rank, tighten, sweep, sample, space, convert, make, draw):
-        app.command(command, help_format="markdown")
+    commands: list[Callable[..., int]] = [flex, rank, tighten, sweep, sample, space, draw, convert, make]
+    for place, command in enumerate(commands):
+        app.command(command, help_format="markdown", sort_key=place)
     return app
 
 

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from wiggleroom.cli.options import RESULTS
 from wiggleroom.report.endings import ANSWERS, PAGE, STUDIES, ending, unlike
 
 if TYPE_CHECKING:
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
 _Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
     """Where the answer goes besides the terminal.
@@ -43,7 +44,7 @@ class Outputs:
         check(source, {"--json": (self.json, ()), "--picture": (self.picture, ANSWERS)})
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
 class StudyOutputs:
     """Where what was found goes besides the terminal.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import sys
-from typing import Literal
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
@@ -20,7 +22,7 @@ def rank(
     outputs: StudyOutputs = _NO_OUTPUTS,
     running: Running = _HERE,
     by: Literal["duals", "differences"] = "duals",
-    exact: bool = False,
+    exact: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Say which parts' gaps, and which joints', matter most for the motion.
 

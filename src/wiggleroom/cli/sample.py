@@ -32,6 +32,7 @@ def sample(
     Says mean, quantiles, worst case, which parts contribute, and how many keep a limit.
 
     Example: wiggleroom sample puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --spread 0.02 --limit 5
+        --picture draws.svg
 
     Parameters
     ----------

@@ -23,7 +23,7 @@ def sweep(
 ) -> int:
     """Find the motion for several gaps, and the gap from which on nothing stops it.
 
-    Example: wiggleroom sweep puzzle.svg --gap 0.2 --gaps 0.1:1:10 --fix p1 --pull p20:+x
+    Example: wiggleroom sweep puzzle.svg --gaps 0.1:1:10 --fix p1 --pull p20:+x --picture curve.svg
 
     Parameters
     ----------

@@ -118,12 +118,11 @@ def _bins(some: Floats, limit: Mark | None) -> Floats:
     if high - low <= 1e-12 * max(abs(low), abs(high)):
         middle, half = (low + high) / 2, (abs(high) or 1.0) / 20
         return np.linspace(middle - half, middle + half, many + 1)
-    edges = np.linspace(low, high, many + 1)
     if limit is None or not low < limit[0] < high:
-        return edges
+        return np.linspace(low, high, many + 1)
     step = (high - low) / many
     below, above = (int(np.ceil(d / step - 1e-9)) for d in (limit[0] - low, high - limit[0]))
-    return limit[0] + step * np.arange(-below, above + 1)
+    return np.linspace(limit[0] - below * step, limit[0] + above * step, below + above + 1)
 
 
 def bars(
