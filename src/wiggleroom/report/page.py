@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from wiggleroom.report import palette
 from wiggleroom.report.player import SCRIPT as PLAYER
+from wiggleroom.report.solid import SCRIPT as SOLID
 from wiggleroom.report.text import escape
 
 Cell = str | float | int
@@ -57,7 +58,7 @@ def page(title: str, facts: Sequence[str], sections: Sequence[Section], command:
         "script-src 'unsafe-inline'; img-src data:\">"
         f'<link rel="icon" href="data:,"><title>{escape(title)}</title><style>{_STYLE}</style></head>\n'
         f"<body><header><h1>{escape(title)}</h1><ul>{chips}</ul></header>\n<main>{body}</main>\n{made}"
-        f"<script>{PLAYER}{_SORTING}</script></body></html>\n"
+        f"<script>{PLAYER}{SOLID}{_SORTING}</script></body></html>\n"
     )
 
 
@@ -156,6 +157,9 @@ figure{{margin:0}}.paper svg{{border-radius:8px}}svg{{display:block;width:100%;h
 .controls button{{width:44px;height:36px;border-radius:8px;border:1px solid var(--line);background:none;color:inherit;
 font:inherit;cursor:pointer}}
 .controls output{{width:4em;text-align:right;font-variant-numeric:tabular-nums}}
+.solid{{display:none}}.solid.ready{{display:block}}
+.solid canvas{{display:block;width:100%;height:min(460px,70vh);background:{palette.PAPER};border-radius:8px;cursor:grab;touch-action:pan-y}}
+.solid canvas:active{{cursor:grabbing}}.solid p{{margin:8px 0 0;color:var(--quiet);font-size:14px}}
 .scroll{{max-height:430px;overflow:auto}}
 table{{border-collapse:collapse;width:100%;font-size:14px}}
 thead th{{position:sticky;top:0;background:var(--paper);padding:0;border-bottom:1px solid var(--line)}}
@@ -175,8 +179,8 @@ padding:10px 14px;color:var(--ink)}}
 :root{{--paper:#161b22;--ink:#e6e9ed;--quiet:#a3adb8;--line:#2d343d;--page:#0d1117;--accent:#9ccbf2;color-scheme:dark}}
 {_DARK}}}
 @media print{{body{{background:#fff;padding:0;max-width:none}}main{{display:block}}
-section{{border:0;padding:0;margin:0 0 18px}}.film,.controls{{display:none!important}}
-section:has(.film){{display:none}}.scroll{{max-height:none;overflow:visible}}svg{{max-height:200mm}}
+section{{border:0;padding:0;margin:0 0 18px}}.film,.controls,.solid{{display:none!important}}
+section:has(.film,.solid){{display:none}}.scroll{{max-height:none;overflow:visible}}svg{{max-height:200mm}}
 tr,figure{{break-inside:avoid}}h2{{break-after:avoid}}}}
 """
 
