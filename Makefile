@@ -20,7 +20,7 @@ slow: .venv/ready-test
 	$(BIN)/python -m pytest -n auto -m slow
 
 browser: .venv/ready-test # needs a Chromium on the path
-	$(BIN)/python -m pip install --quiet --editable '.[browser]'
+	$(BIN)/python -m pip install --quiet --editable '.[dxf,browser]'
 	$(BIN)/python -m pytest -m slow tests/test_html.py tests/test_space_report.py tests/test_study_report.py
 
 lint: .venv/ready-lint
@@ -38,12 +38,12 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/ready-demo: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,film,ipopt]'
+	$(BIN)/python -m pip install --quiet --editable '.[dxf,fast,film,ipopt]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[cluster,fast,film,halfplane,ipopt,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[dxf,cluster,fast,film,halfplane,ipopt,test]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

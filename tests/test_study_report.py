@@ -15,6 +15,7 @@ import wiggleroom as wr
 from tests.test_html import tags
 from tests.test_plots import all_of, axis
 from wiggleroom.report import palette, study_pages
+from wiggleroom.report.apart_page import Checked, page_of_check
 from wiggleroom.report.blame import picture_of_ranking, picture_of_tightening, shade
 from wiggleroom.report.html import report
 from wiggleroom.report.study_plots import picture_of_sample, picture_of_sweep
@@ -168,6 +169,25 @@ def test_every_study_draws_itself(studies: dict[type, Any], kind: type, tmp_path
         with pytest.raises(wr.InputError, match=r"must end in \.svg, \.png or \.html"):
             found.draw(tmp_path / name)
     assert len(list(tmp_path.iterdir())) == 3
+
+
+def test_what_check_found_is_shown_as_it_is(tmp_path: Path) -> None:
+    apart = wr.check(wr.read("examples/17_does_it_come_apart/sequential.json"))
+    page = page_of_check(Checked(apart), command="wiggleroom check it")
+    assert row_of(page, "1")[:2] == ["latch", "straight in +y"]
+    assert row_of(page, "2")[:2] == ["drawer", "straight in +x"]
+    holds = wr.check(wr.patterns.chain(2, joint="swallowtail", gap=0.02))
+    still = page_of_check(Checked(holds, wr.LargestGap(0.0602, 0.0603, None, None)))
+    assert "interlocked at 0.0602 mm, comes apart at 0.0603 mm" in still
+    for text in (page, still):
+        assert "stationary" not in text
+        assert "nothing asked" not in text
+        assert not [tag for tag, given in tags(text) if "src" in given]
+    assert 'class="film"' not in still
+    for found, said in ((apart, "comes apart at gap 0.5 mm"), (holds, "interlocked at gap 0.02 mm")):
+        for name in ("a.svg", "a.film.svg", "a.html"):
+            found.draw(tmp_path / name)
+            assert said in (tmp_path / name).read_text()
 
 
 @pytest.mark.slow

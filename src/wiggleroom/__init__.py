@@ -15,13 +15,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer, Contact
     from wiggleroom.analysis.flex import flex
+    from wiggleroom.analysis.interlock import Escape, Interlock, check
+    from wiggleroom.analysis.largest_gap import LargestGap, largest_gap
     from wiggleroom.analysis.lots import Spread
     from wiggleroom.analysis.prepare import Prepared, prepare
     from wiggleroom.analysis.rank import Ranking, rank
     from wiggleroom.analysis.sample import Sample, sample
     from wiggleroom.analysis.sweep import Sweep, sweep
     from wiggleroom.analysis.tighten import Tightening, tighten
-    from wiggleroom.assembly import patterns
+    from wiggleroom.assembly import coupon, patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
     from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Translation, Turn, W
@@ -38,11 +40,14 @@ _HOME = {
     "Closer": "drawing.model",
     "Contact": "analysis.answer",
     "Drawing": "drawing.model",
+    "Escape": "analysis.interlock",
     "FreeSpace": "freespace.space",
     "HalfPlane": "freespace.models",
     "Hull": "freespace.models",
     "InputError": "errors",
+    "Interlock": "analysis.interlock",
     "JointGap": "drawing.model",
+    "LargestGap": "analysis.largest_gap",
     "MissingExtraError": "errors",
     "Part": "drawing.model",
     "Polyhedron": "freespace.polyhedron",
@@ -61,9 +66,12 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
+    "check": "analysis.interlock",
+    "coupon": "assembly",
     "film": "report.film",
     "flex": "analysis.flex",
     "free_space": "freespace.space",
+    "largest_gap": "analysis.largest_gap",
     "patterns": "assembly",
     "prepare": "analysis.prepare",
     "rank": "analysis.rank",
@@ -79,11 +87,14 @@ __all__ = [
     "Closer",
     "Contact",
     "Drawing",
+    "Escape",
     "FreeSpace",
     "HalfPlane",
     "Hull",
     "InputError",
+    "Interlock",
     "JointGap",
+    "LargestGap",
     "MissingExtraError",
     "Part",
     "Polyhedron",
@@ -102,9 +113,12 @@ __all__ = [
     "W",
     "WiggleroomError",
     "assemble",
+    "check",
+    "coupon",
     "film",
     "flex",
     "free_space",
+    "largest_gap",
     "patterns",
     "prepare",
     "rank",
@@ -121,6 +135,7 @@ def __getattr__(name: str) -> object:
         message = f"module 'wiggleroom' has no attribute {name!r}"
         raise AttributeError(message)
     module = import_module(f"wiggleroom.{_HOME[name]}")
-    value = import_module("wiggleroom.assembly.patterns") if name == "patterns" else getattr(module, name)
+    is_module = name in ("coupon", "patterns")
+    value = import_module(f"wiggleroom.assembly.{name}") if is_module else getattr(module, name)
     globals()[name] = value
     return value

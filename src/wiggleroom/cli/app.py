@@ -6,7 +6,9 @@ from collections.abc import Callable
 
 from cyclopts import App
 
+from wiggleroom.cli.check import check
 from wiggleroom.cli.convert import convert
+from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
@@ -24,7 +26,8 @@ Say what is fixed and where it is pulled, and get the largest motion as a number
 
 wiggleroom COMMAND --help says what a command takes; with --picture most of them draw their answer.
 
-Lengths are in mm, angles in degrees. Exit codes: 0 answered, 2 bad input or usage, 3 no verdict.
+Lengths are in mm, angles in degrees. Exit codes: 0 answered, 1 check says it comes apart, 2 bad input or
+usage, 3 no verdict.
 """
 
 
@@ -40,7 +43,9 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    commands: list[Callable[..., int]] = [flex, rank, tighten, sweep, sample, space, draw, convert, make]
+    commands: list[Callable[..., int]] = [
+        flex, check, rank, tighten, sweep, sample, space, draw, convert, make, coupon
+    ]  # fmt: skip
     for place, command in enumerate(commands):
         app.command(command, help_format="markdown", sort_key=place)
     return app

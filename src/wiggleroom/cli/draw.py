@@ -20,7 +20,7 @@ def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     out
         The picture: .svg or .png.
     """

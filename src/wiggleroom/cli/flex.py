@@ -37,7 +37,7 @@ def flex(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     model
         How the free space of each pair is modelled: walls, the exact contacts; to compare with, hull, the convex hulls
         of "Mind the Gap", or halfplane, the linear programs of PuzzleFlex. These two may overlap, which is told.

@@ -53,7 +53,7 @@ def make(
     from wiggleroom.drawing import write_drawing
     from wiggleroom.errors import InputError
 
-    sizes, wrong = _sizes(size)
+    sizes, wrong = sizes_of(size)
     wrong += _misfits(pattern, ny, pitch, drawn_by_lot=joint is None and not sizes)
     if wrong:
         raise InputError(wrong)
@@ -78,7 +78,7 @@ def _misfits(pattern: str, ny: int | None, pitch: float, *, drawn_by_lot: bool) 
     return wrong
 
 
-def _sizes(texts: tuple[str, ...]) -> tuple[dict[str, float], list[str]]:
+def sizes_of(texts: tuple[str, ...]) -> tuple[dict[str, float], list[str]]:
     """Sizes by name, and one line for each text that cannot be read."""
     found: dict[str, float] = {}
     wrong = []

@@ -33,7 +33,7 @@ def rank(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     by
         duals: all parts from the forces of one solve. differences: solved again for every part, as a check.
     exact

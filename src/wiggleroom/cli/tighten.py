@@ -34,7 +34,7 @@ def tighten(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     parts
         How many parts to choose.
     limit

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -13,7 +12,7 @@ from wiggleroom.analysis.rank import Ranking
 from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report import frame, palette
 from wiggleroom.report.picture import Tints, picture
-from wiggleroom.report.words import headline, number, short, unit
+from wiggleroom.report.words import number, short, unit
 
 
 def picture_of_ranking(ranking: Ranking, *, command: str = "", framed: bool = True) -> str:
@@ -26,8 +25,8 @@ def picture_of_ranking(ranking: Ranking, *, command: str = "", framed: bool = Tr
     """
     answer = ranking.answer
     per = f"{unit(answer.goals)} per mm of gap".strip()
-    tints = tinted(answer, ranking.looser, per, ranking_facts(ranking))
-    return picture(replace(answer, command=command), tints=tints, framed=framed)
+    tints = tinted(answer, ranking.looser, per)
+    return picture(replace(answer, command=command), tints=tints, said=ranking_facts(ranking), framed=framed)
 
 
 def ranking_facts(ranking: Ranking) -> list[str]:
@@ -40,7 +39,7 @@ def ranking_facts(ranking: Ranking) -> list[str]:
     ]
 
 
-def tinted(answer: Answer, values: NDArray[np.float64], what: str, said: Sequence[str]) -> Tints:
+def tinted(answer: Answer, values: NDArray[np.float64], what: str) -> Tints:
     """Colours of the parts of an answer by a number each, from nothing to the largest.
 
     Parameters
@@ -49,8 +48,6 @@ def tinted(answer: Answer, values: NDArray[np.float64], what: str, said: Sequenc
         What is below nothing, or not known, counts as nothing.
     what : str
         Unit of the numbers, for the legend.
-    said : sequence of str
-        Facts under the headline.
     """
     value = np.maximum(np.nan_to_num(values), 0.0)
     most = float(value.max(initial=0.0))
@@ -60,7 +57,7 @@ def tinted(answer: Answer, values: NDArray[np.float64], what: str, said: Sequenc
         for level in (0.0, 0.25, 0.5, 1.0)
     )
     fill = {name: shade(s) for name, s in zip(answer.assembly.names, share.tolist(), strict=True)}
-    return Tints(fill, legend, headline(answer), tuple(said))
+    return Tints(fill, legend)
 
 
 def shade(share: float) -> str:
@@ -86,8 +83,8 @@ def picture_of_tightening(found: Tightening, *, command: str = "", framed: bool 
     answer = found.after
     fill = dict.fromkeys(answer.assembly.names, palette.NEUTRAL[0]) | dict.fromkeys(found.chosen, palette.CHOSEN)
     legend = ((frame.swatch(palette.CHOSEN, palette.NEUTRAL[1]), "made tighter"),)
-    tints = Tints(fill, legend, headline(answer), tuple(tightening_facts(found)))
-    return picture(replace(answer, command=command), tints=tints, framed=framed)
+    tints = Tints(fill, legend)
+    return picture(replace(answer, command=command), tints=tints, said=tightening_facts(found), framed=framed)
 
 
 def tightening_facts(found: Tightening) -> list[str]:

@@ -7,25 +7,27 @@ from os import PathLike
 from pathlib import Path
 
 from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.interlock import Interlock
 from wiggleroom.analysis.rank import Ranking
 from wiggleroom.analysis.sample import Sample
 from wiggleroom.analysis.sweep import Sweep
 from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
+from wiggleroom.report.apart_page import Checked, film_of_check, page_of_check, picture_of_check
 from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STILLS, STUDIES, ending, unlike
 
-Study = Ranking | Tightening | Sweep | Sample
+Study = Ranking | Tightening | Sweep | Sample | Checked
 
 
 def draw(
-    found: Answer | Study,
+    found: Answer | Interlock | Study,
     path: str | PathLike[str],
     *,
     command: str = "",
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Write a picture (.svg, .png) or a report (.html) of an answer or a study, of an answer a film too.
+    """Write a picture (.svg, .png) or a report (.html) of an answer or a study; of an answer, and of ways out, a film too.
 
     Parameters
     ----------
@@ -42,12 +44,16 @@ def draw(
         If a film needs a library that is not installed.
     """
     path = Path(path)
-    see(path, ANSWERS if isinstance(found, Answer) else STUDIES)
+    if isinstance(found, Interlock):
+        found = Checked(found)
+    see(path, ANSWERS if isinstance(found, Answer | Checked) else STUDIES)
     kind = ending(path)
     if kind in FILMS and isinstance(found, Answer):
         from wiggleroom.report.film import film_of_answer
 
         film_of_answer(found, path, progress=progress)
+    elif kind in FILMS and isinstance(found, Checked):
+        film_of_check(found, path, command=command, progress=progress)
     elif kind == PAGE:
         write_whole(path, _page(found, command))
     else:
@@ -60,6 +66,8 @@ def _picture(found: Answer | Study, command: str) -> str:
     match found:
         case Answer():
             return picture.picture(found)
+        case Checked():
+            return picture_of_check(found, command=command)
         case Ranking():
             return blame.picture_of_ranking(found, command=command)
         case Tightening():
@@ -76,6 +84,8 @@ def _page(found: Answer | Study, command: str) -> str:
     match found:
         case Answer():
             return html.report(found)
+        case Checked():
+            return page_of_check(found, command=command)
         case Ranking():
             return study_pages.page_of_ranking(found, command=command)
         case Tightening():

@@ -28,10 +28,10 @@ def unlike(path: PurePath, endings: Sequence[str]) -> str:
     """Say what is wrong with the ending of a name, or nothing.
 
     >>> unlike(PurePath("a.gif"), STUDIES)
-    'the name must end in .svg, .png or .html; films come from flex'
+    'the name must end in .svg, .png or .html; films come from flex and check'
     """
     found = ending(path)
     if not endings or found in endings:
         return ""
     listed = " or ".join(p for p in (", ".join(endings[:-1]), endings[-1]) if p)
-    return f"the name must end in {listed}" + ("; films come from flex" if found in FILMS else "")
+    return f"the name must end in {listed}" + ("; films come from flex and check" if found in FILMS else "")

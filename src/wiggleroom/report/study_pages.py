@@ -105,7 +105,7 @@ def page_of_sample(found: Sample, *, command: str = "") -> str:
     numbers.append(("worst", float(found.value[found.worst])))
     worst = found.extra[found.worst].tolist()
     parts = [(names[k], float(share[k]), worst[k]) for k in np.argsort(-share, kind="stable").tolist()]
-    tints = tinted(answer, share, "% of the variance", ())
+    tints = tinted(answer, share, "% of the variance")
     coloured = figure(picture(answer, framed=False, tints=tints), magnified(answer), paper=True)
     sections = [
         Section("Motions of the draws", figure(study_plots.picture_of_sample(found, framed=False)), wide=True),
