@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
+
+from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import Outputs, tell
@@ -17,7 +20,7 @@ def check(
     *,
     asked: Asked = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
-    largest_gap: bool = False,
+    largest_gap: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Say whether it comes apart: whether some parts can be moved without limit away from the others.
 
@@ -30,7 +33,7 @@ def check(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     largest_gap
         Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides.
     """
