@@ -16,6 +16,7 @@ from wiggleroom.analysis.finish import part_motions
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Progress
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.tight import tight_verdict
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
@@ -48,7 +49,7 @@ class Escape:
 
 
 @dataclass(frozen=True, eq=False)
-class Interlock:
+class Interlock(Shown):
     """Whether an assembly comes apart, and how sure that is.
 
     Parameters

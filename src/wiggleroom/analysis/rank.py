@@ -14,6 +14,7 @@ from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.many import Many
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Found
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.touch import touching
 from wiggleroom.analysis.vary import Base, base, ended, follow
 from wiggleroom.assembly.model import Assembly
@@ -32,7 +33,7 @@ MOST_ROWS = 3000
 
 
 @dataclass(frozen=True, eq=False)
-class Ranking:
+class Ranking(Shown):
     """What gaps are worth to the motion of an answer.
 
     Extra gap e round a part means that its outline alone moves inward by e/2; extra gap e in a joint, that both

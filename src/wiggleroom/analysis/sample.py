@@ -14,6 +14,7 @@ from wiggleroom.analysis.lots import Spread, wilson
 from wiggleroom.analysis.many import Many
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.rank import Ranking, rank
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.vary import Varied, afresh, ended, vary
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
@@ -28,7 +29,7 @@ CHECKED = 10
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class Sample(Shown):
     """Motions of assemblies with gaps drawn by lot.
 
     Parameters
