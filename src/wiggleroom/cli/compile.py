@@ -6,6 +6,7 @@ from __future__ import annotations
 def main() -> None:
     """Answer a tiny question by every model; what it compiles is kept beside the package."""
     from wiggleroom.analysis.flex import flex
+    from wiggleroom.analysis.interlock import check
     from wiggleroom.assembly import patterns
 
     for model in ("walls", "hull", "halfplane"):
