@@ -10,6 +10,7 @@ from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
+from wiggleroom.cli.make_image import image
 from wiggleroom.cli.rank import rank
 from wiggleroom.cli.sample import sample
 from wiggleroom.cli.space import space
@@ -38,8 +39,12 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, check, rank, tighten, sweep, sample, space, convert, make, coupon, draw):
+    for command in (flex, check, rank, tighten, sweep, sample, space, convert, coupon, draw):
         app.command(command, help_format="markdown")
+    maker = App(name="make", help_format="markdown")
+    maker.default(make)
+    maker.command(image)
+    app.command(maker)
     return app
 
 
