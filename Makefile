@@ -43,7 +43,7 @@ clean:
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[dxf,cluster,fast,film,halfplane,ipopt,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[bench,cluster,dxf,fast,film,halfplane,image,ipopt,test]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

@@ -147,6 +147,17 @@ def test_what_goes_far_away_fades_and_the_frame_stays_near() -> None:
     assert seen > 0.5  # the film ends soon after it is gone
 
 
+def test_what_moves_far_but_is_held_does_not_fade() -> None:
+    found = wr.flex(wr.patterns.chain(10, joint="swallowtail", gap=0.03))
+    assert 0.5 * found.assembly.size < found.objective < found.assembly.size
+    made = scene(found.assembly, found.waypoints, rate=12, goals=(), title="", facts=(), command="")
+    assert all((track.opacity == 1).all() for track in made.tracks)
+    x, y, wide, high = made.stage
+    ends = np.array([track.place[-1, :2] for track in made.tracks])
+    assert (ends > (x, y)).all()
+    assert (ends < (x + wide, y + high)).all()
+
+
 def test_frames_follow_the_way_in_pixels() -> None:
     pytest.importorskip("PIL")
     from PIL import Image

@@ -243,7 +243,6 @@ def test_command_takes_a_gap(monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--gap", "0"], "touch at rest"),
         (["--fix", "nobody"], "nobody"),
         (["--fix", "right,left"], "every part is fixed"),
         (["--picture", "apart.docx"], "must end in"),
@@ -254,3 +253,20 @@ def test_command_refuses_in_one_plain_line(monkeypatch, capsys, words, said):
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+# -- drawn tight ----------------------------------------------------------------------------------------------------
+
+
+PEG = shapely.box(10, 10, 20, 20)
+TRAY = shapely.box(0, 0, 30, 30) - PEG
+
+
+@pytest.mark.parametrize(
+    ("ground", "verdict", "certainty", "who"),
+    [(TRAY, "interlocked", "proven", []), (TRAY - shapely.box(0, 20, 30, 30), "comes apart", "searched", [("peg",)])],
+)
+def test_parts_that_touch_at_rest(ground, verdict, certainty, who):
+    found = wr.check(made(fixed="ground", ground=ground, peg=PEG))
+    assert (found.verdict, found.certainty) == (verdict, certainty)
+    assert [e.parts for e in found.escapes] == who

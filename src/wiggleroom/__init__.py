@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer, Contact
+    from wiggleroom.analysis.blocking import Blocking, blocking
     from wiggleroom.analysis.flex import flex
     from wiggleroom.analysis.interlock import Escape, Interlock, check
     from wiggleroom.analysis.largest_gap import LargestGap, largest_gap
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from wiggleroom.analysis.rank import Ranking, rank
     from wiggleroom.analysis.sample import Sample, sample
     from wiggleroom.analysis.sweep import Sweep, sweep
+    from wiggleroom.analysis.tight import TightVerdict, tight_verdict
     from wiggleroom.analysis.tighten import Tightening, tighten
     from wiggleroom.assembly import coupon, patterns
     from wiggleroom.assembly.build import assemble, read
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
 _HOME = {
     "Answer": "analysis.answer",
     "Assembly": "assembly.model",
+    "Blocking": "analysis.blocking",
     "Closer": "drawing.model",
     "Contact": "analysis.answer",
     "Drawing": "drawing.model",
@@ -59,6 +62,7 @@ _HOME = {
     "Spread": "analysis.lots",
     "Sweep": "analysis.sweep",
     "Tightening": "analysis.tighten",
+    "TightVerdict": "analysis.tight",
     "TouchingError": "errors",
     "Translation": "drawing.model",
     "Turn": "drawing.model",
@@ -66,6 +70,7 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
+    "blocking": "analysis.blocking",
     "check": "analysis.interlock",
     "coupon": "assembly",
     "film": "report.film",
@@ -79,11 +84,13 @@ _HOME = {
     "sample": "analysis.sample",
     "sweep": "analysis.sweep",
     "tighten": "analysis.tighten",
+    "tight_verdict": "analysis.tight",
 }
 
 __all__ = [
     "Answer",
     "Assembly",
+    "Blocking",
     "Closer",
     "Contact",
     "Drawing",
@@ -105,6 +112,7 @@ __all__ = [
     "Sample",
     "Spread",
     "Sweep",
+    "TightVerdict",
     "Tightening",
     "TouchingError",
     "Translation",
@@ -113,6 +121,7 @@ __all__ = [
     "W",
     "WiggleroomError",
     "assemble",
+    "blocking",
     "check",
     "coupon",
     "film",
@@ -125,6 +134,7 @@ __all__ = [
     "read",
     "sample",
     "sweep",
+    "tight_verdict",
     "tighten",
 ]
 

@@ -114,7 +114,7 @@ def sweep(
     >>> import wiggleroom as wr
     >>> found = wr.sweep(wr.patterns.chain(2, joint="tee"), [0.01, 0.02])
     >>> [round(step.objective, 4) for step in found.steps]
-    [0.0261, 0.0531]
+    [0.0261, 0.0539]
     """
     asked = assembly.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
     wrong = list(role_findings(replace(assembly.drawing, goals=asked)))

@@ -12,6 +12,7 @@ from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
+from wiggleroom.cli.make_image import image
 from wiggleroom.cli.rank import rank
 from wiggleroom.cli.sample import sample
 from wiggleroom.cli.space import space
@@ -42,11 +43,18 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    commands: list[Callable[..., int]] = [
-        flex, check, rank, tighten, sweep, sample, space, draw, convert, make, coupon
+    maker = App(name="make", help_format="markdown")
+    maker.default(make)
+    maker.command(image)
+    commands: list[Callable[..., int] | App] = [
+        flex, check, rank, tighten, sweep, sample, space, draw, convert, maker, coupon
     ]  # fmt: skip
     for place, command in enumerate(commands):
-        app.command(command, help_format="markdown", sort_key=place)
+        if isinstance(command, App):
+            command.sort_key = place
+            app.command(command)
+        else:
+            app.command(command, help_format="markdown", sort_key=place)
     return app
 
 

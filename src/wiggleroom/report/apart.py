@@ -83,7 +83,13 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
 def why(found: Interlock) -> str:
     """What the verdict rests on."""
     if found.verdict == "comes apart":
+        if found.certainty == "searched":
+            return "parts touch at rest; with a little gap this is a way, every step checked for overlap"
         return "every step of the way checked for overlap"
+    if found.tight:
+        return "parts touch at rest and lock each other to first order" + (
+            ", proven by forces" if found.certainty == "proven" else "; curves were taken as polygons"
+        )
     if found.verdict == "unknown":
         return "the search was cut short, or some questions were not answered"
     if found.certainty == "proven":
