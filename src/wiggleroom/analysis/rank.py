@@ -156,7 +156,18 @@ def rank(
     return _by_differences(ranking, start, parts, by, Many(workers, cluster, stop, progress))
 
 
-def _by_duals(answer: Answer, found: Found) -> Ranking:
+def rank_at_once(answer: Answer) -> Ranking:
+    """Ranking of an answer without any further solve: where derivatives are not unique, ranges are at least so wide.
+
+    Raises
+    ------
+    InputError
+        If nothing stops the motion or the search for it was cut short.
+    """
+    return _by_duals(answer, ended(answer), most_rows=0)
+
+
+def _by_duals(answer: Answer, found: Found, most_rows: int = MOST_ROWS) -> Ranking:
     """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
     program, solution = found.program, found.solution
     touch = touching(program, solution.u, solution.lam)
@@ -170,7 +181,7 @@ def _by_duals(answer: Answer, found: Found) -> Ranking:
     by_joint = worths(some, touch.row, program.rows, (of, of), len(joints)) / 2
     low, high = one.spread(by_part)
     unique = is_unique(low, high)
-    whole = len(touch.row) <= MOST_ROWS
+    whole = len(touch.row) <= most_rows
     middle = by_part @ one.force
     low, high = np.where(unique, middle, low), np.where(unique, middle, high)
     if whole:

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.rank import Ranking, rank
+from wiggleroom.analysis.rank import Ranking, rank_at_once
 from wiggleroom.analysis.vary import can_be_ranked
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
@@ -16,6 +16,7 @@ from wiggleroom.report.layout import magnification
 from wiggleroom.report.page import Section, figure, items, page, table
 from wiggleroom.report.picture import picture
 from wiggleroom.report.player import player
+from wiggleroom.report.ranking import ranking_unique
 from wiggleroom.report.scene import scene
 from wiggleroom.report.words import certainty, facts, headline, number, short, unit
 
@@ -27,7 +28,7 @@ def report(answer: Answer) -> str:
 
     Whose gap matters is said where the motion ends at walls, from the forces of the answer itself.
     """
-    ranked = ranking_sections(rank(answer)) if answer.model == "walls" and can_be_ranked(answer) else []
+    ranked = ranking_sections(rank_at_once(answer)) if answer.model == "walls" and can_be_ranked(answer) else []
     sections = [
         Section("Picture", figure(picture(answer, framed=False), magnified(answer)), wide=True),
         film_of(answer),
@@ -82,8 +83,10 @@ def ranking_sections(ranking: Ranking) -> list[Section]:
         for pair, value, share in zip(ranking.joints.tolist(), ranking.joint_looser, ranking.joint_percent, strict=True)
     ]
     joints.sort(key=lambda row: -row[1])
+    heads = ["part", per, *(["if tighter"] if both else []), "%"]
+    note = f"<p>Not unique {ranking_unique(ranking).removeprefix('not ')}</p>" if both else ""
     return [
-        Section("Whose gap matters most", table(["part", per, *(["if tighter"] if both else []), "%"], parts)),
+        Section("Whose gap matters most", table(heads, parts) + note),
         Section("Which joint's gap matters most", table(["joint", per, "%"], joints)),
     ]
 

@@ -79,12 +79,17 @@ def rank_table(ranking: Ranking) -> Group:
 
 def ranking_sure(ranking: Ranking) -> list[tuple[str, str]]:
     """How sure the ranking is: a word and a sentence each."""
-    many = int((~ranking.unique).sum())
     said = [("by", f"{ranking.by}; extra gap moves a part's own outline inward by half of it")]
-    if many:
-        ends = "" if ranking.ends == "whole" else " (at least so wide)"
-        said.append(("unique", f"not for {many} parts: a looser and a tighter gap count differently{ends}"))
+    if not ranking.unique.all():
+        said.append(("unique", ranking_unique(ranking)))
     if ranking.virtual > 1e-6:
         held = f"{100 * ranking.virtual:.2g} % of the force is held where nothing touches (see flex)"
         said.append(("walls", held))
     return said
+
+
+def ranking_unique(ranking: Ranking) -> str:
+    """Say for how many parts both sides of a derivative differ."""
+    many = int((~ranking.unique).sum())
+    ends = "" if ranking.ends == "whole" else " (at least so wide)"
+    return f"not for {many} {'part' if many == 1 else 'parts'}: a looser and a tighter gap count differently{ends}"
