@@ -254,3 +254,15 @@ def test_command_refuses_in_one_plain_line(monkeypatch, capsys, words, said):
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("gap", "verdict"), [(2.5, "interlocked"), (2.75, "comes apart")])
+def test_a_jigsaw_near_the_gap_at_which_it_comes_apart(gap, verdict):
+    file = HERE.parent / "drawings" / "pyjigsaw_4x5.svg"
+    drawing = wr.read(file, gap=2.0).drawing  # the same edges for its curves at both gaps
+    assembly = assemble(drawing, gap=gap)
+    found = wr.check(assembly, every=False)
+    assert found.verdict == verdict
+    assert found.certainty == "proven"
+    assert deepest(assembly, found, 4) < 1e-9 * assembly.size**2
