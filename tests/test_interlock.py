@@ -272,3 +272,15 @@ def test_parts_that_touch_at_rest(ground, verdict, certainty, who):
     found = wr.check(made(fixed="ground", ground=ground, peg=PEG))
     assert (found.verdict, found.certainty) == (verdict, certainty)
     assert [e.parts for e in found.escapes] == who
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("gap", "verdict"), [(2.5, "interlocked"), (2.75, "comes apart")])
+def test_a_jigsaw_near_the_gap_at_which_it_comes_apart(gap, verdict):
+    file = HERE.parent / "drawings" / "pyjigsaw_4x5.svg"
+    drawing = wr.read(file, gap=2.0).drawing  # the same edges for its curves at both gaps
+    assembly = assemble(drawing, gap=gap)
+    found = wr.check(assembly, every=False)
+    assert found.verdict == verdict
+    assert found.certainty == "proven"
+    assert deepest(assembly, found, 4) < 1e-9 * assembly.size**2

@@ -85,13 +85,11 @@ def next_stage(ready: Prepared, boxes: int, stop: Stop | None, tell: Callable[[P
         if stop is not None and stop.is_set():
             break
         stage = None if rigid.way is None else _finish(ready, rigid.way, known.group, ground)
-        if stage is not None:
+        if stage is not None and stage.way is not None:
             return stage
     searched = explore(ready, ground, known.group, nearly, stop, tell)
     if searched.way is not None and searched.exit is not None:
-        stage = _leave(ready, searched.way, searched.exit)
-        if stage.way is not None:
-            return replace(stage, questions=searched.questions)
+        return replace(_leave(ready, searched.way, searched.exit), questions=searched.questions)
     ended: Says = "interlocked" if searched.whole else "unknown"
     return Stage(ended, "searched", none, None, known.held, searched.questions)
 
@@ -136,10 +134,15 @@ def _finish(ready: Prepared, way: Floats, group: Ints, ground: int) -> Stage | N
 def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
     """The way continued straight until those who leave are beyond all others, which then go back to rest."""
     bodies, who = ready.bodies, found.who
-    geometry = placed(bodies, way[-1])
-    along = [shapely.get_coordinates(g) @ found.direction for g in geometry]
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
-    length = max(along[b].max() for b in others) - min(along[b].min() for b in who) + BEYOND * ready.size
+
+    def along(b: int, motion: Floats) -> Floats:
+        only = placed(bodies, motion, np.array([b]))[b]
+        return np.asarray(shapely.get_coordinates(only) @ found.direction)
+
+    # beyond where the others are now, and wherever they pass on their way back
+    length = max(along(b, m).max() for m in way for b in others) - min(along(b, way[-1]).min() for b in who)
+    length += BEYOND * ready.size
     out = way[-1].copy()
     out[who, :2] += max(length, BEYOND * ready.size) * found.direction
     back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]
