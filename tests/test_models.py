@@ -153,6 +153,13 @@ def test_open_pair_is_followed_as_a_strip(slices: int) -> None:
     assert not shapely.intersects(pair.material[0], moved).any()
 
 
+def test_open_slice_of_straight_fingers_is_the_whole_strip() -> None:
+    hull = wr.free_space(wr.patterns.chain(2, "finger", 0.01), "b1", "b2", model=wr.Hull("joint"))
+    middle = min(hull.slices, key=lambda s: abs(s.angle)).region
+    np.testing.assert_allclose(middle.bounds[:2], (-0.01, -0.01), atol=1e-9)  # no corner of rounding halves it
+    assert middle.bounds[3] == pytest.approx(0.01, abs=1e-9)
+
+
 def test_extension_that_takes_in_forbidden_space_is_discarded() -> None:
     # a bar rests above a floor; a post stands in the strip over it, further away than what counts as nearby
     floor = box(-3, -3, 3, 0) | box(0.9, 0, 1.1, 2)

@@ -222,3 +222,19 @@ def test_a_million_motions_take_about_a_second():
     began = time.perf_counter()
     space.contains(relative)
     assert time.perf_counter() - began < 5
+
+
+def test_open_spaces_are_worked_out_as_far_as_asked():
+    wedge = wr.patterns.chain(2, "swallowtail", 0.02, neck=0.4, end=0.3)
+    space = free_space(wedge, "b1", "b2", reach=0.4)
+    found = audit(space, *(polygon(p) for p in wedge.parts), np.array(wedge.parts[1].at[:2]), 20_000)
+    assert space.reach == 0.4
+    assert found.unsafe == 0
+    assert found.lost <= MOST_LOST * found.free
+    assert space.contains(np.array([[0.39, 0.0, 0.0], [0.41, 0.0, 0.0]])).tolist() == [True, False]
+
+
+@pytest.mark.parametrize("reach", [0.0, -1.0, np.inf, np.nan])
+def test_a_reach_that_is_no_length_is_refused(reach):
+    with pytest.raises(wr.InputError, match="reach"):
+        free_space(wr.patterns.chain(2, "finger"), "b1", "b2", reach=reach)

@@ -78,15 +78,15 @@ def audit(space: FreeSpace, assembly: Assembly, samples: int, *, seed: int = 0) 
     relative = np.random.default_rng(seed).uniform(low, high, (samples, 3))
     accepted = space.contains(relative)
     them = bodies(assembly)
-    depth = _depths(space, assembly, them, relative)
+    depth = depths(space, assembly, them, relative)
     row = them.body_of[assembly.names.index(space.parts[1])]
-    free = (depth == 0) & _reached(space, relative, float(them.radius[row]))
+    free = (depth == 0) & reached(space, relative, float(them.radius[row]))
     unsafe = accepted & (depth > SAFE * assembly.size)
     return Audit(samples, int(free.sum()), int(accepted.sum()), int(unsafe.sum()), int((free & ~accepted).sum()))
 
 
-def _depths(space: FreeSpace, assembly: Assembly, them: Bodies, relative: Floats) -> Floats:
-    """How deep the parts overlap [mm] in each relative motion: half to the whole of the width of what they share."""
+def depths(space: FreeSpace, assembly: Assembly, them: Bodies, relative: Floats) -> Floats:
+    """How deep the parts overlap (k,) [mm] in each relative motion (k, 3): half to the whole of the width of what they share."""
     rows = [assembly.names.index(name) for name in space.parts]
     a, b = placed(them)[them.body_of[rows]]
     shapely.prepare(a)
@@ -107,8 +107,8 @@ def _depths(space: FreeSpace, assembly: Assembly, them: Bodies, relative: Floats
     return depth
 
 
-def _reached(space: FreeSpace, relative: Floats, radius: float) -> NDArray[np.bool_]:
-    """Which motions lie in the slice next in angle; free ones outside are cut off from rest.
+def reached(space: FreeSpace, relative: Floats, radius: float) -> NDArray[np.bool_]:
+    """Which relative motions (k, 3) lie in the slice next in angle; free ones outside are cut off from rest.
 
     Slices are widened by what their rims may move in half a step, with contacts at most `radius` [mm] from the pivot.
     """

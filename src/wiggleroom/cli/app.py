@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from cyclopts import App
 
+from wiggleroom.cli.bench import bench
 from wiggleroom.cli.check import check
 from wiggleroom.cli.convert import convert
 from wiggleroom.cli.coupon import coupon
@@ -47,7 +48,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, rank, tighten, sweep, sample, space, draw, convert, maker, coupon
+        flex, check, rank, tighten, sweep, sample, space, draw, convert, maker, coupon, bench
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):

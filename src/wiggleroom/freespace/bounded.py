@@ -46,7 +46,8 @@ def _extended(region: shapely.Geometry, spot: Floats, near: float, window: float
             start, end = corners[:-1], corners[1:]
             rim = (np.abs(np.abs(start) - window) < EXTRA * window) & (np.abs(start - end) < EXTRA * window)
             lines = shapely.linestrings(np.stack([start, end], axis=1))
-            close = (shapely.distance(lines, shapely.Point(spot)) <= near) & ~rim.any(axis=1)
+            solid = np.hypot(*(end - start).T) > EXTRA * window  # shorter edges are rounding and have no direction
+            close = (shapely.distance(lines, shapely.Point(spot)) <= near) & ~rim.any(axis=1) & solid
             for k in np.flatnonzero(close):
                 way = end[k] - start[k]
                 ring = _cut(ring, np.array([-way[1], way[0]]), start[k], spot)

@@ -144,10 +144,14 @@ def _in_any(
 
 
 @overload
-def free_space(assembly: Assembly, a: str, b: str) -> FreeSpace: ...
+def free_space(assembly: Assembly, a: str, b: str, *, reach: float | None = None) -> FreeSpace: ...
 @overload
-def free_space(assembly: Assembly, a: str, b: str, model: str | PairModel) -> FreeSpace | Polyhedron: ...
-def free_space(assembly: Assembly, a: str, b: str, model: str | PairModel = "walls") -> FreeSpace | Polyhedron:
+def free_space(
+    assembly: Assembly, a: str, b: str, model: str | PairModel, *, reach: float | None = None
+) -> FreeSpace | Polyhedron: ...
+def free_space(
+    assembly: Assembly, a: str, b: str, model: str | PairModel = "walls", *, reach: float | None = None
+) -> FreeSpace | Polyhedron:
     """Free space of two parts, the others left out.
 
     Parameters
@@ -157,11 +161,13 @@ def free_space(assembly: Assembly, a: str, b: str, model: str | PairModel = "wal
         Names of two parts that are not glued to each other.
     model : str, Hull or HalfPlane
         "walls": cells that never overlap. "hull", "halfplane": the polyhedra of the paper and of PuzzleFlex, to compare with.
+    reach : float, optional [mm]
+        How far walls work out an open free space; by default ten clearances, though no further than the larger part's radius.
 
     Raises
     ------
     InputError
-        If there is no such part or model, or the two never meet.
+        If there is no such part or model, the two never meet, or the reach is no length.
     TouchingError
         If the two touch at rest.
 
@@ -182,6 +188,9 @@ def free_space(assembly: Assembly, a: str, b: str, model: str | PairModel = "wal
     Source: Mind the Gap, section 4.1; exact walls instead of the hull of three slices.
     """
     wanted = model_named(model)
+    if reach is not None and not 0 < reach < np.inf:
+        finding = f"reach {reach:g} mm: it must be a length above 0"
+        raise InputError(finding)
     them = bodies(assembly)
     one, other = _bodies_of(assembly, them, a, b)
     material = placed(them)[[one, other]]
@@ -194,21 +203,22 @@ def free_space(assembly: Assembly, a: str, b: str, model: str | PairModel = "wal
         )
         raise TouchingError(finding, (a, b), apart)
     if isinstance(wanted, Walls):
-        return _walls(assembly, them, (one, other), (a, b), material)
+        usual = min(REACH * apart, float(them.radius[[one, other]].max()))
+        return _walls(assembly, them, (one, other), (a, b), material, usual if reach is None else reach)
     return _polyhedron(assembly, them, (one, other), (a, b), wanted)
 
 
 def _walls(
-    assembly: Assembly, them: Bodies, rows: tuple[int, int], names: tuple[str, str], material: NDArray[np.object_]
-) -> FreeSpace:
+    assembly: Assembly, them: Bodies, rows: tuple[int, int], names: tuple[str, str], material: NDArray[np.object_],
+    reach: float,
+) -> FreeSpace:  # fmt: skip
     """Union of cells round exact slices."""
     one, other = rows
-    apart = float(shapely.distance(*material))
     pivot = joint_point(*material)
     at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
     relation = relate(at_a, at_b, them.rest[one], them.rest[other], pivot)
     own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
-    space = march(meeting(own[0], own[1]), min(REACH * apart, float(them.radius[[one, other]].max())))
+    space = march(meeting(own[0], own[1]), reach)
     covered = cover(them, (one, other), relation, space)
     return FreeSpace(
         parts=names,

@@ -1,0 +1,201 @@
+"""Table 1: how many random motions of one joint each model judges rightly, and how much of the free space it loses.
+
+Samples are spread evenly over the box of the free space in (x, y, turn) of the second block's reference point. Truth is exact
+collision of the outlines and, for the free ones, the exact slice next in angle: pieces cut off from rest are not free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.audit import depths, reached
+from wiggleroom.analysis.overlap import SAFE
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.bench.collide import overlapping
+from wiggleroom.bench.pairs import GAP, PAIR, PAIRS
+from wiggleroom.bench.published import ACCURACY
+from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.errors import InputError
+from wiggleroom.freespace.models import HalfPlane, Hull
+from wiggleroom.freespace.polyhedron import Polyhedron
+from wiggleroom.freespace.relative import turn
+from wiggleroom.freespace.space import FreeSpace, free_space
+from wiggleroom.pairs.neighbours import placed
+from wiggleroom.pairs.shapes import bodies
+from wiggleroom.solve.newton import Stop
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+SAMPLES = 1_000_000
+WALLS = "walls"
+HULLS = {"hull, reference": Hull("reference"), "hull, joint": Hull("joint")}
+HALF_PLANES = {"half-planes": HalfPlane(iterated=False)}
+
+COLUMNS = (
+    Column("pair", "pair"),
+    Column("method", "method"),
+    Column("rows", "rows", 0, wide=True),
+    Column("accuracy_percent", "right %", 2),
+    Column("invalid_invalid_percent", "both not free %", 2, wide=True),
+    Column("invalid_valid_percent", "unsafe %", 2),
+    Column("valid_invalid_percent", "lost %", 2),
+    Column("valid_valid_percent", "both free %", 2, wide=True),
+    Column("lost_of_free_percent", "lost of free %", 2),
+    Column("from_deg", "from deg", 2),
+    Column("to_deg", "to deg", 2),
+)
+
+
+def accuracy(
+    samples: int = SAMPLES,
+    *,
+    pairs: tuple[str, ...] = tuple(PAIRS),
+    seed: int = 0,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Bench:
+    """Judge random motions of each pair by each model and by exact collision.
+
+    Parameters
+    ----------
+    samples : int
+        Of each pair.
+    pairs : tuple of str
+        Names from `wiggleroom.bench.pairs.PAIRS`.
+    seed : int
+    stop, progress : optional
+        Asked between pairs; told how many pairs are done, and how many there are.
+
+    Raises
+    ------
+    InputError
+        If there are no samples.
+
+    Source: Mind the Gap, Table 1.
+    """
+    if samples < 1:
+        finding = f"samples {samples}: there must be at least 1"
+        raise InputError(finding)
+    found: list[Record] = []
+    for done, name in enumerate(pairs):
+        if stop is not None and stop.is_set():
+            break
+        if progress is not None:
+            progress(done, len(pairs))
+        found += of_pair(name, PAIRS[name](), samples, seed)
+    cut = sum(r["method"] == WALLS for r in found) < len(pairs)
+    notes = (
+        f"{samples:,} samples a pair, gap {GAP:g}, blocks of side 1. Right, unsafe and lost are shares of all "
+        "samples, lost of free of the free ones. Unsafe: accepted though parts overlap; lost: refused though "
+        "free.",
+        "Hulls of three slices, B turned about its reference point or about the joint: the paper does not say "
+        "which. Half-planes: those of one linear program, at rest.",
+        "Box: that of the reachable region; for the arc and the open wedge, which leave it, the one that the "
+        "hulls span, grown by the gap in x and y. From, to: turns of b2 that the model knows; of half-planes how "
+        "far it turns in place.",
+        "† Published in Mind the Gap, Table 1, for four joints of its own whose sizes it does not give; "
+        "PuzzleFlex as measured there.",
+    )
+    command = "wiggleroom bench accuracy" + ("" if samples == SAMPLES else f" --samples {samples}")
+    title = "One joint: random motions judged by each model and by exact collision"
+    return Bench(
+        "accuracy", title, (*found, *ACCURACY), (Sheet("", COLUMNS, (*found, *ACCURACY)),), notes, command, cut
+    )
+
+
+def of_pair(name: str, assembly: Assembly, samples: int, seed: int = 0) -> list[Record]:
+    """Figures of all models for one pair."""
+    hulls = {key: _polyhedron(assembly, model) for key, model in HULLS.items()}
+    planes = {key: _polyhedron(assembly, model) for key, model in HALF_PLANES.items()}
+    walls = free_space(assembly, *PAIR)
+    if walls.closed:
+        box = _span([s.region for s in walls.slices], walls.angles)
+    else:
+        box = _hull_box(list(hulls.values()))
+        needed = _farthest(walls, box)
+        if needed > walls.reach:
+            walls = free_space(assembly, *PAIR, reach=needed)
+    relative = np.random.default_rng(seed).uniform(*box, (samples, 3))
+    free = truth(walls, assembly, relative)
+    models: dict[str, FreeSpace | Polyhedron] = {WALLS: walls, **hulls, **planes}
+    return [
+        {"pair": name, "method": key, "published": False, "rows": model.rows}
+        | confusion(free, _accepted(model, walls, assembly, relative, free))
+        | {"from_deg": float(np.degrees(model.angles[0])), "to_deg": float(np.degrees(model.angles[1]))}
+        for key, model in models.items()
+    ]
+
+
+def truth(walls: FreeSpace, assembly: Assembly, relative: Floats) -> Bools:
+    """Which relative motions (k, 3) are free of overlap and connected to rest."""
+    them = bodies(assembly)
+    at = assembly.rest[1]
+    a, b = (shapely.transform(g, lambda p: p - at[:2]) for g in placed(them))
+    free = ~overlapping(a, b, relative)
+    free[free] = reached(walls, relative[free], float(them.radius[1]))
+    return free
+
+
+def confusion(free: Bools, accepted: tuple[Bools, Bools]) -> Record:
+    """Shares [%] of samples by truth and by what a model says; `accepted` are those it accepts, and those of them that overlap."""
+    said, unsafe = accepted
+    n = len(free)
+    both, lost, wrong = int((free & said).sum()), int((free & ~said).sum()), int(unsafe.sum())
+    return {
+        "samples": n,
+        "unsafe_samples": wrong,
+        "accuracy_percent": 100 * (n - lost - wrong) / n,
+        "invalid_invalid_percent": 100 * (n - both - lost - wrong) / n,
+        "invalid_valid_percent": 100 * wrong / n,
+        "valid_invalid_percent": 100 * lost / n,
+        "valid_valid_percent": 100 * both / n,
+        "lost_of_free_percent": 100 * lost / max(1, both + lost),
+    }
+
+
+def _accepted(
+    model: FreeSpace | Polyhedron, walls: FreeSpace, assembly: Assembly, relative: Floats, free: Bools
+) -> tuple[Bools, Bools]:
+    """What a model accepts, and what of that is no motion without overlap; contact within rounding is no overlap."""
+    said = model.contains(relative)
+    unsafe = said & ~free
+    doubtful = np.flatnonzero(unsafe)
+    deep = depths(walls, assembly, bodies(assembly), relative[doubtful]) > SAFE * assembly.size
+    cut_off = ~reached(walls, relative[doubtful], float(bodies(assembly).radius[1]))
+    unsafe[doubtful] = deep | cut_off
+    return said & (free | unsafe), unsafe
+
+
+def _polyhedron(assembly: Assembly, model: Hull | HalfPlane) -> Polyhedron:
+    found = free_space(assembly, *PAIR, model=model)
+    assert isinstance(found, Polyhedron)  # walls alone give another kind
+    return found
+
+
+def _hull_box(hulls: list[Polyhedron]) -> tuple[Floats, Floats]:
+    """Box of relative motions that the hulls span, grown by the gap in x and y."""
+    boxes = []
+    for hull in hulls:
+        swing = [turn(-hull.pivot, np.array([s.angle]))[0] + hull.pivot for s in hull.slices]
+        about = [shapely.transform(s.region, lambda p, d=d: p + d) for s, d in zip(hull.slices, swing, strict=True)]
+        boxes.append(_span(about, hull.angles))
+    low, high = np.min([b[0] for b in boxes], axis=0), np.max([b[1] for b in boxes], axis=0)
+    grow = np.array([GAP, GAP, 0.0])
+    return low - grow, high + grow
+
+
+def _span(regions: list[shapely.Geometry], angles: tuple[float, float]) -> tuple[Floats, Floats]:
+    """Low and high corner (3,) [mm, mm, rad] of slices."""
+    boxes = shapely.bounds(regions)
+    return np.array([*boxes[:, :2].min(0), angles[0]]), np.array([*boxes[:, 2:].max(0), angles[1]])
+
+
+def _farthest(walls: FreeSpace, box: tuple[Floats, Floats]) -> float:
+    """Largest motion of the pivot in x or y [mm] within a box of relative motions."""
+    corners = np.array(np.meshgrid(*zip(*box, strict=True))).reshape(3, -1).T
+    return float(np.abs(corners[:, :2]).max() + np.hypot(*walls.pivot) * np.abs(corners[:, 2]).max())

@@ -1,0 +1,195 @@
+"""Comparisons as pictures; every method keeps its colour and its mark."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from wiggleroom.bench.puzzles import APART
+from wiggleroom.bench.result import Bench, Record
+from wiggleroom.report import frame, palette
+from wiggleroom.report.axes import text
+from wiggleroom.report.curves import Curve, Panel, Style, around, legend
+from wiggleroom.report.text import wrap
+
+_TRUTH, _OURS, _HULL, _HULL_2 = "#1f2933", "#1f5f99", "#c96a00", "#e3a008"
+_PLANES, _PLANES_2, _OTHER, _THEIRS, _THEIRS_2 = "#00806a", "#74b8a8", "#8c6bb1", "#7a4a1c", "#4d6b62"
+STYLES = {
+    "true optimum": Style(_TRUTH, "cross"),
+    "walls": Style(_OURS, "circle"),
+    "hull": Style(_HULL, "square"),
+    "hull + IPOPT": Style(_HULL, "square"),
+    "hull, joint": Style(_HULL, "square"),
+    "hull, reference": Style(_HULL_2, "square"),
+    "hull, 8 rounds": Style(_HULL_2, "square"),
+    "half-planes": Style(_PLANES, "triangle"),
+    "half-planes, at rest": Style(_PLANES_2, "triangle"),
+    "physics engine": Style(_OTHER, "diamond", hollow=True),
+    "Mind the Gap †": Style(_THEIRS, "square", hollow=True),
+    "PuzzleFlex †": Style(_THEIRS_2, "triangle", hollow=True),
+}
+OTHER = Style(_OTHER, "diamond")
+"""Methods without a style of their own."""
+LEFT, TOP, HIGH, WIDE, BETWEEN = 70.0, 60.0, 320.0, 440.0, 80.0
+_ROW = 34.0
+_NAMES = 150.0
+
+
+def picture(found: Bench, command: str = "") -> str:
+    """SVG of a comparison."""
+    return PICTURES[found.name](found, command)
+
+
+def accuracy_picture(found: Bench, command: str) -> str:
+    """Rows of dots: how many samples are judged rightly, and how much of the free space is lost."""
+    pairs = list(dict.fromkeys(r["pair"] for r in found.records))
+    titles = {
+        "accuracy_percent": "Judged rightly [% of the samples]",
+        "lost_of_free_percent": "Lost [% of the free space]",
+    }
+    return _two_panels_of_rows(found, command, "pair", pairs, titles)
+
+
+def speed_picture(found: Bench, command: str) -> str:
+    """Seconds against parts for grids of tees, and for all joints at the largest size."""
+    body, top = frame.header(found.title, _facts(found), 2 * WIDE)
+    top += TOP
+    tees = [r for r in found.records if r["joint"] == "tee" and "total_seconds" in r]
+    curves = [_curve(name, some, "parts", "total_seconds") for name, some in _by_method(tees)]
+    left = LEFT
+    if curves:
+        panel = around(left, top, WIDE, HIGH, curves, (True, True))
+        body += panel.axes("Grids of tee blocks", ("parts", "total [s]"))
+        for curve in curves[::-1]:
+            body += panel.curve(curve)
+        left += WIDE + BETWEEN + _NAMES
+    timed = [r for r in found.records if "total_seconds" in r]
+    names = list(dict.fromkeys(r["assembly"] for r in timed))
+    if names:
+        seconds = np.array([r["total_seconds"] for r in timed])
+        panel = Panel(
+            left, top, WIDE, HIGH, (seconds.min() / 1.6, seconds.max() * 1.6), (len(names) - 0.4, -0.6), (True, False)
+        )
+        body += panel.axes("All assemblies", ("total [s]", ""), names)
+        for r in timed:
+            place, style = np.array([r["total_seconds"]]), STYLES.get(r["method"], OTHER)
+            body += panel.curve(Curve("", place, np.array([float(names.index(r["assembly"]))]), style))
+        for r in timed:
+            if r.get("at_least"):
+                u, v = panel.pixels(np.array([r["total_seconds"]]), np.array([names.index(r["assembly"])]))[0].tolist()
+                body.append(text(u + 8, v + 4, palette.SMALL_SIZE, palette.QUIET, "or more"))
+    return _finished(found, command, body, top + HIGH, left + WIDE, [name for name, _ in _by_method(timed)])
+
+
+def chains_picture(found: Bench, command: str) -> str:
+    """Displacement against gap, a panel for each joint."""
+    body, top = frame.header(found.title, (), 2 * WIDE)
+    top += TOP
+    joints = list(dict.fromkeys(r["joint"] for r in found.records))
+    for k, joint in enumerate(joints):
+        mine = [r for r in found.records if r["joint"] == joint and r["moves_mm"] is not None]
+        curves = [_curve(name, some, "gap_mm", "moves_mm") for name, some in _by_method(mine)]
+        if not curves:
+            continue
+        panel = around(LEFT + k * (WIDE + BETWEEN), top, WIDE, HIGH, curves)
+        body += panel.axes(joint, ("gap [mm]", "moves [mm]"))
+        for curve in curves[::-1]:
+            body += panel.curve(curve)
+    right = LEFT + max(1, len(joints)) * (WIDE + BETWEEN) - BETWEEN
+    return _finished(found, command, body, top + HIGH, right, [name for name, _ in _by_method(found.records)])
+
+
+def interlock_picture(found: Bench, command: str) -> str:
+    """Field of answers: a row for each assembly, a column for each method."""
+    body, top = frame.header(found.title, (), 2 * WIDE)
+    top += 50
+    rows = list(dict.fromkeys(r["assembly"] for r in found.records))
+    methods = [name for name, _ in _by_method(found.records)]
+    wide, high, left = 130.0, 30.0, palette.MARGIN + 270
+    truth = {r["assembly"]: r["truth"] for r in found.records}
+    body.append(text(left - 12, top - 12, palette.TEXT_SIZE, palette.QUIET, "truth", "end"))
+    for k, name in enumerate(methods):
+        body.append(text(left + (k + 0.5) * wide, top - 12, palette.TEXT_SIZE, palette.INK, name, "middle"))
+    for i, row in enumerate(rows):
+        y = top + i * high
+        body.append(text(palette.MARGIN, y + 20, palette.TEXT_SIZE, palette.INK, row))
+        body.append(text(left - 12, y + 20, palette.TEXT_SIZE, palette.QUIET, truth[row], "end"))
+        for r in (r for r in found.records if r["assembly"] == row):
+            x = left + methods.index(r["method"]) * wide
+            fill, stroke = palette.PULLED if r["right"] else palette.FIXED
+            said = r["says"] if r["says"] in (APART, truth[row], "locked") else r["says"].split(":")[0]
+            body.append(
+                f'<rect x="{x + 2:.2f}" y="{y + 2:.2f}" width="{wide - 4:.2f}" height="{high - 4:.2f}" rx="3" '
+                f'fill="{fill}" stroke="{stroke}"/>'
+            )
+            shown = said if r["right"] else f"{said} ✗"
+            body.append(text(x + wide / 2, y + 20, palette.SMALL_SIZE + 1, palette.INK, shown, "middle"))
+    bottom = top + len(rows) * high + 14
+    for k, name in enumerate(methods):
+        right = sum(r["right"] for r in found.records if r["method"] == name)
+        body.append(
+            text(
+                left + (k + 0.5) * wide, bottom + 8, palette.TEXT_SIZE, palette.INK, f"{right} of {len(rows)}", "middle"
+            )
+        )
+    return _finished(found, command, body, bottom - 20, left + wide * len(methods), [])
+
+
+PICTURES: dict[str, Callable[[Bench, str], str]] = {
+    "accuracy": accuracy_picture,
+    "speed": speed_picture,
+    "chains": chains_picture,
+    "interlock": interlock_picture,
+}
+"""Registry: what draws each comparison."""
+
+
+def _two_panels_of_rows(found: Bench, command: str, group: str, names: Sequence[str], titles: dict[str, str]) -> str:
+    body, top = frame.header(found.title, _facts(found), 2 * WIDE)
+    top += TOP
+    left, high = palette.MARGIN + _NAMES, _ROW * len(names)
+    for k, (key, title) in enumerate(titles.items()):
+        shown = [r for r in found.records if r.get(key) is not None]
+        panel = Panel(left, top, WIDE, high, (-3.0, 103.0), (len(names) - 0.5, -0.5))
+        rows = names if k == 0 else [""] * len(names)
+        body += panel.axes(title, ("", ""), rows)
+        for r in shown[::-1]:
+            at = np.array([names.index(r[group])], dtype=float)
+            body += panel.curve(Curve("", np.array([r[key]]), at, STYLES.get(r["method"], OTHER)))
+        left += WIDE + BETWEEN / 2
+    return _finished(
+        found, command, body, top + high, left - BETWEEN / 2, [name for name, _ in _by_method(found.records)]
+    )
+
+
+def _finished(found: Bench, command: str, body: list[str], bottom: float, right: float, methods: Sequence[str]) -> str:
+    """Whole SVG: legend, a word on published figures, command."""
+    more, y = legend(
+        [(name, STYLES.get(name, OTHER)) for name in methods], palette.MARGIN, bottom + 76, right - palette.MARGIN
+    )
+    body = [*body, *more]
+    y += 12
+    theirs = [note for note in found.notes if note.startswith("†")]
+    for line in (*theirs, *([command] if command else [])):
+        for row in wrap(line.split(" "), " ", palette.SMALL_SIZE, right - palette.MARGIN, 3):
+            y += palette.SMALL_SIZE + 5
+            body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
+    return frame.document(right + palette.MARGIN, y + palette.MARGIN - 12, found.title, found.notes, command, body)
+
+
+def _curve(name: str, records: Sequence[Record], x: str, y: str) -> Curve:
+    values = (np.array([r[key] for r in records], dtype=float) for key in (x, y))
+    return Curve(name, next(values), next(values), STYLES.get(name, OTHER))
+
+
+def _facts(found: Bench) -> Sequence[str]:
+    return ("stopped before the last line",) if found.cut else ()
+
+
+def _by_method(records: Sequence[Record]) -> list[tuple[str, list[Record]]]:
+    """Records by method, in the order in which methods first come up."""
+    found: dict[str, list[Record]] = {}
+    for r in records:
+        found.setdefault(r["method"], []).append(r)
+    return list(found.items())

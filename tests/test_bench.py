@@ -1,0 +1,412 @@
+"""The tables of `bench`: figures against independent truth, and pages that keep what others wrote."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+import threading
+from importlib.util import find_spec
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+import shapely
+
+import wiggleroom as wr
+from tests.audit import polygon, reachable
+from tests.oracle import chain as oracle_chain
+from tests.oracle.collision import overlaps, pose_depth
+from wiggleroom.bench import accuracy, chains, interlock, large, one, published, speed
+from wiggleroom.bench.collide import overlapping
+from wiggleroom.bench.pairs import PAIR, PAIRS
+from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
+from wiggleroom.bench.render import bench_markdown, bench_record, bench_table, with_section
+from wiggleroom.bench.result import Bench, Column, Sheet
+from wiggleroom.cli import main
+from wiggleroom.report.records import to_json
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+needs_ipopt = pytest.mark.skipif(find_spec("casadi") is None, reason="needs the extra bench")
+
+
+def figures(found: Bench, **where: object) -> dict:
+    (record,) = [r for r in found.records if all(r.get(k) == v for k, v in where.items())]
+    return record
+
+
+# collision and accuracy
+
+
+@pytest.mark.parametrize("name", PAIRS)
+def test_collision_agrees_with_the_oracle(name: str) -> None:
+    assembly = PAIRS[name]()
+    a, b = (polygon(p) for p in assembly.parts)
+    D = assembly.rest[1, :2] - assembly.rest[0, :2]
+    samples = np.random.default_rng(1).uniform((-0.05, -0.3, -0.1), (0.7, 0.3, 0.1), (3000, 3))
+    moved = shapely.transform(a, lambda p: p - D)
+    found = overlapping(moved, b, samples)
+    assert found.any()
+    assert not found.all()
+    np.testing.assert_array_equal(found, overlaps(a, b, samples, D))
+
+
+def test_square_peg_touches_at_the_angle_of_the_closed_form() -> None:
+    plate, peg = shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9)
+    end = 0.5 * np.arcsin((1 / 0.9) ** 2 - 1)  # 0.9 (cos + sin) = 1
+    turns = np.array([[0, 0, s * end * f] for s in (1, -1) for f in (0.999999, 1.000001)])
+    assert overlapping(plate, peg, turns).tolist() == [False, True, False, True]
+
+
+def test_shares_of_a_confusion_matrix() -> None:
+    free = np.array([1, 1, 1, 1, 0, 0, 0, 0, 0, 0], dtype=bool)
+    said = np.array([1, 1, 1, 0, 1, 0, 0, 0, 0, 0], dtype=bool)
+    found = accuracy.confusion(free, (said, said & ~free))
+    assert found["accuracy_percent"] == 80
+    assert [found[k] for k in published._CELLS] == [50, 10, 10, 30]
+    assert found["lost_of_free_percent"] == 25
+    assert found["unsafe_samples"] == 1
+
+
+@pytest.mark.parametrize("name", ["tee", "swallowtail", "round"])
+def test_models_of_closed_joints(name: str) -> None:
+    rows = {r["method"]: r for r in accuracy.of_pair(name, PAIRS[name](), 20_000)}
+    for row in rows.values():
+        assert sum(row[k] for k in published._CELLS) == pytest.approx(100)
+    assert rows["walls"]["unsafe_samples"] == 0
+    assert rows["walls"]["lost_of_free_percent"] <= 0.5
+    for hull in accuracy.HULLS:
+        assert rows[hull]["accuracy_percent"] > 94  # the paper's on comparable joints
+        assert 0 < rows[hull]["to_deg"] < rows["walls"]["to_deg"]
+
+
+@pytest.mark.slow
+def test_open_pairs_are_sampled_where_the_hulls_reach() -> None:
+    rows = {r["method"]: r for r in accuracy.of_pair("open wedge", PAIRS["open wedge"](), 20_000)}
+    assert rows["walls"]["unsafe_samples"] == 0
+    assert rows["walls"]["lost_of_free_percent"] <= 0.5
+    assert rows["walls"]["valid_valid_percent"] > 50  # most of the box is beyond the joint
+
+
+def test_truth_of_samples_agrees_with_another_sampling() -> None:
+    assembly = PAIRS["swallowtail"]()
+    space = wr.free_space(assembly, *PAIR)
+    samples = np.random.default_rng(2).uniform((-0.01, -0.03, -0.03), (0.02, 0.03, 0.03), (20_000, 3))
+    a, b = (polygon(p) for p in assembly.parts)
+    free = ~overlaps(a, b, samples, np.array([1.0, 0.0])) & reachable(space, samples)
+    assert free.any()
+    np.testing.assert_array_equal(accuracy.truth(space, assembly, samples), free)
+
+
+def test_the_arc_comes_out_by_turning_about_its_centre_only() -> None:
+    from wiggleroom.bench.pairs import CENTRE
+
+    assembly = PAIRS["arc"]()
+    a, b = (shapely.transform(polygon(p), lambda q, at=p.at: q + at[:2]) for p in assembly.parts)
+    centre = (CENTRE[0] + 0.5, CENTRE[1])
+    for angle in np.linspace(0, -70, 141):  # the tongue slides along itself, then it is out
+        assert not shapely.intersects(a, shapely.affinity.rotate(b, angle, origin=centre)), angle
+    for way in np.linspace(0, 2 * np.pi, 24, endpoint=False):
+        shifts = [shapely.affinity.translate(b, s * np.cos(way), s * np.sin(way)) for s in np.linspace(0, 0.5, 200)]
+        assert shapely.intersects(a, shifts).any()
+
+
+def test_a_run_that_is_stopped_says_so() -> None:
+    stop = threading.Event()
+    stop.set()
+    found = accuracy.accuracy(100, stop=stop)
+    assert found.cut
+    assert all(r["published"] for r in found.records)
+    assert interlock.interlock(stop=stop).cut
+    assert chains.chains(stop=stop).cut
+
+
+# published figures
+
+
+def test_published_cells_add_up_as_printed() -> None:
+    sums = [sum(r[k] for k in published._CELLS) for r in published.ACCURACY if "valid_valid_percent" in r]
+    np.testing.assert_allclose(sums, [100, 99.93, 100, 100], atol=1e-9)
+    tees = published.speed(4096, "tee")
+    assert [r["total_seconds"] for r in tees] == [128.2, 1130.0]
+    for parts, joint in ((c.parts, c.joint) for c in large.CASES if not c.picture):
+        ours = published.speed(parts, joint)[0]
+        off = 0.04 if joint == "revolute" else 0.0  # as printed
+        assert ours["preprocess_seconds"] + ours["solve_seconds"] - ours["total_seconds"] == pytest.approx(
+            off, abs=1e-9
+        )
+    assert published.speed(1669, "image")[0]["total_seconds"] == 17.76
+    assert published.speed(31, "tee") == []
+
+
+# chains
+
+
+def test_stored_optima_are_those_of_the_oracle() -> None:
+    blocks, true = chains.optima()
+    common = [(j, g) for j, g in true if g in oracle_chain.GAPS]
+    assert len(common) == 6
+    for joint, gap in common:
+        assert true[joint, gap] == pytest.approx(oracle_chain.stored(joint, gap, blocks)[0], abs=1e-9)
+
+
+def test_blocks_are_those_of_the_oracle() -> None:
+    from tests.oracle.blocks import block
+
+    for joint in chains.JOINTS:
+        ours = polygon(wr.patterns.chain(2, joint, 0.02).parts[0])
+        assert shapely.area(shapely.symmetric_difference(ours, block(joint, 0.02))) < 1e-12
+
+
+def test_methods_against_the_true_optimum() -> None:
+    blocks, true = chains.optima()
+    chain = wr.patterns.chain(blocks, "swallowtail", 0.015)
+    share = {
+        name: (method(chain, None)[0] or 0) / true["swallowtail", 0.015] for name, method in chains.METHODS.items()
+    }
+    assert share["walls"] == pytest.approx(1, abs=1e-6)
+    assert share["hull, reference"] < share["hull, joint"] < 0.6
+    assert share["half-planes"] == pytest.approx(1, abs=1e-3)
+    assert share["physics engine"] == pytest.approx(1, abs=0.02)
+
+
+# interlock
+
+
+@pytest.mark.parametrize("puzzle", [p for p in PUZZLES if p.truth == APART], ids=lambda p: p.name)
+def test_what_comes_apart_does_so_along_a_way_without_overlap(puzzle) -> None:
+    assembly = puzzle.assembly()
+    ready = wr.prepare(assembly)
+    answers = (ready.flex(goal) for goal in interlock._goals(assembly))
+    answer = next(a for a in answers if a.verdict == "unbounded" and a.leaves)
+    parts = [[shapely.transform(polygon(p), lambda q, p=p: _placed(q, p.at)) for _ in (0,)] for p in assembly.parts]
+    way = answer.waypoints
+    for first, last in pairwise(way):
+        for share in np.linspace(0, 1, 5):
+            assert pose_depth(parts, assembly.rest[:, :2], first + share * (last - first)) <= 1e-7 * assembly.size
+    gone = [assembly.names.index(name) for name in answer.leaves]
+    assert np.hypot(*(way[-1, gone, :2]).T).max() > 0.5 * assembly.size
+
+
+def _placed(points: np.ndarray, at: tuple[float, float, float]) -> np.ndarray:
+    from tests.oracle.geometry import turn
+
+    return points @ turn(at[2]).T + at[:2]
+
+
+@pytest.mark.parametrize("method", [pytest.param("check", marks=pytest.mark.slow), "walls"])
+def test_both_truths_are_told_apart(method: str) -> None:
+    assert {p.truth for p in PUZZLES} == {LOCKED, APART}
+    for puzzle in PUZZLES:
+        assert interlock.METHODS[method](puzzle.assembly(), None) == puzzle.truth, puzzle.name
+
+
+def test_methods_for_tight_parts_see_no_gap() -> None:
+    wedges = [p for p in PUZZLES if p.drawing == "gap"]
+    for method in ("first order", "blocking graphs"):
+        assert {interlock.METHODS[method](p.assembly(), None) for p in wedges} == {LOCKED}
+
+
+def test_all_columns_fit_on_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rich.console import Console
+
+    monkeypatch.setattr(interlock, "METHODS", dict.fromkeys(interlock.METHODS, lambda *_: LOCKED))
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(bench_table(interlock.interlock()))
+    said = console.export_text()
+    head = said[: said.index("──")]
+    assert all(word in head for name in interlock.METHODS for word in name.replace(",", " ").split())
+    assert said.count("✓") + said.count("✗") == len(PUZZLES) * len(interlock.METHODS)
+
+
+def test_a_method_that_refuses_is_not_right(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuses(assembly, stop):
+        raise wr.InputError("no contacts to look at")
+
+    monkeypatch.setattr(interlock, "METHODS", {"sour": refuses})
+    found = interlock.interlock()
+    assert [r["right"] for r in found.records] == [False] * len(PUZZLES)
+    assert found.records[0]["says"] == "refused: no contacts to look at"
+
+
+# speed
+
+
+@needs_ipopt
+def test_small_assemblies_are_timed_in_processes_of_their_own() -> None:
+    found = speed.speed(40)
+    walls, hull, planes = (figures(found, method=name) for name in one.METHODS)
+    for row in (walls, hull, planes):
+        assert row["preprocess_seconds"] + row["solve_seconds"] == pytest.approx(row["total_seconds"], abs=0.01)
+        assert row["ended"] in ("optimal", "stationary")
+        assert 50 < row["peak_mb"] < 2000
+    assert walls["overlap_mm"] == 0
+    assert walls["moves_mm"] == pytest.approx(0.35597, abs=1e-4)  # bracketed by an outer model: 0.3551 to 0.3566
+    assert hull["moves_mm"] < walls["moves_mm"]
+    assert hull["solver"] == "ipopt"
+    assert [r["total_seconds"] for r in found.records if r["published"]] == [1.21, 0.38]
+
+
+@needs_ipopt
+def test_a_limit_is_kept_and_said() -> None:
+    case = large.CASES[1]
+    row = speed.measured(case, "half-planes", 0.05)
+    assert row["limit_seconds"] == 0.05
+    assert "total_seconds" in row["at_least"]
+    assert "> " in speed.COLUMNS[4].cell(row)
+
+
+def test_a_process_that_fails_is_told_of() -> None:
+    case = large.Case("none", 1, "tee")
+    assert speed.measured(case, "walls", None)["ended"].startswith("failed: ")
+
+
+@pytest.mark.parametrize(
+    ("parts", "limit", "word"), [(3, None, "max-parts"), (None, 0.0, "limit"), (None, float("nan"), "limit")]
+)
+def test_speed_refuses_what_it_cannot_do(parts, limit, word) -> None:
+    with pytest.raises(wr.InputError, match=word):
+        speed.speed(parts, limit=limit)
+
+
+@pytest.mark.parametrize("case", large.CASES, ids=lambda c: c.name)
+def test_assemblies_have_as_many_parts_as_they_say(case) -> None:
+    made = large.assembly_of(case) if case.parts <= 2000 else None
+    assert made is None or len(made.parts) == case.parts
+    assert case.name.startswith(f"{case.parts:,} ")
+
+
+def test_pictures_are_those_of_the_gallery() -> None:
+    for folder, name, case in (("20_elephant", "elephant", -2), ("21_butterfly", "butterfly", -1)):
+        mine, other = large.assembly_of(large.CASES[case]), wr.read(EXAMPLES / folder / f"{name}.json")
+        assert mine.names == other.names
+        np.testing.assert_allclose(mine.rest, other.rest, atol=1e-9)
+        assert mine.goals == other.goals
+        assert [p.fixed for p in mine.parts] == [p.fixed for p in other.parts]
+
+
+# pages
+
+
+def small(cut: bool = False) -> Bench:
+    rows = (
+        {"pair": "tee", "method": "walls", "x": 1234.5, "published": False},
+        {"pair": "tee", "method": "theirs", "x": None, "published": True},
+    )
+    sheet = Sheet("", (Column("pair", "pair"), Column("method", "method"), Column("x", "x %", 1)), rows)
+    return Bench("accuracy", "A title", rows, (sheet,), ("A note.",), "wiggleroom bench accuracy", cut)
+
+
+def test_markdown_names_its_command_and_marks_published_figures() -> None:
+    lines = bench_markdown(small()).splitlines()
+    assert "`wiggleroom bench accuracy`" in lines
+    assert "| tee | walls | 1,234.5 |" in lines
+    assert "| *tee* | *theirs* | - |" in lines
+
+
+def test_a_section_is_put_in_the_place_of_the_old_one() -> None:
+    page = "# Mine\n\nbefore\n\n" + bench_markdown(small()) + "\n\nafter\n"
+    again = with_section(page, "accuracy", bench_markdown(small(cut=True)))
+    assert again.startswith("# Mine\n\nbefore\n")
+    assert again.endswith("\n\nafter\n")
+    assert again.count("A title") == 1
+    assert "Stopped before the last line." in again
+    assert with_section("", "accuracy", "new") == "new\n"
+    assert with_section("# Mine\n", "accuracy", "new") == "# Mine\n\nnew\n"
+
+
+@pytest.mark.parametrize(
+    "page",
+    [
+        "<!-- bench speed -->",
+        "<!-- end of bench speed --> <!-- bench speed -->",
+        2 * "<!-- bench speed --><!-- end of bench speed -->",
+    ],
+)
+def test_a_page_with_broken_marks_is_refused(page: str) -> None:
+    with pytest.raises(wr.InputError, match="marks"):
+        with_section(page, "speed", "new")
+
+
+def test_terminal_and_json_hold_the_figures() -> None:
+    from rich.console import Console
+
+    console = Console(width=80, record=True, file=io.StringIO())
+    console.print(bench_table(small()))
+    said = console.export_text()
+    assert "1,234.5" in said
+    assert "A note." in said
+    record = json.loads(to_json(bench_record([small()], "wiggleroom bench", {"cores": 2})))
+    assert record["format"] == "wiggleroom.bench/1"
+    assert record["accuracy"][0]["x"] == 1234.5
+    assert record["tables"]["accuracy"]["stopped"] is False
+
+
+# command
+
+
+def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
+    monkeypatch.setattr(sys, "argv", ["wiggleroom", *words])
+    return main()
+
+
+def test_chains_command_keeps_the_page(tmp_path: Path, monkeypatch, capsys) -> None:
+    page, png = tmp_path / "page.md", tmp_path / "out.png"
+    page.write_text("# Others wrote this\n")
+    monkeypatch.setattr(chains, "METHODS", {"walls": chains.METHODS["walls"]})
+    assert run(monkeypatch, "bench", "chains", "--json", "-", "--markdown", str(page), "--picture", str(png)) == 0
+    record = json.loads(capsys.readouterr().out)
+    shares = [r["share_percent"] for r in record["chains"] if r["method"] == "walls"]
+    assert len(shares) == 12
+    np.testing.assert_allclose(shares, 100, atol=1e-4)
+    assert page.read_text().startswith("# Others wrote this\n\n<!-- bench chains -->\n")
+    assert png.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.slow
+def test_command_writes_table_json_page_and_picture(tmp_path: Path, monkeypatch, capsys) -> None:
+    page, out, svg = tmp_path / "page.md", tmp_path / "out.json", tmp_path / "out.svg"
+    page.write_text("# Others wrote this\n")
+    words = (
+        "bench",
+        "accuracy",
+        "--samples",
+        "500",
+        "--markdown",
+        str(page),
+        "--json",
+        str(out),
+        "--picture",
+        str(svg),
+    )
+    assert run(monkeypatch, *words) == 0
+    assert "open wedge" in capsys.readouterr().out
+    assert page.read_text().startswith("# Others wrote this\n")
+    assert "`wiggleroom bench accuracy --samples 500`" in page.read_text()
+    record = json.loads(out.read_text())
+    rows = [r for r in record["accuracy"] if not r["published"]]
+    assert len(rows) == 4 * len(PAIRS)
+    assert all(r["samples"] == 500 for r in rows)
+    assert svg.read_text().count('class="mark"') > 2 * len(rows)
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("bench", "nix"), "nix"),
+        (("bench", "--picture", "x.svg"), "name one table"),
+        (("bench", "accuracy", "--samples", "0"), "at least 1"),
+        (("bench", "chains", "--samples", "5"), "only accuracy"),
+        (("bench", "interlock", "--max-parts", "5"), "only speed"),
+        (("bench", "speed", "--max-parts", "3"), "smallest assembly"),
+        (("bench", "chains", "--markdown", "x.txt"), ".md"),
+        (("bench", "chains", "--picture", "x.mp4"), ".svg"),
+    ],
+)
+def test_bad_words_end_with_one_line(words, said, monkeypatch, capsys, tmp_path) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run(monkeypatch, *words) == 2
+    wrong = capsys.readouterr().err
+    assert said in wrong
+    assert len(wrong.strip().splitlines()) == 1
