@@ -21,7 +21,7 @@ slow: .venv/ready-test
 
 browser: .venv/ready-test # needs a Chromium on the path
 	$(BIN)/python -m pip install --quiet --editable '.[dxf,browser]'
-	$(BIN)/python -m pytest -m slow tests/test_html.py
+	$(BIN)/python -m pytest -m slow tests/test_html.py tests/test_space_report.py tests/test_study_report.py
 
 lint: .venv/ready-lint
 	$(BIN)/ruff check .

@@ -136,7 +136,7 @@ def test_what_cannot_be_made(make, said):
         (["DRAWER", "--joint", "tee", "-o", "x.svg"], 2, "not both"),
         (["DRAWER", "frame", "-o", "x.svg"], 2, "name the two parts"),
         (["--unit", "in", "-o", "x.svg"], 2, "go with a file"),
-        (["-o", "x.png"], 2, "must end in .svg or .dxf or .json"),
+        (["-o", "x.png"], 2, "must end in .svg, .dxf or .json"),
         (["--step", "0", "-o", "x.svg"], 2, "in steps of 0"),
         (["nowhere.svg", "-o", "x.svg"], 2, "no such file"),
     ],

@@ -148,8 +148,6 @@ def test_interrupted_is_unknown():
 def test_what_cannot_be_asked():
     with pytest.raises(wr.InputError, match="only one part"):
         wr.check(made(fixed="", one=WALL))
-    with pytest.raises(wr.TouchingError):
-        wr.check(made(wall=WALL, block=shapely.box(100, 0, 120, 20)))
 
 
 def _flooded(a: shapely.Polygon, b: shapely.Polygon, step: float, turn: float, most: int = 400_000) -> bool:
@@ -243,7 +241,6 @@ def test_command_takes_a_gap(monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--gap", "0"], "touch at rest"),
         (["--fix", "nobody"], "nobody"),
         (["--fix", "right,left"], "every part is fixed"),
         (["--picture", "apart.docx"], "must end in"),
@@ -254,3 +251,36 @@ def test_command_refuses_in_one_plain_line(monkeypatch, capsys, words, said):
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1
+
+
+# -- drawn tight ----------------------------------------------------------------------------------------------------
+
+
+PEG = shapely.box(10, 10, 20, 20)
+TRAY = shapely.box(0, 0, 30, 30) - PEG
+
+
+@pytest.mark.parametrize(
+    ("ground", "verdict", "certainty", "who"),
+    [
+        (TRAY, "interlocked", "proven", []),
+        (TRAY - shapely.box(0, 20, 30, 30), "comes apart", "searched", [("peg",)]),
+        (shapely.box(0, 0, 30, 10), "comes apart", "searched", [("peg",)]),
+    ],
+)
+def test_parts_that_touch_at_rest(ground, verdict, certainty, who):
+    found = wr.check(made(fixed="ground", ground=ground, peg=PEG))
+    assert (found.verdict, found.certainty) == (verdict, certainty)
+    assert [e.parts for e in found.escapes] == who
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("gap", "verdict"), [(2.5, "interlocked"), (2.75, "comes apart")])
+def test_a_jigsaw_near_the_gap_at_which_it_comes_apart(gap, verdict):
+    file = HERE.parent / "drawings" / "pyjigsaw_4x5.svg"
+    drawing = wr.read(file, gap=2.0).drawing  # the same edges for its curves at both gaps
+    assembly = assemble(drawing, gap=gap)
+    found = wr.check(assembly, every=False)
+    assert found.verdict == verdict
+    assert found.certainty == "proven"
+    assert deepest(assembly, found, 4) < 1e-9 * assembly.size**2

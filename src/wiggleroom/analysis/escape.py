@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -16,7 +17,7 @@ from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.rigid import Rigid, leaves_as_one
 from wiggleroom.analysis.search import Progress
-from wiggleroom.analysis.straight import Exit, straight_exit
+from wiggleroom.analysis.straight import Exit, straight_exit, straight_exits
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.solve.newton import Stop
 
@@ -27,6 +28,11 @@ Certainty = Literal["proven", "searched"]
 
 ONLY = 150_000
 """Boxes judged at most where one body alone can leave; a few seconds."""
+NEARLY = 40_000
+"""Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
+ROOM = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
+"""So much further inward outlines lie then, as shares of the clearance."""
+MOST_NEARLY = 8
 BEYOND = 0.1
 """Parts that left end this share of the drawing's size beyond all others."""
 
@@ -74,15 +80,16 @@ def next_stage(ready: Prepared, boxes: int, stop: Stop | None, tell: Callable[[P
     known, tries = _rigid(ready, stands, own, boxes, stop)
     if not known.group.any():
         return Stage("interlocked", "proven", none, None, known.held, 0)
-    for rigid in tries:
+    nearly = _nearly(ready, ground, known.group)
+    for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, NEARLY) for e in nearly)):
+        if stop is not None and stop.is_set():
+            break
         stage = None if rigid.way is None else _finish(ready, rigid.way, known.group, ground)
-        if stage is not None:
+        if stage is not None and stage.way is not None:
             return stage
-    searched = explore(ready, ground, known.group, stop, tell)
+    searched = explore(ready, ground, known.group, nearly, stop, tell)
     if searched.way is not None and searched.exit is not None:
-        stage = _leave(ready, searched.way, searched.exit)
-        if stage.way is not None:
-            return replace(stage, questions=searched.questions)
+        return replace(_leave(ready, searched.way, searched.exit), questions=searched.questions)
     ended: Says = "interlocked" if searched.whole else "unknown"
     return Stage(ended, "searched", none, None, known.held, searched.questions)
 
@@ -100,6 +107,21 @@ def _rigid(ready: Prepared, stands: Ints, own: Ints, boxes: int, stop: Stop | No
     return known, (leaves_as_one(ready, who, BOXES) for who in groups if stop is None or not stop.is_set())
 
 
+def _nearly(ready: Prepared, ground: int, group: Ints) -> list[Exit]:
+    """Sets of bodies that would leave straight if there were a little more room: the first to look at."""
+    if len(np.unique(group)) < 3:
+        return []
+    rest = np.zeros((len(group), 3))
+    found: dict[tuple[int, ...], Exit] = {}
+    for share in ROOM:
+        thinner = share * ready.clearance
+        for e in straight_exits(ready.bodies, rest, ground, ready.barred, ready.size, group, thinner):
+            found.setdefault(tuple(e.who.tolist()), e)
+        if len(found) >= MOST_NEARLY:
+            break
+    return list(found.values())[:MOST_NEARLY]
+
+
 def _finish(ready: Prepared, way: Floats, group: Ints, ground: int) -> Stage | None:
     """The way from its first point on from where bodies leave straight."""
     for k in range(1, len(way)):
@@ -112,10 +134,15 @@ def _finish(ready: Prepared, way: Floats, group: Ints, ground: int) -> Stage | N
 def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
     """The way continued straight until those who leave are beyond all others, which then go back to rest."""
     bodies, who = ready.bodies, found.who
-    geometry = placed(bodies, way[-1])
-    along = [shapely.get_coordinates(g) @ found.direction for g in geometry]
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
-    length = max(along[b].max() for b in others) - min(along[b].min() for b in who) + BEYOND * ready.size
+
+    def along(b: int, motion: Floats) -> Floats:
+        only = placed(bodies, motion, np.array([b]))[b]
+        return np.asarray(shapely.get_coordinates(only) @ found.direction)
+
+    # beyond where the others are now, and wherever they pass on their way back
+    length = max(along(b, m).max() for m in way for b in others) - min(along(b, way[-1]).min() for b in who)
+    length += BEYOND * ready.size
     out = way[-1].copy()
     out[who, :2] += max(length, BEYOND * ready.size) * found.direction
     back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]

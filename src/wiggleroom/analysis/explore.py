@@ -56,7 +56,14 @@ class Explored:
     questions: int
 
 
-def explore(ready: Prepared, ground: int, group: Ints, stop: Stop | None, tell: Callable[[Progress], None]) -> Explored:
+def explore(
+    ready: Prepared,
+    ground: int,
+    group: Ints,
+    nearly: list[Exit],
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+) -> Explored:
     """Pull and turn every group every way, look for a straight way out along each answer, and go on from new places.
 
     Parameters
@@ -66,6 +73,8 @@ def explore(ready: Prepared, ground: int, group: Ints, stop: Stop | None, tell: 
         Body that stands.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
+    nearly : list of Exit
+        Sets of bodies that are pulled as one first.
     stop, tell
         As for `flex`.
     """
@@ -76,7 +85,7 @@ def explore(ready: Prepared, ground: int, group: Ints, stop: Stop | None, tell: 
     questions, open_questions = 0, 0
     while waiting:
         start = waiting.popleft()
-        for goals in _questions(ready, ground, group):
+        for goals in _questions(ready, ground, group, nearly):
             if questions >= MOST_QUESTIONS or (stop is not None and stop.is_set()):
                 return Explored(None, None, False, questions)
             questions += 1
@@ -121,13 +130,15 @@ def _differ(ready: Prepared, b: Ints, one: Floats, other: Floats) -> bool:
     return bool(moved.max(initial=0.0) > ELSEWHERE * ready.clearance)
 
 
-def _questions(ready: Prepared, ground: int, group: Ints) -> Iterator[tuple[Goal, ...]]:
-    """All at once away from the middle and towards it, then every group outwards first, then the other ways and turns."""
+def _questions(ready: Prepared, ground: int, group: Ints, nearly: list[Exit]) -> Iterator[tuple[Goal, ...]]:
+    """Sets that nearly leave, then all at once, then every group: outwards first, then the other ways and turns."""
     bodies, rest = ready.bodies, ready.bodies.rest
     middle = rest[ground, :2]
     out = rest[:, :2] - middle
     names = [ready.assembly.names[members[0]] for members in bodies.members]
     free = np.flatnonzero(~bodies.fixed)
+    for e in nearly:
+        yield tuple(Pull(names[b], _pair(e.direction), _pair(rest[b, :2]), 1.0 / len(e.who)) for b in e.who)
     weight = 1.0 / len(free)
     for sign in (1.0, -1.0):
         yield tuple(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 import shapely
@@ -15,13 +16,20 @@ from wiggleroom.analysis.finish import part_motions
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Progress
+from wiggleroom.analysis.shown import Shown
+from wiggleroom.analysis.tight import tight_verdict
+from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Turn
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, TouchingError
 from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+LITTLE = 1e-4
+"""Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +49,7 @@ class Escape:
 
 
 @dataclass(frozen=True, eq=False)
-class Interlock:
+class Interlock(Shown):
     """Whether an assembly comes apart, and how sure that is.
 
     Parameters
@@ -59,6 +67,8 @@ class Interlock:
         Parts that are left where nothing more was found to leave.
     questions : int
         Largest motions that were searched.
+    tight : bool
+        True where parts touch at rest and the first-order test says that they are locked.
     """
 
     assembly: Assembly
@@ -69,6 +79,7 @@ class Interlock:
     remains: tuple[str, ...] = ()
     questions: int = 0
     seconds: float = 0.0
+    tight: bool = False
 
 
 def check(
@@ -98,9 +109,14 @@ def check(
     Raises
     ------
     TouchingError
-        If two parts touch at rest.
+        If two parts overlap at rest.
     InputError
         If there is only one body, or all are fixed.
+
+    Notes
+    -----
+    Parts that touch at rest are locked where the first-order test proves it. Else they are looked at with a little gap: what interlocks
+    with it does so without.
 
     Examples
     --------
@@ -118,7 +134,10 @@ def check(
     escapes: list[Escape] = []
     questions = 0
     while True:
-        ready = prepare(left)
+        try:
+            ready = prepare(left)
+        except TouchingError:
+            return _tight(assembly, left, stop, progress, boxes, every)
         stage = next_stage(ready, boxes, stop, tell)
         questions += stage.questions
         if stage.way is None:
@@ -149,6 +168,28 @@ def check(
         questions,
         time.perf_counter() - began,
     )
+
+
+def _tight(
+    assembly: Assembly,
+    left: Assembly,
+    stop: Stop | None,
+    progress: Callable[[Progress], None] | None,
+    boxes: int,
+    every: bool,
+) -> Interlock:
+    """The same for parts that touch at rest."""
+    began = time.perf_counter()
+    if tight_verdict(left).verdict == "locked":
+        # a curve drawn tight may turn where the polygon that stands for it does not
+        exact = Path(assembly.drawing.source).suffix.lower() in ("", ".json")
+        sure: Certainty = "proven" if exact else "searched"
+        names = tuple(assembly.names)
+        return Interlock(assembly, "interlocked", sure, remains=names, seconds=time.perf_counter() - began, tight=True)
+    loose = assemble(left.drawing, gap=left.gap + LITTLE * left.size)
+    found = check(loose, stop=stop, progress=progress, boxes=boxes, every=every)
+    apart = found.verdict == "comes apart"  # with the little gap, which is not quite the drawing
+    return replace(found, assembly=assembly, certainty="searched" if apart else found.certainty)
 
 
 def _spins(ready: Prepared, held: Ints, stop: Stop | None) -> tuple[str, ...]:

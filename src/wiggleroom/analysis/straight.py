@@ -39,7 +39,15 @@ class Exit:
 
 
 def straight_exit(bodies: Bodies, motion: Floats, ground: int, barred: Ints, size: float, group: Ints) -> Exit | None:
-    """The smallest set of bodies that leaves straight from where all are now, or None.
+    """The smallest set of bodies that leaves straight from where all are now, or None; parameters as for `straight_exits`."""
+    found = straight_exits(bodies, motion, ground, barred, size, group)
+    return min(found, key=lambda e: len(e.who), default=None)
+
+
+def straight_exits(
+    bodies: Bodies, motion: Floats, ground: int, barred: Ints, size: float, group: Ints, thinner: float = 0.0
+) -> list[Exit]:
+    """Sets of bodies that leave straight from where all are now, the smallest one of every direction.
 
     Parameters
     ----------
@@ -54,15 +62,19 @@ def straight_exit(bodies: Bodies, motion: Floats, ground: int, barred: Ints, siz
         Of the drawing.
     group : (n,) int64
         Bodies of the same number are known not to leave each other.
+    thinner : float [mm]
+        As if every outline lay further inward by this: who would leave if there were a little more room.
     """
     n = len(bodies.fixed)
     geometry = placed(bodies, motion)
+    near = _near(geometry, size)
+    if thinner > 0:
+        geometry = shapely.buffer(geometry, -thinner, join_style="mitre")
     edges, first = _edges(geometry)
     unit = size * NONE
-    near = _near(geometry, size)
     group = np.unique(group, return_inverse=True)[1].ravel()
     groups = int(group.max()) + 1
-    best: Exit | None = None
+    found: list[Exit] = []
     for d in _directions(edges):
         turned = _towards_x(edges, d)
         boxes = np.array([_box(turned[first[k] : first[k + 1]]) for k in range(n)])
@@ -75,13 +87,11 @@ def straight_exit(bodies: Bodies, motion: Floats, ground: int, barred: Ints, siz
             count, label = connected_components(coo_array(arcs), connection="strong")
             if count == 1:
                 break
-        if count == 1:
-            continue
-        who = _leaving(arcs, count, label, int(group[ground]))
-        members = np.flatnonzero(np.isin(group, who)) if len(who) else who
-        if len(members) and (best is None or len(members) < len(best.who)):
-            best = Exit(members, d)
-    return best
+        if count > 1:
+            who = _leaving(arcs, count, label, int(group[ground]))
+            if len(who):
+                found.append(Exit(np.flatnonzero(np.isin(group, who)), d))
+    return found
 
 
 def _leaving(arcs: NDArray[np.bool_], count: int, label: Ints, ground: int) -> Ints:
@@ -122,7 +132,7 @@ def _edges(geometry: NDArray[np.object_]) -> tuple[Floats, Ints]:
                 rows.append(np.hstack([points[:-1], points[1:]]))
                 count += len(points) - 1
         first.append(first[-1] + count)
-    return np.concatenate(rows), np.array(first)
+    return np.concatenate([*rows, np.zeros((0, 4))]), np.array(first)
 
 
 def _near(geometry: NDArray[np.object_], size: float) -> NDArray[np.bool_]:
@@ -140,5 +150,7 @@ def _towards_x(edges: Floats, d: Floats) -> Floats:
 
 
 def _box(edges: Floats) -> tuple[float, float, float, float]:
+    if not len(edges):  # so thin that nothing is left
+        return np.inf, -np.inf, np.inf, -np.inf
     x, y = edges[:, ::2], edges[:, 1::2]
     return float(x.min()), float(x.max()), float(y.min()), float(y.max())

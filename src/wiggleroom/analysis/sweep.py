@@ -14,6 +14,7 @@ from wiggleroom.analysis.finish import answer_of
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Progress, Search
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.vary import ended
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import role_findings
@@ -60,7 +61,7 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class Sweep(Shown):
     """Motion against gap.
 
     Parameters

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from cyclopts import App
 
 from wiggleroom.cli.bench import bench
@@ -24,6 +26,8 @@ Say what is fixed and where it is pulled, and get the largest motion as a number
 
   wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
 
+wiggleroom COMMAND --help says what a command takes; with --picture most of them draw their answer.
+
 Lengths are in mm, angles in degrees. Exit codes: 0 answered, 1 check says it comes apart, 2 bad input or usage, 3 no verdict.
 """
 
@@ -40,12 +44,18 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, check, rank, tighten, sweep, sample, space, convert, coupon, draw, bench):
-        app.command(command, help_format="markdown")
     maker = App(name="make", help_format="markdown")
     maker.default(make)
     maker.command(image)
-    app.command(maker)
+    commands: list[Callable[..., int] | App] = [
+        flex, check, rank, tighten, sweep, sample, space, draw, convert, maker, coupon, bench
+    ]  # fmt: skip
+    for place, command in enumerate(commands):
+        if isinstance(command, App):
+            command.sort_key = place
+            app.command(command)
+        else:
+            app.command(command, help_format="markdown", sort_key=place)
     return app
 
 

@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.outputs import STILLS, check, write_picture, write_record
+from wiggleroom.cli.outputs import check, write_picture, write_record
+from wiggleroom.report.endings import STILLS
 
 if TYPE_CHECKING:
     from wiggleroom.bench.result import Bench

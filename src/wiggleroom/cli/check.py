@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import sys
+from typing import Annotated
+
+from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import PICTURES, Outputs, write_record
-from wiggleroom.cli.outputs import check as see
+from wiggleroom.cli.outputs import Outputs, tell
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
 CODES = {"interlocked": 0, "comes apart": 1, "unknown": 3}
@@ -18,7 +20,7 @@ def check(
     *,
     asked: Asked = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
-    largest_gap: bool = False,
+    largest_gap: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Say whether it comes apart: whether some parts can be moved without limit away from the others.
 
@@ -31,15 +33,15 @@ def check(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     largest_gap
         Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides.
     """
     import shlex
 
-    from wiggleroom.cli.watch import bar, interruptible, progress
+    from wiggleroom.cli.watch import interruptible, progress
 
-    see(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, PICTURES)})
+    outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible() as stop, progress() as show:
         assembly = read(file, asked)
@@ -49,19 +51,9 @@ def check(
 
         found = work_out(assembly, stop=stop, progress=show)
         border = search(assembly, stop=stop, progress=show) if largest_gap else None
-    from wiggleroom.report.apart import as_answer, check_record, check_table
+    from wiggleroom.report.apart import check_record, check_table
+    from wiggleroom.report.apart_page import Checked
 
-    if outputs.json is not None:
-        write_record(check_record(found, border, command), outputs.json)
-    if outputs.json != "-":
-        from wiggleroom.cli.say import show as print_page
-
-        print_page(check_table(found, border))
-    if outputs.picture is not None:
-        from wiggleroom.cli.say import note
-        from wiggleroom.report.draw import draw
-
-        with bar("film") as count:
-            draw(as_answer(found, command), outputs.picture, progress=count)
-        note(f"picture: {outputs.picture}")
+    shown = Checked(found, border)
+    tell(outputs, check_record(found, border, command), lambda: check_table(found, border), shown, command)
     return CODES[found.verdict]

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import STILLS, check, write_picture
+from wiggleroom.cli.outputs import check, write_picture
+from wiggleroom.report.endings import STILLS
 
 _NONE_ASKED = Asked()
 

@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING, Any, Literal
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import PICTURES, Outputs, check, write
+from wiggleroom.cli.outputs import Outputs, tell
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer
@@ -62,17 +62,13 @@ def flex(
     if settings and model != "hull":
         wrong = f"--{next(iter(settings))} is for --model hull only"
         raise InputError(wrong)
-    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, PICTURES)})
-    answer = replace(
-        _answer(file, asked, Hull(**settings) if model == "hull" else model, solver),
-        command=shlex.join(["wiggleroom", *sys.argv[1:]]),
-    )
-    if outputs.json != "-":
-        from wiggleroom.cli.say import show
-        from wiggleroom.report.table import table
+    outputs.check(file)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    answer = replace(_answer(file, asked, Hull(**settings) if model == "hull" else model, solver), command=command)
+    from wiggleroom.report.records import flex_record
+    from wiggleroom.report.table import table
 
-        show(table(answer))
-    write(answer, outputs)
+    tell(outputs, flex_record(answer), lambda: table(answer), answer, command)
     return 3 if answer.verdict == "stopped" else 0
 
 

@@ -63,34 +63,33 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    lines = [
-        Text.assemble(
-            (found.verdict, f"bold {_COLOURS[found.verdict]}"),
-            f" at gap {number(found.assembly.gap)} mm: {_why(found)}",
-        )
-    ]
+    verdict = (found.verdict, f"bold {_COLOURS[found.verdict]}")
+    lines = [Text.assemble(verdict, f" at gap {number(found.assembly.gap)} mm: {why(found)}")]
     for k, escape in enumerate(found.escapes[:_MOST_ESCAPES]):
-        lines.append(
-            Text(
-                f"{k + 1:3}. {_names(escape.parts)} {'leaves' if len(escape.parts) == 1 else 'leave together'} {_along(found, escape)}"
-            )
-        )
+        leaves = "leaves" if len(escape.parts) == 1 else "leave together"
+        lines.append(Text(f"{k + 1:3}. {some(escape.parts)} {leaves} {along(found, escape)}"))
     if len(found.escapes) > _MOST_ESCAPES:
         lines.append(Text(f"     ... and {len(found.escapes) - _MOST_ESCAPES} more"))
     if found.escapes and len(found.remains) > 1:
-        lines.append(Text(f"remains interlocked: {_names(found.remains)}"))
+        lines.append(Text(f"remains interlocked: {some(found.remains)}"))
     if found.spins:
-        lines.append(Text(f"turns in place without limit: {_names(found.spins)}"))
+        lines.append(Text(f"turns in place without limit: {some(found.spins)}"))
     if border is not None:
-        lines.append(Text(_border(border), style="bold"))
+        lines.append(Text(border_sentence(border), style="bold"))
     lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} largest motions searched", style="dim"))
     return Group(*lines)
 
 
-def _why(found: Interlock) -> str:
+def why(found: Interlock) -> str:
     """What the verdict rests on."""
     if found.verdict == "comes apart":
+        if found.certainty == "searched":
+            return "parts touch at rest; with a little gap this is a way, every step checked for overlap"
         return "every step of the way checked for overlap"
+    if found.tight:
+        return "parts touch at rest and lock each other to first order" + (
+            ", proven by forces" if found.certainty == "proven" else "; curves were taken as polygons"
+        )
     if found.verdict == "unknown":
         return "the search was cut short, or some questions were not answered"
     if found.certainty == "proven":
@@ -98,7 +97,7 @@ def _why(found: Interlock) -> str:
     return "searched, every planned question was answered and no way was found"
 
 
-def _along(found: Interlock, escape: Escape) -> str:
+def along(found: Interlock, escape: Escape) -> str:
     """How the parts go."""
     if len(escape.path) == 2:
         return f"straight in {towards(_direction(found, escape))}"
@@ -113,7 +112,8 @@ def _direction(found: Interlock, escape: Escape) -> tuple[float, float]:
     return float(x / np.hypot(x, y)), float(y / np.hypot(x, y))
 
 
-def _border(border: LargestGap) -> str:
+def border_sentence(border: LargestGap) -> str:
+    """Say at which gap it comes apart."""
     if border.holds is None:
         return "largest gap: no gap holds it together" if border.parts_at else "largest gap: none was found"
     if border.parts_at is None:
@@ -121,7 +121,8 @@ def _border(border: LargestGap) -> str:
     return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm"
 
 
-def _names(names: tuple[str, ...]) -> str:
+def some(names: tuple[str, ...]) -> str:
+    """Names with commas; of very many the first ones."""
     more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
     return ", ".join(short(n) for n in names[:_MOST_NAMES]) + more
 

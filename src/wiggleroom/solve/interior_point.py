@@ -40,6 +40,8 @@ HOME = 0.01
 """Share of the tolerance that may be given up to stay near rest."""
 UNHELD = 0.3
 """Share of what forces out of balance would bring, were the round's motion made again, that must not fall behind complementarity."""
+EARLY = 0.05
+"""As long as they would bring more than this share of the objective."""
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
 LEAST_ITERATIONS, MOST_ITERATIONS, MOST_CAREFUL = 3, 100, 200
@@ -215,7 +217,8 @@ class _Watch:
         infeasible = dot(state.lam, np.abs(primal))
         wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
         unheld = dot(np.abs(dual), np.abs(state.u - self.begin))
-        self.lag = max(infeasible, wrong, UNHELD * unheld) / gap if gap > 0 else 0.0
+        far_off = UNHELD * unheld if unheld > EARLY * max(abs(value), 1.0) else 0.0
+        self.lag = max(infeasible, wrong, far_off) / gap if gap > 0 else 0.0
         self.error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:
