@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from rich.console import Group
     from rich.table import Table
 
-_LONGEST_WORD = 12
-"""Columns are at least as wide as their words, up to this many letters."""
-
 
 def bench_table(found: Bench) -> Group:
     """Page that `bench` prints; published figures are dim."""
@@ -38,12 +35,10 @@ def _rich(sheet: Sheet) -> Table:
     groups = [shown[0].cell(row) for row in sheet.rows]
     together = len(set(groups)) < len(groups)
     others = shown[1:] if together else shown
-    found = columns(others[0].head, *[c.head for c in others[1:]])
+    found = columns(others[0].head, *[c.head.replace(" ", "\n") for c in others[1:]])  # narrow columns
     found.padding = (0, 1, 0, 0)
     for k, (column, made) in enumerate(zip(others, found.columns, strict=True)):
         made.no_wrap, made.overflow = k == 0, "fold"
-        words = [word for cell in (column.head, *map(column.cell, sheet.rows)) for word in cell.split()]
-        made.min_width = min(max(map(len, words)), _LONGEST_WORD)
         if not column.numbers:
             made.justify = "left"
     last = ""
