@@ -1,0 +1,294 @@
+"""Outer regions: everything that B can reach against A, as prisms (an interval of turns, a convex polygon) and as facets of their hull.
+
+A way from rest stays inside. In every interval the boundary of an outer slice is forbidden at all its turns, so a way leaves a piece only
+through the end of the interval, into a piece of the next one that meets it; all those are taken in, forwards and back, until nothing is
+new. Beyond the last intervals nothing is left over: no turn leads through them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull, QhullError
+
+from wiggleroom.freespace.outer_slices import Facing, Pieces, core, forbidden, uncovered
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+COARSE = 0.15
+"""The first intervals blur outer slices by this share of the clearance."""
+WIDEST = 0.05
+"""Half of the widest interval [rad]."""
+SPLIT = 4
+"""Intervals are refined into so many."""
+ALIKE = 0.06
+"""Facets of a hull whose normals differ by less [rad] are one; its support is worked out anew, so nothing is cut off."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outer:
+    """Relative motions (tau, phi) of a pair that can be reached at all, and some more.
+
+    tau [mm] is the motion of B's pivot in the axes of A's body, phi [rad] the turn.
+
+    Parameters
+    ----------
+    facing : Facing
+    lever : float [mm]
+        A turn by one radian blurs an outer slice by this.
+    low, high : (K,) float64 [rad]
+        Intervals of turns.
+    pieces : tuple of K arrays of shapely polygons [mm]
+        What is left over in each.
+    corner : (N, 2) float64 [mm]
+        Corners of the convex hulls of the pieces, one interval after the other.
+    which : (N,) int64
+        Interval of each corner.
+    """
+
+    facing: Facing
+    lever: float
+    low: Floats
+    high: Floats
+    pieces: tuple[Pieces, ...]
+    corner: Floats
+    which: Ints
+
+    @property
+    def turns(self) -> tuple[float, float]:
+        """Least and largest turn [rad]."""
+        return float(self.low.min()), float(self.high.max())
+
+    @property
+    def far(self) -> float:
+        """Largest motion of the pivot [mm]."""
+        return float(np.hypot(*self.corner.T).max()) + 4 * self.facing.margin
+
+    @property
+    def blur(self) -> Floats:
+        """How much too large the slice of each interval is at most, about (K,) [mm]."""
+        return self.lever * (self.high - self.low)
+
+    def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
+        """Corners (M, 3) of the prisms, cut to turns between `low` and `high`, and the interval of each (M,)."""
+        keep = (self.low[self.which] <= high) & (self.high[self.which] >= low)
+        corner, which = self.corner[keep], self.which[keep]
+        ends = np.maximum(self.low[which], low), np.minimum(self.high[which], high)
+        return np.vstack([np.column_stack([corner, end]) for end in ends]), np.concatenate([which, which])
+
+
+def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list[Pieces]) -> Outer:
+    hulls = shapely.convex_hull(np.array([shapely.multipolygons(p) for p in pieces], dtype=object))
+    corner, which = shapely.get_coordinates(hulls, return_index=True)
+    return Outer(facing, lever, low, high, tuple(pieces), corner, which)
+
+
+def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
+    """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm].
+
+    Parameters
+    ----------
+    facing : Facing
+    lever : float [mm]
+        From `pivot_of`.
+    limit : float [mm]
+        The pivot is followed so far.
+    """
+    half = min(COARSE * facing.clearance / (2 * lever), WIDEST)
+    window = min(4 * facing.clearance, limit)
+    while True:
+        found = _followed(facing, half, window)
+        if isinstance(found, dict):
+            break
+        if window >= limit or not found:
+            return None
+        window = min(2 * window, limit)
+    order = sorted(found)
+    ends = np.array([(2 * k - 1) * half for k in (*order, order[-1] + 1)])
+    return _outer(facing, lever, ends[:-1], ends[1:], [found[k] for k in order])
+
+
+def _followed(facing: Facing, half: float, window: float) -> dict[int, Pieces] | bool:
+    """Reached pieces of all intervals; True where one meets the rim of the window, False where B turns all the way round."""
+    pieces: dict[int, Pieces] = {}
+    reached: dict[int, NDArray[np.bool_]] = {}
+
+    def look(k: int) -> None:
+        if k not in pieces:
+            pieces[k] = leftover(facing, 2 * k * half, half, window)
+            reached[k] = np.zeros(len(pieces[k]), dtype=bool)
+
+    look(0)
+    reached[0][:] = shapely.dwithin(pieces[0], shapely.Point(0, 0), facing.margin)
+    todo = [0]
+    while todo:
+        k = todo.pop()
+        here = pieces[k][reached[k]]
+        if _at_rim(here, window):
+            return True
+        if abs(k) * half > np.pi:
+            return False
+        for other in (k - 1, k + 1):
+            look(other)
+            new = _meet(pieces[other], here) & ~reached[other]
+            if new.any():
+                reached[other] |= new
+                todo.append(other)
+    return {k: pieces[k][reached[k]] for k in pieces if reached[k].any()}
+
+
+def leftover(facing: Facing, middle: float, half: float, window: float) -> Pieces:
+    """Pieces of the window that are not certainly forbidden at all turns within `half` of `middle`."""
+    near = facing.near(3 * window + 2 * np.sin(min(abs(middle) + half, np.pi) / 2) * facing.radius)
+    smaller = core(near.b, middle, half, facing.margin)
+    found = uncovered(near.a, smaller, window)
+    return found[~forbidden(near.a, smaller, found, facing.margin)]
+
+
+def _at_rim(pieces: Pieces, window: float) -> bool:
+    return bool(np.abs(shapely.bounds(pieces)).max(initial=0.0) >= window * (1 - 1e-9))
+
+
+def _meet(pieces: Pieces, others: Pieces) -> NDArray[np.bool_]:
+    if not len(pieces):
+        return np.zeros(0, dtype=bool)
+    return shapely.intersects(pieces, shapely.multipolygons(others))
+
+
+def refined(outer: Outer, wanted: Ints) -> Outer:
+    """The same region with some intervals cut into narrower ones, whose slices are smaller.
+
+    The pieces of a narrower interval lie inside those of the one that it was cut from.
+    """
+    lows, highs, pieces = [], [], []
+    cut = np.isin(np.arange(len(outer.low)), wanted)
+    for k, mine in enumerate(outer.pieces):
+        ends = np.linspace(outer.low[k], outer.high[k], SPLIT + 1 if cut[k] else 2)
+        for one, other in zip(ends[:-1], ends[1:], strict=True):
+            left = mine
+            if cut[k]:
+                window = 1.001 * float(np.abs(shapely.bounds(mine)).max())
+                # the ends are rounded: what is looked at is a little wider
+                left = leftover(outer.facing, (one + other) / 2, (other - one) / 2 + 1e-14, window)
+                left = left[_meet(left, mine)]
+            if len(left):
+                lows.append(one)
+                highs.append(other)
+                pieces.append(left)
+    return _outer(outer.facing, outer.lever, np.array(lows), np.array(highs), pieces)
+
+
+def holding(outer: Outer, found: Facets, which: Ints, accuracy: float) -> Ints:
+    """Intervals that keep some facets (k,) of `found` where they are, and blur by more than `accuracy` [mm]."""
+    points, interval = outer.points(found.low, found.high)
+    blur = outer.blur[interval]
+    short = found.offset[which] - points @ found.normal[which].T
+    long = np.hypot(*found.normal[which, :2].T)
+    return np.unique(interval[((short <= 0.5 * blur[:, None] * long) & (blur[:, None] > accuracy)).any(1)])
+
+
+@dataclass(frozen=True, eq=False)
+class Facets:
+    """normal . (tau, phi) <= offset for all that can be reached at turns between `low` and `high`, and a disc that holds tau.
+
+    Parameters
+    ----------
+    normal : (m, 3) float64
+    offset : (m,) float64 [mm]
+    middle : (2,) float64 [mm]
+    reach : float [mm]
+    low, high : float [rad]
+    """
+
+    normal: Floats
+    offset: Floats
+    middle: Floats
+    reach: float
+    low: float
+    high: float
+
+
+def facets(outer: Outer, low: float, high: float) -> Facets | None:
+    """Few facets round all that can be reached at turns between `low` and `high`; None where nothing can.
+
+    Normals are those of a convex hull of extreme corners, alike ones merged. Offsets are the largest values at all corners of the prisms, so
+    whatever the normals, nothing is cut off.
+    """
+    points, _ = outer.points(low, high)
+    if not len(points):
+        return None
+    box = np.maximum(np.ptp(points, axis=0), 1e-12 * (1 + np.abs(points).max()))
+    shape = points / box
+    normal = np.vstack([np.eye(3), -np.eye(3)])
+    outermost = np.unique((shape @ _AROUND.T).argmax(0))
+    try:
+        hull = ConvexHull(shape[outermost])
+        corners = hull.points[hull.simplices]
+        size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        normal = np.vstack([normal, _unlike(hull.equations[np.argsort(-size), :3])])
+    except QhullError:
+        pass
+    normal = normal / box
+    normal = normal / np.abs(normal[:, :2]).max(1, initial=0.0, keepdims=True).clip(1.0 / outer.facing.radius)
+    margin = 4 * outer.facing.margin
+    middle = (points[:, :2].min(0) + points[:, :2].max(0)) / 2
+    reach = float(np.hypot(*(points[:, :2] - middle).T).max()) + margin
+    offset = (points @ normal.T).max(0) + margin * (1 + np.abs(normal).max(1))
+    return Facets(normal, offset, middle, reach, low, high)
+
+
+def _sphere(n: int) -> Floats:
+    """Directions (n, 3) all round."""
+    z = 1 - (2 * np.arange(n) + 1) / n
+    angle = np.arange(n) * np.pi * (3 - np.sqrt(5))
+    return np.column_stack([np.sqrt(1 - z * z)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]), z])
+
+
+_AROUND = _sphere(400)
+
+
+def _unlike(normals: Floats) -> Floats:
+    """Normals that differ from all earlier ones."""
+    kept: list[Floats] = []
+    alike = np.cos(ALIKE)
+    left = np.ones(len(normals), dtype=bool)
+    for k, n in enumerate(normals):
+        if left[k]:
+            kept.append(n)
+            left &= normals @ n < alike
+    return np.array(kept)
+
+
+def pivot_of(a: shapely.Geometry, b: shapely.Geometry, reach: float) -> tuple[Floats, float]:
+    """The point about which turning B moves its edges near A along themselves, as far as there is one, and the lever left over [mm].
+
+    An edge blurs by its motion across itself: per radian, the coordinate of its ends along it, seen from the pivot.
+    """
+    edges = _edges_near(b, a, reach)
+    along = edges[:, 1] - edges[:, 0]
+    long = np.hypot(*along.T)
+    e = along / long[:, None]
+    middle = edges.mean(1)
+    weight = (long[:, None, None] * e[:, :, None]) * e[:, None, :]
+    right = (weight @ middle[:, :, None]).sum(0)[:, 0]
+    centre = (long[:, None] * middle).sum(0) / long.sum()
+    steady = 1e-3 * weight.sum(0).trace() * np.eye(2)
+    pivot = np.linalg.solve(weight.sum(0) + steady, right + steady @ centre)
+    lever = float(np.abs(((edges - pivot) * e[:, None]).sum(2)).max())
+    return pivot, lever
+
+
+def _edges_near(b: shapely.Geometry, a: shapely.Geometry, reach: float) -> Floats:
+    """Pieces (k, 2, 2) of B's boundary within `reach` of A."""
+    near = shapely.intersection(shapely.boundary(b), shapely.buffer(a, reach, join_style="mitre"))
+    lines = shapely.get_parts(shapely.line_merge(near))
+    lines = lines[shapely.get_type_id(lines) == shapely.GeometryType.LINESTRING]
+    if not len(lines):
+        lines = shapely.get_parts(shapely.boundary(b))
+    points, which = shapely.get_coordinates(lines, return_index=True)
+    same = which[1:] == which[:-1]
+    return np.stack([points[:-1][same], points[1:][same]], 1)
