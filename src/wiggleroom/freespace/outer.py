@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from wiggleroom.freespace.outer_slices import Facing, Pieces, core, forbidden, uncovered
+from wiggleroom.freespace.outer_walls import polyhedron
 
 Floats = NDArray[np.float64]
+Shapes = dict[tuple[float, float], Floats]
 Ints = NDArray[np.int64]
 
 COARSE = 0.15
@@ -44,8 +46,8 @@ class Outer:
         Intervals of turns.
     pieces : tuple of K arrays of shapely polygons [mm]
         What is left over in each.
-    corner : (N, 2) float64 [mm]
-        Corners of the convex hulls of the pieces, one interval after the other.
+    corner : (N, 3) float64 [mm, mm, rad]
+        Corners of convex polyhedra that hold what is free of the pieces, one interval after the other.
     which : (N,) int64
         Interval of each corner.
     """
@@ -66,7 +68,7 @@ class Outer:
     @property
     def far(self) -> float:
         """Largest motion of the pivot [mm]."""
-        return float(np.hypot(*self.corner.T).max()) + 4 * self.facing.margin
+        return float(np.hypot(*self.corner[:, :2].T).max()) + 4 * self.facing.margin
 
     @property
     def blur(self) -> Floats:
@@ -74,17 +76,44 @@ class Outer:
         return self.lever * (self.high - self.low)
 
     def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
-        """Corners (M, 3) of the prisms, cut to turns between `low` and `high`, and the interval of each (M,)."""
-        keep = (self.low[self.which] <= high) & (self.high[self.which] >= low)
-        corner, which = self.corner[keep], self.which[keep]
-        ends = np.maximum(self.low[which], low), np.minimum(self.high[which], high)
-        return np.vstack([np.column_stack([corner, end]) for end in ends]), np.concatenate([which, which])
+        """Corners (M, 3) of the polyhedra, cut to turns between `low` and `high`, and the interval of each (M,)."""
+        inside = (self.low[self.which] >= low) & (self.high[self.which] <= high)
+        corner, which = [self.corner[inside]], [self.which[inside]]
+        for k in np.flatnonzero((self.low <= high) & (self.high >= low) & ((self.low < low) | (self.high > high))):
+            cut = _cut(self.corner[self.which == k], low, high)
+            corner.append(cut)
+            which.append(np.full(len(cut), k))
+        return np.vstack(corner), np.concatenate(which)
 
 
-def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list[Pieces]) -> Outer:
-    hulls = shapely.convex_hull(np.array([shapely.multipolygons(p) for p in pieces], dtype=object))
-    corner, which = shapely.get_coordinates(hulls, return_index=True)
-    return Outer(facing, lever, low, high, tuple(pieces), corner, which)
+def _cut(corner: Floats, low: float, high: float) -> Floats:
+    """Corners (and a few points more) of what a convex polyhedron has at turns between `low` and `high`."""
+    t = corner[:, 2]
+    found = [corner[(t >= low) & (t <= high)]]
+    for level in (low, high):
+        below, above = corner[t <= level], corner[t >= level]
+        if len(below) and len(above):
+            one, other = np.repeat(below, len(above), 0), np.tile(above, (len(below), 1))
+            rise = other[:, 2] - one[:, 2]
+            share = np.where(rise > 0, (level - one[:, 2]) / np.where(rise > 0, rise, 1.0), 0.0)
+            found.append(np.column_stack([one[:, :2] + share[:, None] * (other - one)[:, :2], np.full(len(one), level)]))
+    return np.vstack(found)
+
+
+def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list[Pieces], known: Shapes) -> Outer:
+    """Region of these intervals; polyhedra of intervals that were there before are taken over."""
+    corners = [
+        known[one, other] if (one, other) in known else polyhedron(facing, facing.near(_reach(facing, one, other, p)), one, other, p)
+        for one, other, p in zip(low.tolist(), high.tolist(), pieces, strict=True)
+    ]
+    which = np.repeat(np.arange(len(corners)), [len(c) for c in corners])
+    return Outer(facing, lever, low, high, tuple(pieces), np.vstack(corners), which)
+
+
+def _reach(facing: Facing, low: float, high: float, pieces: Pieces) -> float:
+    """How far from each other parts of A and B may lie that meet at these turns within the pieces [mm]."""
+    window = float(np.abs(shapely.bounds(pieces)).max())
+    return 3 * window + 2 * np.sin(min(max(-low, high), np.pi) / 2) * facing.radius
 
 
 def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
@@ -109,7 +138,7 @@ def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
         window = min(2 * window, limit)
     order = sorted(found)
     ends = np.array([(2 * k - 1) * half for k in (*order, order[-1] + 1)])
-    return _outer(facing, lever, ends[:-1], ends[1:], [found[k] for k in order])
+    return _outer(facing, lever, ends[:-1], ends[1:], [found[k] for k in order], {})
 
 
 def _followed(facing: Facing, half: float, window: float) -> dict[int, Pieces] | bool:
@@ -162,7 +191,7 @@ def _meet(pieces: Pieces, others: Pieces) -> NDArray[np.bool_]:
 def refined(outer: Outer, wanted: Ints) -> Outer:
     """The same region with some intervals cut into narrower ones, whose slices are smaller.
 
-    The pieces of a narrower interval lie inside those of the one that it was cut from.
+    Free pieces of a narrower interval lie each inside one of the interval that it was cut from.
     """
     lows, highs, pieces = [], [], []
     cut = np.isin(np.arange(len(outer.low)), wanted)
@@ -174,12 +203,18 @@ def refined(outer: Outer, wanted: Ints) -> Outer:
                 window = 1.001 * float(np.abs(shapely.bounds(mine)).max())
                 # the ends are rounded: what is looked at is a little wider
                 left = leftover(outer.facing, (one + other) / 2, (other - one) / 2 + 1e-14, window)
-                left = left[_meet(left, mine)]
+                spots = shapely.point_on_surface(left)
+                left = left[shapely.dwithin(spots, shapely.multipolygons(mine), outer.facing.margin)]
             if len(left):
                 lows.append(one)
                 highs.append(other)
                 pieces.append(left)
-    return _outer(outer.facing, outer.lever, np.array(lows), np.array(highs), pieces)
+    known = {
+        (one, other): outer.corner[outer.which == k]
+        for k, (one, other) in enumerate(zip(outer.low.tolist(), outer.high.tolist(), strict=True))
+        if not cut[k]
+    }
+    return _outer(outer.facing, outer.lever, np.array(lows), np.array(highs), pieces, known)
 
 
 def holding(outer: Outer, found: Facets, which: Ints, accuracy: float) -> Ints:

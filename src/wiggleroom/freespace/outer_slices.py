@@ -8,6 +8,7 @@ interval; so what is left over holds every free translation at any of its turns.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 import shapely
@@ -23,6 +24,9 @@ MARGIN = 1e-8
 above what congruent pairs may differ by, far below any gap."""
 PARALLEL = 1e-9
 """Corners count as able to touch an edge up to this angle [rad] beyond; contacts that cannot happen do no harm."""
+
+FEW = 120
+"""Pairs with fewer corners are looked at whole."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,10 +57,21 @@ class Facing:
         return MARGIN * float(max(high_x, high_y, -low_x, -low_y))
 
     def near(self, reach: float) -> Facing:
-        """Only the material within `reach` [mm] of the other part: less to meet, so outer slices stay outer."""
-        a = _areas(shapely.intersection(self.a, shapely.buffer(self.b, reach, join_style="mitre")))
-        b = _areas(shapely.intersection(self.b, shapely.buffer(self.a, reach, join_style="mitre")))
-        return Facing(a, b, self.clearance)
+        """Less of both parts, all within `reach` [mm] of each other: with less to meet, outer slices stay outer."""
+        if shapely.get_num_coordinates(self.a) + shapely.get_num_coordinates(self.b) < FEW:
+            return self
+        steps = int(np.ceil(2 * np.log2(reach / self.clearance)))
+        return _near(self, self.clearance * 2 ** (steps / 2))
+
+
+@lru_cache(maxsize=256)
+def _near(facing: Facing, reach: float) -> Facing:
+    try:
+        a = _areas(shapely.intersection(facing.a, shapely.buffer(facing.b, reach, join_style="mitre")))
+        b = _areas(shapely.intersection(facing.b, shapely.buffer(facing.a, reach, join_style="mitre")))
+    except shapely.errors.GEOSException:
+        return facing
+    return Facing(a, b, facing.clearance)
 
 
 def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shapely.Geometry:
@@ -82,7 +97,7 @@ def uncovered(a: shapely.Geometry, b: shapely.Geometry, window: float) -> Pieces
     Every piece is wholly free or wholly forbidden, because a translation that is neither has a corner of one part on an
     edge of the other which that corner can touch from outside.
     """
-    one, other = _corners(a), _corners(b)
+    one, other = corners_of(a), corners_of(b)
     if not len(one[0]) or not len(other[0]):
         return np.array([shapely.box(-window, -window, window, window)], dtype=object)
     lines = np.concatenate([_contacts(one, other, 1.0, window), _contacts(other, one, -1.0, window)])
@@ -139,7 +154,7 @@ def _clipped(lines: Floats, window: float) -> Floats:
     )
 
 
-def _corners(geometry: shapely.Geometry) -> tuple[Floats, Floats, Floats, Floats]:
+def corners_of(geometry: shapely.Geometry) -> tuple[Floats, Floats, Floats, Floats]:
     """Corners (n, 2), the next ones, and unit directions in which the boundary comes and goes; material lies on the left."""
     corners, after = _loops(geometry)
     before = np.empty_like(after)
