@@ -34,7 +34,7 @@ def polyhedron(facing: Facing, near: Facing, low: float, high: float, pieces: Pi
     out = np.column_stack([along[:, 1], -along[:, 0]]) / long[:, None]
     flat = np.column_stack([out, np.zeros(len(out)), (out * start).sum(1)])
     slanted = _walls(facing, near, low, high, region, start + along / 2, out, long)
-    planes = np.vstack([flat, *slanted]) if slanted else flat
+    planes = np.vstack([flat, *slanted])
     planes[:, 3] += facing.margin
     return _corners(planes, low, high)
 
@@ -44,31 +44,42 @@ def _walls(
 ) -> list[Floats]:
     """Planes (normal, slope by turn, offset) of walls that lie near the sides `at` (k, 2) with normals `out` and hold throughout."""
     middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-9) + 1e-14
-    found = []
     a, b = corners_of(near.a), corners_of(near.b)
-    seen = [turn(v, np.full(len(v), middle)) for v in b]
+    seen = tuple(turn(v, np.full(len(v), middle)) for v in b)
+    spots = shapely.get_coordinates(region)
+    width = float(np.hypot(*np.ptp(spots, axis=0)))
     reach = 2 * np.sin(half / 2)
-    for kind, (edges, corners) in enumerate(((a, seen), (seen, a))):
+    tried: dict[tuple[int, ...], Floats | None] = {}
+    for kind, (edges, corners, wall) in enumerate(((a, seen, _corner_of_b), (seen, a, _corner_of_a))):
         sign = 1.0 if kind == 0 else -1.0
-        start, _, _, go = edges
+        start, end, _, go = edges
         corner, _, come, away = corners
         normal = np.column_stack([go[:, 1], -go[:, 0]])
-        facing_side = -sign * normal @ out.T > 1 - 0.51 * (2 * half + 1e-6) ** 2
+        alike = -sign * normal @ out.T > 1 - 0.51 * (2 * half + 1e-6) ** 2
         for side in np.flatnonzero(long > 1e-3 * facing.clearance):
-            rows = np.flatnonzero(facing_side[:, side])
-            n = normal[rows]
-            room = (n * -start[rows]).sum(1)[:, None] + n @ corner.T + sign * (n @ at[side])[:, None]
-            lever = np.hypot(*corner.T) if kind == 0 else np.hypot(*(corner - at[side]).T)
+            rows = np.flatnonzero(alike[:, side])
+            n, e = normal[rows], go[rows]
+            place = corner + sign * at[side]
+            room = n @ place.T - (n * start[rows]).sum(1)[:, None]
+            foot = e @ place.T
+            lever = np.hypot(*(corner.T if kind == 0 else place.T))
             can = (n @ away.T >= -reach) & (n @ come.T <= reach) & (np.abs(room) <= 3 * reach * lever + facing.margin)
+            can &= foot >= (e * start[rows]).sum(1)[:, None] - width
+            can &= foot <= (e * end[rows]).sum(1)[:, None] + width
             i, j = np.nonzero(can)
             for k in np.argsort(room[i, j])[:MOST]:
-                e, v = rows[i[k]], j[k]
-                plane = (_corner_of_b if kind == 0 else _corner_of_a)(
-                    facing, low, high, region, normal[e], start[e], corner[v]
-                )
-                if plane is not None:
-                    found.append(plane)
-    return found
+                edge, v = int(rows[i[k]]), int(j[k])
+                if (kind, edge, v) in tried:
+                    continue
+                points = [corner[v]]
+                # where the corner may slip off the end of the edge, a point of the side that lies along it takes its place
+                points += [corner[v] + width * w for w in (away[v], -come[v]) if abs(normal[edge] @ w) <= reach]
+                for point in points:
+                    plane = wall(facing, low, high, region, normal[edge], start[edge], point)
+                    tried[kind, edge, v] = plane
+                    if plane is not None:
+                        break
+    return [p for p in tried.values() if p is not None]
 
 
 def _corner_of_b(
