@@ -27,6 +27,8 @@ WIDEST = 0.05
 """Half of the widest interval [rad]."""
 SPLIT = 4
 """Intervals are refined into so many."""
+TOUCH = 0.05
+"""An interval holds a facet where it comes this near to it, as a share of its blur."""
 ALIKE = 0.06
 """Facets of a hull whose normals differ by less [rad] are one; its support is worked out anew, so nothing is cut off."""
 
@@ -223,7 +225,7 @@ def holding(outer: Outer, found: Facets, which: Ints, accuracy: float) -> Ints:
     blur = outer.blur[interval]
     short = found.offset[which] - points @ found.normal[which].T
     long = np.hypot(*found.normal[which, :2].T)
-    return np.unique(interval[((short <= 0.5 * blur[:, None] * long) & (blur[:, None] > accuracy)).any(1)])
+    return np.unique(interval[((short <= TOUCH * blur[:, None] * long) & (blur[:, None] > accuracy)).any(1)])
 
 
 @dataclass(frozen=True, eq=False)

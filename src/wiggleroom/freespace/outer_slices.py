@@ -8,7 +8,7 @@ interval; so what is left over holds every free translation at any of its turns.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 import shapely
@@ -45,12 +45,12 @@ class Facing:
     b: shapely.Geometry
     clearance: float
 
-    @property
+    @cached_property
     def radius(self) -> float:
         """Largest distance of a corner of B from the pivot [mm]."""
         return float(np.hypot(*shapely.get_coordinates(self.b).T).max())
 
-    @property
+    @cached_property
     def margin(self) -> float:
         """Length that makes up for rounding [mm]."""
         low_x, low_y, high_x, high_y = shapely.total_bounds(np.array([self.a, self.b], dtype=object))
