@@ -38,12 +38,12 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/ready-demo: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,film,ipopt]'
+	$(BIN)/python -m pip install --quiet --editable '.[fast,film,ipopt,prove]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[cluster,fast,film,halfplane,ipopt,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[cluster,fast,film,halfplane,ipopt,prove,test]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

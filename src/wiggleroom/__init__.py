@@ -13,10 +13,11 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.answer import Answer, Contact
+    from wiggleroom.analysis.answer import Answer, Bound, Contact
     from wiggleroom.analysis.flex import flex
     from wiggleroom.analysis.lots import Spread
     from wiggleroom.analysis.prepare import Prepared, prepare
+    from wiggleroom.analysis.prove import prove
     from wiggleroom.analysis.rank import Ranking, rank
     from wiggleroom.analysis.sample import Sample, sample
     from wiggleroom.analysis.sweep import Sweep, sweep
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 _HOME = {
     "Answer": "analysis.answer",
     "Assembly": "assembly.model",
+    "Bound": "analysis.answer",
     "Closer": "drawing.model",
     "Contact": "analysis.answer",
     "Drawing": "drawing.model",
@@ -66,6 +68,7 @@ _HOME = {
     "free_space": "freespace.space",
     "patterns": "assembly",
     "prepare": "analysis.prepare",
+    "prove": "analysis.prove",
     "rank": "analysis.rank",
     "read": "assembly.build",
     "sample": "analysis.sample",
@@ -76,6 +79,7 @@ _HOME = {
 __all__ = [
     "Answer",
     "Assembly",
+    "Bound",
     "Closer",
     "Contact",
     "Drawing",
@@ -107,6 +111,7 @@ __all__ = [
     "free_space",
     "patterns",
     "prepare",
+    "prove",
     "rank",
     "read",
     "sample",

@@ -45,6 +45,28 @@ class Contact:
     force: float
 
 
+@dataclass(frozen=True)
+class Bound:
+    """What was proven about the largest motion.
+
+    Parameters
+    ----------
+    at_most : float or None
+        A value that no motion can exceed [mm] (turns in [rad]); None where nothing was proven.
+    within : float or None
+        How far that lies above the motion found, as a share of it.
+    seconds : float
+        What it took.
+    why : str
+        Why nothing was proven; empty where something was.
+    """
+
+    at_most: float | None
+    within: float | None
+    seconds: float
+    why: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Answer:
     """The largest safe motion that was found.
@@ -69,6 +91,8 @@ class Answer:
         Parts that move away or turn without limit.
     at_most : float or None
         A value that no motion can exceed, where one was worked out.
+    bound : Bound or None
+        How that was proven, or why not; None where nobody asked.
     trail : object
         How it was found, from which another question about the same prepared assembly can start.
     """
@@ -91,6 +115,7 @@ class Answer:
     leaves: tuple[str, ...] = ()
     turns: tuple[str, ...] = ()
     at_most: float | None = None
+    bound: Bound | None = None
     command: str = ""
     trail: object = field(default=None, repr=False)
 

@@ -27,6 +27,8 @@ WIDEST = 0.05
 """Half of the widest interval [rad]."""
 SPLIT = 4
 """Intervals are refined into so many."""
+MOST_TURNS = 2000
+"""So many intervals are looked at to see whether B can turn all the way round."""
 TOUCH = 0.05
 """An interval holds a facet where it comes this near to it, as a share of its blur."""
 ALIKE = 0.06
@@ -135,9 +137,12 @@ def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
         found = _followed(facing, half, window)
         if isinstance(found, dict):
             break
-        if window >= limit or not found:
+        if found and window < limit:
+            window = min(2 * window, limit)
+        elif not found and SPLIT * np.pi / half < MOST_TURNS:  # perhaps it only seems to turn all the way round
+            half /= SPLIT
+        else:
             return None
-        window = min(2 * window, limit)
     order = sorted(found)
     ends = np.array([(2 * k - 1) * half for k in (*order, order[-1] + 1)])
     return _outer(facing, lever, ends[:-1], ends[1:], [found[k] for k in order], {})

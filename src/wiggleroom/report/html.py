@@ -16,7 +16,7 @@ from wiggleroom.report.page import Section, figure, items, page, table
 from wiggleroom.report.picture import picture
 from wiggleroom.report.player import player
 from wiggleroom.report.scene import scene
-from wiggleroom.report.words import certainty, facts, headline, number, short, unit
+from wiggleroom.report.words import certainty, facts, headline, number, proven, short, unit
 
 _RATE = 16.0
 
@@ -103,7 +103,7 @@ def _contacts(answer: Answer) -> str:
 
 
 def _sure(answer: Answer) -> list[tuple[str, str]]:
-    most = "not worked out" if answer.at_most is None else f"{number(answer.at_most, 6)} {unit(answer.goals)}".strip()
+    most = proven(answer) or "not worked out"
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
     return [
         ("found", found.strip()),

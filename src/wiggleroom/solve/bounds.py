@@ -10,6 +10,8 @@ Bad multipliers give a bad bound, never a wrong one. Source: Neumaier and Shcher
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -46,6 +48,22 @@ def safe_bound(
     return float(terms.sum() + (len(terms) + 4) * ULP * np.abs(terms).sum())
 
 
+def need_highs() -> Any:
+    """Module highspy.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    try:
+        import highspy
+    except ImportError as error:
+        wrong = "proving a bound needs highspy: pip install 'wiggleroom[prove]'"
+        raise MissingExtraError(wrong) from error
+    return highspy
+
+
 class LinearBounds:
     """One linear program asked again and again with other costs, each answer starting from the one before.
 
@@ -58,11 +76,7 @@ class LinearBounds:
     def __init__(
         self, rows: sp.csr_matrix, low: Floats, high: Floats, least: Floats, most: Floats, limit: float = 60.0
     ) -> None:
-        try:
-            import highspy
-        except ImportError as error:
-            wrong = "proving a bound needs highspy: pip install 'wiggleroom[prove]'"
-            raise MissingExtraError(wrong) from error
+        highspy = need_highs()
         self.rows, self.low, self.high, self.least, self.most = rows.tocsr(), low, high, least, most
         lp = highspy.HighsLp()
         lp.num_row_, lp.num_col_ = rows.shape
