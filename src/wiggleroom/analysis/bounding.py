@@ -90,16 +90,13 @@ class Bounding:
         value = min(before, solver.most_of(linear.cost))
         if value <= self.cut:
             return []
-        x = solver.x
-        gain = np.inf if not np.isfinite(before) else (before - value) / (before - self.cut)
-        sharper = self._sharpen(linear, solver.y)
-        if sharper and gain > STALLED:
-            return [(ranges, value)]
+        x, y = solver.x, solver.y
         solver.change_row(len(linear.low), self.cut * scale, np.inf)
         cut, gained = self._tightened(linear, solver, ranges)
         if np.any(cut.low > cut.high):
             return []
-        if sharper or max(gain, gained) > STALLED or self.clock.over():
+        gain = (before - value) / (before - self.cut) if np.isfinite(before) else np.inf
+        if max(gain, gained) > STALLED or self.clock.over() or self._sharpen(linear, y):
             return [(cut, value)]
         return [(part, value) for part in self._halves(linear, x, cut)]
 

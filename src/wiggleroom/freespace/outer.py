@@ -150,49 +150,52 @@ def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
 
 def _followed(facing: Facing, half: float, window: float) -> dict[int, Pieces] | bool:
     """Reached pieces of all intervals; True where one meets the rim of the window, False where B turns all the way round."""
-    pieces: dict[int, Pieces] = {}
+    slices: dict[int, Leftover] = {}
     reached: dict[int, NDArray[np.bool_]] = {}
+    todo: list[int] = []
 
-    def look(k: int) -> None:
-        if k not in pieces:
-            pieces[k] = leftover(facing, 2 * k * half, half, window)
-            reached[k] = np.zeros(len(pieces[k]), dtype=bool)
+    def reach(k: int, met: shapely.Geometry) -> None:
+        if k not in slices:
+            slices[k] = leftover(facing, 2 * k * half, half, window)
+            reached[k] = np.zeros(len(slices[k].pieces), dtype=bool)
+        new = ~reached[k] & shapely.dwithin(slices[k].pieces, met, facing.margin)
+        new[new] = slices[k].open(new)
+        if new.any():
+            reached[k] |= new
+            todo.append(k)
 
-    look(0)
-    reached[0][:] = shapely.dwithin(pieces[0], shapely.Point(0, 0), facing.margin)
-    todo = [0]
+    reach(0, shapely.Point(0, 0))
     while todo:
         k = todo.pop()
-        here = pieces[k][reached[k]]
-        if _at_rim(here, window):
+        here = slices[k].pieces[reached[k]]
+        if np.abs(shapely.bounds(here)).max() >= window * (1 - 1e-9):
             return True
         if abs(k) * half > np.pi:
             return False
         for other in (k - 1, k + 1):
-            look(other)
-            new = _meet(pieces[other], here) & ~reached[other]
-            if new.any():
-                reached[other] |= new
-                todo.append(other)
-    return {k: pieces[k][reached[k]] for k in pieces if reached[k].any()}
+            reach(other, shapely.multipolygons(here))
+    return {k: slices[k].pieces[reached[k]] for k in slices if reached[k].any()}
 
 
-def leftover(facing: Facing, middle: float, half: float, window: float) -> Pieces:
-    """Pieces of the window that are not certainly forbidden at all turns within `half` of `middle`."""
+@dataclass(frozen=True, eq=False)
+class Leftover:
+    """Pieces that no contact of A and B's core crosses, for the turns of one interval."""
+
+    pieces: Pieces
+    a: shapely.Geometry
+    core: shapely.Geometry
+    margin: float
+
+    def open(self, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """True for those of some pieces that are not certainly forbidden."""
+        return ~forbidden(self.a, self.core, self.pieces[which], self.margin)
+
+
+def leftover(facing: Facing, middle: float, half: float, window: float) -> Leftover:
+    """Pieces of the window at all turns within `half` of `middle`."""
     near = facing.near(3 * window + 2 * np.sin(min(abs(middle) + half, np.pi) / 2) * facing.radius)
     smaller = core(near.b, middle, half, facing.margin)
-    found = uncovered(near.a, smaller, window)
-    return found[~forbidden(near.a, smaller, found, facing.margin)]
-
-
-def _at_rim(pieces: Pieces, window: float) -> bool:
-    return bool(np.abs(shapely.bounds(pieces)).max(initial=0.0) >= window * (1 - 1e-9))
-
-
-def _meet(pieces: Pieces, others: Pieces) -> NDArray[np.bool_]:
-    if not len(pieces):
-        return np.zeros(0, dtype=bool)
-    return shapely.intersects(pieces, shapely.multipolygons(others))
+    return Leftover(uncovered(near.a, smaller, window), near.a, smaller, facing.margin)
 
 
 def refined(outer: Outer, wanted: Ints) -> Outer:
@@ -209,9 +212,10 @@ def refined(outer: Outer, wanted: Ints) -> Outer:
             if cut[k]:
                 window = 1.001 * float(np.abs(shapely.bounds(mine)).max())
                 # the ends are rounded: what is looked at is a little wider
-                left = leftover(outer.facing, (one + other) / 2, (other - one) / 2 + 1e-14, window)
-                spots = shapely.point_on_surface(left)
-                left = left[shapely.dwithin(spots, shapely.multipolygons(mine), outer.facing.margin)]
+                found = leftover(outer.facing, (one + other) / 2, (other - one) / 2 + 1e-14, window)
+                spots = shapely.point_on_surface(found.pieces)
+                inside = shapely.dwithin(spots, shapely.multipolygons(mine), outer.facing.margin)
+                left = found.pieces[inside][found.open(inside)]
             if len(left):
                 lows.append(one)
                 highs.append(other)
