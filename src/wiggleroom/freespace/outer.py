@@ -27,7 +27,7 @@ WIDEST = 0.05
 """Half of the widest interval [rad]."""
 SPLIT = 4
 """Intervals are refined into so many."""
-MOST_TURNS = 2000
+MOST_TURNS = 400
 """So many intervals are looked at to see whether B can turn all the way round."""
 TOUCH = 0.05
 """An interval holds a facet where it comes this near to it, as a share of its blur."""
