@@ -22,7 +22,7 @@ from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.program.relax import first_ranges
 
 pytest.importorskip("highspy")
-from wiggleroom.solve.bounds import LinearBounds, safe_bound  # noqa: E402
+from wiggleroom.solve.bounds import LinearBounds, safe_bound
 
 BOUNDED = {f"{k} {case.name}": case for k, case in enumerate(closed_forms.bounded())}
 LOOSE = ("row of", "24-gon in a square")  # held by joints that do not close: nothing tight is promised
@@ -170,11 +170,11 @@ def test_envelopes_hold_at_every_angle(half):
 
 def test_support_is_the_largest_value():
     rng = np.random.default_rng(1)
-    a, b, c, half = rng.standard_normal((3, 500)).tolist() + [rng.uniform(0, 3.1, 500)]
-    v = np.linspace(-1, 1, 4001) * np.array(half)[:, None]
-    a, b, c = (np.array(k)[:, None] for k in (a, b, c))
+    a, b, c, half = *rng.standard_normal((3, 500)), rng.uniform(0, 3.1, 500)
+    v = np.linspace(-1, 1, 4001) * half[:, None]
+    a, b, c = (k[:, None] for k in (a, b, c))
     seen = (a * np.cos(v) + b * np.sin(v) + c * v).max(1)
-    found = support(a[:, 0], b[:, 0], c[:, 0], np.array(half))
+    found = support(a[:, 0], b[:, 0], c[:, 0], half)
     assert (found >= seen).all()
     assert (found <= seen + 1e-5).all()
 

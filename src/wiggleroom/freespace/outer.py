@@ -8,6 +8,7 @@ new. Beyond the last intervals nothing is left over: no turn leads through them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -100,14 +101,18 @@ def _cut(corner: Floats, low: float, high: float) -> Floats:
             one, other = np.repeat(below, len(above), 0), np.tile(above, (len(below), 1))
             rise = other[:, 2] - one[:, 2]
             share = np.where(rise > 0, (level - one[:, 2]) / np.where(rise > 0, rise, 1.0), 0.0)
-            found.append(np.column_stack([one[:, :2] + share[:, None] * (other - one)[:, :2], np.full(len(one), level)]))
+            found.append(
+                np.column_stack([one[:, :2] + share[:, None] * (other - one)[:, :2], np.full(len(one), level)])
+            )
     return np.vstack(found)
 
 
 def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list[Pieces], known: Shapes) -> Outer:
     """Region of these intervals; polyhedra of intervals that were there before are taken over."""
     corners = [
-        known[one, other] if (one, other) in known else polyhedron(facing, facing.near(_reach(facing, one, other, p)), one, other, p)
+        known[one, other]
+        if (one, other) in known
+        else polyhedron(facing, facing.near(_reach(facing, one, other, p)), one, other, p)
         for one, other, p in zip(low.tolist(), high.tolist(), pieces, strict=True)
     ]
     which = np.repeat(np.arange(len(corners)), [len(c) for c in corners])
@@ -207,7 +212,7 @@ def refined(outer: Outer, wanted: Ints) -> Outer:
     cut = np.isin(np.arange(len(outer.low)), wanted)
     for k, mine in enumerate(outer.pieces):
         ends = np.linspace(outer.low[k], outer.high[k], SPLIT + 1 if cut[k] else 2)
-        for one, other in zip(ends[:-1], ends[1:], strict=True):
+        for one, other in pairwise(ends):
             left = mine
             if cut[k]:
                 window = 1.001 * float(np.abs(shapely.bounds(mine)).max())
@@ -261,8 +266,8 @@ class Facets:
 def facets(outer: Outer, low: float, high: float) -> Facets | None:
     """Few facets round all that can be reached at turns between `low` and `high`; None where nothing can.
 
-    Normals are those of a convex hull of extreme corners, alike ones merged. Offsets are the largest values at all corners of the prisms, so
-    whatever the normals, nothing is cut off.
+    Normals are those of a convex hull of extreme corners, alike ones merged. Offsets are the largest values at all
+    corners of the polyhedra, so whatever the normals, nothing is cut off.
     """
     points, _ = outer.points(low, high)
     if not len(points):
@@ -276,8 +281,8 @@ def facets(outer: Outer, low: float, high: float) -> Facets | None:
         corners = hull.points[hull.simplices]
         size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
         normal = np.vstack([normal, _unlike(hull.equations[np.argsort(-size), :3])])
-    except QhullError:
-        pass
+    except (QhullError, ValueError):
+        pass  # flat or too few corners: the box alone
     normal = normal / box
     normal = normal / np.abs(normal[:, :2]).max(1, initial=0.0, keepdims=True).clip(1.0 / outer.facing.radius)
     margin = 4 * outer.facing.margin

@@ -83,11 +83,14 @@ def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shap
     corners, after = _loops(b)
     ends = np.stack([corners, corners[after]], 1).reshape(-1, 2)
     both = [turn(ends, np.full(len(ends), s * swept_by)) for s in (-1, 1)]
-    points = np.stack([*both, ends / np.cos(swept_by)], 1).reshape(-1, 6, 1, 2)
-    points = (points + margin * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])).reshape(-1, 24, 2)
+    six = np.stack([*both, ends / np.cos(swept_by)], 1).reshape(-1, 6, 1, 2)
+    points = (six + margin * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])).reshape(-1, 24, 2)
     swept = shapely.convex_hull(shapely.linestrings(points))
-    left = _areas(shapely.difference(b, shapely.union_all(swept)))
-    left = shapely.remove_repeated_points(left, 1e-3 * margin)
+    try:
+        left = _areas(shapely.difference(b, shapely.union_all(swept)))
+        left = shapely.remove_repeated_points(left, 1e-3 * margin)
+    except shapely.errors.GEOSException:
+        left = shapely.multipolygons([])  # no core covers nothing: too little, never too much
     return shapely.transform(left, lambda p: turn(p, np.full(len(p), middle)))
 
 
@@ -103,9 +106,12 @@ def uncovered(a: shapely.Geometry, b: shapely.Geometry, window: float) -> Pieces
     lines = np.concatenate([_contacts(one, other, 1.0, window), _contacts(other, one, -1.0, window)])
     w = window
     rim = np.array([[[-w, -w], [w, -w]], [[w, -w], [w, w]], [[w, w], [-w, w]], [[-w, w], [-w, -w]]])
-    noded = shapely.union_all(shapely.linestrings(np.concatenate([lines, rim])))
-    pieces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
     inside = shapely.box(-w, -w, w, w)
+    try:
+        noded = shapely.union_all(shapely.linestrings(np.concatenate([lines, rim])))
+        pieces = shapely.get_parts(shapely.polygonize(shapely.get_parts(noded)))
+    except shapely.errors.GEOSException:
+        return np.array([inside], dtype=object)
     return pieces[shapely.intersects(inside, shapely.point_on_surface(pieces))]
 
 
@@ -122,7 +128,10 @@ def forbidden(a: shapely.Geometry, b: shapely.Geometry, pieces: Pieces, thin: fl
 
 
 def _contacts(
-    edges: tuple[Floats, Floats, Floats, Floats], corners: tuple[Floats, Floats, Floats, Floats], sign: float, window: float
+    edges: tuple[Floats, Floats, Floats, Floats],
+    corners: tuple[Floats, Floats, Floats, Floats],
+    sign: float,
+    window: float,
 ) -> Floats:
     """Lines (k, 2, 2) of translations at which a corner of one part lies on an edge of the other and can touch it there."""
     start, end, _, out = edges

@@ -1,9 +1,9 @@
 """Slanted sides of outer slices: walls that hold at every turn of an interval.
 
-An outer slice is too large by what B's edges sweep. Where one of its sides comes from a corner of one part and an edge of the other, the true
-side moves with the turn. It may be used if, wherever the slice reaches beyond it, that corner lies *inside* the other part: then nothing
-free is cut off. Such walls bend so little over an interval that the prism of a slice becomes a polyhedron which is too large only by terms
-of second order.
+An outer slice is too large by what B's edges sweep. Where one of its sides comes from a corner of one part and an edge
+of the other, the true side moves with the turn. It may be used if, wherever the slice reaches beyond it, that corner lies
+*inside* the other part: then nothing free is cut off. Such walls bend so little over an interval that the prism of a slice
+becomes a polyhedron which is too large only by terms of second order.
 """
 
 from __future__ import annotations
@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 
 MOST = 3
 """So many contacts are tried for each side."""
+THIN = 1e-6
+"""A hull of less area than this share of its length squared is replaced by its box."""
 FLAT = 1e-8
 """Planes whose normals differ by less are left to others."""
 
@@ -27,20 +29,35 @@ def polyhedron(facing: Facing, near: Facing, low: float, high: float, pieces: Pi
     """Corners (n, 3) [mm, mm, rad] of a polyhedron that holds all that is free of `pieces` at turns between `low` and `high`."""
     region = shapely.multipolygons(pieces)
     hull = shapely.convex_hull(region)
+    if shapely.area(hull) < THIN * shapely.length(hull) ** 2:
+        hull = shapely.envelope(shapely.buffer(hull, facing.margin))
     ring = shapely.get_coordinates(shapely.orient_polygons(hull))
     along = np.diff(ring, axis=0)
     long = np.hypot(*along.T)
     start, along, long = ring[:-1][long > 0], along[long > 0], long[long > 0]
     out = np.column_stack([along[:, 1], -along[:, 0]]) / long[:, None]
     flat = np.column_stack([out, np.zeros(len(out)), (out * start).sum(1)])
-    slanted = _walls(facing, near, low, high, region, start + along / 2, out, long)
-    planes = np.vstack([flat, *slanted])
-    planes[:, 3] += facing.margin
-    return _corners(planes, low, high)
+    try:
+        slanted = _walls(facing, near, low, high, region, start + along / 2, out, long)
+    except shapely.errors.GEOSException:
+        slanted = []
+    for planes in (np.vstack([flat, *slanted]), flat):
+        planes[:, 3] += facing.margin
+        corners = _corners(planes, low, high)
+        if len(corners):
+            break
+    return corners
 
 
 def _walls(
-    facing: Facing, near: Facing, low: float, high: float, region: shapely.Geometry, at: Floats, out: Floats, long: Floats
+    facing: Facing,
+    near: Facing,
+    low: float,
+    high: float,
+    region: shapely.Geometry,
+    at: Floats,
+    out: Floats,
+    long: Floats,
 ) -> list[Floats]:
     """Planes (normal, slope by turn, offset) of walls that lie near the sides `at` (k, 2) with normals `out` and hold throughout."""
     middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-9) + 1e-14
@@ -124,7 +141,7 @@ def _corner_of_a(
 
 
 def _plane(normal: Floats, level: list[float], low: float, high: float, bend: float, more: float) -> Floats:
-    """normal . tau <= the straight line from level[0] at `low` to level[1] at `high`, and what second derivatives up to `bend` add."""
+    """Normal . tau <= the straight line from level[0] at `low` to level[1] at `high`, and what second derivatives up to `bend` add."""
     slope = (level[1] - level[0]) / (high - low)
     room = bend * (high - low + 1e-13) ** 2 / 8 * (1 + 1e-9) + 2 * more
     return np.array([[*normal, -slope, level[0] - slope * low + room]])

@@ -69,4 +69,6 @@ def envelope(low: Floats, high: Floats) -> tuple[Floats, Floats]:
     # cos v = c (C + 1) + s S, sin v = c S - s (C + 1)
     on_c, on_s = alpha * c - beta * s, alpha * s + beta * c
     most = most - on_c + gamma * middle
-    return np.stack([on_c, on_s, gamma], -1), most + ROUNDING * (np.abs(on_c) + np.abs(on_s) + np.abs(gamma * middle) + 1)
+    return np.stack([on_c, on_s, gamma], -1), most + ROUNDING * (
+        np.abs(on_c) + np.abs(on_s) + np.abs(gamma * middle) + 1
+    )

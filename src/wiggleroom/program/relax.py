@@ -1,12 +1,12 @@
 """A linear program that every reachable motion satisfies: the product of all outer regions, with envelopes for turns.
 
-Variables of a body: x, y [mm], turn t [rad], C for cos t - 1 and S for sin t. Variables of a pair: the motion tau of its pivot, as its first
-body sees it. The pivot moves with both bodies; with arms p, q from their origins to it,
+Variables of a body: x, y [mm], turn t [rad], C for cos t - 1 and S for sin t. Variables of a pair: the motion tau of its
+pivot, as its first body sees it. The pivot moves with both bodies; with arms p, q from their origins to it,
 
     x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) (p + mid) = mid + R(t_a) (tau - mid)
 
-exactly, where mid is the middle of what tau can be. C and S make the left side linear. On the right R is taken at the middle angle; it errs
-by at most |tau - mid| 2 sin(half width / 2).
+exactly, where mid is the middle of what tau can be. C and S make the left side linear. On the right R is taken at the
+middle angle; it errs by at most |tau - mid| 2 sin(half width / 2).
 """
 
 from __future__ import annotations
@@ -56,7 +56,15 @@ class Links:
 
 @dataclass(frozen=True, eq=False)
 class Ranges:
-    """Where bodies can be: least and greatest turn (n,) [rad], and the largest shift of their origin (n,) [mm]; infinite where nothing is known."""
+    """Where bodies can be; infinite where nothing is known.
+
+    Parameters
+    ----------
+    low, high : (n,) float64 [rad]
+        Least and greatest turn.
+    far : (n,) float64 [mm]
+        Largest shift of the origin.
+    """
 
     low: Floats
     high: Floats
@@ -189,7 +197,18 @@ class _Builder:
         rows = (sp.diags(scale) @ rows).tocsr()
         low, high = np.concatenate(self.low) * scale, np.concatenate(self.high) * scale
         turns = np.where(self.column >= 0, self.column + 2, -1)
-        return Linear(rows, low, high, least / unit, most / unit, self._cost(goal, len(least)) * unit, unit, turns, facet, self.cut)
+        return Linear(
+            rows,
+            low,
+            high,
+            least / unit,
+            most / unit,
+            self._cost(goal, len(least)) * unit,
+            unit,
+            turns,
+            facet,
+            self.cut,
+        )
 
     def _boxes(self) -> tuple[Floats, Floats]:
         n = self.pairs + 2 * len(self.links.a)
@@ -258,11 +277,11 @@ class _Builder:
 
     def _cost(self, goal: PointMotion, n: int) -> Floats:
         cost = np.zeros(n)
-        for body, direction, arm, turn in zip(goal.body, goal.direction, goal.arm, goal.turn, strict=True):
+        for body, direction, arm, turns in zip(goal.body, goal.direction, goal.arm, goal.turn, strict=True):
             k = self.column[body]
             if k >= 0:
                 dx, dy = direction
-                cost[k : k + 5] += (dx, dy, turn, dx * arm[0] + dy * arm[1], dy * arm[0] - dx * arm[1])
+                cost[k : k + 5] += (dx, dy, turns, dx * arm[0] + dy * arm[1], dy * arm[0] - dx * arm[1])
         return cost
 
 
