@@ -6,9 +6,10 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 
-import wiggleroom as wr
 from tests.flexing import row_of
 from tests.oracle import blocks, chain
+
+import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 
@@ -50,7 +51,11 @@ KINDS: dict[str, Callable[[], Iterator[tuple[str, Assembly, float, float | None]
 
 def main(words: list[str]) -> None:
     """Print one line for each question."""
-    print("| question | found | at most | within | true optimum | seconds | of this process alone |\n" + "| --- " * 7 + "|")
+    print(
+        "| question | found | at most | within | true optimum | seconds | of this process alone |\n"
+        + "| --- " * 7
+        + "|"
+    )
     for kind in words or list(KINDS):
         for name, assembly, within, truth in KINDS[kind]():
             answer = wr.flex(assembly)

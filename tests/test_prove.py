@@ -17,6 +17,8 @@ from wiggleroom.analysis.bounding import Bounding, Clock
 from wiggleroom.analysis.prepare import survey
 from wiggleroom.analysis.regions import outer_regions
 from wiggleroom.assembly.build import assemble
+from wiggleroom.freespace.outer import refined
+from wiggleroom.freespace.outer_facets import facets
 from wiggleroom.program.envelope import envelope, support
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.program.relax import first_ranges
@@ -142,8 +144,6 @@ def test_outer_regions_hold_all_true_slices(seed):
     low, high = region.turns
     assert low <= truth.low
     assert high >= truth.high
-    from wiggleroom.freespace.outer import facets, refined
-
     for outer in (region, refined(region, np.arange(len(region.low)))):
         for phi in np.linspace(truth.low, truth.high, 41):
             corners = truth.corners(phi)

@@ -18,7 +18,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.prepare import Survey
-from wiggleroom.freespace.outer import Outer, holding, refined
+from wiggleroom.freespace.outer import Outer, refined
+from wiggleroom.freespace.outer_facets import holding
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.program.relax import Linear, Links, NothingLeft, Ranges, narrowed, relaxation
 from wiggleroom.solve.bounds import LinearBounds
@@ -29,6 +30,8 @@ Ints = NDArray[np.int64]
 
 LEAST = 0.004
 """Intervals of turns are made narrower until they blur by this share of the clearance."""
+HELD = 1e-3
+"""A facet holds the program up where its multiplier is at least this share of the largest."""
 STALLED = 0.1
 """A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to a split."""
 
@@ -119,7 +122,7 @@ class Bounding:
     def _sharpen(self, linear: Linear, y: Floats) -> bool:
         """Make the intervals narrower whose facets hold the program up; False where all are narrow enough."""
         rows = y[-len(linear.facet) - 1 : -1]
-        active = np.flatnonzero(np.abs(rows) > 1e-6 * np.abs(y).max(initial=0.0))
+        active = np.flatnonzero(np.abs(rows) > HELD * np.abs(y).max(initial=0.0))
         wanted: dict[int, list[Ints]] = {}
         for p in np.unique(linear.facet[active, 0]):
             which = linear.facet[active[linear.facet[active, 0] == p], 1]

@@ -18,7 +18,8 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import dijkstra
 
-from wiggleroom.freespace.outer import Facets, Outer, facets
+from wiggleroom.freespace.outer import Outer
+from wiggleroom.freespace.outer_facets import Facets, facets
 from wiggleroom.freespace.relative import turn
 from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program.envelope import envelope
