@@ -32,6 +32,8 @@ LEAST = 0.004
 """Intervals of turns are made narrower until they blur by this share of the clearance."""
 HELD = 1e-3
 """A facet holds the program up where its multiplier is at least this share of the largest."""
+ASIDE = 1e-4
+"""Ranges stay wider by this share, so that facets, which can be refined, hold the program up and not the ranges themselves."""
 STALLED = 0.1
 """A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to a split."""
 
@@ -114,7 +116,7 @@ class Bounding:
             for sign, end in ((1.0, high), (-1.0, low)):
                 cost[linear.turn[body]] = sign
                 most = solver.most_of(cost) * linear.unit[linear.turn[body]]
-                end[body] = sign * (most + 1e-12)
+                end[body] = sign * (most + 1e-12 + ASIDE * (ranges.high[body] - ranges.low[body]))
         cut = narrowed(ranges, low, high)
         share = (cut.high - cut.low)[held] / np.maximum((ranges.high - ranges.low)[held], 1e-300)
         return cut, float((1 - share).max(initial=0.0))

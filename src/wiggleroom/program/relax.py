@@ -28,6 +28,8 @@ from wiggleroom.program.objectives import PointMotion
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+WIDER = 1 + 1e-4
+"""First ranges are wider by this factor, so that facets hold the program up, which can be refined."""
 PAD = 1e-12
 """Rows hold a little more than they must, by this share of the drawing's size: their coefficients are rounded."""
 
@@ -122,7 +124,7 @@ def first_ranges(bodies: Bodies, links: Links, regions: list[Outer]) -> Ranges:
     with np.errstate(invalid="ignore"):
         step = far + np.hypot(*links.arm_a.T) * swing[links.a] + np.hypot(*links.arm_b.T) * swing[links.b]
     shift = _shortest(n, links, step, step, root)
-    return Ranges(-down * (1 + 1e-12), up * (1 + 1e-12), shift * (1 + 1e-12))
+    return Ranges(-down * WIDER, up * WIDER, shift * WIDER)
 
 
 def _shortest(n: int, links: Links, forth: Floats, back: Floats, root: Ints) -> Floats:
