@@ -20,8 +20,8 @@ slow: .venv/ready-test
 	$(BIN)/python -m pytest -n auto -m slow
 
 browser: .venv/ready-test # needs a Chromium on the path
-	$(BIN)/python -m pip install --quiet --editable '.[browser]'
-	$(BIN)/python -m pytest -m slow tests/test_html.py
+	$(BIN)/python -m pip install --quiet --editable '.[dxf,browser]'
+	$(BIN)/python -m pytest -m slow tests/test_html.py tests/test_space_report.py tests/test_study_report.py
 
 lint: .venv/ready-lint
 	$(BIN)/ruff check .
@@ -38,12 +38,12 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/ready-demo: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[fast,film,ipopt,prove]'
+	$(BIN)/python -m pip install --quiet --editable '.[dxf,fast,film,ipopt,prove]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[cluster,fast,film,halfplane,ipopt,prove,test]'
+	$(BIN)/python -m pip install --quiet --editable '.[bench,cluster,dxf,fast,film,halfplane,image,ipopt,prove,test]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

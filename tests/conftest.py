@@ -1,11 +1,16 @@
-"""Known limits of the search, each by the end of its test's name; the list may only get shorter."""
+"""A browser for the tests of pages, and the known limits of the search."""
 
 from __future__ import annotations
+
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
 
 import pytest
 
 LOCAL = "ends in a local optimum: some joints of a long chain take the other one of two nearly equal ends"
-KNOWN = {
+KNOWN = {  # each by the end of its test's name; the list may only get shorter
     "test_chain_reaches_the_optimum[hook-0.02-10]": LOCAL,
     "test_chain_reaches_the_optimum[arrow-0.03-10]": LOCAL,
     "test_chain_turned_and_far_away_is_the_same[hook-0.01-10]": LOCAL,
@@ -23,3 +28,38 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         reason = KNOWN.get(item.name)
         if reason:
             item.add_marker(pytest.mark.xfail(reason=reason, strict=False))
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """A headless Chromium; .ci/run installs one, elsewhere these tests are left out."""
+    playwright = pytest.importorskip("playwright.sync_api")
+    where = next((w for w in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if w), None)
+    if where is None:
+        pytest.skip("no Chromium on this machine")
+    with playwright.sync_playwright() as p:
+        opened = p.chromium.launch(executable_path=where, args=["--no-sandbox", "--disable-background-networking"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
+    """Open an answer's report; every message and every request but that for the file is a failure."""
+    trouble: list[str] = []
+    pages = []
+
+    def show(html: str, **how: Any) -> Any:
+        (tmp_path / "report.html").write_text(html, encoding="utf-8")
+        page_of = browser.new_page(**how)
+        page_of.on("pageerror", lambda e: trouble.append(str(e)))
+        page_of.on("console", lambda m: trouble.append(m.text))
+        page_of.on("request", lambda r: trouble.append(r.url) if not r.url.endswith("report.html") else None)
+        page_of.goto((tmp_path / "report.html").as_uri())
+        pages.append(page_of)
+        return page_of
+
+    yield show
+    for one in pages:
+        one.close()
+    assert trouble == []

@@ -153,11 +153,24 @@ def test_writes_whole_or_not_at_all(tmp_path):
     path = tmp_path / "out.json"
     write_drawing(drawing, path)
     assert_same(drawing, read_drawing(path))
-    with pytest.raises(InputError, match=r"out\.dxf.*must be one of"):
-        write_drawing(drawing, tmp_path / "out.dxf")
+    with pytest.raises(InputError, match=r"out\.pdf.*must be one of"):
+        write_drawing(drawing, tmp_path / "out.pdf")
     with pytest.raises(InputError, match="directory that exists"):
         write_drawing(drawing, tmp_path / "no" / "out.json")
     (tmp_path / "taken.json").mkdir()
     with pytest.raises(InputError, match="cannot be written"):
         write_drawing(drawing, tmp_path / "taken.json")
     assert sorted(file.name for file in tmp_path.iterdir()) == ["out.json", "taken.json"]
+
+
+def test_numbers_of_numpy_are_written(tmp_path):
+    """A pull computed with numpy is as good as one typed in."""
+    outer = np.array([[0.0, 0], [2, 0], [2, 1]])
+    part = Part("a", (Region(outer),), at=tuple(np.array([1.0, 2.0, 0.5])), offset=np.float64(0.125))
+    pull = Pull("a", np.array([0.0, 1.0]), tuple(outer[1]), weight=np.float64(2.0))
+    write_drawing(Drawing((part,), gap=np.float64(0.25), goals=(pull,)), tmp_path / "x.json")
+    again = read_drawing(tmp_path / "x.json")
+    assert again.parts[0].at == (1.0, 2.0, 0.5)
+    assert again.parts[0].offset == 0.125
+    assert again.gap == 0.25
+    assert again.goals == (Pull("a", (0.0, 1.0), (2.0, 0.0), 2.0),)

@@ -192,7 +192,7 @@ RAW_CASES = {
     "half utf-16": ("x.svg", b"\xff\xfe<\0s\0v\0", "not well-formed"),
     "odd utf-16": ("x.svg", b"\xff\xfe<\0s\0v", "is not UTF-16 text"),
     "unknown encoding": ("x.svg", b"<?xml version='1.0' encoding='klingon'?><svg/>", '"klingon" is not known'),
-    "dxf": ("x.dxf", b"0\nSECTION", "must be one of .svg, .json"),
+    "pdf": ("x.pdf", b"%PDF-1.7", "must be one of .svg, .dxf, .json"),
     "no extension": ("drawing", b"<svg/>", "files without extension"),
     "json called svg": ("x.svg", assembly().encode(), "not well-formed XML"),
     "svg called json": ("x.json", svg(SQUARE).encode(), "is not JSON"),

@@ -15,6 +15,7 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.cli import main
 from wiggleroom.drawing import write_drawing
+from wiggleroom.report import palette
 
 COMMANDS = {
     "rank": [],
@@ -70,8 +71,32 @@ def test_rank_json_keeps_the_contract(run) -> None:
 def test_pictures_have_the_parts_in_colour(run, command: str) -> None:
     code, _, err = run(command, "chain.json", *COMMANDS[command], "--picture", "p.svg")
     assert (code, err) == (0, ["picture: p.svg"])
-    colour = {"rank": "#b0508c", "tighten": "#8c6bb1"}[command]
+    colour = {"rank": palette.BLAME[-1], "tighten": palette.CHOSEN}[command]
     assert f'fill="{colour}" fill-opacity' in Path("p.svg").read_text()
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_reports_and_plots_name_the_command(run, command: str) -> None:
+    for name in ("p.html", "p.svg", "p.png"):
+        code, _, err = run(command, "chain.json", *COMMANDS[command], "--picture", name)
+        assert (code, err) == (0, [f"picture: {name}"])
+        if name != "p.png":
+            assert f"wiggleroom {command} chain.json" in Path(name).read_text()
+
+
+@pytest.mark.parametrize("command", [*COMMANDS, "space", "draw"])
+@pytest.mark.parametrize("name", ["p.gif", "p.mp4", "p.film.svg"])
+def test_where_there_is_no_film_it_is_said(run, command: str, name: str) -> None:
+    more = {"space": ["b1", "b2", "--picture", name], "draw": [name]}.get(command) or [
+        *COMMANDS[command],
+        "--picture",
+        name,
+    ]
+    code, out, err = run(command, "chain.json", *more)
+    assert (code, out, len(err)) == (2, "", 1)
+    assert f"{name}: the name must end in .svg" in err[0]
+    assert "films come from flex" in err[0]
+    assert not Path(name).exists()
 
 
 def test_sweep_writes_a_table_of_values(run) -> None:

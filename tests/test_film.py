@@ -147,6 +147,17 @@ def test_what_goes_far_away_fades_and_the_frame_stays_near() -> None:
     assert seen > 0.5  # the film ends soon after it is gone
 
 
+def test_what_moves_far_but_is_held_does_not_fade() -> None:
+    found = wr.flex(wr.patterns.chain(10, joint="swallowtail", gap=0.03))
+    assert 0.5 * found.assembly.size < found.objective < found.assembly.size
+    made = scene(found.assembly, found.waypoints, rate=12, goals=(), title="", facts=(), command="")
+    assert all((track.opacity == 1).all() for track in made.tracks)
+    x, y, wide, high = made.stage
+    ends = np.array([track.place[-1, :2] for track in made.tracks])
+    assert (ends > (x, y)).all()
+    assert (ends < (x + wide, y + high)).all()
+
+
 def test_frames_follow_the_way_in_pixels() -> None:
     pytest.importorskip("PIL")
     from PIL import Image
@@ -162,6 +173,20 @@ def test_frames_follow_the_way_in_pixels() -> None:
         where = (image[:, :, 2] > image[:, :, 0] + 40) & (image[:, :, 2] > 150)
         blue.append(np.argwhere(where)[:, 1].mean())
     assert blue[1] > blue[0] + 5
+
+
+def test_frames_in_two_layers_look_like_the_whole_picture() -> None:
+    images = pytest.importorskip("PIL.Image")
+    from wiggleroom.report.film_frames import _frames
+    from wiggleroom.report.png import png
+
+    for case in (made(row(4)), made(leaving())):
+        frames = list(_frames(case, (400, 300), None))
+        for k in (0, case.frames // 2, case.frames - 1):
+            whole = images.open(io.BytesIO(png(case.drawn(k), width=frames[k].width, own_font_only=True)))
+            off = np.abs(np.asarray(whole.convert("RGB")).astype(int)[: frames[k].height] - np.asarray(frames[k]))
+            assert off.mean() < 0.2
+            assert (off.max(axis=2) > 30).mean() < 1e-4  # a line's edge may fall on another shade
 
 
 def test_gif_plays_with_pauses(tmp_path: Path) -> None:

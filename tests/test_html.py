@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
-from collections.abc import Iterator
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -16,8 +14,9 @@ import wiggleroom as wr
 from tests.answers import answer, block, grid, row
 from wiggleroom.drawing.model import Part, Pull
 from wiggleroom.report.draw import draw
-from wiggleroom.report.html import film_section, ranking, report
+from wiggleroom.report.html import film_section, report
 from wiggleroom.report.page import Section, figure, page, table
+from wiggleroom.report.picture import picture
 
 NASTY = "<img src=x onerror=alert(1)></script><b>&\"'"
 
@@ -46,12 +45,7 @@ def tags(html: str) -> list[tuple[str, dict[str, str | None]]]:
 
 @pytest.mark.parametrize("case", [row(), nasty(), grid(8)], ids=["row", "nasty", "grid"])
 def test_nothing_is_asked_of_any_network_and_nothing_slips_in(case: wr.Answer) -> None:
-    seen = tags(
-        report(
-            case,
-            more=[ranking(case.assembly.names, [1.0] * len(case.assembly.names), [2.0] * len(case.assembly.names))],
-        )
-    )
+    seen = tags(report(case))
     assert not {"img", "b", "iframe", "object", "base", "form"} & {tag for tag, _ in seen}
     assert sum(tag == "script" for tag, _ in seen) == 2  # the film's data, and the code
     for tag, given in seen:
@@ -63,68 +57,35 @@ def test_nothing_is_asked_of_any_network_and_nothing_slips_in(case: wr.Answer) -
 
 def test_all_ids_are_used_once() -> None:
     case = row()
-    second = film_section(case.assembly, case.waypoints, "another way", key="g")
-    seen = tags(report(case, more=[second]))
+    films = [film_section(case.assembly, case.waypoints, "a way", key=key) for key in "fg"]
+    seen = tags(page("t", [], [Section("Picture", figure(picture(case))), *films]))
     ids = [given["id"] for _, given in seen if "id" in given]
     assert sum("class" in given and given["class"] == "film" for _, given in seen) == 2
     assert len(ids) == len(set(ids))
 
 
 def test_it_says_everything() -> None:
-    html = report(row(), more=[ranking(["b1", "b2"], [0.5, -2.0], [20.0, 80.0])])
+    html = report(row())
     for said in (
         "b5 moves 0.3 mm in +y",
         "optimal",
         "wiggleroom flex it.json",
         "b1 | b2",
-        "Whose gap",
         "not worked out",
     ):
         assert said in html
-    assert html.index("-2.0") < html.index("0.5000")
+    assert "Whose gap" not in html  # this answer was made by hand: nothing is known about its walls
 
 
 def test_numbers_keep_their_full_value_for_sorting() -> None:
     html = table(["part", "mm"], [["a", 1.23456789], ["b", 0.001], ["c", 1e-30]])
     assert 'data-v="1.23456789">1.235<' in html
     assert ">0.000<" in html
+    odd = table(["mm"], [[float("nan")], [float("inf")], [1.0]])
+    assert '"-Infinity">–<' in odd
+    assert '"Infinity">∞<' in odd
     assert "none" in table(["part"], [])
     assert "and 3 more" in table(["n"], [[k] for k in range(5)], most=2)
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    """A headless Chromium; .ci/run installs one, elsewhere these tests are left out."""
-    playwright = pytest.importorskip("playwright.sync_api")
-    where = next((w for w in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if w), None)
-    if where is None:
-        pytest.skip("no Chromium on this machine")
-    with playwright.sync_playwright() as p:
-        opened = p.chromium.launch(executable_path=where, args=["--no-sandbox", "--disable-background-networking"])
-        yield opened
-        opened.close()
-
-
-@pytest.fixture
-def opened(browser: Any, tmp_path: Path) -> Iterator[Any]:
-    """Open an answer's report; every message and every request but that for the file is a failure."""
-    trouble: list[str] = []
-    pages = []
-
-    def show(html: str, **how: Any) -> Any:
-        (tmp_path / "report.html").write_text(html, encoding="utf-8")
-        page_of = browser.new_page(**how)
-        page_of.on("pageerror", lambda e: trouble.append(str(e)))
-        page_of.on("console", lambda m: trouble.append(m.text))
-        page_of.on("request", lambda r: trouble.append(r.url) if not r.url.endswith("report.html") else None)
-        page_of.goto((tmp_path / "report.html").as_uri())
-        pages.append(page_of)
-        return page_of
-
-    yield show
-    for one in pages:
-        one.close()
-    assert trouble == []
 
 
 @pytest.mark.slow
@@ -159,15 +120,15 @@ def test_it_plays_and_pauses(opened: Any) -> None:
 
 @pytest.mark.slow
 def test_columns_sort_by_their_values(opened: Any) -> None:
-    rows = [["b10", 9.0], ["b2", 10.0], ["b1", -3.0]]
+    rows = [["b10", 9.0], ["b2", 10.0], ["b1", -3.0], ["b3", float("nan")], ["b4", float("inf")]]
     at = opened(page("t", [], [Section("s", table(["part", "mm"], rows))]))
     first = "() => [...document.querySelectorAll('tbody tr')].map(r => r.cells[0].textContent)"
     at.locator("th button").nth(1).click()
-    assert at.evaluate(first) == ["b2", "b10", "b1"]
+    assert at.evaluate(first) == ["b4", "b2", "b10", "b1", "b3"]
     at.locator("th button").nth(1).click()
-    assert at.evaluate(first) == ["b1", "b10", "b2"]
+    assert at.evaluate(first) == ["b3", "b1", "b10", "b2", "b4"]
     at.locator("th button").nth(0).click()
-    assert at.evaluate(first) == ["b1", "b2", "b10"]
+    assert at.evaluate(first) == ["b1", "b2", "b3", "b4", "b10"]
 
 
 @pytest.mark.slow

@@ -19,6 +19,7 @@ ORDER = [
     "solve",
     "analysis",
     "report",
+    "bench",
     "cli",
 ]
 
@@ -90,7 +91,9 @@ def test_what_starts_first_stays_cheap(module: str) -> None:
     import subprocess
     import sys
 
-    heavy = "{'scipy', 'casadi', 'numba', 'shapely', 'svgelements', 'resvg_py', 'matplotlib'} & set(sys.modules)"
+    heavy = (
+        "{'scipy', 'casadi', 'numba', 'shapely', 'svgelements', 'resvg_py', 'matplotlib', 'ezdxf'} & set(sys.modules)"
+    )
     code = f"import sys, {module}; print(sorted({heavy}))"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"

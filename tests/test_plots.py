@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
-from tests.answers import grid, row
+from wiggleroom.report import palette
 from wiggleroom.report.axes import span, ticks
-from wiggleroom.report.colours import picture_of_values
+from wiggleroom.report.blame import shade
 from wiggleroom.report.plots import bars, curve, histogram
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -92,8 +92,6 @@ def test_wrong_shapes_are_refused() -> None:
         curve(np.zeros(3), np.zeros(2), labels=("x", "y"), title="t")
     with pytest.raises(wr.InputError):
         bars(["a"], np.array([np.nan]), label="x", title="t")
-    with pytest.raises(wr.InputError):
-        picture_of_values(row(3).assembly, np.zeros(2), label_of="x", title="t")
 
 
 @pytest.mark.parametrize(("low", "high"), [(0, 1), (-3.3, 1e5), (1e-9, 3e-9), (5.0, 5.0001)])
@@ -120,15 +118,23 @@ def light(colour: str) -> float:
 
 
 def test_larger_numbers_are_darker_also_without_colour() -> None:
-    case = grid(4).assembly
-    for sign in (1.0, -1.0):
-        svg = picture_of_values(case, sign * np.arange(16.0), label_of="mm per mm", title="t")
-        fills = [
-            g.get("fill", "")
-            for g in all_of(svg, "g")
-            if (g.get("fill") or "").startswith("#") and g.find(f"{SVG}use") is not None
-        ]
-        assert len(fills) == 16
-        assert (np.diff([light(f) for f in fills]) < 0).all()
-    unknown = picture_of_values(case, np.full(16, np.nan), label_of="x", title="t")
-    assert "not known" in unknown
+    assert (np.diff([light(shade(s)) for s in np.linspace(0, 1, 21)]) < 0).all()
+    assert shade(-1.0) == shade(0.0)
+    assert shade(2.0) == shade(1.0)
+
+
+def test_bars_above_the_limit_are_red_and_no_bar_holds_both() -> None:
+    values = np.random.default_rng(3).normal(2.0, 0.1, 400)
+    svg = histogram(values, label="motion mm", title="t", marks=[(2.0, "half")], limit=(2.07, "limit"))
+    up, _ = axis(svg, of_x=False)
+    across, zero = axis(svg, of_x=True)
+    boxes = [r for r in all_of(svg, "rect") if r.get("stroke")]
+    red = [r for r in boxes if r.get("fill") == palette.FIXED[0]]
+    assert sum(float(r.get("height", "0")) for r in red) / -up == pytest.approx((values > 2.07).sum(), rel=2e-3)
+    assert sum(float(r.get("height", "0")) for r in boxes) / -up == pytest.approx(400, rel=2e-3)
+    assert (min(float(r.get("x", "0")) for r in red) - zero) / across == pytest.approx(2.07, abs=2e-3)
+    ends = [float(r.get("x", "0")) + float(r.get("width", "0")) for r in boxes]
+    grid = next(p.get("d", "") for p in all_of(svg, "path") if p.get("stroke") == palette.GRID)
+    assert max(ends) <= float(grid.split("L")[1].split(",")[0])
+    assert "limit" in svg
+    assert palette.FIXED[0] not in histogram(values, label="x", title="t", limit=(9.0, "far"))

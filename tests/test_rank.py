@@ -11,6 +11,7 @@ import shapely
 
 import wiggleroom as wr
 from tests.flexing import box, part_at, polygon_part
+from wiggleroom.analysis.rank import rank_at_once
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
 
@@ -199,3 +200,15 @@ def test_a_grid_of_4096_blocks_is_ranked_within_the_time_of_its_solve() -> None:
     assert np.isfinite(ranking.looser).all()
     assert ranking.percent.sum() == pytest.approx(100)
     assert answer.assembly.names[ranking.order[0]] == "b1-1"
+
+
+def test_a_ranking_at_once_is_the_same_where_it_is_unique_and_never_surer() -> None:
+    answer = wr.flex(wr.patterns.grid(8, 8, joint="tee", gap=0.01))
+    whole, quick = wr.rank(answer), rank_at_once(answer)
+    assert whole.ends == "whole"
+    assert (~whole.unique).any()
+    assert (whole.unique == quick.unique).all()
+    slack = 1e-5 * whole.looser.max()  # of the linear programs that find the ends
+    np.testing.assert_allclose(quick.by_duals, whole.by_duals, atol=slack)
+    assert (whole.looser <= quick.looser + slack).all()
+    assert (whole.tighter >= quick.tighter - slack).all()

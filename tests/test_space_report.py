@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from pathlib import Path
+from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
@@ -154,3 +156,50 @@ def test_names_are_escaped_on_the_page() -> None:
     page = space_page(wr.free_space(case, *case.names), case, command="<script>")
     assert page.count("<script>") == 1
     assert "<b>" not in page
+
+
+def ring_area(ring: list[list[float]]) -> float:
+    x, y = np.array(ring).T
+    return float(x @ np.roll(y, -1) - y @ np.roll(x, -1)) / 2
+
+
+@pytest.mark.parametrize("case", [peg((300.0, -20.0, 0.7)), wr.patterns.chain(2, joint="swallowtail", gap=0.02)])
+def test_the_solid_that_turns_has_the_volume_of_the_space(case: wr.Assembly) -> None:
+    space = wr.free_space(case, *case.names)
+    page = space_page(space, case)
+    data = re.search(r'<div class="solid">.*?<script type="application/json">(.*?)</script>', page)
+    assert data
+    told = json.loads(data[1])
+    regions = about_pivot(space)
+    bounds = np.array([r.bounds for r in regions])
+    scale = (told["box"][1][0] - told["box"][0][0]) / np.ptp(bounds[:, ::2])
+    high = np.diff(told["levels"]) / (told["levels"][-1] - told["levels"][0])
+    turned = math.degrees(space.angles[1] - space.angles[0])
+    total = sum(h * sum(map(ring_area, rings)) for h, rings in zip(high, told["slices"], strict=True))
+    assert total / scale**2 * turned == pytest.approx(volume(space), rel=0.02)
+
+
+@pytest.mark.slow
+def test_the_solid_turns_in_the_browser(opened: Any) -> None:
+    case = wr.patterns.chain(2, joint="tee", gap=0.02)
+    at = opened(space_page(wr.free_space(case, "b1", "b2"), case))
+    drawn = "() => document.querySelector('.solid canvas').toDataURL()"
+    at.wait_for_function("() => document.querySelector('.solid canvas').width > 300")
+    canvas, first = at.locator(".solid canvas"), at.evaluate(drawn)
+    canvas.scroll_into_view_if_needed()
+    box = canvas.bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    at.mouse.move(x, y)
+    at.mouse.down()
+    at.mouse.move(x + 90, y + 20, steps=4)
+    at.mouse.up()
+    second = at.evaluate(drawn)
+    assert second != first
+    canvas.focus()
+    for _ in range(20):
+        at.keyboard.press("ArrowUp")  # down below the floor
+    assert at.evaluate(drawn) not in (first, second)
+    canvas.dblclick()
+    assert at.evaluate(drawn) == first
+    at.emulate_media(media="print")
+    assert not canvas.is_visible()

@@ -14,15 +14,19 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer, Bound, Contact
+    from wiggleroom.analysis.blocking import Blocking, blocking
     from wiggleroom.analysis.flex import flex
+    from wiggleroom.analysis.interlock import Escape, Interlock, check
+    from wiggleroom.analysis.largest_gap import LargestGap, largest_gap
     from wiggleroom.analysis.lots import Spread
     from wiggleroom.analysis.prepare import Prepared, prepare
     from wiggleroom.analysis.prove import prove
     from wiggleroom.analysis.rank import Ranking, rank
     from wiggleroom.analysis.sample import Sample, sample
     from wiggleroom.analysis.sweep import Sweep, sweep
+    from wiggleroom.analysis.tight import TightVerdict, tight_verdict
     from wiggleroom.analysis.tighten import Tightening, tighten
-    from wiggleroom.assembly import patterns
+    from wiggleroom.assembly import coupon, patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
     from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Translation, Turn, W
@@ -36,15 +40,19 @@ if TYPE_CHECKING:
 _HOME = {
     "Answer": "analysis.answer",
     "Assembly": "assembly.model",
+    "Blocking": "analysis.blocking",
     "Bound": "analysis.answer",
     "Closer": "drawing.model",
     "Contact": "analysis.answer",
     "Drawing": "drawing.model",
+    "Escape": "analysis.interlock",
     "FreeSpace": "freespace.space",
     "HalfPlane": "freespace.models",
     "Hull": "freespace.models",
     "InputError": "errors",
+    "Interlock": "analysis.interlock",
     "JointGap": "drawing.model",
+    "LargestGap": "analysis.largest_gap",
     "MissingExtraError": "errors",
     "Part": "drawing.model",
     "Polyhedron": "freespace.polyhedron",
@@ -56,6 +64,7 @@ _HOME = {
     "Spread": "analysis.lots",
     "Sweep": "analysis.sweep",
     "Tightening": "analysis.tighten",
+    "TightVerdict": "analysis.tight",
     "TouchingError": "errors",
     "Translation": "drawing.model",
     "Turn": "drawing.model",
@@ -63,9 +72,13 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
+    "blocking": "analysis.blocking",
+    "check": "analysis.interlock",
+    "coupon": "assembly",
     "film": "report.film",
     "flex": "analysis.flex",
     "free_space": "freespace.space",
+    "largest_gap": "analysis.largest_gap",
     "patterns": "assembly",
     "prepare": "analysis.prepare",
     "prove": "analysis.prove",
@@ -74,20 +87,25 @@ _HOME = {
     "sample": "analysis.sample",
     "sweep": "analysis.sweep",
     "tighten": "analysis.tighten",
+    "tight_verdict": "analysis.tight",
 }
 
 __all__ = [
     "Answer",
     "Assembly",
+    "Blocking",
     "Bound",
     "Closer",
     "Contact",
     "Drawing",
+    "Escape",
     "FreeSpace",
     "HalfPlane",
     "Hull",
     "InputError",
+    "Interlock",
     "JointGap",
+    "LargestGap",
     "MissingExtraError",
     "Part",
     "Polyhedron",
@@ -98,6 +116,7 @@ __all__ = [
     "Sample",
     "Spread",
     "Sweep",
+    "TightVerdict",
     "Tightening",
     "TouchingError",
     "Translation",
@@ -106,9 +125,13 @@ __all__ = [
     "W",
     "WiggleroomError",
     "assemble",
+    "blocking",
+    "check",
+    "coupon",
     "film",
     "flex",
     "free_space",
+    "largest_gap",
     "patterns",
     "prepare",
     "prove",
@@ -116,6 +139,7 @@ __all__ = [
     "read",
     "sample",
     "sweep",
+    "tight_verdict",
     "tighten",
 ]
 
@@ -126,6 +150,7 @@ def __getattr__(name: str) -> object:
         message = f"module 'wiggleroom' has no attribute {name!r}"
         raise AttributeError(message)
     module = import_module(f"wiggleroom.{_HOME[name]}")
-    value = import_module("wiggleroom.assembly.patterns") if name == "patterns" else getattr(module, name)
+    is_module = name in ("coupon", "patterns")
+    value = import_module(f"wiggleroom.assembly.{name}") if is_module else getattr(module, name)
     globals()[name] = value
     return value

@@ -3,26 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from importlib import import_module
-from os import PathLike
-from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.solve.verdict import Verdict
-
-DRAWER = "wiggleroom.report.draw"
-"""The module whose `draw` makes pictures of answers; named here, because reports stand to the right of analyses."""
-
-
-class Drawer(Protocol):
-    """What makes pictures."""
-
-    def draw(self, answer: Answer, path: str | PathLike[str]) -> None:
-        """Write a picture of `answer`, of the kind that the ending of `path` says."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +56,7 @@ class Bound:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class Answer(Shown):
     """The largest safe motion that was found.
 
     Parameters
@@ -118,11 +106,3 @@ class Answer:
     bound: Bound | None = None
     command: str = ""
     trail: object = field(default=None, repr=False)
-
-    def draw(self, path: str | PathLike[str]) -> None:
-        """Show the answer in a file; written whole or not at all.
-
-        Endings: .svg or .png a picture; .gif, .mp4 (extra `film`) or .film.svg a film; .html a report with everything.
-        """
-        drawer = cast(Drawer, import_module(DRAWER))
-        drawer.draw(self, path)

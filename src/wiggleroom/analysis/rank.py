@@ -14,6 +14,7 @@ from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.many import Many
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Found
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.touch import touching
 from wiggleroom.analysis.vary import Base, base, ended, follow
 from wiggleroom.assembly.model import Assembly
@@ -32,7 +33,7 @@ MOST_ROWS = 3000
 
 
 @dataclass(frozen=True, eq=False)
-class Ranking:
+class Ranking(Shown):
     """What gaps are worth to the motion of an answer.
 
     Extra gap e round a part means that its outline alone moves inward by e/2; extra gap e in a joint, that both
@@ -155,7 +156,18 @@ def rank(
     return _by_differences(ranking, start, parts, by, Many(workers, cluster, stop, progress))
 
 
-def _by_duals(answer: Answer, found: Found) -> Ranking:
+def rank_at_once(answer: Answer) -> Ranking:
+    """Ranking of an answer without any further solve: where derivatives are not unique, ranges are at least so wide.
+
+    Raises
+    ------
+    InputError
+        If nothing stops the motion or the search for it was cut short.
+    """
+    return _by_duals(answer, ended(answer), most_rows=0)
+
+
+def _by_duals(answer: Answer, found: Found, most_rows: int = MOST_ROWS) -> Ranking:
     """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
     program, solution = found.program, found.solution
     touch = touching(program, solution.u, solution.lam)
@@ -169,7 +181,7 @@ def _by_duals(answer: Answer, found: Found) -> Ranking:
     by_joint = worths(some, touch.row, program.rows, (of, of), len(joints)) / 2
     low, high = one.spread(by_part)
     unique = is_unique(low, high)
-    whole = len(touch.row) <= MOST_ROWS
+    whole = len(touch.row) <= most_rows
     middle = by_part @ one.force
     low, high = np.where(unique, middle, low), np.where(unique, middle, high)
     if whole:

@@ -13,7 +13,8 @@ from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.lots import Spread, wilson
 from wiggleroom.analysis.many import Many
 from wiggleroom.analysis.prepare import Prepared, prepare
-from wiggleroom.analysis.rank import Ranking, rank
+from wiggleroom.analysis.rank import Ranking, rank_at_once
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.vary import Varied, afresh, ended, vary
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
@@ -28,7 +29,7 @@ CHECKED = 10
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class Sample(Shown):
     """Motions of assemblies with gaps drawn by lot.
 
     Parameters
@@ -200,7 +201,7 @@ def sample(
     checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
     return Sample(
         answer, lot, seed, extra, value, sum(results[k].how == "cut short" for k in done), limit,
-        np.array(checked, dtype=float).reshape(-1, 3), rank(answer), draws,
+        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer), draws,
     )  # fmt: skip
 
 

@@ -28,8 +28,8 @@ ROUGH, FINE = 1e-2, 1e-6
 AGAIN = 5.0
 """A round begins with this multiple of the complementarity at the inner point of the one before: its new cells leave more to gain."""
 MOST_ROUNDS = 200
-EACH = 1e-8
-"""Share of the objective that each body may leave on the table, where that is more than the tolerance."""
+EACH, COARSE = 1e-8, 5e-5
+"""Share of the objective that each body may leave on the table, where that is more than the tolerance, and all together at most."""
 GAIN = 2e-7
 """A gain below this share of the objective for each body is none."""
 FAR = 4.0
@@ -148,7 +148,7 @@ class Search:
 
     def run(self) -> None:
         """Search until every active wall is a real contact, nothing stops the motion, or it was asked to stop."""
-        fine = max(FINE, EACH * len(self.inner))
+        fine = min(max(FINE, EACH * len(self.inner)), COARSE)
         tolerance, mu = ROUGH, self.first_mu
         polished = False
         nearer = False  # the last rebuilding began nearer to its end

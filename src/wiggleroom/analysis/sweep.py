@@ -14,6 +14,7 @@ from wiggleroom.analysis.finish import answer_of
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Progress, Search
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.vary import ended
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import role_findings
@@ -60,7 +61,7 @@ class Step:
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class Sweep(Shown):
     """Motion against gap.
 
     Parameters
@@ -113,7 +114,7 @@ def sweep(
     >>> import wiggleroom as wr
     >>> found = wr.sweep(wr.patterns.chain(2, joint="tee"), [0.01, 0.02])
     >>> [round(step.objective, 4) for step in found.steps]
-    [0.0261, 0.0531]
+    [0.0261, 0.0539]
     """
     asked = assembly.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
     wrong = list(role_findings(replace(assembly.drawing, goals=asked)))

@@ -13,6 +13,7 @@ from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.many import Many
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.rank import rank
+from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.vary import can_be_ranked, ended, vary
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
@@ -34,7 +35,7 @@ DRAWS = 50
 
 
 @dataclass(frozen=True, eq=False)
-class Tightening:
+class Tightening(Shown):
     """Parts to make tighter, and what it brings.
 
     Parameters

@@ -84,7 +84,7 @@ def read(
     Parameters
     ----------
     path : str or path
-        Assembly file (.json) or drawing (.svg).
+        Assembly file (.json) or drawing (.svg, .dxf).
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional

@@ -1,4 +1,4 @@
-"""Assemblies of equal blocks, and a jigsaw of different ones, for examples, tests and comparisons.
+"""Assemblies of equal blocks, a jigsaw of different ones and pictures made of blocks, for examples, tests and comparisons.
 
 Blocks are squares of side `pitch` [mm] with a joint on each side; a block's reference point is its centre. Names count
 columns and rows from 1: "b3-1" is the third block of the bottom row. The first block is fixed, the last one is pulled
@@ -7,14 +7,15 @@ in +y.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.joints import Jigsaw, joint
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.drawing.model import Drawing, Part, Points, Pull, Region
+from wiggleroom.drawing.model import Drawing, Goal, Part, Points, Pull, Region
 from wiggleroom.errors import InputError
 
 QUARTER_TURNS = np.array([[[1, 0], [0, 1]], [[0, 1], [-1, 0]], [[-1, 0], [0, -1]], [[0, -1], [1, 0]]], dtype=float)
@@ -112,6 +113,86 @@ def jigsaw(nx: int, ny: int, gap: float = 0.01, pitch: float = 1.0, seed: int = 
     return _assembly(pieces, _name, gap, pitch)
 
 
+def image(
+    dark: NDArray[np.bool_],
+    joint: str = "tee",
+    gap: float = 0.01,
+    pitch: float = 1.0,
+    islands: str = "largest",
+    fix: Sequence[str] = (),
+    goals: Sequence[Goal] = (),
+    **sizes: float,
+) -> Assembly:
+    """A block for every dark cell of a picture, joined to its neighbours on four sides, plain where it has none.
+
+    Holes stay open. Blocks are named by column and row of the whole picture, from the bottom left.
+
+    Parameters
+    ----------
+    dark : (rows, columns) bool
+        The first row is the top one, as from `wiggleroom.drawing.read_bitmap`.
+    joint, gap, pitch, **sizes
+        See `chain`.
+    islands : str
+        "largest": only the largest set of blocks that hang together by their sides; the drawing's notes say what is
+        left out. "all": every block; the first block of each island is fixed.
+    fix : sequence of names
+        Blocks that stand; by default the first one, leftmost in the bottom row.
+    goals : sequence of Pull, Turn or W
+        By default the last block that is free, rightmost in the top row, is pulled in +y.
+
+    Raises
+    ------
+    InputError
+        If fewer than two blocks are left, a name is unknown, or the joints cannot be made so.
+
+    Examples
+    --------
+    >>> ring = np.array([[1, 1, 1], [1, 0, 1], [1, 1, 1]], dtype=bool)
+    >>> made = image(ring)
+    >>> len(made.parts), made.names[3]
+    (8, 'b1-2')
+    """
+    from scipy import ndimage
+
+    if islands not in ("largest", "all"):
+        message = f'islands is "{islands}": it must be largest or all'
+        raise InputError(message)
+    cells = np.asarray(dark, dtype=bool)
+    if cells.ndim != 2:
+        message = f"dark has {cells.ndim} dimensions: it must be rows and columns"
+        raise InputError(message)
+    cells = cells[::-1]
+    label, count = ndimage.label(cells)
+    notes = []
+    if count > 1 and islands == "largest":
+        kept = 1 + int(np.bincount(label[cells])[1:].argmax())
+        lost = int((cells & (label != kept)).sum())
+        notes.append(f"left out: {_many(lost, 'block')} in {_many(count - 1, 'island')} not joined to the largest one")
+        cells = label == kept
+    if cells.sum() < 2:
+        message = f"{_many(int(cells.sum()), 'dark cell')} of the picture hang together: at least 2 are needed"
+        raise InputError(message)
+    padded = np.pad(cells, 1)
+    beside = [padded[:-2, 1:-1], padded[1:-1, 2:], padded[2:, 1:-1], padded[1:-1, :-2]]  # bottom, right, top, left
+    kinds: dict[tuple[bool, ...], Region] = {}
+    regions: dict[Place, Region] = {}
+    profile = _profile(joint, sizes)
+    for j, i in np.argwhere(cells).tolist():
+        sides = tuple(bool(side[j, i]) for side in beside)
+        if sides not in kinds:
+            letters = "".join(letter if has else "-" for letter, has in zip("toot", sides, strict=True))
+            kinds[sides] = block(profile, letters, pitch)
+        regions[i, j] = kinds[sides]
+    first = {int(label[j, i]): _name(i, j) for i, j in reversed(regions)}  # of each island
+    fixed = set(fix) or set(first.values())
+    last = next((name for i, j in reversed(regions) if (name := _name(i, j)) not in fixed), "")
+    if not last:
+        message = "every block is fixed; at least one must be free to move"
+        raise InputError(message)
+    return _assembly(regions, _name, gap, pitch, fixed, goals or (Pull(last, (0.0, 1.0)),), notes)
+
+
 def block(profile: Points, sides: str, pitch: float) -> Region:
     """Square block with a joint on its bottom, right, top and left side.
 
@@ -156,14 +237,31 @@ def _blocks(places: Iterable[Place], family: str, gap: float, pitch: float, size
     return _assembly(dict.fromkeys(places, region), _name, gap, pitch)
 
 
-def _assembly(regions: dict[Place, Region], name: Callable[[int, int], str], gap: float, pitch: float) -> Assembly:
-    """Blocks at their places, the first fixed, the last pulled up."""
+def _assembly(
+    regions: dict[Place, Region],
+    name: Callable[[int, int], str],
+    gap: float,
+    pitch: float,
+    fixed: Iterable[str] = (),
+    goals: Sequence[Goal] = (),
+    notes: Sequence[str] = (),
+) -> Assembly:
+    """Blocks at their places; by default the first is fixed, the last pulled up."""
     shared = {id(region): (region,) for region in regions.values()}
     parts = tuple(
-        Part(name(i, j), shared[id(region)], at=(i * pitch, j * pitch, 0.0), fixed=k == 0)
-        for k, ((i, j), region) in enumerate(regions.items())
+        Part(name(i, j), shared[id(region)], at=(i * pitch, j * pitch, 0.0)) for (i, j), region in regions.items()
     )
-    return assemble(Drawing(parts, gap=gap, goals=(Pull(parts[-1].name, (0.0, 1.0)),)))
+    goals = tuple(goals) or (Pull(parts[-1].name, (0.0, 1.0)),)
+    return assemble(Drawing(parts, gap=gap, goals=goals, notes=tuple(notes)), fix=tuple(fixed) or (parts[0].name,))
+
+
+def _many(n: int, thing: str) -> str:
+    """Count with a word.
+
+    >>> _many(1, "block"), _many(3, "island")
+    ('1 block', '3 islands')
+    """
+    return f"{n} {thing}" if n == 1 else f"{n} {thing}s"
 
 
 def _name(i: int, j: int) -> str:

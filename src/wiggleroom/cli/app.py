@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from cyclopts import App
 
+from wiggleroom.cli.check import check
 from wiggleroom.cli.convert import convert
+from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
+from wiggleroom.cli.make_image import image
 from wiggleroom.cli.rank import rank
 from wiggleroom.cli.sample import sample
 from wiggleroom.cli.space import space
@@ -20,7 +25,9 @@ Say what is fixed and where it is pulled, and get the largest motion as a number
 
   wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
 
-Lengths are in mm, angles in degrees. Exit codes: 0 answered, 2 bad input or usage, 3 no verdict.
+wiggleroom COMMAND --help says what a command takes; with --picture most of them draw their answer.
+
+Lengths are in mm, angles in degrees. Exit codes: 0 answered, 1 check says it comes apart, 2 bad input or usage, 3 no verdict.
 """
 
 
@@ -36,8 +43,18 @@ def build() -> App:
         result_action="return_value",
         suppress_keyboard_interrupt=False,
     )
-    for command in (flex, rank, tighten, sweep, sample, space, convert, make, draw):
-        app.command(command, help_format="markdown")
+    maker = App(name="make", help_format="markdown")
+    maker.default(make)
+    maker.command(image)
+    commands: list[Callable[..., int] | App] = [
+        flex, check, rank, tighten, sweep, sample, space, draw, convert, maker, coupon
+    ]  # fmt: skip
+    for place, command in enumerate(commands):
+        if isinstance(command, App):
+            command.sort_key = place
+            app.command(command)
+        else:
+            app.command(command, help_format="markdown", sort_key=place)
     return app
 
 

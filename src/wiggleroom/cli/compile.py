@@ -6,10 +6,12 @@ from __future__ import annotations
 def main() -> None:
     """Answer a tiny question by every model; what it compiles is kept beside the package."""
     from wiggleroom.analysis.flex import flex
+    from wiggleroom.analysis.interlock import check
     from wiggleroom.assembly import patterns
 
     for model in ("walls", "hull", "halfplane"):
         flex(patterns.chain(2), model=model)
+    check(patterns.chain(2, joint="swallowtail", gap=0.08))
 
 
 if __name__ == "__main__":

@@ -18,20 +18,21 @@ def convert(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     out
         .json: curves flattened for the gap, which the file carries, so that flex on it equals flex on the drawing.
-        .svg: the outlines as they are cut, gap and offsets applied.
+        .svg, .dxf: the outlines as they are cut, gap and offsets applied, and the names in a layer of their own,
+        labels, to engrave or leave out.
     """
     from dataclasses import replace
 
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import write_drawing
 
-    check(file, {"OUT": (out, (".json", ".svg"))})
+    check(file, {"OUT": (out, (".json", ".svg", ".dxf"))})
     assembly = read(file, asked)
     drawing = assembly.drawing
-    if out.suffix.lower() == ".svg":
+    if out.suffix.lower() != ".json":
         made = tuple(replace(part, offset=0.0) for part in assembly.parts)
         drawing = replace(drawing, parts=made, gap=0.0, gaps=())
     write_drawing(drawing, out)

@@ -6,7 +6,8 @@ import sys
 from pathlib import Path
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import STILLS, check, write_picture
+from wiggleroom.cli.outputs import check, write_picture
+from wiggleroom.report.endings import STILLS
 
 _NONE_ASKED = Asked()
 
@@ -19,7 +20,7 @@ def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     out
         The picture: .svg or .png.
     """

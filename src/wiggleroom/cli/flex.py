@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING, Any, Literal
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import PICTURES, Outputs, check, write
+from wiggleroom.cli.outputs import Outputs, tell
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer
@@ -39,7 +39,7 @@ def flex(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     model
         How the free space of each pair is modelled: walls, the exact contacts; to compare with, hull, the convex hulls
         of "Mind the Gap", or halfplane, the linear programs of PuzzleFlex. These two may overlap, which is told.
@@ -75,17 +75,14 @@ def flex(
         from wiggleroom.cli.proving import check_proof
 
         check_proof(prove, time, model)
-    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, PICTURES)})
-    answer = replace(
-        _answer(file, asked, Hull(**settings) if model == "hull" else model, solver, prove, time),
-        command=shlex.join(["wiggleroom", *sys.argv[1:]]),
-    )
-    if outputs.json != "-":
-        from wiggleroom.cli.say import show
-        from wiggleroom.report.table import table
+    outputs.check(file)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    wanted = Hull(**settings) if model == "hull" else model
+    answer = replace(_answer(file, asked, wanted, solver, prove, time), command=command)
+    from wiggleroom.report.records import flex_record
+    from wiggleroom.report.table import table
 
-        show(table(answer))
-    write(answer, outputs)
+    tell(outputs, flex_record(answer), lambda: table(answer), answer, command)
     return 3 if answer.verdict == "stopped" else 0
 
 

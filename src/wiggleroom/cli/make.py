@@ -11,6 +11,9 @@ from cyclopts import Parameter
 from wiggleroom.cli.options import Many
 from wiggleroom.cli.outputs import check
 
+NO_SIZES = ("joint", "gap", "pitch", "n", "nx", "ny", "dark", "islands", "fix", "goals")
+"""Arguments of patterns that `--size` must not reach."""
+
 
 def make(
     pattern: Literal["grid", "chain", "frame", "jigsaw"],
@@ -53,7 +56,7 @@ def make(
     from wiggleroom.drawing import write_drawing
     from wiggleroom.errors import InputError
 
-    sizes, wrong = _sizes(size)
+    sizes, wrong = sizes_of(size)
     wrong += _misfits(pattern, ny, pitch, drawn_by_lot=joint is None and not sizes)
     if wrong:
         raise InputError(wrong)
@@ -73,12 +76,15 @@ def _misfits(pattern: str, ny: int | None, pitch: float, *, drawn_by_lot: bool) 
         wrong.append(f"{pattern}: give {'one number, the blocks' if pattern == 'chain' else 'columns and rows'}")
     if pattern == "jigsaw" and not drawn_by_lot:
         wrong.append("jigsaw: its knobs are drawn by lot, it takes no --joint and no --size")
-    if not (math.isfinite(pitch) and pitch > 0):
-        wrong.append(f"--pitch {pitch:g}: it must be more than 0")
-    return wrong
+    return wrong + pitch_misfits(pitch)
 
 
-def _sizes(texts: tuple[str, ...]) -> tuple[dict[str, float], list[str]]:
+def pitch_misfits(pitch: float) -> list[str]:
+    """One line if this is no side of a block."""
+    return [] if math.isfinite(pitch) and pitch > 0 else [f"--pitch {pitch:g}: it must be more than 0"]
+
+
+def sizes_of(texts: tuple[str, ...]) -> tuple[dict[str, float], list[str]]:
     """Sizes by name, and one line for each text that cannot be read."""
     found: dict[str, float] = {}
     wrong = []
@@ -89,6 +95,6 @@ def _sizes(texts: tuple[str, ...]) -> tuple[dict[str, float], list[str]]:
         except ValueError:
             wrong.append(f"--size {text}: write NAME=0.2")
             continue
-        if not (equals and name.isidentifier() and name not in ("joint", "gap", "pitch", "n", "nx", "ny")):
+        if not (equals and name.isidentifier() and name not in NO_SIZES):
             wrong.append(f"--size {text}: {name} is no size of a joint")
     return found, wrong

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from cyclopts import Parameter
+from cyclopts import Group, Parameter
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.model import Assembly
@@ -14,7 +14,13 @@ if TYPE_CHECKING:
 Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 
 
-@Parameter(name="*")
+QUESTION = Group("Drawing and question", sort_key=1)
+RESULTS = Group("Results", sort_key=2)
+WORK = Group("Where it runs", sort_key=3)
+"""Headings under which the help lists what many commands take; what a command alone takes comes first."""
+
+
+@Parameter(name="*", group=QUESTION)
 @dataclass(frozen=True, kw_only=True)
 class Asked:
     """What is read, and what is asked of it.

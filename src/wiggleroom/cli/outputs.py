@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
+from wiggleroom.cli.options import RESULTS
+from wiggleroom.report.endings import ANSWERS, PAGE, STUDIES, ending, unlike
+
 if TYPE_CHECKING:
+    from rich.console import RenderableType
+
     from wiggleroom.analysis.answer import Answer
+    from wiggleroom.report.draw import Study
 
-STILLS = (".svg", ".png")
-PICTURES = (*STILLS, ".gif", ".mp4", ".html")
+_Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
     """Where the answer goes besides the terminal.
@@ -30,8 +36,33 @@ class Outputs:
         Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
     """
 
-    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
+    json: _Text = None
     picture: Path | None = None
+
+    def check(self, source: str) -> None:
+        """See that everything asked for can be written; see the function `check`."""
+        check(source, {"--json": (self.json, ()), "--picture": (self.picture, ANSWERS)})
+
+
+@Parameter(name="*", group=RESULTS)
+@dataclass(frozen=True, kw_only=True)
+class StudyOutputs:
+    """Where what was found goes besides the terminal.
+
+    Parameters
+    ----------
+    json
+        Write what was found as JSON to this file; - is stdout, which then holds nothing else.
+    picture
+        Show what was found in this file: .svg or .png a picture, .html a report with all.
+    """
+
+    json: _Text = None
+    picture: Path | None = None
+
+    def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
+        """See that everything asked for can be written; see the function `check`."""
+        check(source, {"--json": (self.json, ()), "--picture": (self.picture, STUDIES)} | more)
 
 
 def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...]]]) -> None:
@@ -63,16 +94,17 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
     if wrong:
         raise InputError(wrong)
     for place, _ in places.values():
-        if place is not None and Path(place).suffix.lower() in (".gif", ".mp4"):
+        if place is not None and ending(Path(place)) in (".gif", ".mp4"):
             from wiggleroom.report.film_frames import see_library
 
-            see_library(Path(place).suffix.lower())
+            see_library(ending(Path(place)))
 
 
 def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
     """Say what is wrong with an output path, or nothing."""
-    if endings and path.suffix.lower() not in endings:
-        return f"the name must end in {' or '.join(endings)}"
+    odd = unlike(path, endings)
+    if odd:
+        return odd
     if path.is_dir():
         return "this is a folder; give the name of a file"
     if not path.parent.is_dir():
@@ -84,19 +116,27 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
     return ""
 
 
-def write(answer: Answer, outputs: Outputs) -> None:
-    """Answer as JSON and as a picture, film or report, where they are asked for."""
-    from wiggleroom.cli.say import note
-    from wiggleroom.report.records import flex_record
-
+def tell(
+    outputs: Outputs | StudyOutputs,
+    record: dict[str, Any],
+    page: Callable[[], RenderableType],
+    found: Answer | Study,
+    command: str,
+) -> None:
+    """What was found as JSON, as a page on stdout (unless the JSON goes there), and as a picture."""
     if outputs.json is not None:
-        write_record(flex_record(answer), outputs.json)
+        write_record(record, outputs.json)
+    if outputs.json != "-":
+        from wiggleroom.cli.say import show
+
+        show(page())
     if outputs.picture is not None:
+        from wiggleroom.cli.say import note
         from wiggleroom.cli.watch import bar
         from wiggleroom.report.draw import draw
 
-        with bar("film") as count:
-            draw(answer, outputs.picture, progress=count)
+        with bar("frames", "drawing") as count:
+            draw(found, outputs.picture, command=command, progress=count)
         note(f"picture: {outputs.picture}")
 
 
@@ -117,11 +157,10 @@ def write_record(record: dict[str, Any], place: str) -> None:
 def write_picture(made: str, path: Path) -> None:
     """Still picture as SVG or, where the name says so, as PNG; a page as HTML."""
     from wiggleroom.cli.say import note
+    from wiggleroom.files import write_whole
     from wiggleroom.report.draw import write_svg
 
-    if path.suffix.lower() == ".html":
-        from wiggleroom.files import write_whole
-
+    if ending(path) == PAGE:
         write_whole(path, made)
     else:
         write_svg(made, path)

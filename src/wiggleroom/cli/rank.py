@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import sys
-from typing import Literal
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import PICTURES, Outputs, check, write_picture, write_record
+from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import Running, complete, unless_stopped
 
-_NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), Outputs(), Running()
+_NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), StudyOutputs(), Running()
 
 
 def rank(
@@ -17,10 +19,10 @@ def rank(
     /,
     *,
     asked: Asked = _NONE_ASKED,
-    outputs: Outputs = _NO_OUTPUTS,
+    outputs: StudyOutputs = _NO_OUTPUTS,
     running: Running = _HERE,
     by: Literal["duals", "differences"] = "duals",
-    exact: bool = False,
+    exact: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Say which parts' gaps, and which joints', matter most for the motion.
 
@@ -31,7 +33,7 @@ def rank(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     by
         duals: all parts from the forces of one solve. differences: solved again for every part, as a check.
     exact
@@ -41,7 +43,7 @@ def rank(
 
     from wiggleroom.cli.watch import bar, interruptible
 
-    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, PICTURES)})
+    outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible() as stop, unless_stopped(stop), bar("differences") as show:
@@ -52,14 +54,5 @@ def rank(
         ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
     from wiggleroom.report.ranking import rank_record, rank_table
 
-    if outputs.json is not None:
-        write_record(rank_record(ranking, command), outputs.json)
-    if outputs.json != "-":
-        from wiggleroom.cli.say import show as print_page
-
-        print_page(rank_table(ranking))
-    if outputs.picture is not None:
-        from wiggleroom.report.blame import picture_of_ranking
-
-        write_picture(picture_of_ranking(ranking, command=command), outputs.picture)
+    tell(outputs, rank_record(ranking, command), lambda: rank_table(ranking), ranking, command)
     return 0

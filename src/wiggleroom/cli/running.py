@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from cyclopts import Parameter
 
+from wiggleroom.cli.options import WORK
+
 if TYPE_CHECKING:
     from wiggleroom.assembly.model import Assembly
 
 
-@Parameter(name="*")
+@Parameter(name="*", group=WORK)
 @dataclass(frozen=True, kw_only=True)
 class Running:
     """Where the work is done; the numbers are the same everywhere.

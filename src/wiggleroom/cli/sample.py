@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import sys
-from typing import Annotated, Literal
-
-from cyclopts import Parameter
+from typing import Literal
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import check, write_record
+from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import Running, complete, unless_stopped
 
-_NONE_ASKED, _HERE = Asked(), Running()
+_NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), StudyOutputs(), Running()
 
 
 def sample(
@@ -20,6 +18,7 @@ def sample(
     *,
     spread: float,
     asked: Asked = _NONE_ASKED,
+    outputs: StudyOutputs = _NO_OUTPUTS,
     running: Running = _HERE,
     kind: Literal["normal", "uniform", "truncated"] = "normal",
     sheet: float = 0.0,
@@ -27,18 +26,18 @@ def sample(
     draws: int = 1000,
     seed: int = 0,
     limit: float | None = None,
-    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
 ) -> int:
     """Find the motion when the gap round every part varies at random.
 
     Says mean, quantiles, worst case, which parts contribute, and how many keep a limit.
 
     Example: wiggleroom sample puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --spread 0.02 --limit 5
+        --picture draws.svg
 
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     spread
         How much the gap round one part varies [mm]: standard deviation; half of the range where it is uniform.
     kind
@@ -53,15 +52,13 @@ def sample(
         Same seed, same draws.
     limit
         Largest motion that is wanted [mm, turns in rad].
-    json
-        Write what was found as JSON to this file; - is stdout, which then holds nothing else.
     """
     import shlex
 
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
-    check(file, {"--json": (json, ())})
+    outputs.check(file)
     if seed < 0:
         wrong = f"--seed {seed}: it must be 0 or more"
         raise InputError(wrong)
@@ -78,10 +75,5 @@ def sample(
         found = work_out(assembly, lot, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options)
     from wiggleroom.report.studies import sample_record, sample_table
 
-    if json is not None:
-        write_record(sample_record(found, command), json)
-    if json != "-":
-        from wiggleroom.cli.say import show as print_page
-
-        print_page(sample_table(found))
+    tell(outputs, sample_record(found, command), lambda: sample_table(found), found, command)
     return 3 if len(found.value) < draws else 0

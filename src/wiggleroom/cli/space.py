@@ -6,14 +6,15 @@ import sys
 from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import STILLS, Outputs, check
+from wiggleroom.cli.outputs import StudyOutputs
+from wiggleroom.report.endings import PAGE, ending
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.audit import Audit
     from wiggleroom.assembly.model import Assembly
     from wiggleroom.freespace.space import FreeSpace
 
-_NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
+_NONE_ASKED, _NO_OUTPUTS = Asked(), StudyOutputs()
 
 
 def space(
@@ -23,7 +24,7 @@ def space(
     /,
     *,
     asked: Asked = _NONE_ASKED,
-    outputs: Outputs = _NO_OUTPUTS,
+    outputs: StudyOutputs = _NO_OUTPUTS,
     samples: int = 0,
     seed: int = 0,
 ) -> int:
@@ -34,7 +35,7 @@ def space(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     a
         Name of the part that stands.
     b
@@ -51,7 +52,7 @@ def space(
     if samples < 0 or seed < 0:
         wrong = f"--samples {samples} --seed {seed}: they must be 0 or more"
         raise InputError(wrong)
-    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, (*STILLS, ".html"))})
+    outputs.check(file)
     assembly = read(file, asked)
 
     from wiggleroom.freespace.space import free_space
@@ -71,7 +72,7 @@ def space(
     return 0
 
 
-def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: Outputs, command: str) -> None:
+def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: StudyOutputs, command: str) -> None:
     """JSON and picture, where they are asked for."""
     from wiggleroom.cli.outputs import write_picture, write_record
     from wiggleroom.report.space import space_page, space_picture, space_record
@@ -79,6 +80,5 @@ def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: 
     if outputs.json is not None:
         write_record(space_record(found, judged, command), outputs.json)
     if outputs.picture is not None:
-        html = outputs.picture.suffix.lower() == ".html"
-        made = space_page if html else space_picture
+        made = space_page if ending(outputs.picture) == PAGE else space_picture
         write_picture(made(found, assembly, judged, command=command), outputs.picture)

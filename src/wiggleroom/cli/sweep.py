@@ -4,15 +4,12 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import check, write_record
+from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import complete
 
-_NONE_ASKED = Asked()
+_NONE_ASKED, _NO_OUTPUTS = Asked(), StudyOutputs()
 
 
 def sweep(
@@ -20,32 +17,31 @@ def sweep(
     /,
     *,
     asked: Asked = _NONE_ASKED,
+    outputs: StudyOutputs = _NO_OUTPUTS,
     gaps: str | None = None,
-    json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     csv: Path | None = None,
 ) -> int:
     """Find the motion for several gaps, and the gap from which on nothing stops it.
 
-    Example: wiggleroom sweep puzzle.svg --gap 0.2 --gaps 0.1:1:10 --fix p1 --pull p20:+x
+    Example: wiggleroom sweep puzzle.svg --gaps 0.1:1:10 --fix p1 --pull p20:+x --picture curve.svg
 
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     gaps
         Gaps in mm: a list 0.1,0.2,0.5, or from, to and how many as 0.1:1:10. By default nine, from a quarter of the
         gap to twice it.
-    json
-        Write what was found as JSON to this file; - is stdout, which then holds nothing else.
     csv
         Write gap, objective and verdict as comma-separated values: .csv.
     """
     import shlex
+    from dataclasses import replace
 
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
 
-    check(file, {"--json": (json, ()), "--csv": (csv, (".csv",))})
+    outputs.check(file, **{"--csv": (csv, (".csv",))})
     wanted = None if gaps is None else _gaps(gaps)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible() as stop, bar("gaps") as show:
@@ -57,12 +53,8 @@ def sweep(
         cut = stop.is_set()
     from wiggleroom.report.studies import sweep_csv, sweep_record, sweep_table
 
-    if json is not None:
-        write_record(sweep_record(found, command), json)
-    if json != "-":
-        from wiggleroom.cli.say import show as print_page
-
-        print_page(sweep_table(found))
+    shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
+    tell(shown, sweep_record(found, command), lambda: sweep_table(found), found, command)
     if csv is not None:
         from wiggleroom.files import write_whole
 

@@ -8,10 +8,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import PICTURES, Outputs, check, write_picture, write_record
+from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import Running, complete, unless_stopped
 
-_NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), Outputs(), Running()
+_NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), StudyOutputs(), Running()
 
 
 def tighten(
@@ -19,7 +19,7 @@ def tighten(
     /,
     *,
     asked: Asked = _NONE_ASKED,
-    outputs: Outputs = _NO_OUTPUTS,
+    outputs: StudyOutputs = _NO_OUTPUTS,
     running: Running = _HERE,
     parts: Annotated[int | None, Parameter(name=("--parts", "-k"))] = None,
     limit: float | None = None,
@@ -34,7 +34,7 @@ def tighten(
     Parameters
     ----------
     file
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     parts
         How many parts to choose.
     limit
@@ -52,7 +52,7 @@ def tighten(
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
-    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, PICTURES)})
+    outputs.check(file)
     if draws < 0 or seed < 0:
         wrong = f"--draws {draws} --seed {seed}: both must be 0 or more"
         raise InputError(wrong)
@@ -69,14 +69,5 @@ def tighten(
         cut = stop.is_set()
     from wiggleroom.report.studies import tighten_record, tighten_table
 
-    if outputs.json is not None:
-        write_record(tighten_record(found, command), outputs.json)
-    if outputs.json != "-":
-        from wiggleroom.cli.say import show as print_page
-
-        print_page(tighten_table(found))
-    if outputs.picture is not None:
-        from wiggleroom.report.blame import picture_of_tightening
-
-        write_picture(picture_of_tightening(found, command=command), outputs.picture)
+    tell(outputs, tighten_record(found, command), lambda: tighten_table(found), found, command)
     return 0 if found.reached and not cut else 3

@@ -48,8 +48,11 @@ def progress() -> Iterator[Callable[[Any], None] | None]:
 
 
 @contextmanager
-def bar(what: str) -> Iterator[Callable[[int, int], None] | None]:
-    """Give a callback that shows how many of many are done, on stderr; None where that is no terminal."""
+def bar(what: str, before: str = "solving") -> Iterator[Callable[[int, int], None] | None]:
+    """Give a callback that shows how many of many are done, on stderr; None where that is no terminal.
+
+    Until it is first called, the line says what goes on `before`.
+    """
     if not sys.stderr.isatty():
         yield None
         return
@@ -58,5 +61,5 @@ def bar(what: str) -> Iterator[Callable[[int, int], None] | None]:
 
     pieces = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     with Progress(*pieces, console=Console(stderr=True), transient=True) as page:
-        task = page.add_task(what, total=None)
-        yield lambda done, total: page.update(task, completed=done, total=total)
+        task = page.add_task(before, total=None)
+        yield lambda done, total: page.update(task, description=what, completed=done, total=total)

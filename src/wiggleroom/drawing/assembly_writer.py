@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from wiggleroom.drawing.assembly_schema import FORMAT
 from wiggleroom.drawing.model import WHOLE, Drawing, Part, Pull, Region, Turn, W
@@ -68,7 +69,15 @@ def degrees(angle: float) -> float:
 
 
 def _line(value: Any) -> str:
-    return msgspec.json.encode(value).decode()
+    return msgspec.json.encode(value, enc_hook=_plain).decode()
+
+
+def _plain(value: Any) -> Any:
+    """Numbers and arrays of numpy as Python's own."""
+    if isinstance(value, np.generic | np.ndarray):
+        return value.tolist()
+    message = f"{type(value).__name__} {value!r} cannot be written to an assembly file"
+    raise TypeError(message)
 
 
 def _lines(name: str, rows: Iterable[Any]) -> str:

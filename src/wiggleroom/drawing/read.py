@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 
+if TYPE_CHECKING:
+    from wiggleroom.drawing.lettering import Label
+
 T = TypeVar("T")
 Reader = Callable[[Path, str | None, float | None, float | None], Drawing]
-Writer = Callable[[Drawing], str]
+Writer = Callable[[Drawing, "Sequence[Label] | None"], str]
 
 
 def read_drawing(
@@ -25,7 +28,7 @@ def read_drawing(
     Parameters
     ----------
     path : str or Path
-        A drawing (.svg) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json).
     unit : str, optional
         What one user unit of a drawing is (mm, cm, m, in, px), whatever the file says.
     flatten : float [mm], optional
@@ -40,17 +43,25 @@ def read_drawing(
 
     Examples
     --------
-    >>> read_drawing("puzzle.dxf")
+    >>> read_drawing("puzzle.pdf")
     Traceback (most recent call last):
-    wiggleroom.errors.InputError: puzzle.dxf: ".dxf" files are not read; it must be one of .svg, .json
+    wiggleroom.errors.InputError: puzzle.pdf: ".pdf" files are not read; it must be one of .svg, .dxf, .json
     """
     check_options(flatten=flatten, gap=gap)
     reader = _by_extension(Path(path), READERS, "read")
     return reader(Path(path), unit, flatten, gap)
 
 
-def write_drawing(drawing: Drawing, path: str | Path) -> None:
+def write_drawing(drawing: Drawing, path: str | Path, *, labels: Sequence[Label] | None = None) -> None:
     """Write `drawing` in the format that the extension names; the file appears whole or not at all.
+
+    Parameters
+    ----------
+    drawing : Drawing
+    path : str or Path
+        .svg and .dxf are ready to cut, .json is an assembly file.
+    labels : sequence of Label, optional
+        What is engraved, apart from what is cut; by default every part's name.
 
     Raises
     ------
@@ -58,7 +69,7 @@ def write_drawing(drawing: Drawing, path: str | Path) -> None:
         If the extension is not known or the file cannot be written.
     """
     path = Path(path)
-    text = _by_extension(path, WRITERS, "written")(drawing)
+    text = _by_extension(path, WRITERS, "written")(drawing, labels)
     try:
         write_whole(path, text)
     except OSError as error:
@@ -82,6 +93,12 @@ def _read_svg(path: Path, unit: str | None, flatten: float | None, gap: float | 
     return read_svg(path, unit=unit, flatten=flatten, gap=gap)
 
 
+def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
+    from wiggleroom.drawing.dxf import read_dxf
+
+    return read_dxf(path, unit=unit, flatten=flatten, gap=gap)
+
+
 def _read_assembly(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
     from wiggleroom.drawing.assembly_file import read_assembly
 
@@ -95,17 +112,23 @@ def _read_assembly(path: Path, unit: str | None, flatten: float | None, gap: flo
     return drawing if gap is None else replace(drawing, gap=gap)
 
 
-def _write_svg(drawing: Drawing) -> str:
+def _write_svg(drawing: Drawing, labels: Sequence[Label] | None) -> str:
     from wiggleroom.drawing.svg_writer import write_svg
 
-    return write_svg(drawing)
+    return write_svg(drawing, labels)
 
 
-def _write_assembly(drawing: Drawing) -> str:
+def _write_dxf(drawing: Drawing, labels: Sequence[Label] | None) -> str:
+    from wiggleroom.drawing.dxf_writer import write_dxf
+
+    return write_dxf(drawing, labels)
+
+
+def _write_assembly(drawing: Drawing, _: Sequence[Label] | None) -> str:
     from wiggleroom.drawing.assembly_writer import write_assembly
 
     return write_assembly(drawing)
 
 
-READERS: dict[str, Reader] = {".svg": _read_svg, ".json": _read_assembly}
-WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg}
+READERS: dict[str, Reader] = {".svg": _read_svg, ".dxf": _read_dxf, ".json": _read_assembly}
+WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg, ".dxf": _write_dxf}

@@ -54,10 +54,17 @@ def load(source: str | Path, *, opening: str, name: str) -> Source:
         if start[:1] in opening or "\n" in source:
             return _checked(Source(name, source.lstrip("\ufeff")))
     path = Path(source)
-    return _checked(Source(path.name, _decode(_read(path), path.name)))
+    return _checked(Source(path.name, _decode(read_bytes(path), path.name)))
 
 
-def _read(path: Path) -> bytes:
+def read_bytes(path: Path) -> bytes:
+    """Bytes of a file.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, a directory or unreadable.
+    """
     try:
         return path.read_bytes()
     except FileNotFoundError:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from wiggleroom.drawing.css import Rules, is_red, parse_rules, properties
-from wiggleroom.drawing.pathdata import Subpath
+from wiggleroom.drawing.elements import MOST, Group, Shape
 from wiggleroom.drawing.shapes import SHAPES, subpaths_of
 from wiggleroom.drawing.transforms import Affine, Box, fit, parse_length, parse_transform, parse_view_box
 from wiggleroom.drawing.xmltree import Element
@@ -16,36 +16,11 @@ from wiggleroom.errors import InputError
 
 _GROUPS = ("g", "a", "switch")
 _LEFT_OUT = ("text", "image", "foreignObject")
+LABELS = "labels"
+"""A group with this id or label holds names for people to read, and no parts."""
 _DEEPEST = 200
-_MOST = 100_000
 
 T = TypeVar("T")
-
-
-@dataclass(eq=False, slots=True)
-class Group:
-    """A group that may name or glue the parts in it; two groups are the same only if they are one element."""
-
-    name: str
-    glue: bool
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Shape:
-    """One drawn element, in its own units, with the map to the page."""
-
-    tag: str
-    line: int
-    name: str
-    groups: tuple[Group, ...]
-    fixed: bool
-    even_odd: bool
-    matrix: Affine
-    subpaths: list[Subpath]
-
-    def __str__(self) -> str:
-        """Say what a message calls it."""
-        return f'{self.tag} "{self.name}" (line {self.line})' if self.name else f"{self.tag} in line {self.line}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,12 +86,14 @@ class Walk:
         if tag not in (*SHAPES, *_GROUPS, *_LEFT_OUT, "use", "svg"):
             return
         self._visited += 1
-        if self._visited > _MOST:
-            message = f"{self.file}: draws more than {_MOST} elements, copies counted; split the drawing"
+        if self._visited > MOST:
+            message = f"{self.file}: draws more than {MOST} elements, copies counted; split the drawing"
             raise InputError(message)
         state = self._inherit(element, outer)
         name = "" if state.copies else _name(element)
         if state.style.get("display") == "none":
+            return
+        if tag == "g" and not state.copies and LABELS in _marks(element):
             return
         if tag in SHAPES:
             self._shape(element, name, state)
@@ -142,7 +119,7 @@ class Walk:
             fill = state.style.get("color", "")
         shape = Shape(
             tag=element.tag,
-            line=element.line,
+            place=f"line {element.line}",
             name=name,
             groups=state.groups,
             fixed=state.fixed or is_red(fill),

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import cos, sin
+from math import cos, floor, log10, sin
 from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
-from wiggleroom.drawing.model import Drawing, Part, Points
+from wiggleroom.drawing.lettering import Label, labels_of, lettered
+from wiggleroom.drawing.model import Drawing, Part, Points, Region
 
 
-def write_svg(drawing: Drawing | Sequence[Part]) -> str:
+def write_svg(drawing: Drawing | Sequence[Part], labels: Sequence[Label] | None = None) -> str:
     """Text of an SVG with one path a part, which reads back as the same drawing.
+
+    Names stand in a layer `labels` of their own, as strokes, to be engraved or left out.
 
     The page begins at the origin and is as large as the parts need; a drawing that reaches below zero is moved so that
     nothing lies off the page.
@@ -21,12 +24,14 @@ def write_svg(drawing: Drawing | Sequence[Part]) -> str:
     ----------
     drawing : Drawing or sequence of Part
         Only a drawing carries glue.
+    labels : sequence of Label, optional
+        What is engraved; by default every part's name.
 
     Examples
     --------
     >>> from wiggleroom.drawing.model import Region
     >>> part = Part("a", (Region(np.array([[0.0, 0], [2, 0], [2, 1]])),), fixed=True)
-    >>> print(write_svg([part]))
+    >>> print(write_svg([part], labels=()))
     <svg xmlns="http://www.w3.org/2000/svg" width="2mm" height="1mm" viewBox="0 0 2 1">
     <g fill="none" stroke="black" stroke-width="0.004" fill-rule="evenodd">
     <path id="a" fill="red" d="M0 1L2 1L2 0z"/>
@@ -35,12 +40,15 @@ def write_svg(drawing: Drawing | Sequence[Part]) -> str:
     <BLANKLINE>
     """
     parts = drawing.parts if isinstance(drawing, Drawing) else tuple(drawing)
-    placed = {part.name: _rings(part) for part in parts}
+    placed = {part.name: [ring for region in part.regions for ring in placed_rings(part, region)] for part in parts}
     corners = np.vstack([ring for rings in placed.values() for ring in rings])
     shift = np.maximum(0.0, -corners.min(axis=0))
     width, height = corners.max(axis=0) + shift
     lines = {part.name: _path(part, [ring + shift for ring in placed[part.name]], height) for part in parts}
-    groups = _merged(drawing.glue if isinstance(drawing, Drawing) else ())
+    names = [
+        _label(label, shift, height) for label in (labels_of(parts) if labels is None else labels) if label.text.strip()
+    ]
+    groups = merged(drawing.glue if isinstance(drawing, Drawing) else ())
     body: list[str] = []
     for name in list(lines):
         group = next((members for members in groups if name in members), [name])
@@ -50,15 +58,29 @@ def write_svg(drawing: Drawing | Sequence[Part]) -> str:
         elif name in lines:
             body.append(lines.pop(name))
     size = f'width="{_number(width)}mm" height="{_number(height)}mm" viewBox="0 0 {_number(width)} {_number(height)}"'
-    style = f'fill="none" stroke="black" stroke-width="{_stroke(width, height)}" fill-rule="evenodd"'
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" {size}>\n<g {style}>'
-    return "\n".join([head, *body, "</g>", "</svg>", ""])
+    line = f'stroke-width="{_stroke(width, height)}"'
+    style = f'fill="none" stroke="black" {line} fill-rule="evenodd"'
+    inkscape = ' xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape"' if names else ""
+    head = f'<svg xmlns="http://www.w3.org/2000/svg"{inkscape} {size}>\n<g {style}>'
+    if names:
+        layer = f'<g inkscape:groupmode="layer" inkscape:label="labels" fill="none" stroke="blue" {line}>'
+        names = [layer, *names, "</g>"]
+    return "\n".join([head, *body, "</g>", *names, "</svg>", ""])
 
 
-def _rings(part: Part) -> list[Points]:
+def placed_rings(part: Part, region: Region) -> list[Points]:
+    """Outer outline and holes of one piece of a part, where it lies (n, 2) [mm]."""
     x, y, angle = part.at
     turn = np.array([[cos(angle), sin(angle)], [-sin(angle), cos(angle)]])
-    return [ring @ turn + (x, y) for region in part.regions for ring in (region.outer, *region.holes)]
+    return [ring @ turn + (x, y) for ring in (region.outer, *region.holes)]
+
+
+def _label(label: Label, shift: Points, bottom: float) -> str:
+    """Strokes of a label, to a ten-thousandth of its height."""
+    digits = max(0, 4 - floor(log10(label.height))) if label.height > 0 else 4
+    strokes = [np.round(stroke + shift, digits) for stroke in lettered(label)]
+    data = "".join(_data(stroke, round(bottom, digits)).rstrip("z") for stroke in strokes)
+    return f'<path d="{data}"/>'
 
 
 def _path(part: Part, rings: list[Points], bottom: float) -> str:
@@ -81,7 +103,7 @@ def _stroke(width: float, height: float) -> str:
     return f"{min(0.1, max(width, height) / 500):.3g}"
 
 
-def _merged(glue: Sequence[Sequence[str]]) -> list[list[str]]:
+def merged(glue: Sequence[Sequence[str]]) -> list[list[str]]:
     """Make one group of those that share a part."""
     merged: list[list[str]] = []
     for names in glue:

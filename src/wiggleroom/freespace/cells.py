@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace import grow
-from wiggleroom.pairs.shapes import Bodies
+from wiggleroom.freespace.grow import grow
+from wiggleroom.freespace.hide import SEED
+from wiggleroom.pairs.shapes import Bodies, Shapes
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -101,76 +102,45 @@ def grow_cells(
 
     Source: the idea of IRIS (Deits and Tedrake 2014) on the facets of the C-obstacle; here exact in the angle and verified between angles.
     """
-    count = len(a)
+    count, shapes = len(a), bodies.shapes
+    radius = np.maximum(bodies.radius[a], bodies.radius[b])
+    seeds = np.zeros(count, dtype=SEED)
+    seeds["a"], seeds["b"] = bodies.shape[a], bodies.shape[b]
+    seeds["x"], seeds["y"], seeds["psi"] = seed.T
+    seeds["ends"] = seed[:, 2:]
+    seeds["wish_x"], seeds["wish_y"], seeds["wish_psi"] = np.full(3, np.nan) if wish is None else wish.T
+    seeds["bar"] = -1 if bar is None else _rows_of_lines(shapes, seeds["a"], seeds["b"], bar)
+    seeds["half"], seeds["tiny"] = 10 * clearance, 1e-12 * radius
+    seeds["margin"] = 0.005 * seeds["half"]
+    step = np.minimum(clearance / (4 * radius), span / 4)
+    finest = 1 / 64 if to_the_end is None else np.where(to_the_end, FINEST, 1 / 64)
+    seeds["step"], seeds["least"], seeds["span"] = step, step * finest, span
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
-    bars = np.full((count, 2), -1, dtype=np.int64) if bar is None else bar
-    wishes = np.full((count, 3), np.nan) if wish is None else wish
-    kind, edge, corner = (np.full((count, ROOM), -1, dtype=np.int64) for _ in range(3))
-    number, ends, status = np.zeros(count, dtype=np.int64), np.zeros((count, 2)), np.zeros((count, 2), dtype=np.int64)
-    finest = np.where(False if to_the_end is None else to_the_end, FINEST, 1 / 64) * np.ones(count)
-    batch = _Batch(a, b, seed, clearance, finest, keeps, bars, wishes, kind, edge, corner, number, ends, status)
+    walls = np.zeros((count, ROOM, 3), dtype=np.int64)
     if count < 64:
-        batch.grow(bodies, span)
+        grow(shapes, seeds, keeps, walls)
     else:
         cuts = np.linspace(0, count, 9).astype(int)
+        parts = [slice(*cuts[k : k + 2]) for k in range(8)]
         with ThreadPoolExecutor(max_workers=2) as pool:
-            list(pool.map(lambda k: batch.part(slice(cuts[k], cuts[k + 1])).grow(bodies, span), range(8)))
-    grown = status[:, 0] != grow.FAILED
-    many = np.flatnonzero(grown & (number > ROOM))
+            list(pool.map(lambda part: grow(shapes, seeds[part], keeps[part], walls[part]), parts))
+    many = np.flatnonzero(seeds["number"] > ROOM)
     if len(many):  # curved outlines need more walls than most: once more, with room for them
-        batch = batch.widened(int(number[many].max()))
-        again = batch.part(many)
-        again.grow(bodies, span)
-        for table, found in zip(
-            (batch.kind, batch.edge, batch.corner), (again.kind, again.edge, again.corner), strict=True
-        ):
-            table[many] = found
-    used = np.arange(batch.kind.shape[1])[None, :] < np.where(grown, number, 0)[:, None]
-    return _packed(a, b, seed, ends, used, batch.kind, batch.edge, batch.corner), grown
+        room = int(seeds["number"].max())
+        walls = np.pad(walls, ((0, 0), (0, room - ROOM), (0, 0)))
+        again = np.zeros((len(many), room, 3), dtype=np.int64)
+        grow(shapes, seeds[many], keeps[many], again)
+        walls[many] = again
+    used = np.arange(walls.shape[1]) < seeds["number"][:, None]
+    return _packed(a, b, seed, seeds["ends"].copy(), used, *np.moveaxis(walls, 2, 0)), seeds["grown"] > 0
 
 
-@dataclass(frozen=True, eq=False)
-class _Batch:
-    """Cells to grow, one a row; the last six arrays are filled."""
-
-    a: Ints
-    b: Ints
-    seed: Floats
-    clearance: Floats
-    finest: Floats
-    keeps: Floats
-    bars: Ints
-    wishes: Floats
-    kind: Ints
-    edge: Ints
-    corner: Ints
-    number: Ints
-    ends: Floats
-    status: Ints
-
-    def part(self, rows: slice | Ints) -> _Batch:
-        """Some of the rows; a slice is filled in place."""
-        return _Batch(*(getattr(self, f.name)[rows] for f in fields(self)))
-
-    def widened(self, room: int) -> _Batch:
-        """The same with room for more walls."""
-        wide = {
-            k: np.pad(getattr(self, k), ((0, 0), (0, room - ROOM)), constant_values=-1)
-            for k in ("kind", "edge", "corner")
-        }
-        return replace(self, **wide)
-
-    def grow(self, bodies: Bodies, span: float) -> None:
-        """Call the compiled search."""
-        shapes, rows = bodies.shapes, len(self.a)
-        radius = np.maximum(bodies.radius[self.a], bodies.radius[self.b])
-        step = np.minimum(self.clearance / (4 * radius), span / 4)
-        grow.grow_many(
-            self.seed, self.keeps.reshape(-1, 3), np.arange(rows + 1) * self.keeps.shape[1], self.bars, self.wishes,
-            10 * self.clearance, step, step * self.finest, np.full(rows, span), bodies.shape[self.a], bodies.shape[self.b],
-            shapes.corner, shapes.after, shapes.normal, shapes.first, shapes.run, shapes.run_first, shapes.run_disc, 1e-12 * radius,
-            self.kind, self.edge, self.corner, self.number, self.ends, self.status,
-        )  # fmt: skip
+def _rows_of_lines(shapes: Shapes, a: Ints, b: Ints, lines: Ints) -> Ints:
+    """Edges given by kind and edge, as rows of their pair: those of shape a first, then those of b; kind -1 stays."""
+    kind, edge = lines.T
+    edges_of_a = shapes.first[a + 1] - shapes.first[a]
+    rows = np.where(kind == 0, edge - shapes.first[a], edge - shapes.first[b] + edges_of_a)
+    return np.where(kind < 0, -1, rows)
 
 
 def _packed(

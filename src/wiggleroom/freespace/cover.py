@@ -10,9 +10,9 @@ from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells import SPAN, Cells, grow_cells, joined, select
-from wiggleroom.freespace.kernel import clip
 from wiggleroom.freespace.relative import Relative, turn
 from wiggleroom.freespace.slices import March, Slice
+from wiggleroom.freespace.walls import clip
 from wiggleroom.pairs.shapes import Bodies, Shapes
 
 Floats = NDArray[np.float64]

@@ -79,8 +79,8 @@ class Program:
 
         Source: Mind the Gap, Eq. (2); corrected, because as printed it is not zero at zero motion.
         """
-        g = np.empty((len(self.cells.a), 3))
-        turn = kernel.relative_poses(self.bodies.rest + motion, self.cells.a, self.cells.b, g)
+        g, turn = np.empty((len(self.cells.a), 3)), np.empty((len(self.cells.a), 2))
+        kernel.relative_poses(self.bodies.rest + motion, self.cells.a, self.cells.b, g, turn)
         return g, turn
 
     def values(self, u: Floats) -> Floats:
@@ -125,7 +125,7 @@ class Linearised:
 
     def against(self, y: Floats) -> Floats:
         """J^T y (3F,)."""
-        P, out = self.program, np.empty(len(self.program.scale))
+        P, out = self.program, np.zeros(len(self.program.scale))
         kernel.against(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, y, out)
         return out
 
@@ -137,7 +137,7 @@ class Linearised:
         kernel.condensed(
             self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, P.kind, self.d, P.normal / P.length, P.corner,
             weight, lam, np.zeros((len(P.cells.a), 2)) if balance is None else balance, P.scale, P.slot,
-            pattern.diagonal_at, pattern.block_at, data,
+            pattern.diagonal_at, pattern.block_at, np.zeros((3, 6, 6)), data,
         )  # fmt: skip
         self._add_objective(data, share)
         return data

@@ -106,15 +106,15 @@ def plot(
     return axes, found
 
 
-def uprights(axes: Axes, marks: Sequence[tuple[float, str]]) -> list[str]:
+def uprights(axes: Axes, marks: Sequence[tuple[float, str]], colours: Sequence[str]) -> list[str]:
     """Upright lines at some values of x with their labels, each label in a row of its own."""
     lines, labels = [], []
-    for row, (value, label) in enumerate(marks):
+    for row, ((value, label), colour) in enumerate(zip(marks, colours, strict=True)):
         if not axes.x[0] <= value <= axes.x[1]:
             continue
         x = float(axes.pixels(np.array([value]), np.array([axes.y[0]]))[0, 0])
         lines.append(
-            f'<path d="M{x:.2f},{axes.top:.2f}v{HEIGHT:.2f}" stroke="{palette.FORCE}" stroke-width="1.5" '
+            f'<path d="M{x:.2f},{axes.top:.2f}v{HEIGHT:.2f}" stroke="{colour}" stroke-width="1.5" '
             'stroke-dasharray="5 4" fill="none"/>'
         )
         left = x + 8 + width(label, palette.TEXT_SIZE) > axes.left + WIDTH

@@ -5,32 +5,59 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.rank import Ranking
 from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report import frame, palette
 from wiggleroom.report.picture import Tints, picture
-from wiggleroom.report.words import headline, number, short, unit
+from wiggleroom.report.words import number, short, unit
 
 
-def picture_of_ranking(ranking: Ranking, *, command: str = "") -> str:
-    """Answer as an SVG picture, its parts coloured by how much their gap matters."""
-    answer, names = ranking.answer, ranking.answer.assembly.names
-    value = np.maximum(np.nan_to_num(ranking.looser), 0.0)
+def picture_of_ranking(ranking: Ranking, *, command: str = "", framed: bool = True) -> str:
+    """Answer as an SVG picture, its parts coloured by how much their gap matters.
+
+    Parameters
+    ----------
+    framed : bool
+        False: without title, facts and command, for a page that says them itself; here and in the other pictures.
+    """
+    answer = ranking.answer
+    per = f"{unit(answer.goals)} per mm of gap".strip()
+    tints = tinted(answer, ranking.looser, per)
+    return picture(replace(answer, command=command), tints=tints, said=ranking_facts(ranking), framed=framed)
+
+
+def ranking_facts(ranking: Ranking) -> list[str]:
+    """Facts under the headline of a ranking."""
+    answer, first = ranking.answer, ranking.order[0]
+    value = f"{number(max(float(ranking.looser[first]), 0.0), 3)} {unit(answer.goals)} per mm of gap"
+    return [
+        f"{short(answer.assembly.names[first])} matters most: {' '.join(value.split())}, {ranking.percent[first]:.0f} % of all",
+        f"{answer.verdict}, gap {number(answer.assembly.gap)} mm",
+    ]
+
+
+def tinted(answer: Answer, values: NDArray[np.float64], what: str) -> Tints:
+    """Colours of the parts of an answer by a number each, from nothing to the largest.
+
+    Parameters
+    ----------
+    values : (n,) float64
+        What is below nothing, or not known, counts as nothing.
+    what : str
+        Unit of the numbers, for the legend.
+    """
+    value = np.maximum(np.nan_to_num(values), 0.0)
     most = float(value.max(initial=0.0))
     share = value / most if most > 0 else value
-    per = f"{unit(answer.goals)} per mm of gap".strip()
-    first = ranking.order[0]
-    said = (
-        f"{short(names[first])} matters most: {number(float(value[first]), 3)} {per}, {ranking.percent[first]:.0f} % of all",
-        f"{answer.verdict}, gap {number(answer.assembly.gap)} mm",
-    )
     legend = tuple(
-        (frame.swatch(shade(level), palette.NEUTRAL[1]), f"{number(level * most, 2)}{f' {per}' if level == 1 else ''}")
+        (frame.swatch(shade(level), palette.NEUTRAL[1]), f"{number(level * most, 2)}{f' {what}' if level == 1 else ''}")
         for level in (0.0, 0.25, 0.5, 1.0)
     )
-    fill = {name: shade(s) for name, s in zip(names, share.tolist(), strict=True)}
-    return picture(replace(answer, command=command), tints=Tints(fill, legend, headline(answer), said))
+    fill = {name: shade(s) for name, s in zip(answer.assembly.names, share.tolist(), strict=True)}
+    return Tints(fill, legend)
 
 
 def shade(share: float) -> str:
@@ -51,15 +78,22 @@ def shade(share: float) -> str:
     return "#" + "".join(f"{v:02x}" for v in mixed)
 
 
-def picture_of_tightening(found: Tightening, *, command: str = "") -> str:
+def picture_of_tightening(found: Tightening, *, command: str = "", framed: bool = True) -> str:
     """The motion that is left, the tightened parts coloured."""
     answer = found.after
     fill = dict.fromkeys(answer.assembly.names, palette.NEUTRAL[0]) | dict.fromkeys(found.chosen, palette.CHOSEN)
+    legend = ((frame.swatch(palette.CHOSEN, palette.NEUTRAL[1]), "made tighter"),)
+    tints = Tints(fill, legend)
+    return picture(replace(answer, command=command), tints=tints, said=tightening_facts(found), framed=framed)
+
+
+def tightening_facts(found: Tightening) -> list[str]:
+    """Facts under the headline of what tightening leaves."""
+    what, many = unit(found.before.goals), len(found.chosen)
     said = [
-        f"instead of {number(found.before.objective or 0.0)}",
-        f"{len(found.chosen)} parts to a gap of {number(found.gap)} mm",
+        f"instead of {number(found.before.objective or 0.0)} {what}".rstrip(),
+        f"{many} {'part' if many == 1 else 'parts'} to a gap of {number(found.gap)} mm",
     ]
     if len(found.random):
         said.append(f"{found.lowered:.0f} % less; as many at random: {found.lowered_at_random:.0f} %")
-    legend = ((frame.swatch(palette.CHOSEN, palette.NEUTRAL[1]), "made tighter"),)
-    return picture(replace(answer, command=command), tints=Tints(fill, legend, headline(answer), tuple(said)))
+    return said

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import io
+import math
 from collections.abc import Callable, Iterator
 from importlib.util import find_spec
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
+from wiggleroom.analysis.many import Many
 from wiggleroom.errors import MissingExtraError
 from wiggleroom.report import palette
 from wiggleroom.report.film_svg import PAUSES
@@ -78,17 +80,38 @@ def mp4(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
 
 
 def _frames(made: Scene, room: tuple[int, int], progress: Progress | None) -> Iterator[Picture]:
-    """Frames from rest to the end, as RGB images with even sides."""
+    """Frames from rest to the end, as RGB images with even sides.
+
+    What stays is drawn once; each frame then draws what moves, and only where it may move; long
+    films are drawn by several processes.
+    """
     from PIL import Image
 
     width = 2 * round(min(room[0], room[1] * made.width / made.height) / 2)
-    for k in range(made.frames):
-        image = Image.open(io.BytesIO(png(made.drawn(k), width=width, own_font_only=True))).convert("RGB")
-        if image.height % 2:
-            image = image.crop((0, 0, image.width, image.height - 1))
-        if progress is not None:
-            progress(k + 1, made.frames)
+    scale = width / made.width
+    still = Image.open(io.BytesIO(png(f"{made.head}</svg>", width=width, own_font_only=True))).convert("RGB")
+    still = still.crop((0, 0, width, still.height - still.height % 2))
+    x, y, wide, high = (scale * s for s in made.stage)
+    left, top = max(math.floor(x), 0), max(math.floor(y), 0)
+    box = (left, top, min(math.ceil(x + wide), still.width), min(math.ceil(y + high), still.height))
+    for drawn in Many(progress=progress).each(moving, (made, box, scale), range(made.frames)):
+        over = Image.open(io.BytesIO(drawn))
+        image = still.copy()
+        image.paste(over, box[:2], over)
         yield image
+
+
+def moving(shared: tuple[Scene, tuple[int, int, int, int], float], k: int) -> bytes:
+    """What moves in frame k as a PNG without paper, for the pixels of a box (left, top, right, bottom)."""
+    made, box, scale = shared
+    wide, high = box[2] - box[0], box[3] - box[1]
+    seen = " ".join(f"{v / scale:.4f}" for v in (box[0], box[1], wide, high))
+    svg = (
+        '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
+        f'width="{wide}" height="{high}" viewBox="{seen}" preserveAspectRatio="none">'
+        f"<defs>{made.defs}</defs>{''.join(t.drawn(k) for t in made.tracks)}</svg>"
+    )
+    return png(svg, width=wide, own_font_only=True)
 
 
 def _colours() -> list[int]:

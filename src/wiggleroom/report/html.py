@@ -3,49 +3,47 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.rank import Ranking, rank_at_once
+from wiggleroom.analysis.vary import can_be_ranked
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.report.layout import magnification
 from wiggleroom.report.page import Section, figure, items, page, table
 from wiggleroom.report.picture import picture
 from wiggleroom.report.player import player
+from wiggleroom.report.ranking import ranking_unique
 from wiggleroom.report.scene import scene
 from wiggleroom.report.words import certainty, facts, headline, number, proven, short, unit
 
 _RATE = 16.0
 
 
-def report(answer: Answer, *, more: Sequence[Section] = ()) -> str:
-    """Answer as one HTML page: picture, film, parts, contacts, how sure it is, and the command.
+def report(answer: Answer) -> str:
+    """Answer as one HTML page: picture, film, parts, contacts, whose gap matters, how sure it is, and the command.
 
-    Parameters
-    ----------
-    answer : Answer
-    more : sequence of Section
-        What else is known, such as a ranking; shown after the film.
+    Whose gap matters is said where the motion ends at walls, from the forces of the answer itself.
     """
-    moving = film_section(
-        answer.assembly,
-        answer.waypoints,
-        "Film, from rest to the end of the way",
-        goals=answer.goals,
-        back=not answer.leaves,
-    )
+    ranked = ranking_sections(rank_at_once(answer)) if answer.model == "walls" and can_be_ranked(answer) else []
     sections = [
-        Section("Picture", figure(picture(answer, framed=False), _magnified(answer)), wide=True),
-        moving,
-        *more,
-        Section("Parts", _parts(answer)),
-        Section("Contacts that hold the motion", _contacts(answer)),
-        Section("How sure is it", items(_sure(answer)), wide=True),
+        Section("Picture", figure(picture(answer, framed=False), magnified(answer)), wide=True),
+        film_of(answer),
+        parts_section(answer),
+        contacts_section(answer),
+        *ranked,
+        Section("How sure is it", items(answer_sure(answer)), wide=True),
     ]
     return page(headline(answer), facts(answer), sections, answer.command)
+
+
+def film_of(answer: Answer) -> Section:
+    """Film of the way of an answer."""
+    heading = "Film, from rest to the end of the way"
+    return film_section(answer.assembly, answer.waypoints, heading, goals=answer.goals, back=not answer.leaves)
 
 
 def film_section(
@@ -72,37 +70,54 @@ def film_section(
     return Section(heading, player(made, back=back), wide=True)
 
 
-def ranking(names: Sequence[str], mm_per_mm: Sequence[float], percent: Sequence[float]) -> Section:
-    """Whose gap matters most, as a section for `report`; the columns sort by a click."""
-    rows = sorted(zip(names, map(float, mm_per_mm), map(float, percent), strict=True), key=lambda r: -abs(r[1]))
-    return Section("Whose gap matters most", table(["part", "mm of motion per mm of gap", "%"], rows))
+def ranking_sections(ranking: Ranking) -> list[Section]:
+    """Whose gap matters most, parts and joints, in tables that sort by a click."""
+    names, per = ranking.answer.assembly.names, f"{unit(ranking.answer.goals)} per mm of gap".strip()
+    both = not ranking.unique.all()
+    parts: list[list[str | float]] = []
+    for k in ranking.order.tolist():
+        side = [float(ranking.tighter[k])] if both else []
+        parts.append([names[k], float(ranking.looser[k]), *side, float(ranking.percent[k])])
+    joints = [
+        (" | ".join(short(names[i]) for i in pair), float(value), float(share))
+        for pair, value, share in zip(ranking.joints.tolist(), ranking.joint_looser, ranking.joint_percent, strict=True)
+    ]
+    joints.sort(key=lambda row: -row[1])
+    heads = ["part", per, *(["if tighter"] if both else []), "%"]
+    note = f"<p>Not unique {ranking_unique(ranking).removeprefix('not ')}</p>" if both else ""
+    return [
+        Section("Whose gap matters most", table(heads, parts) + note),
+        Section("Which joint's gap matters most", table(["joint", per, "%"], joints)),
+    ]
 
 
-def _magnified(answer: Answer) -> str:
-    """Say by how much the picture enlarges the motion, where it does."""
+def magnified(answer: Answer) -> str:
+    """Say by how much a picture enlarges the motion, where it does."""
     factor = magnification(answer.assembly, answer.motion)
     return "" if factor == 1 else f"motion x {number(factor)}"
 
 
-def _parts(answer: Answer) -> str:
+def parts_section(answer: Answer) -> Section:
     """Motions of all parts, those that move most first."""
     moved = np.hypot(answer.motion[:, 0], answer.motion[:, 1])
     rows = [
         (answer.assembly.names[k], *answer.motion[k, :2].tolist(), math.degrees(answer.motion[k, 2]), float(moved[k]))
         for k in np.argsort(-moved, kind="stable").tolist()
     ]
-    return table(["part", "dx mm", "dy mm", "turn °", "moved mm"], rows)
+    return Section("Parts", table(["part", "dx mm", "dy mm", "turn °", "moved mm"], rows))
 
 
-def _contacts(answer: Answer) -> str:
+def contacts_section(answer: Answer) -> Section:
+    """Contacts with a force, the largest first."""
     held = sorted((c for c in answer.contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
     rows: list[tuple[str | float, ...]] = [
         (" | ".join(short(n) for n in c.parts), *map(float, (*c.point, c.force))) for c in held
     ]
-    return table(["between", "x mm", "y mm", "force"], rows)
+    return Section("Contacts that hold the motion", table(["between", "x mm", "y mm", "force"], rows))
 
 
-def _sure(answer: Answer) -> list[tuple[str, str]]:
+def answer_sure(answer: Answer) -> list[tuple[str, str]]:
+    """How sure an answer is, and what it cost: a word and a sentence each."""
     most = proven(answer) or "not worked out"
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
     return [

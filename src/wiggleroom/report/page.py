@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from wiggleroom.report import palette
 from wiggleroom.report.player import SCRIPT as PLAYER
+from wiggleroom.report.solid import SCRIPT as SOLID
 from wiggleroom.report.text import escape
 
 Cell = str | float | int
@@ -57,7 +58,7 @@ def page(title: str, facts: Sequence[str], sections: Sequence[Section], command:
         "script-src 'unsafe-inline'; img-src data:\">"
         f'<link rel="icon" href="data:,"><title>{escape(title)}</title><style>{_STYLE}</style></head>\n'
         f"<body><header><h1>{escape(title)}</h1><ul>{chips}</ul></header>\n<main>{body}</main>\n{made}"
-        f"<script>{PLAYER}{_SORTING}</script></body></html>\n"
+        f"<script>{PLAYER}{SOLID}{_SORTING}</script></body></html>\n"
     )
 
 
@@ -110,8 +111,10 @@ def _places(column: Sequence[Cell]) -> int | None:
 def _cell(value: Cell, places: int | None) -> str:
     if isinstance(value, str):
         return f"<td>{escape(value)}</td>"
-    shown = f"{value + 0.0:.{places or 0}f}"
-    return f'<td class="n" data-v="{value!r}">{shown}</td>'
+    if math.isfinite(value):
+        return f'<td class="n" data-v="{value!r}">{value + 0.0:.{places or 0}f}</td>'
+    sign, shown = ("", "∞") if value > 0 else ("-", "-∞" if value < 0 else "–")  # what is not known sorts as the least
+    return f'<td class="n" data-v="{sign}Infinity">{shown}</td>'
 
 
 # The pictures carry their colours as attributes; rules by attribute turn them over in the dark.
@@ -154,6 +157,9 @@ figure{{margin:0}}.paper svg{{border-radius:8px}}svg{{display:block;width:100%;h
 .controls button{{width:44px;height:36px;border-radius:8px;border:1px solid var(--line);background:none;color:inherit;
 font:inherit;cursor:pointer}}
 .controls output{{width:4em;text-align:right;font-variant-numeric:tabular-nums}}
+.solid{{display:none}}.solid.ready{{display:block}}
+.solid canvas{{display:block;width:100%;height:min(460px,70vh);background:{palette.PAPER};border-radius:8px;cursor:grab;touch-action:pan-y}}
+.solid canvas:active{{cursor:grabbing}}.solid p{{margin:8px 0 0;color:var(--quiet);font-size:14px}}
 .scroll{{max-height:430px;overflow:auto}}
 table{{border-collapse:collapse;width:100%;font-size:14px}}
 thead th{{position:sticky;top:0;background:var(--paper);padding:0;border-bottom:1px solid var(--line)}}
@@ -173,8 +179,8 @@ padding:10px 14px;color:var(--ink)}}
 :root{{--paper:#161b22;--ink:#e6e9ed;--quiet:#a3adb8;--line:#2d343d;--page:#0d1117;--accent:#9ccbf2;color-scheme:dark}}
 {_DARK}}}
 @media print{{body{{background:#fff;padding:0;max-width:none}}main{{display:block}}
-section{{border:0;padding:0;margin:0 0 18px}}.film,.controls{{display:none!important}}
-section:has(.film){{display:none}}.scroll{{max-height:none;overflow:visible}}svg{{max-height:200mm}}
+section{{border:0;padding:0;margin:0 0 18px}}.film,.controls,.solid{{display:none!important}}
+section:has(.film,.solid){{display:none}}.scroll{{max-height:none;overflow:visible}}svg{{max-height:200mm}}
 tr,figure{{break-inside:avoid}}h2{{break-after:avoid}}}}
 """
 
@@ -190,7 +196,8 @@ for (const head of document.querySelectorAll('thead th')) {
     head.setAttribute('aria-sort', down ? 'descending' : 'ascending');
     const order = [...body.rows].sort((a, b) => {
       const [x, y] = [key(a), key(b)];
-      return typeof x === 'number' && typeof y === 'number' ? x - y : String(x).localeCompare(String(y), undefined, {numeric: true});
+      if (typeof x === 'number' && typeof y === 'number') return x === y ? 0 : x - y;
+      return String(x).localeCompare(String(y), undefined, {numeric: true});
     });
     body.append(...(down ? order.reverse() : order));
   });

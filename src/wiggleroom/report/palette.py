@@ -16,7 +16,7 @@ OF = {"neutral": NEUTRAL, "pulled": PULLED, "fixed": FIXED}
 
 BLAME = ("#f3f1ec", "#fbe3b8", "#f8bd76", "#ee8a5b", "#d9606a", "#b0508c")
 """From no importance to the largest."""
-CHOSEN = "#8c6bb1"
+CHOSEN = "#b9a0da"
 
 MOTION = "#0b3c6f"
 FORCE = "#c96a00"

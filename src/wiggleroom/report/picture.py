@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,15 +27,21 @@ _GAP = 30.0
 
 @dataclass(frozen=True)
 class Tints:
-    """Colours that say something about parts: fill by name, what the legend says, and the headline and facts."""
+    """Colours that say something about parts: fill by name, and what the legend says."""
 
     fill: dict[str, str]
     legend: tuple[frame.LegendEntry, ...]
-    title: str
-    said: tuple[str, ...]
 
 
-def picture(answer: Answer, *, magnify: float | None = None, framed: bool = True, tints: Tints | None = None) -> str:
+def picture(
+    answer: Answer,
+    *,
+    magnify: float | None = None,
+    framed: bool = True,
+    tints: Tints | None = None,
+    title: str | None = None,
+    said: Sequence[str] | None = None,
+) -> str:
     """Answer as an SVG picture.
 
     Parts at rest are thin grey lines under the moved parts; fixed parts are red, pulled parts blue; contacts are dots
@@ -49,11 +56,12 @@ def picture(answer: Answer, *, magnify: float | None = None, framed: bool = True
         False: without title, facts and command, for a page that says them itself.
     tints : Tints, optional
         Colours of the parts in place of the usual ones.
+    title, said : str and sequence of str, optional
+        Headline and facts in place of those of the answer.
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
-    title, said = (headline(answer), facts(answer)) if tints is None else (tints.title, list(tints.said))
-    said += [f"motion x {number(factor)}"] if factor != 1 else []
-    return _draw(answer.assembly, answer, factor, title, said, answer.command, framed, tints)
+    said = [*(facts(answer) if said is None else said), *([f"motion x {number(factor)}"] if factor != 1 else [])]
+    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, framed, tints)
 
 
 def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:

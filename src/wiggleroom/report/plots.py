@@ -30,6 +30,7 @@ def curve(
     facts: Sequence[str] = (),
     marks: Sequence[Mark] = (),
     command: str = "",
+    framed: bool = True,
 ) -> str:
     """Curve through points, such as motion against gap; it is broken where `y` is not finite.
 
@@ -41,6 +42,8 @@ def curve(
         With units: ("gap mm", "motion mm").
     marks : sequence of (value, label)
         Upright lines, such as where interlock is lost.
+    framed : bool
+        False: without title, facts and command, for a page that says them itself; here and in the other plots.
 
     Examples
     --------
@@ -51,7 +54,7 @@ def curve(
     """
     x, y = _values(x, y)
     shown = [x[np.isfinite(x)], np.array([m[0] for m in marks])]
-    axes, body = plot(span(np.concatenate(shown)), span(y, zero=True), labels, title, facts)
+    axes, body = plot(span(np.concatenate(shown)), span(y, zero=True), labels, *_said(title, facts, framed))
     at, there = axes.pixels(x, np.where(np.isfinite(y), y, 0.0)), np.isfinite(x) & np.isfinite(y)
     colour = palette.PULLED[1]
     line = "".join(
@@ -60,8 +63,8 @@ def curve(
     body.append(f'<path d="{line}" fill="none" stroke="{colour}" stroke-width="2.5" stroke-linejoin="round"/>')
     radius = 3.5 if there.sum() <= 60 else 1.5
     body += [f'<circle cx="{u:.2f}" cy="{v:.2f}" r="{radius}" fill="{colour}"/>' for u, v in at[there].tolist()]
-    body += uprights(axes, marks)
-    return finished(axes, body, title, facts, command)
+    body += uprights(axes, marks, [palette.FORCE] * len(marks))
+    return finished(axes, body, title, facts, command if framed else "")
 
 
 def histogram(
@@ -71,7 +74,9 @@ def histogram(
     title: str,
     facts: Sequence[str] = (),
     marks: Sequence[Mark] = (),
+    limit: Mark | None = None,
     command: str = "",
+    framed: bool = True,
 ) -> str:
     """How often values come up, such as motions under random gaps; values that are not finite are counted in words.
 
@@ -81,25 +86,43 @@ def histogram(
     label : str
         What the values are, with their unit.
     marks : sequence of (value, label)
-        Upright lines, such as a limit, the mean and quantiles.
+        Upright lines, such as the mean and quantiles.
+    limit : (value, label), optional
+        Largest value that is wanted; what lies above it is red.
     """
     values = np.asarray(values, dtype=float).ravel()
     some = values[np.isfinite(values)]
     facts = [*facts] + ([f"{len(values) - len(some)} without limit, not drawn"] if len(some) < len(values) else [])
-    shown = span(np.concatenate([some, [m[0] for m in marks]]))
-    bins = int(np.clip(2 * len(some) ** (1 / 3), 5, 60))  # the rule of Rice
-    count, edges = np.histogram(some, bins, range=(float(some.min()), float(some.max())) if len(some) else (0.0, 1.0))
-    axes, body = plot(shown, span(count.astype(float), zero=True), (label, "samples"), title, facts)
-    fill, stroke = palette.PULLED
+    lines = sorted([(m, palette.QUIET) for m in marks] + ([(limit, palette.FIXED[1])] if limit else []))
+    count, edges = np.histogram(some, _bins(some, limit))
+    across = span(np.concatenate([some, edges if len(some) else [], [m[0] for m, _ in lines]]))
+    least, most = span(count.astype(float), zero=True)
+    most /= 1 - min(0.06 * len(lines), 0.5)  # labels of the lines have room above the bars
+    axes, body = plot(across, (least, most), (label, "how many"), *_said(title, facts, framed))
     for n, low, high in zip(count.tolist(), edges[:-1], edges[1:], strict=True):
         if n:
+            fill, stroke = palette.FIXED if limit and low >= limit[0] else palette.PULLED
             (x0, y0), (x1, y1) = axes.pixels(np.array([low, high]), np.array([n, 0.0])).tolist()
             body.append(
                 f'<rect x="{x0:.2f}" y="{y0:.2f}" width="{max(x1 - x0, 0.5):.2f}" height="{y1 - y0:.2f}" '
                 f'fill="{fill}" stroke="{stroke}"/>'
             )
-    body += uprights(axes, marks)
-    return finished(axes, body, title, facts, command)
+    body += uprights(axes, [m for m, _ in lines], [colour for _, colour in lines])
+    return finished(axes, body, title, facts, command if framed else "")
+
+
+def _bins(some: Floats, limit: Mark | None) -> Floats:
+    """Edges of the bins; a limit among the values is one of them, so that no bin holds both good and bad."""
+    many = int(np.clip(2 * len(some) ** (1 / 3), 5, 60))  # the rule of Rice
+    low, high = (float(some.min()), float(some.max())) if len(some) else (0.0, 1.0)
+    if high - low <= 1e-12 * max(abs(low), abs(high)):
+        middle, half = (low + high) / 2, (abs(high) or 1.0) / 20
+        return np.linspace(middle - half, middle + half, many + 1)
+    if limit is None or not low < limit[0] < high:
+        return np.linspace(low, high, many + 1)
+    step = (high - low) / many
+    below, above = (int(np.ceil(d / step - 1e-9)) for d in (limit[0] - low, high - limit[0]))
+    return np.linspace(limit[0] - below * step, limit[0] + above * step, below + above + 1)
 
 
 def bars(
@@ -111,6 +134,7 @@ def bars(
     facts: Sequence[str] = (),
     most: int = 25,
     command: str = "",
+    framed: bool = True,
 ) -> str:
     """Bars with names, the longest first, such as a ranking.
 
@@ -129,7 +153,7 @@ def bars(
         finding = f"bars: {len(names)} names need as many finite values, not {values.shape}"
         raise InputError(finding)
     order = np.argsort(-np.abs(values), kind="stable")[:most]
-    body, y = frame.header(title, facts, WIDTH + 40)
+    body, y = frame.header(*_said(title, facts, framed), WIDTH + 40)
     low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
     scale = (WIDTH - _NAMES - 90) / ((high - low) or 1.0)
     zero = palette.MARGIN + _NAMES - low * scale
@@ -157,10 +181,15 @@ def bars(
             text(palette.MARGIN, y, palette.TEXT_SIZE, palette.QUIET, f"and {len(values) - len(order)} smaller ones")
         )
     y += 14
-    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command else []:
+    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command and framed else []:
         y += palette.SMALL_SIZE + 4
         body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
     return frame.document(WIDTH + 2 * palette.MARGIN, y + palette.MARGIN - 12, title, facts, command, body)
+
+
+def _said(title: str, facts: Sequence[str], framed: bool) -> tuple[str, Sequence[str]]:
+    """Title and facts above a plot."""
+    return (title, facts) if framed else ("", ())
 
 
 def _values(x: Floats, y: Floats) -> tuple[Floats, Floats]:

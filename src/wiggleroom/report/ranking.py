@@ -73,17 +73,23 @@ def rank_table(ranking: Ranking) -> Group:
         joints.add_row(pair, number(ranking.joint_looser[k]), f"{ranking.joint_percent[k]:.1f}")
     if len(order) > _MOST_JOINTS:
         joints.add_row(f"... and {len(order) - _MOST_JOINTS} more", "", "", style="dim")
-    lines = [Text(line) for line in _sure(ranking)]
+    lines = [Text(f"{term + ':':<9} {line}") for term, line in ranking_sure(ranking)]
     return Group(Text(headline(answer), style="bold"), Text(), found, Text(), joints, Text(), *lines)
 
 
-def _sure(ranking: Ranking) -> list[str]:
-    """How sure the ranking is."""
-    many = int((~ranking.unique).sum())
-    said = [f"by:       {ranking.by}; extra gap moves a part's own outline inward by half of it"]
-    if many:
-        ends = "" if ranking.ends == "whole" else " (at least so wide)"
-        said.append(f"unique:   not for {many} parts: a looser and a tighter gap count differently{ends}")
+def ranking_sure(ranking: Ranking) -> list[tuple[str, str]]:
+    """How sure the ranking is: a word and a sentence each."""
+    said = [("by", f"{ranking.by}; extra gap moves a part's own outline inward by half of it")]
+    if not ranking.unique.all():
+        said.append(("unique", ranking_unique(ranking)))
     if ranking.virtual > 1e-6:
-        said.append(f"walls:    {100 * ranking.virtual:.2g} % of the force is held where nothing touches (see flex)")
+        held = f"{100 * ranking.virtual:.2g} % of the force is held where nothing touches (see flex)"
+        said.append(("walls", held))
     return said
+
+
+def ranking_unique(ranking: Ranking) -> str:
+    """Say for how many parts both sides of a derivative differ."""
+    many = int((~ranking.unique).sum())
+    ends = "" if ranking.ends == "whole" else " (at least so wide)"
+    return f"not for {many} {'part' if many == 1 else 'parts'}: a looser and a tighter gap count differently{ends}"

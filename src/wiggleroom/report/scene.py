@@ -23,8 +23,10 @@ from wiggleroom.report.words import number, short
 Floats = NDArray[np.float64]
 
 _GAP = 30.0
+_NEAR = 1.0
+"""A motion no further than this, as a share of the drawing's size, is shown as a whole."""
 _PAN = 0.55
-"""The frame shows so much on each side of the parts at rest, as a share of their size; what goes further fades."""
+"""Of one that goes further the frame shows so much on each side of the parts at rest; the rest fades."""
 _SECONDS = (2.0, 4.5)
 _MOST_PLACES = 150_000
 _FAINT = 0.02
@@ -150,16 +152,17 @@ def scene(
     points = way_points(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
     way = Way(assembly, points * factor)
-    shown = _seen_length(assembly, way)
+    pan = math.inf if np.abs(factor * points[:, :, :2]).max() <= _NEAR * assembly.size else _PAN * assembly.size
+    shown = _seen_length(assembly, way, pan)
     seconds = float(np.clip(_SECONDS[0] + 1.2 * shown / assembly.size, *_SECONDS))
     count = max(min(round(seconds * rate), _MOST_PLACES // len(assembly.parts)), 8) + 1
     poses = assembly.rest + way.at(shown * eased(count))
     said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
-    box = _box(assembly, poses)
+    box = _box(assembly, poses, pan)
     canvas = layout.view(box, 0.0).canvas
     top, below = frame.header(title if framed else "", said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + _GAP)
-    defs, tracks, still = _tracks(view, assembly, poses, goals, key)
+    defs, tracks, still = _tracks(view, assembly, poses, goals, key, pan)
     legend = [(frame.swatch("none", palette.REST), "at rest")]
     if any(p.fixed for p in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
@@ -176,15 +179,16 @@ def scene(
     )
 
 
-def _home(assembly: Assembly) -> tuple[Floats, float]:
-    """Box (4,) round the parts at rest and how far beyond it the frame may reach [mm]."""
-    home = layout.extent(layout.boxes(assembly, assembly.rest))
-    return home, _PAN * assembly.size
+def _home(assembly: Assembly) -> Floats:
+    """Box (4,) round the parts at rest [mm]."""
+    return layout.extent(layout.boxes(assembly, assembly.rest))
 
 
-def _opacity(assembly: Assembly, poses: Floats) -> Floats:
+def _opacity(assembly: Assembly, poses: Floats, pan: float) -> Floats:
     """How clearly each part is seen (m, n): less the further it is from where the parts lay."""
-    home, pan = _home(assembly)
+    if math.isinf(pan):
+        return np.ones(poses.shape[:2])
+    home = _home(assembly)
     middles = np.array([middle(p) for p in assembly.parts])
     c, s = np.cos(poses[:, :, 2]), np.sin(poses[:, :, 2])
     x = poses[:, :, 0] + c * middles[:, 0] - s * middles[:, 1]
@@ -195,33 +199,33 @@ def _opacity(assembly: Assembly, poses: Floats) -> Floats:
     return np.clip(1.0 - (out - 0.15 * pan) / (0.7 * pan), 0.0, 1.0)
 
 
-def _seen_length(assembly: Assembly, way: Way) -> float:
+def _seen_length(assembly: Assembly, way: Way, pan: float) -> float:
     """Length of the way after which nothing that can be seen moves any more [mm]."""
-    if way.length <= _PAN * assembly.size:
+    if way.length <= pan:
         return way.length
     lengths = np.linspace(0.0, way.length, 400)
     poses = assembly.rest + way.at(lengths)
-    clear = _opacity(assembly, poses) > _FAINT
+    clear = _opacity(assembly, poses, pan) > _FAINT
     step = np.abs(np.diff(poses, axis=0)).max(axis=2) > 1e-4 * way.length / 400
     moving = (step & clear[1:]).any(axis=1)
     return float(lengths[min(np.flatnonzero(moving)[-1] + 2, 399)]) if moving.any() else way.length
 
 
-def _box(assembly: Assembly, poses: Floats) -> Floats:
+def _box(assembly: Assembly, poses: Floats, pan: float) -> Floats:
     """Box (4,) [mm] of all that is seen, not too far from where the parts lay."""
-    home, pan = _home(assembly)
+    home = _home(assembly)
     looks = poses[np.linspace(0, len(poses) - 1, min(len(poses), max(3, 4000 // len(assembly.parts)))).astype(int)]
     whole = layout.extent(np.vstack([home[None], *[layout.boxes(assembly, p) for p in looks]]))
     return np.concatenate([np.maximum(whole[:2], home[:2] - pan), np.minimum(whole[2:], home[2:] + pan)])
 
 
 def _tracks(
-    view: View, assembly: Assembly, poses: Floats, goals: tuple[Goal, ...], key: str
+    view: View, assembly: Assembly, poses: Floats, goals: tuple[Goal, ...], key: str, pan: float
 ) -> tuple[str, tuple[Track, ...], str]:
     """Shapes, what moves (neutral parts first, then pulled and fixed ones, names, arrows), and the outlines at rest."""
     shapes, rest = Shapes(view.scale, key), assembly.rest
-    far = np.abs(poses - rest)[:, :, :2].max() > _PAN * assembly.size
-    opacity = _opacity(assembly, poses) if far else np.ones(poses.shape[:2])
+    far = np.abs(poses - rest)[:, :, :2].max() > pan
+    opacity = _opacity(assembly, poses, pan if far else math.inf)
     pulled = {part_of(g) for g in goals}
     of, places = [shapes.of(p) for p in assembly.parts], _places(view, assembly, poses)
     rooms = np.array([np.ptp(shapely.get_coordinates(s.polygon), axis=0).max() for s in of])

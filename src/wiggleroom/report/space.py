@@ -19,6 +19,7 @@ from wiggleroom.report.names import label, usual
 from wiggleroom.report.page import Section, figure, items, page, table
 from wiggleroom.report.records import Record
 from wiggleroom.report.shapes import Shapes, spot, use
+from wiggleroom.report.solid import solid
 from wiggleroom.report.stack import stack
 from wiggleroom.report.text import escape
 from wiggleroom.report.words import number, short
@@ -173,6 +174,7 @@ def space_page(space: FreeSpace, assembly: Assembly, judged: Audit | None = None
     sure = [] if judged is None else [(k, str(v)) for k, v in record["audit"].items()]
     sections = [
         Section("Free space", figure(space_picture(space, assembly, judged, framed=False), paper=True), wide=True),
+        Section("Turn it", solid(space), wide=True),
         Section("Slices", table(["turn °", "area mm²"], slices)),
         Section("Cells", table(["cell", "walls", "from °", "to °"], cells)),
     ]

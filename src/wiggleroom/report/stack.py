@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 import shapely
@@ -16,11 +17,13 @@ from wiggleroom.report.words import number
 
 Floats = NDArray[np.float64]
 
-_AZIMUTH, _ELEVATION = math.radians(-32.0), math.radians(24.0)
-_SIZE = 300.0
+AZIMUTH, ELEVATION = math.radians(-32.0), math.radians(24.0)
+SIZE = 300.0
 """Longer side of the slices, and the height of the stack is 1.15 of it [px]."""
 _TOP = 1.15
-_LIGHT = np.array([math.cos(math.radians(200.0)), math.sin(math.radians(200.0))])
+LIGHT = np.array([math.cos(math.radians(200.0)), math.sin(math.radians(200.0))])
+DEEP, CLEAR = "#1d4f80", "#b4d6f2"
+"""In the shade and in full light."""
 _DETAIL = 0.3
 _EVERY = 8
 
@@ -41,31 +44,51 @@ def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]
     Source: the views of Mind the Gap, Figs 2 and 7.
     """
     regions = about_pivot(space)
-    bounds = np.array([r.bounds for r in regions])
-    low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
-    scale = _SIZE / float((high - low).max())
-    middle, (first, last) = (low + high) / 2, space.angles
-    angles = np.array([s.angle for s in space.slices])
-    edges = np.concatenate([[first], (angles[1:] + angles[:-1]) / 2, [last]])
-    levels = (edges - first) / (last - first) * _TOP * _SIZE
+    low, high = extent(regions)
+    scale = SIZE / float((high - low).max())
+    middle, levels = (low + high) / 2, heights(space)
     box = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
     corners = np.vstack([_seen((box - middle) * scale, z) for z in (0.0, levels[-1])])
     shift = np.array([left + 70, top + 24]) - corners.min(axis=0)
     wide, tall = corners.max(axis=0) - corners.min(axis=0)
     found = [_floor(low, high, middle, scale, shift)]
-    rest = int(np.abs(angles).argmin())
+    rest = int(np.abs([s.angle for s in space.slices]).argmin())
     for k, region in enumerate(regions):
         ink = 0.9 if k == rest else 0.35 if k % _EVERY == 0 or k == len(regions) - 1 else 0.0
         found.append(_prism(region, middle, scale, levels[k], levels[k + 1], shift, ink))
-    found += _labels(low, high, middle, scale, levels, (first, last), shift)
+    found += _labels(low, high, middle, scale, levels, space.angles, shift)
     return "".join(found), float(wide) + 140, float(tall) + 50
+
+
+def extent(regions: Sequence[shapely.Geometry]) -> tuple[Floats, Floats]:
+    """Lower left and upper right corner of all slices [mm]."""
+    bounds = np.array([r.bounds for r in regions])
+    return bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
+
+
+def heights(space: FreeSpace) -> Floats:
+    """Where the slices begin in the stack, and where the last one ends [px]."""
+    angles, (first, last) = np.array([s.angle for s in space.slices]), space.angles
+    edges = np.concatenate([[first], (angles[1:] + angles[:-1]) / 2, [last]])
+    return (edges - first) / (last - first) * _TOP * SIZE
+
+
+def outlines(region: shapely.Geometry, middle: Floats, scale: float) -> list[Floats]:
+    """Closed rings (k, 2) [px] of one slice about the middle of all, with the free space on the left."""
+    found = []
+    for piece in shapely.get_parts(region):
+        for hole, ring in enumerate((piece.exterior, *piece.interiors)):
+            flat = shapely.transform(ring, lambda p: (p - middle) * scale)
+            points = shapely.get_coordinates(shapely.simplify(flat, _DETAIL))
+            found.append(points[::-1] if shapely.is_ccw(ring) == (hole > 0) else points)
+    return found
 
 
 def _seen(points: Floats, level: float) -> Floats:
     """Points (k, 2) [px] at a height [px], as they are seen: x to the right, y down."""
-    c, s = math.cos(_AZIMUTH), math.sin(_AZIMUTH)
+    c, s = math.cos(AZIMUTH), math.sin(AZIMUTH)
     across, away = c * points[:, 0] - s * points[:, 1], s * points[:, 0] + c * points[:, 1]
-    return np.column_stack([across, -math.sin(_ELEVATION) * away - math.cos(_ELEVATION) * level])
+    return np.column_stack([across, -math.sin(ELEVATION) * away - math.cos(ELEVATION) * level])
 
 
 def _prism(
@@ -74,24 +97,19 @@ def _prism(
     """Walls and roof of one slice; its rim is drawn `ink` strong."""
     walls: list[tuple[float, str]] = []
     roof = ""
-    for piece in shapely.get_parts(region):
-        for hole, ring in enumerate((piece.exterior, *piece.interiors)):
-            flat = shapely.transform(ring, lambda p: (p - middle) * scale)
-            points = shapely.get_coordinates(shapely.simplify(flat, _DETAIL))
-            if shapely.is_ccw(ring) == (hole > 0):
-                points = points[::-1]
-            floor, roofs = _seen(points, low) + shift, _seen(points, high) + shift
-            roof += ("M" + "%.1f,%.1f " * (len(roofs) - 1)) % tuple(roofs[:-1].ravel().tolist()) + "z"
-            depth = math.sin(_AZIMUTH) * points[:, 0] + math.cos(_AZIMUTH) * points[:, 1]
-            for i in range(len(points) - 1):
-                way = points[i + 1] - points[i]
-                outward = np.array([way[1], -way[0]]) / max(float(np.hypot(*way)), 1e-12)
-                if math.sin(_AZIMUTH) * outward[0] + math.cos(_AZIMUTH) * outward[1] >= 0:
-                    continue  # seen from behind: hidden by the roof and by nearer walls
-                quad = np.concatenate([floor[i], floor[i + 1], roofs[i + 1], roofs[i]])
-                colour = _shade(0.62 + 0.3 * float(outward @ _LIGHT))
-                path = "M{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}z".format(*quad.tolist())
-                walls.append((float(depth[i] + depth[i + 1]), f'<path d="{path}" fill="{colour}" stroke="{colour}"/>'))
+    for points in outlines(region, middle, scale):
+        floor, roofs = _seen(points, low) + shift, _seen(points, high) + shift
+        roof += ("M" + "%.1f,%.1f " * (len(roofs) - 1)) % tuple(roofs[:-1].ravel().tolist()) + "z"
+        depth = math.sin(AZIMUTH) * points[:, 0] + math.cos(AZIMUTH) * points[:, 1]
+        for i in range(len(points) - 1):
+            way = points[i + 1] - points[i]
+            outward = np.array([way[1], -way[0]]) / max(float(np.hypot(*way)), 1e-12)
+            if math.sin(AZIMUTH) * outward[0] + math.cos(AZIMUTH) * outward[1] >= 0:
+                continue  # seen from behind: hidden by the roof and by nearer walls
+            quad = np.concatenate([floor[i], floor[i + 1], roofs[i + 1], roofs[i]])
+            colour = _shade(0.62 + 0.3 * float(outward @ LIGHT))
+            path = "M{:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f} {:.1f},{:.1f}z".format(*quad.tolist())
+            walls.append((float(depth[i] + depth[i + 1]), f'<path d="{path}" fill="{colour}" stroke="{colour}"/>'))
     walls.sort(key=lambda w: -w[0])
     rim = f' stroke="{palette.MOTION}" stroke-opacity="{ink}" stroke-width="{1.6 if ink > 0.5 else 0.8}"' if ink else ""
     return (
@@ -102,7 +120,7 @@ def _prism(
 
 def _shade(light: float) -> str:
     """Blue of pulled parts, darker where less light falls on it."""
-    deep, clear = (np.array(list(bytes.fromhex(c[1:])), dtype=float) for c in ("#1d4f80", "#b4d6f2"))
+    deep, clear = (np.array(list(bytes.fromhex(c[1:])), dtype=float) for c in (DEEP, CLEAR))
     mixed = deep + min(max(light, 0.0), 1.0) * (clear - deep)
     return "#" + bytes(round(c) for c in mixed.tolist()).hex()
 
@@ -142,7 +160,7 @@ def _labels(
     size, found = palette.TEXT_SIZE, []
     found.append(text(x0 - 6, y0 + 24, size, palette.QUIET, f"x {_range(low[0], high[0])} mm", "end"))
     found.append(text(x1 + 8, y1 + 20, size, palette.QUIET, f"y {_range(low[1], high[1])} mm"))
-    up = math.cos(_ELEVATION) * float(levels[-1])
+    up = math.cos(ELEVATION) * float(levels[-1])
     found.append(f'<path d="M{x2 - 12:.1f},{y2:.1f}v{-up:.1f}" stroke="{palette.REST}" fill="none"/>')
     for angle in (angles[0], 0.0, angles[1]):
         y = y2 - up * (angle - angles[0]) / (angles[1] - angles[0])

@@ -13,6 +13,7 @@ from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report.records import Record
 from wiggleroom.report.table import columns
 from wiggleroom.report.words import ask, headline, number, short, unit
+from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -99,11 +100,17 @@ def sweep_table(found: Sweep) -> Group:
         value = "" if s.objective is None else number(s.objective)
         rate = "" if s.objective is None or s.gap == 0 else number(s.objective / s.gap, 3)
         rows.add_row(number(s.gap), value, rate, str(s.verdict))
-    if found.lost is None:
-        last = "nothing in this range sets it free" if found.steps else "stopped before the first gap was done"
-    else:
-        last = f"the motion loses its end between gaps of {number(found.lost[0])} and {number(found.lost[1])} mm"
-    return Group(Text(asked, style="bold"), Text(), rows, Text(), Text(last))
+    return Group(Text(asked, style="bold"), Text(), rows, Text(), Text(lost_sentence(found)))
+
+
+def lost_sentence(found: Sweep) -> str:
+    """Say at which gap nothing stops the motion any more."""
+    if found.lost is not None:
+        return f"the motion loses its end between gaps of {number(found.lost[0])} and {number(found.lost[1])} mm"
+    free = [s.gap for s in found.steps if s.verdict == Verdict.UNBOUNDED]
+    if free:
+        return f"nothing stops the motion at a gap of {number(free[0])} mm, the first that leaves room"
+    return "nothing in this range sets it free" if found.steps else "stopped before the first gap was done"
 
 
 def sweep_csv(found: Sweep) -> str:
@@ -175,25 +182,38 @@ def sample_table(found: Sample) -> Group:
             f"gaps vary: {spread.kind}, {number(spread.width)} mm{together}; {len(found.value)} draws, seed {found.seed}"
         ),
     ]
-    return Group(*lines, Text(), rows, Text(), parts, Text(), *[Text(line) for line in _sure(found)])
+    return Group(
+        *lines,
+        Text(),
+        rows,
+        Text(),
+        parts,
+        Text(),
+        *[Text(f"{term + ':':<9} {line}") for term, line in sample_sure(found)],
+    )
 
 
-def _sure(found: Sample) -> list[str]:
-    """Yield, misfits, and how it was checked."""
+def yield_sentence(found: Sample) -> str:
+    """Say how many draws keep the limit, and how sure that is."""
     good, low, high = found.yields
+    kept = f"{100 * good:.1f} % keep {number(found.limit or 0.0)} {unit(found.answer.goals)}".rstrip()
+    return f"{kept} (95 % sure: {100 * low:.1f} to {100 * high:.1f} %)"
+
+
+def sample_sure(found: Sample) -> list[tuple[str, str]]:
+    """Yield, misfits, and how it was checked: a word and a sentence each."""
     said = []
     if found.limit is not None:
-        kept = f"{100 * good:.1f} % keep {number(found.limit)} {unit(found.answer.goals)}".rstrip()
-        said.append(f"yield:    {kept} (95 % sure: {100 * low:.1f} to {100 * high:.1f} %)")
+        said.append(("yield", yield_sentence(found)))
     if found.misfits:
-        said.append(f"misfits:  in {found.misfits} draws parts do not fit beside each other")
+        said.append(("misfits", f"in {found.misfits} draws parts do not fit beside each other"))
     if found.loose:
-        said.append(f"loose:    in {found.loose} draws nothing stops the motion")
+        said.append(("loose", f"in {found.loose} draws nothing stops the motion"))
     if found.cut_short:
-        said.append(f"safe:     in {found.cut_short} draws the motion is safe but not an optimum")
+        said.append(("safe", f"in {found.cut_short} draws the motion is safe but not an optimum"))
     if len(found.value) < found.asked:
-        said.append(f"stopped:  after {len(found.value)} of {found.asked} draws")
+        said.append(("stopped", f"after {len(found.value)} of {found.asked} draws"))
     if not math.isnan(found.largest_difference):
         off = f"off by {found.largest_difference:.1e}"
-        said.append(f"checked:  every end for overlap; {len(found.checked)} draws again from nothing, {off}")
+        said.append(("checked", f"every end for overlap; {len(found.checked)} draws again from nothing, {off}"))
     return said

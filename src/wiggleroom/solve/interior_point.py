@@ -38,6 +38,10 @@ LONGEST = 0.1
 """Share of the horizon that a body may move in one iteration."""
 HOME = 0.01
 """Share of the tolerance that may be given up to stay near rest."""
+UNHELD = 0.3
+"""Share of what forces out of balance would bring, were the round's motion made again, that must not fall behind complementarity."""
+EARLY = 0.05
+"""As long as they would bring more than this share of the objective."""
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
 LEAST_ITERATIONS, MOST_ITERATIONS, MOST_CAREFUL = 3, 100, 200
@@ -212,7 +216,9 @@ class _Watch:
         self.mu = gap / max(len(primal), 1)
         infeasible = dot(state.lam, np.abs(primal))
         wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
-        self.lag = max(infeasible, wrong) / gap if gap > 0 else 0.0
+        unheld = dot(np.abs(dual), np.abs(state.u - self.begin))
+        far_off = UNHELD * unheld if unheld > EARLY * max(abs(value), 1.0) else 0.0
+        self.lag = max(infeasible, wrong, far_off) / gap if gap > 0 else 0.0
         self.error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:
@@ -223,6 +229,7 @@ class _Watch:
         if (
             k >= LEAST_ITERATIONS
             and self.error < self.tolerance
+            and unheld < np.sqrt(self.tolerance) * max(abs(value), 1.0)
             and np.abs(dual).max() < max(10 * self.tolerance, BALANCED)
         ):
             return "converged"

@@ -1,0 +1,59 @@
+"""`wiggleroom check`."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import Outputs, tell
+
+_NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
+CODES = {"interlocked": 0, "comes apart": 1, "unknown": 3}
+
+
+def check(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: Outputs = _NO_OUTPUTS,
+    largest_gap: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Say whether it comes apart: whether some parts can be moved without limit away from the others.
+
+    Says which parts leave, alone or together, in which order and along which way, every step checked for overlap; or
+    that they interlock, proven or searched. Fixed parts stand; where none is fixed, the largest part stands. Turning in
+    place is not coming apart. Exit code: 0 interlocked, 1 comes apart, 3 unknown.
+
+    Example: wiggleroom check puzzle.svg --gap 0.2 --picture apart.gif
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json).
+    largest_gap
+        Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides.
+    """
+    import shlex
+
+    from wiggleroom.cli.watch import interruptible, progress
+
+    outputs.check(file)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    with interruptible() as stop, progress() as show:
+        assembly = read(file, asked)
+
+        from wiggleroom.analysis.interlock import check as work_out
+        from wiggleroom.analysis.largest_gap import largest_gap as search
+
+        found = work_out(assembly, stop=stop, progress=show)
+        border = search(assembly, stop=stop, progress=show) if largest_gap else None
+    from wiggleroom.report.apart import check_record, check_table
+    from wiggleroom.report.apart_page import Checked
+
+    shown = Checked(found, border)
+    tell(outputs, check_record(found, border, command), lambda: check_table(found, border), shown, command)
+    return CODES[found.verdict]

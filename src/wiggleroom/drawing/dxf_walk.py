@@ -1,0 +1,264 @@
+"""Walk the model space of a DXF: which strokes are drawn, where, on which layer and in which blocks."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from wiggleroom.drawing.dxf_curves import STROKES, stroke_of
+from wiggleroom.drawing.elements import MOST, Group
+from wiggleroom.drawing.limits import LARGEST
+from wiggleroom.drawing.pathdata import Subpath
+from wiggleroom.drawing.strokes import mapped, reach
+from wiggleroom.drawing.transforms import Affine
+from wiggleroom.errors import InputError
+
+NAME = "WIGGLEROOM"
+"""Extended data of this application hold a part's name, the number of this outline and how many there are."""
+LABELS = "labels"
+"""Names for people to read stand on this layer; it holds no outlines."""
+HOLES = "hole"
+"""Outlines on layers whose name begins so are holes of the part around them."""
+_UNSEEN = ("defpoints", LABELS)
+_TEXTS = ("TEXT", "MTEXT")
+_SILENT = ("VIEWPORT", "POINT", "ATTDEF", "ATTRIB", "SEQEND")
+_SPELLED = re.compile(r"\\U\+([0-9A-Fa-f]{4})")
+_DEEPEST = 50
+_FLAT = 1e-9
+"""An entity whose plane is tilted by more than this is not in the drawing's plane."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Stroke:
+    """One entity that draws, on the page [mm].
+
+    Parameters
+    ----------
+    tag, handle, layer : str
+        What it is and where it stands, for messages.
+    groups : tuple of Group
+        Layer, DXF group and blocks, from the outermost inward.
+    place : tuple of int
+        Which copies of which blocks it is in: edges of different copies are never joined.
+    piece : (name, number, count) or None
+        What the file says about the part whose outline this is.
+    path : Subpath [mm]
+    """
+
+    tag: str
+    handle: str
+    layer: str
+    groups: tuple[Group, ...]
+    place: tuple[int, ...]
+    piece: tuple[str, int, int] | None
+    path: Subpath
+
+    def __str__(self) -> str:
+        """Say what a message calls it."""
+        return f'{self.tag} {self.handle} on layer "{self.layer}"'
+
+
+@dataclass(frozen=True, slots=True)
+class _State:
+    """What an entity inherits from the blocks that it is in."""
+
+    matrix: Any
+    layer: str = "0"
+    groups: tuple[Group, ...] = ()
+    place: tuple[int, ...] = ()
+    blocks: tuple[str, ...] = ()
+
+
+@dataclass
+class DxfWalk:
+    """Strokes, texts, notes and findings of one drawing; `scale` is the length of its unit [mm]."""
+
+    file: str
+    document: Any
+    scale: float
+    strokes: list[Stroke] = field(default_factory=list)
+    texts: list[tuple[str, complex]] = field(default_factory=list)
+    findings: list[str] = field(default_factory=list)
+    left_out: Counter[str] = field(default_factory=Counter)
+    pointlike: int = 0
+    hidden: set[str] = field(default_factory=set)
+
+    def run(self) -> None:
+        """Collect everything that the model space shows."""
+        from ezdxf.math import Matrix44
+
+        self._visited = 0
+        self._copies = 0
+        self._layers: dict[str, Group] = {}
+        self._off = {layer.dxf.name.lower() for layer in self.document.layers if layer.is_off() or layer.is_frozen()}
+        self._grouped: dict[str, Group] = {}
+        for name, members in self.document.groups:
+            group = Group("" if name.startswith("*") else name, name.lower().startswith("glue"))
+            self._grouped |= dict.fromkeys(members.handles(), group)
+        s = self.scale
+        self._entities(self.document.modelspace(), _State(Matrix44.scale(s, s, s)))
+
+    def _entities(self, layout: Any, state: _State) -> None:
+        for entity in layout:
+            self._count()
+            if not entity.dxf.is_supported("layer"):
+                self.left_out[text_of(entity.dxftype()) or "nameless"] += 1  # a kind that ezdxf does not know
+                continue
+            own = text_of(str(entity.dxf.get("layer", "0")))
+            layer = state.layer if own == "0" else own
+            if entity.dxf.get("invisible", 0) or layer.lower() in _UNSEEN:
+                continue
+            if layer.lower() in self._off:
+                self.hidden.add(layer)
+                continue
+            self._guarded(entity, replace(state, layer=layer))
+
+    def _guarded(self, entity: Any, state: _State) -> None:
+        """Damaged entities fail in as many ways as ezdxf has lines; each becomes one finding."""
+        try:
+            self._entity(entity, state)
+        except InputError:
+            raise
+        except Exception as error:
+            reason = " ".join(str(error).split())[:160] if isinstance(error, ValueError) else "cannot be read"
+            handle = entity.dxf.get("handle") or "?"
+            named = f'{entity.dxftype()} #{handle} on layer "{state.layer}"'
+            self.findings.append(f"{self.file}: {named}: {reason}")
+
+    def _count(self) -> None:
+        self._visited += 1
+        if self._visited > MOST:
+            message = f"{self.file}: draws more than {MOST} elements, copies counted; split the drawing"
+            raise InputError(message)
+
+    def _entity(self, entity: Any, state: _State) -> None:
+        kind = entity.dxftype()
+        if kind in _SILENT:
+            return
+        if kind == "INSERT":
+            self._insert(entity, state)
+        elif kind in _TEXTS:
+            self._text(entity, state)
+        elif kind not in STROKES or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
+            self.left_out[kind] += 1
+        elif abs(entity.dxf.get("extrusion", (0, 0, 1))[2]) < 1 - _FLAT and kind not in ("LINE", "SPLINE"):
+            self.left_out[f"tilted {kind}"] += 1
+        else:
+            self._stroke(entity, state)
+
+    def _stroke(self, entity: Any, state: _State) -> None:
+        handle = "#" + (entity.dxf.get("handle") or "?")
+        named = f'{entity.dxftype()} {handle} on layer "{state.layer}"'
+        path = stroke_of(entity)
+        if path is None:
+            self.pointlike += 1
+            return
+        in_plane = entity.dxftype() in ("ARC", "CIRCLE", "LWPOLYLINE") or (
+            entity.dxftype() == "POLYLINE" and entity.is_2d_polyline
+        )
+        path = mapped(path, _affine(state.matrix, entity.ocs() if in_plane else None))
+        if not reach(path) <= LARGEST:
+            self.findings.append(f"{self.file}: {named}: has coordinates beyond {LARGEST:g} mm; move or scale it")
+            return
+        self.strokes.append(
+            Stroke(
+                tag=entity.dxftype(),
+                handle=handle,
+                layer=state.layer,
+                groups=self._groups_of(entity, state),
+                place=state.place,
+                piece=_piece(entity),
+                path=path,
+            )
+        )
+
+    def _groups_of(self, entity: Any, state: _State) -> tuple[Group, ...]:
+        key = state.layer.lower()
+        plain = key == "0" or key.startswith(HOLES)
+        layer = self._layers.setdefault(key, Group("" if plain else state.layer, key.startswith("glue")))
+        grouped = self._grouped.get(entity.dxf.get("handle"))
+        return (layer, *((grouped,) if grouped else ()), *state.groups)
+
+    def _insert(self, insert: Any, state: _State) -> None:
+        name = text_of(insert.dxf.get("name", ""))
+        named = f'block "{name}" on layer "{state.layer}"'
+        block = insert.block()
+        if block is None or name in state.blocks or len(state.blocks) > _DEEPEST:
+            reason = "is not in the file" if block is None else "holds itself" if name in state.blocks else ""
+            self.findings.append(f"{self.file}: {named}: {reason or 'is nested too deep'}; explode it or draw it once")
+            return
+        if abs(insert.dxf.extrusion.z) < 1 - _FLAT:
+            self.left_out["tilted INSERT"] += 1
+            return
+        if insert.mcount > MOST:
+            self.findings.append(f"{self.file}: {named}: has more than {MOST} copies; it must have fewer")
+            return
+        grouped = self._grouped.get(insert.dxf.get("handle"))
+        for copy in insert.multi_insert() if insert.mcount > 1 else (insert,):
+            self._count()
+            self._copies += 1
+            group = Group("" if name.startswith("*") else name, name.lower().startswith("glue"))
+            inner = _State(
+                matrix=copy.matrix44() @ state.matrix,
+                layer=state.layer,
+                groups=(*state.groups, *((grouped,) if grouped else ()), group),
+                place=(*state.place, self._copies),
+                blocks=(*state.blocks, name),
+            )
+            self._entities(block, inner)
+
+    def _text(self, entity: Any, state: _State) -> None:
+        """Keep a short text and the point it stands at: it may name a part."""
+        if entity.dxftype() == "TEXT":
+            _, first, second = entity.get_placement()
+            content, point = entity.plain_text(), second if second is not None else first
+        else:
+            content, point = entity.plain_text(), entity.dxf.insert
+        at = _affine(state.matrix, entity.ocs() if entity.dxftype() == "TEXT" else None).point(
+            complex(point[0], point[1])
+        )
+        self.texts.append((text_of(" ".join(content.split())), at))
+
+
+def text_of(value: str) -> str:
+    r"""Text as people wrote it: letters spelled \U+00E4 joined, what cannot be shown replaced.
+
+    Examples
+    --------
+    >>> text_of("\\U+00E4")
+    'ä'
+    """
+    value = _SPELLED.sub(lambda match: chr(int(match.group(1), 16)), value)
+    return value.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
+
+
+def _affine(matrix: Any, ocs: Any) -> Affine:
+    """Map of an entity's plane to the page, which leaves heights out."""
+    across, up, origin = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
+    if ocs is not None and ocs.transform:
+        across, up = ocs.to_wcs(across), ocs.to_wcs(up)
+    x, y, o = matrix.transform_direction(across), matrix.transform_direction(up), matrix.transform(origin)
+    return Affine(x[0], x[1], y[0], y[1], o[0], o[1])
+
+
+def _piece(entity: Any) -> tuple[str, int, int] | None:
+    """Name of the part, number of this outline and how many there are, where the file says so."""
+    if not entity.has_xdata(NAME):
+        return None
+    tags = entity.get_xdata(NAME)
+    name = "".join(str(tag.value) for tag in tags if tag.code == 1000)
+    numbers = [int(tag.value) for tag in tags if tag.code == 1070]
+    if not name or not text_of(name).isprintable() or len(numbers) != 2:
+        return None
+    return text_of(name), numbers[0], numbers[1]
+
+
+def edges_by_place(strokes: list[Stroke]) -> Iterator[list[Stroke]]:
+    """Strokes that may be edges of one outline: of one layer, in one copy of a block."""
+    pools: dict[tuple[str, tuple[int, ...]], list[Stroke]] = {}
+    for stroke in strokes:
+        pools.setdefault((stroke.layer.lower(), stroke.place), []).append(stroke)
+    yield from pools.values()

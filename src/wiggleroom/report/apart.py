@@ -1,0 +1,154 @@
+"""Whether it comes apart, as JSON (`wiggleroom.check/1`), as a page for the terminal, and as an answer that can be drawn."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.interlock import Escape, Interlock
+from wiggleroom.analysis.largest_gap import LargestGap
+from wiggleroom.drawing.model import Pull
+from wiggleroom.report.words import number, short, towards
+from wiggleroom.solve.verdict import Verdict
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+Record = dict[str, Any]
+
+_COLOURS = {"interlocked": "green", "comes apart": "magenta", "unknown": "yellow"}
+_MOST_NAMES = 8
+_MOST_ESCAPES = 12
+STILL = 1e-12
+
+
+def check_record(found: Interlock, border: LargestGap | None = None, command: str = "") -> Record:
+    """Everything `check --json` says, as plain dicts, lists, strings and numbers; lengths in mm, angles in degrees."""
+    record: Record = {"format": "wiggleroom.check/1", **_state(found), "gap": found.assembly.gap}
+    if border is not None:
+        record["largest_gap"] = {
+            "interlocked_at": border.holds,
+            "comes_apart_at": border.parts_at,
+            "interlocked": None if border.interlocked is None else _state(border.interlocked),
+            "comes_apart": None if border.apart is None else _state(border.apart),
+        }
+    return record | {"seconds": round(found.seconds, 4), "command": command}
+
+
+def _state(found: Interlock) -> Record:
+    names = found.assembly.names
+    return {
+        "verdict": found.verdict,
+        "certainty": found.certainty,
+        "escapes": [{"parts": list(e.parts), "path": _steps(names, e)} for e in found.escapes],
+        "spins": list(found.spins),
+        "remains": list(found.remains),
+    }
+
+
+def _steps(names: tuple[str, ...], escape: Escape) -> list[Record]:
+    """Way-points; each says only the parts that are not at rest anywhere on the way."""
+    moved = np.flatnonzero((np.abs(escape.path) > STILL).any(axis=(0, 2)))
+    return [
+        {names[k]: {"dx": m[k, 0], "dy": m[k, 1], "turn_deg": math.degrees(m[k, 2])} for k in moved}
+        for m in escape.path
+    ]
+
+
+def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
+    """Page that `check` prints: verdict, who leaves in which order, what spins, what remains; fits into 80 columns."""
+    from rich.console import Group
+    from rich.text import Text
+
+    verdict = (found.verdict, f"bold {_COLOURS[found.verdict]}")
+    lines = [Text.assemble(verdict, f" at gap {number(found.assembly.gap)} mm: {why(found)}")]
+    for k, escape in enumerate(found.escapes[:_MOST_ESCAPES]):
+        leaves = "leaves" if len(escape.parts) == 1 else "leave together"
+        lines.append(Text(f"{k + 1:3}. {some(escape.parts)} {leaves} {along(found, escape)}"))
+    if len(found.escapes) > _MOST_ESCAPES:
+        lines.append(Text(f"     ... and {len(found.escapes) - _MOST_ESCAPES} more"))
+    if found.escapes and len(found.remains) > 1:
+        lines.append(Text(f"remains interlocked: {some(found.remains)}"))
+    if found.spins:
+        lines.append(Text(f"turns in place without limit: {some(found.spins)}"))
+    if border is not None:
+        lines.append(Text(border_sentence(border), style="bold"))
+    lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} largest motions searched", style="dim"))
+    return Group(*lines)
+
+
+def why(found: Interlock) -> str:
+    """What the verdict rests on."""
+    if found.verdict == "comes apart":
+        if found.certainty == "searched":
+            return "parts touch at rest; with a little gap this is a way, every step checked for overlap"
+        return "every step of the way checked for overlap"
+    if found.tight:
+        return "parts touch at rest and lock each other to first order" + (
+            ", proven by forces" if found.certainty == "proven" else "; curves were taken as polygons"
+        )
+    if found.verdict == "unknown":
+        return "the search was cut short, or some questions were not answered"
+    if found.certainty == "proven":
+        return "proven, free spaces are closed"
+    return "searched, every planned question was answered and no way was found"
+
+
+def along(found: Interlock, escape: Escape) -> str:
+    """How the parts go."""
+    if len(escape.path) == 2:
+        return f"straight in {towards(_direction(found, escape))}"
+    return f"on a way of {len(escape.path)} points, at last in {towards(_direction(found, escape))}"
+
+
+def _direction(found: Interlock, escape: Escape) -> tuple[float, float]:
+    """Unit vector along which the parts leave at last."""
+    k = found.assembly.names.index(escape.parts[0])
+    steps = np.diff(escape.path[:, k, :2], axis=0)
+    x, y = steps[np.hypot(*steps.T).argmax()]
+    return float(x / np.hypot(x, y)), float(y / np.hypot(x, y))
+
+
+def border_sentence(border: LargestGap) -> str:
+    """Say at which gap it comes apart."""
+    if border.holds is None:
+        return "largest gap: no gap holds it together" if border.parts_at else "largest gap: none was found"
+    if border.parts_at is None:
+        return f"largest gap: it holds up to {number(border.holds)} mm; beyond that parts fall to pieces"
+    return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm"
+
+
+def some(names: tuple[str, ...]) -> str:
+    """Names with commas; of very many the first ones."""
+    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
+    return ", ".join(short(n) for n in names[:_MOST_NAMES]) + more
+
+
+def as_answer(found: Interlock, command: str = "") -> Answer:
+    """The ways of all that leave, one after the other, as an answer that can be drawn and filmed."""
+    n = len(found.assembly.names)
+    way = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
+    leaves = tuple(name for e in found.escapes for name in e.parts)
+    goals = tuple(Pull(e.parts[0], _direction(found, e)) for e in found.escapes)
+    return Answer(
+        assembly=found.assembly,
+        goals=goals,
+        verdict=Verdict.UNBOUNDED if leaves else Verdict.STATIONARY,
+        objective=None if leaves else 0.0,
+        motion=way[-1],
+        waypoints=way,
+        contacts=(),
+        path="checked",
+        collision_free=True,
+        deepest_overlap=0.0,
+        model="walls",
+        solver="interior-point",
+        rounds=0,
+        iterations=0,
+        leaves=leaves,
+        turns=found.spins,
+        command=command,
+    )

@@ -1,0 +1,104 @@
+"""Plots of what `sweep` and `sample` found."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wiggleroom.analysis.sample import Sample
+from wiggleroom.analysis.sweep import Sweep
+from wiggleroom.errors import InputError
+from wiggleroom.report.plots import curve, histogram
+from wiggleroom.report.studies import lost_sentence, yield_sentence
+from wiggleroom.report.words import ask, number, unit
+
+_SHOWN = (0.05, 0.5, 0.95)
+
+
+def sweep_title(found: Sweep) -> str:
+    """Say what a sweep is about, such as "b2 in +y against the gap"."""
+    more = f" and {len(found.goals) - 1} more" if len(found.goals) > 1 else ""
+    return f"{ask(found.goals[0])}{more} against the gap"
+
+
+def sweep_facts(found: Sweep) -> list[str]:
+    """Facts under the title of a sweep."""
+    odd = [s.verdict for s in found.steps if s.verdict in ("touching", "cannot be made")]
+    unsure = sum(not s.checked for s in found.steps if s.objective is not None)
+    return [
+        f"{len(found.steps)} gaps",
+        lost_sentence(found),
+        *(
+            [f"{len(odd)} {'gap' if len(odd) == 1 else 'gaps'} without room: {', '.join(dict.fromkeys(odd))}"]
+            if odd
+            else []
+        ),
+        *([f"way not checked at {unsure}"] if unsure else []),
+    ]
+
+
+def picture_of_sweep(found: Sweep, *, command: str = "", framed: bool = True) -> str:
+    """Motion against gap as an SVG curve, with the gap at which the motion loses its end.
+
+    Raises
+    ------
+    InputError
+        If no gap was finished.
+    """
+    if not found.steps:
+        finding = "sweep: stopped before the first gap was done, there is nothing to draw"
+        raise InputError(finding)
+    gaps = np.array([s.gap for s in found.steps])
+    motions = np.array([np.nan if s.objective is None else s.objective for s in found.steps])
+    marks = [] if found.lost is None else [(found.lost[1], f"nothing stops it from {number(found.lost[1])} mm on")]
+    return curve(
+        gaps,
+        motions,
+        labels=("gap mm", f"motion {unit(found.goals)}".rstrip()),
+        title=sweep_title(found),
+        facts=sweep_facts(found),
+        marks=marks,
+        command=command,
+        framed=framed,
+    )
+
+
+def sample_title(found: Sample) -> str:
+    """Say what a sample is about, such as "b2 in +y when gaps vary"."""
+    goals = found.answer.goals
+    return f"{ask(goals[0])}{f' and {len(goals) - 1} more' if len(goals) > 1 else ''} when gaps vary"
+
+
+def sample_facts(found: Sample) -> list[str]:
+    """Facts under the title of a sample."""
+    spread, bounded, what = found.spread, found.bounded, unit(found.answer.goals)
+    width = f"{spread.kind}, {number(spread.width)} mm"
+    said = [
+        f"{len(found.value)} draws",
+        width + (f", {100 * spread.sheet:.0f} % shared by the sheet" if spread.sheet else ""),
+    ]
+    if len(bounded):
+        said.append(f"mean {number(float(bounded.mean()))} {what}".rstrip())
+    if found.limit is not None:
+        said.append(yield_sentence(found))
+    if found.misfits:
+        said.append(f"in {found.misfits} parts do not fit")
+    if found.loose:
+        said.append(f"in {found.loose} nothing stops the motion")
+    return said
+
+
+def picture_of_sample(found: Sample, *, command: str = "", framed: bool = True) -> str:
+    """Motions of all draws that end as an SVG histogram, with quantiles and the limit."""
+    what = unit(found.answer.goals)
+    ends = [(q, found.quantile(q)) for q in _SHOWN]
+    marks = [(value, f"{100 * q:g} % below {number(value)}") for q, value in ends if np.isfinite(value)]
+    return histogram(
+        found.bounded,
+        label=f"motion {what}".rstrip(),
+        title=sample_title(found),
+        facts=sample_facts(found),
+        marks=marks,
+        limit=None if found.limit is None else (found.limit, f"limit {number(found.limit)}"),
+        command=command,
+        framed=framed,
+    )
