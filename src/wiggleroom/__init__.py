@@ -13,13 +13,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.answer import Answer, Contact
+    from wiggleroom.analysis.answer import Answer, Bound, Contact
     from wiggleroom.analysis.blocking import Blocking, blocking
     from wiggleroom.analysis.flex import flex
     from wiggleroom.analysis.interlock import Escape, Interlock, check
     from wiggleroom.analysis.largest_gap import LargestGap, largest_gap
     from wiggleroom.analysis.lots import Spread
     from wiggleroom.analysis.prepare import Prepared, prepare
+    from wiggleroom.analysis.prove import prove
     from wiggleroom.analysis.rank import Ranking, rank
     from wiggleroom.analysis.sample import Sample, sample
     from wiggleroom.analysis.sweep import Sweep, sweep
@@ -40,6 +41,7 @@ _HOME = {
     "Answer": "analysis.answer",
     "Assembly": "assembly.model",
     "Blocking": "analysis.blocking",
+    "Bound": "analysis.answer",
     "Closer": "drawing.model",
     "Contact": "analysis.answer",
     "Drawing": "drawing.model",
@@ -79,6 +81,7 @@ _HOME = {
     "largest_gap": "analysis.largest_gap",
     "patterns": "assembly",
     "prepare": "analysis.prepare",
+    "prove": "analysis.prove",
     "rank": "analysis.rank",
     "read": "assembly.build",
     "sample": "analysis.sample",
@@ -91,6 +94,7 @@ __all__ = [
     "Answer",
     "Assembly",
     "Blocking",
+    "Bound",
     "Closer",
     "Contact",
     "Drawing",
@@ -130,6 +134,7 @@ __all__ = [
     "largest_gap",
     "patterns",
     "prepare",
+    "prove",
     "rank",
     "read",
     "sample",

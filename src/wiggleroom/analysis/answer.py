@@ -33,6 +33,28 @@ class Contact:
     force: float
 
 
+@dataclass(frozen=True)
+class Bound:
+    """What was proven about the largest motion.
+
+    Parameters
+    ----------
+    at_most : float or None
+        A value that no motion can exceed [mm] (turns in [rad]); None where nothing was proven.
+    within : float or None
+        How far that lies above the motion found, as a share of it.
+    seconds : float
+        What it took.
+    why : str
+        Why nothing was proven; empty where something was.
+    """
+
+    at_most: float | None
+    within: float | None
+    seconds: float
+    why: str = ""
+
+
 @dataclass(frozen=True, eq=False)
 class Answer(Shown):
     """The largest safe motion that was found.
@@ -57,6 +79,8 @@ class Answer(Shown):
         Parts that move away or turn without limit.
     at_most : float or None
         A value that no motion can exceed, where one was worked out.
+    bound : Bound or None
+        How that was proven, or why not; None where nobody asked.
     trail : object
         How it was found, from which another question about the same prepared assembly can start.
     """
@@ -79,5 +103,6 @@ class Answer(Shown):
     leaves: tuple[str, ...] = ()
     turns: tuple[str, ...] = ()
     at_most: float | None = None
+    bound: Bound | None = None
     command: str = ""
     trail: object = field(default=None, repr=False)

@@ -14,6 +14,8 @@ from wiggleroom.analysis.finish import answer_of
 from wiggleroom.analysis.flex_halfplane import flex_half_planes
 from wiggleroom.analysis.flex_hull import flex_hull
 from wiggleroom.analysis.prepare import Prepared, prepare
+from wiggleroom.analysis.prove import check_request
+from wiggleroom.analysis.prove import prove as with_bound
 from wiggleroom.analysis.search import Found, Progress, Search
 from wiggleroom.analysis.starts import pulls
 from wiggleroom.assembly.findings import role_findings
@@ -34,6 +36,8 @@ def flex(
     model: str | PairModel | None = None,
     solver: str = "interior-point",
     start: Answer | None = None,
+    prove: float | None = None,
+    seconds: float = 60.0,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
@@ -51,6 +55,10 @@ def flex(
         "interior-point", or "ipopt" (needs the extra `ipopt`); half-planes need neither.
     start : Answer, optional
         An earlier answer of the same prepared assembly, with walls; the search starts near its motion.
+    prove : float, optional
+        Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.
+    seconds : float
+        For `prove`: time that the proof may take.
     stop : optional
         Anything with `is_set()`, for example a `threading.Event`; asked every iteration.
     progress : callable, optional
@@ -77,6 +85,10 @@ def flex(
 
     Source: Mind the Gap, section 4; by default walls instead of the hull, and the iterative re-approximation of its outlook.
     """
+    if prove is not None:
+        check_request(prove, seconds)
+        answer = flex(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
+        return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)
     began = time.perf_counter()
     tell = progress or _silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly

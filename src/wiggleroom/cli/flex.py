@@ -26,6 +26,8 @@ def flex(
     slices: int | None = None,
     rounds: int | None = None,
     solver: Literal["interior-point", "ipopt"] = "interior-point",
+    prove: float | None = None,
+    time: float | None = None,
 ) -> int:
     """Find the largest motion of the pulled parts.
 
@@ -49,6 +51,11 @@ def flex(
         For hull: so often the hulls are worked out, from the second time on round the motion found. By default 1.
     solver
         interior-point is this program's own; ipopt needs the extra wiggleroom[ipopt].
+    prove
+        Prove a bound: that no motion is worth more than this share above the answer; 0.01 is one per cent. Needs the
+        extra wiggleroom[prove].
+    time
+        For --prove: seconds that the proof may take; then the best bound so far is given. By default 60.
     """
     import shlex
     from dataclasses import replace
@@ -62,9 +69,16 @@ def flex(
     if settings and model != "hull":
         wrong = f"--{next(iter(settings))} is for --model hull only"
         raise InputError(wrong)
+    if time is not None and prove is None:
+        raise InputError("--time is for --prove only")
+    if prove is not None:
+        from wiggleroom.cli.proving import check_proof
+
+        check_proof(prove, time, model)
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
-    answer = replace(_answer(file, asked, Hull(**settings) if model == "hull" else model, solver), command=command)
+    wanted = Hull(**settings) if model == "hull" else model
+    answer = replace(_answer(file, asked, wanted, solver, prove, time), command=command)
     from wiggleroom.report.records import flex_record
     from wiggleroom.report.table import table
 
@@ -72,7 +86,9 @@ def flex(
     return 3 if answer.verdict == "stopped" else 0
 
 
-def _answer(file: str, asked: Asked, model: str | PairModel, solver: str) -> Answer:
+def _answer(
+    file: str, asked: Asked, model: str | PairModel, solver: str, prove: float | None, seconds: float | None
+) -> Answer:
     """Read, solve and measure; Ctrl-C and progress are looked after."""
     import time
     from dataclasses import replace
@@ -92,4 +108,8 @@ def _answer(file: str, asked: Asked, model: str | PairModel, solver: str) -> Ans
         from wiggleroom.analysis.flex import flex as solve
 
         answer = solve(assembly, model=model, solver=solver, stop=stop, progress=show)
+        if prove is not None and not stop.is_set():
+            from wiggleroom.cli.proving import proven
+
+            answer = proven(answer, prove, seconds, stop, show)
     return replace(answer, seconds={"read": spent} | answer.seconds | {"total": time.perf_counter() - begin})

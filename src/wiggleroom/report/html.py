@@ -18,7 +18,7 @@ from wiggleroom.report.picture import picture
 from wiggleroom.report.player import player
 from wiggleroom.report.ranking import ranking_unique
 from wiggleroom.report.scene import scene
-from wiggleroom.report.words import certainty, facts, headline, number, short, unit
+from wiggleroom.report.words import certainty, facts, headline, number, proven, short, unit
 
 _RATE = 16.0
 
@@ -118,7 +118,7 @@ def contacts_section(answer: Answer) -> Section:
 
 def answer_sure(answer: Answer) -> list[tuple[str, str]]:
     """How sure an answer is, and what it cost: a word and a sentence each."""
-    most = "not worked out" if answer.at_most is None else f"{number(answer.at_most, 6)} {unit(answer.goals)}".strip()
+    most = proven(answer) or "not worked out"
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
     return [
         ("found", found.strip()),

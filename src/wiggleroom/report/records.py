@@ -21,6 +21,13 @@ def flex_record(answer: Answer) -> Record:
         "objective": None if free or answer.objective is None else float(answer.objective),
         "at_most": answer.at_most,
     }
+    if answer.bound is not None and answer.bound.at_most is not None:
+        within = answer.bound.within
+        record["bound"] = {
+            "kind": "proven",
+            "within": None if within is None else float(within),
+            "seconds": round(float(answer.bound.seconds), 4),
+        }
     if free:
         record |= {"leaves": list(answer.leaves), "turns": list(answer.turns)}
     return record | {

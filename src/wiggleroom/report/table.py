@@ -9,7 +9,7 @@ import numpy as np
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.drawing.model import part_of
-from wiggleroom.report.words import ask, certainty, headline, number, sentence, short, unit
+from wiggleroom.report.words import ask, certainty, headline, number, proven, sentence, short
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def _contacts(answer: Answer) -> Table:
 def _sure(answer: Answer) -> list[str]:
     """How sure the answer is, and what it cost."""
     spent = ", ".join(f"{stage} {seconds:.2f}" for stage, seconds in answer.seconds.items())
-    most = [] if answer.at_most is None else [f"at most:  {number(answer.at_most, 6)} {unit(answer.goals)}".rstrip()]
+    most = [f"truth:    {proven(answer)}"] if answer.at_most is not None else []
     return [
         *most,
         f"checked:  {certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm",

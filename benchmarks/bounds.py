@@ -1,0 +1,72 @@
+"""How near proven bounds come, and what they cost: `python -m benchmarks.bounds [chains|grids|drawings]`."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+
+from tests.flexing import row_of
+from tests.oracle import blocks, chain
+
+import wiggleroom as wr
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.model import Assembly
+
+DRAWINGS = "examples/drawings"
+
+
+def chains() -> Iterator[tuple[str, Assembly, float, float | None]]:
+    """Ten links of five joint kinds, whose true optimum a dynamic programme knows."""
+    for joint in blocks.JOINTS:
+        for gap in (0.01, 0.03):
+            made = assemble(row_of([blocks.block(joint, gap)] * 10), gap=0.0)
+            yield f"chain of 10, {joint}, gap {gap}", made, 0.005, chain.stored(joint, gap, 10)[0]
+
+
+def grids() -> Iterator[tuple[str, Assembly, float, float | None]]:
+    """Tee blocks, the last one pulled up."""
+    for nx, ny, within in ((3, 3, 0.002), (6, 5, 0.01)):
+        made = wr.patterns.grid(nx, ny, joint="tee", gap=0.01)
+        last = wr.Pull(made.names[-1], (0, 1))
+        yield f"{nx} x {ny} tee blocks, gap 0.01", assemble(made.drawing, goals=[last]), within, None
+
+
+def drawings() -> Iterator[tuple[str, Assembly, float, float | None]]:
+    """Two of the example drawings, one corner fixed, the opposite one pulled."""
+    for name, gap, fixed, pull in (
+        ("pyjigsaw_4x5.svg", 1.0, "p1", wr.Pull("p20", (1, 0))),
+        ("jointpanel_4x4.svg", 0.2, "p-0", wr.Pull("p-15", (0, 1))),
+    ):
+        made = wr.read(f"{DRAWINGS}/{name}", gap=gap, fix=[fixed])
+        yield f"{name}, gap {gap}", assemble(made.drawing, gap=gap, fix=[fixed], goals=[pull]), 0.02, None
+
+
+KINDS: dict[str, Callable[[], Iterator[tuple[str, Assembly, float, float | None]]]] = {
+    "chains": chains,
+    "grids": grids,
+    "drawings": drawings,
+}
+
+
+def main(words: list[str]) -> None:
+    """Print one line for each question."""
+    print(
+        "| question | found | at most | within | true optimum | seconds | of this process alone |\n"
+        + "| --- " * 7
+        + "|"
+    )
+    for kind in words or list(KINDS):
+        for name, assembly, within, truth in KINDS[kind]():
+            answer = wr.flex(assembly)
+            wall, own = time.perf_counter(), time.process_time()
+            done = wr.prove(answer, within, seconds=300)
+            wall, own = time.perf_counter() - wall, time.process_time() - own
+            share = "-" if done.bound is None or done.bound.within is None else f"{done.bound.within:.2%}"
+            most = "-" if done.at_most is None else f"{done.at_most:.6g}"
+            true = "-" if truth is None else f"{truth:.6g}"
+            print(f"| {name} | {done.objective:.6g} | {most} | {share} | {true} | {wall:.1f} | {own:.1f} |", flush=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

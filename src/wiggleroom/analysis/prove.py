@@ -1,0 +1,118 @@
+"""A proven bound beside an answer: no motion that can be reached from rest is worth more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from wiggleroom.analysis.answer import Answer, Bound
+from wiggleroom.analysis.bounding import Bounding, Clock
+from wiggleroom.analysis.prepare import survey
+from wiggleroom.analysis.regions import outer_regions
+from wiggleroom.analysis.search import Progress
+from wiggleroom.errors import InputError, WiggleroomError
+from wiggleroom.program.objectives import PointMotion, objective
+from wiggleroom.program.relax import first_ranges
+from wiggleroom.solve.newton import Stop
+
+CUT = 0.6
+"""Motions worth more than the witness by this share of what is asked for are looked for."""
+
+
+def prove(
+    answer: Answer,
+    within: float = 0.01,
+    *,
+    seconds: float = 60.0,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Answer:
+    """Work out a value that no motion can exceed.
+
+    Parameters
+    ----------
+    answer : Answer
+        From `flex`, of pulls, turns or Ws.
+    within : float
+        Share of the answer's objective that the bound may lie above it, more than 0. Less takes longer.
+    seconds : float
+        The best bound that was found in this time is given, also where it is further away.
+    stop : optional
+        Anything with `is_set()`; ends it like the time.
+    progress : callable, optional
+        Told a `Progress` with the bound so far.
+
+    Returns
+    -------
+    Answer
+        The same, with `at_most` and `bound`. Where nothing is proven `at_most` is None and `bound.why` says why.
+
+    Raises
+    ------
+    InputError
+        If the goals are not linear in points and turns, the answer is of a model that only approximates contacts, or a number makes no
+        sense.
+    MissingExtraError
+        If highspy, the extra `prove`, is not installed.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> answer = wr.prove(wr.flex(wr.patterns.chain(2, joint="tee", gap=0.01)), within=0.01)
+    >>> answer.objective <= answer.at_most <= 1.01 * answer.objective
+    True
+
+    Source: outer regions after Varava et al., "Free Space of Rigid Objects" (2020); tightening of bounds as in global optimisation.
+    """
+    check_request(within, seconds)
+    if answer.model != "walls":
+        finding = f"a bound is proven for the model walls only; this answer is of {answer.model}"
+        raise InputError(finding)
+    clock = Clock(seconds, stop)
+    ground = survey(answer.assembly)
+    goal = objective(answer.assembly, ground.bodies, answer.goals)
+    if not isinstance(goal, PointMotion):
+        raise InputError("a bound is proven for pulls, turns and w only, not for sums of squares")
+    if answer.objective is None:
+        return replace(answer, bound=Bound(None, None, clock.spent, "nothing stops the motion"))
+    witness = answer.objective
+    aim = within * max(abs(witness), 1e-3 * ground.clearance)
+
+    def tell(stage: str, most: float) -> None:
+        if progress is not None:
+            progress(Progress(stage, 0, 0, most))
+
+    tell("outer regions", math.nan)
+    links, regions = outer_regions(ground, clock.over)
+    ranges = first_ranges(ground.bodies, links, regions)
+    asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
+    if not (ground.bodies.fixed[asked] | np.isfinite(ranges.far[asked])).all():
+        late = "there was no time to look at all joints"
+        why = late if clock.over() else "no chain of joints that close round each other holds what is pulled"
+        return replace(answer, bound=Bound(None, None, clock.spent, why))
+    bounding = Bounding(ground, links, regions, goal, witness + CUT * aim, clock, lambda most: tell("prove", most))
+    most = bounding.run(ranges, witness + aim)
+    if not math.isfinite(most):
+        return replace(answer, bound=Bound(None, None, clock.spent, "no bound was found in the time given"))
+    if most < witness and answer.path == "checked":
+        wrong = f"the bound {most} lies below the motion found, {witness}: a mistake in wiggleroom; please report it"
+        raise WiggleroomError(wrong)
+    share = (most - witness) / abs(witness) if witness else None
+    return replace(answer, at_most=float(most), bound=Bound(float(most), share, clock.spent))
+
+
+def check_request(within: float, seconds: float, names: tuple[str, str] = ("within", "seconds")) -> None:
+    """Refuse numbers that make no sense; `names` is what the asker calls them."""
+    wrong = [
+        f"{name} {value:g}: it must be {right}"
+        for name, value, right, fits in (
+            (names[0], within, "more than 0 and less than 10; 0.01 is one per cent", 0 < within < 10),
+            (names[1], seconds, "a number of seconds, more than 0", 0 < seconds < math.inf),
+        )
+        if not fits
+    ]
+    if wrong:
+        raise InputError(wrong)

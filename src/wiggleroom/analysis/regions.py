@@ -1,0 +1,56 @@
+"""Outer regions of all pairs that hold each other, congruent ones worked out once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.prepare import Survey
+from wiggleroom.freespace.outer import Outer, outer_region, pivot_of
+from wiggleroom.freespace.outer_slices import Facing
+from wiggleroom.freespace.relative import turn
+from wiggleroom.pairs.neighbours import classes, relative_rest
+from wiggleroom.program.relax import Links
+
+Floats = NDArray[np.float64]
+
+NEAR = 3.0
+"""The pivot of a pair is found from the edges within so many clearances."""
+
+
+def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[Links, list[Outer]]:
+    """Outer regions of the pairs whose joint closes, and which pair has which; fewer where it is `over` before all are done."""
+    them, a, b = ground.bodies, ground.near.a, ground.near.b
+    first, label = classes(them, a, b, relative_rest(them, a, b))
+    regions: list[Outer] = []
+    kind = np.full(len(first), -1, dtype=np.int64)
+    pivots = np.zeros((len(first), 2))
+    for c, k in enumerate(first):
+        if over():
+            break
+        found, pivot = _region(ground, int(a[k]), int(b[k]), float(ground.near.clearance[k]))
+        if found is not None:
+            kind[c], pivots[c] = len(regions), pivot
+            regions.append(found)
+    known = np.flatnonzero(kind[label] >= 0)
+    a, b, label = a[known], b[known], label[known]
+    axes = them.rest[a, 2]
+    arm = turn(pivots[label], axes)
+    return Links(a, b, kind[label], arm, them.rest[a, :2] + arm - them.rest[b, :2], axes), regions
+
+
+def _region(ground: Survey, a: int, b: int, clearance: float) -> tuple[Outer | None, Floats]:
+    """Outer region of one pair, None where the joint is open, and its pivot in the frame of body `a`."""
+    them = ground.bodies
+    pivot, lever = pivot_of(ground.geometry[a], ground.geometry[b], NEAR * clearance)
+    x, y, angle = them.rest[a]
+
+    def seen(geometry: shapely.Geometry) -> shapely.Geometry:
+        return shapely.transform(geometry, lambda p: turn(p - pivot, np.full(len(p), -angle)))
+
+    facing = Facing(seen(ground.geometry[a]), seen(ground.geometry[b]), clearance)
+    found = outer_region(facing, lever, float(them.radius[a] + them.radius[b]))
+    return found, turn((pivot - (x, y))[None], np.array([-angle]))[0]

@@ -1,0 +1,52 @@
+"""What `flex --prove` does after the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from threading import Event
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wiggleroom.analysis.answer import Answer
+
+SECONDS = 60.0
+
+
+def check_proof(share: float, seconds: float | None, model: str) -> None:
+    """Refuse, before the long work, what cannot be proven.
+
+    Raises
+    ------
+    InputError
+        If a number makes no sense or the model only approximates contacts.
+    MissingExtraError
+        If highspy is not installed.
+    """
+    from wiggleroom.analysis.prove import check_request
+    from wiggleroom.errors import InputError
+    from wiggleroom.solve.bounds import need_highs
+
+    check_request(share, SECONDS if seconds is None else seconds, ("--prove", "--time"))
+    if model != "walls":
+        wrong = f"--prove: a bound is proven with --model walls only, not {model}"
+        raise InputError(wrong)
+    need_highs()
+
+
+def proven(
+    answer: Answer, share: float, seconds: float | None, stop: Event, show: Callable[[Any], None] | None
+) -> Answer:
+    """Answer with a bound, or as it was, with a line on stderr that says why there is none."""
+    from dataclasses import replace
+
+    from wiggleroom.analysis.prove import prove
+    from wiggleroom.cli.say import note
+
+    done = prove(answer, share, seconds=SECONDS if seconds is None else seconds, stop=stop, progress=show)
+    if done.bound is None:
+        return done
+    if done.bound.why:
+        note(f"no bound: {done.bound.why}")
+    elif done.bound.within is not None and done.bound.within > share:
+        note(f"bound: within {done.bound.within:.2%} of the answer; more --time may bring it nearer")
+    return replace(done, seconds={**done.seconds, "prove": done.bound.seconds})

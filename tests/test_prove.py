@@ -1,0 +1,309 @@
+"""Proven bounds: never below the truth, near it where they should be, and safe against rounding."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+import wiggleroom as wr
+from tests.flexing import case_assembly, displaced, mirrored, random_assembly, random_goals, row_of, scaled, shuffled
+from tests.oracle import blocks, chain, closed_forms, random_joints
+from tests.oracle.slices import Slices
+from wiggleroom.analysis.bounding import Bounding, Clock
+from wiggleroom.analysis.prepare import survey
+from wiggleroom.analysis.regions import outer_regions
+from wiggleroom.assembly.build import assemble
+from wiggleroom.freespace.outer import refined
+from wiggleroom.freespace.outer_facets import facets
+from wiggleroom.program.envelope import envelope, support
+from wiggleroom.program.objectives import PointMotion, objective
+from wiggleroom.program.relax import first_ranges
+
+pytest.importorskip("highspy")
+from wiggleroom.solve.bounds import LinearBounds, safe_bound
+
+BOUNDED = {f"{k} {case.name}": case for k, case in enumerate(closed_forms.bounded())}
+LOOSE = ("row of", "24-gon in a square")  # held by joints that do not close: nothing tight is promised
+CHAINS = [(joint, gap, n) for joint in blocks.JOINTS for gap in (0.01, 0.03) for n in (2, 10)]
+ROUNDING = 1e-12
+
+
+def bound_of(assembly, goals, cut, seconds):
+    """What a proof says that looks for motions worth more than `cut`, whatever the truth is."""
+    clock = Clock(seconds, None)
+    ground = survey(assembly)
+    goal = objective(assembly, ground.bodies, goals)
+    assert isinstance(goal, PointMotion)
+    links, regions = outer_regions(ground, clock.over)
+    ranges = first_ranges(ground.bodies, links, regions)
+    held = ground.bodies.fixed[goal.body] | np.isfinite(ranges.far[goal.body])
+    if not held.all():
+        return math.inf
+    return Bounding(ground, links, regions, goal, cut, clock, lambda _: None).run(ranges, cut)
+
+
+# -- never below the truth -------------------------------------------------------------------------------------------
+
+
+def look(seed, most=3):
+    """A bound that is asked for far too little has to stay above a motion that was found and checked."""
+    assembly = random_assembly(seed)
+    goals = random_goals(assembly, seed, most)
+    answer = wr.flex(assembly, goals)
+    if answer.objective is None:
+        assert bound_of(assembly, goals, 1.0, 2.0) == math.inf
+        return
+    for share in (0.3, 0.97):
+        assert bound_of(assembly, goals, share * answer.objective, 2.0) >= answer.objective * (1 - ROUNDING)
+
+
+@pytest.mark.parametrize("seed", range(0, 30, 2))
+def test_no_bound_below_a_checked_motion(seed):
+    look(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(30, 400))
+def test_no_bound_below_a_checked_motion_often(seed):
+    look(seed)
+
+
+@pytest.mark.parametrize("name", BOUNDED)
+def test_closed_forms(name):
+    case = BOUNDED[name]
+    assembly = case_assembly(case)
+    low = bound_of(assembly, assembly.goals, 0.5 * case.value, 1.0)
+    assert low >= case.value * (1 - ROUNDING)
+    loose = name.split(" ", 1)[1].startswith(LOOSE)
+    answer = wr.prove(wr.flex(assembly), 0.001, seconds=1 if loose else 20)
+    if loose:
+        assert answer.at_most is None or answer.at_most >= case.value
+    else:
+        assert case.value * (1 - ROUNDING) <= answer.at_most <= case.value * 1.001
+
+
+@pytest.mark.parametrize(("joint", "gap", "n"), [c for c in CHAINS if c[2] == 2 or c[0] in ("tee", "swallowtail")])
+def test_chains_against_the_dynamic_programme(joint, gap, n):
+    value, accuracy = chain.stored(joint, gap, n)
+    assembly = assemble(row_of([blocks.block(joint, gap)] * n), gap=0.0)
+    answer = wr.prove(wr.flex(assembly), 0.01, seconds=60)
+    assert value - accuracy <= answer.at_most <= 1.011 * value
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("joint", "gap", "n"), CHAINS)
+def test_chains_within_half_a_per_cent(joint, gap, n):
+    value, accuracy = chain.stored(joint, gap, n)
+    assembly = assemble(row_of([blocks.block(joint, gap)] * n), gap=0.0)
+    for cut in (0.5, 0.999):
+        assert bound_of(assembly, assembly.goals, cut * value, 20.0) >= value - accuracy
+    # the witness of some of these chains lies below the truth
+    assert bound_of(assembly, assembly.goals, 1.003 * value, 60.0) <= 1.005 * value
+
+
+def one_joint(seed, gap=0.01):
+    """A chain of one joint that nobody drew by hand and the largest move of its last block, by exact slices."""
+    made = random_joints.tab_pair(seed, gap)
+    a, b, D = made.local()
+    value = chain.reach(Slices(a, b, tuple(D)), 2, cells=60).value
+    drawing = row_of([a, b])
+    return assemble(drawing, gap=0.0), value
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_random_joints_against_exact_slices(seed):
+    assembly, value = one_joint(seed)
+    assert bound_of(assembly, assembly.goals, 0.6 * value, 2.0) >= value - 1e-10
+    assert bound_of(assembly, assembly.goals, 1.005 * value, 20.0) <= 1.006 * value
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3, 60))
+def test_many_random_joints_against_exact_slices(seed):
+    assembly, value = one_joint(seed)
+    assert bound_of(assembly, assembly.goals, 0.6 * value, 2.0) >= value - 1e-10
+
+
+# -- the pieces of the argument --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_outer_regions_hold_all_true_slices(seed):
+    """Exact slices by an oracle that shares no code lie inside the facets."""
+    joint, gap = blocks.JOINTS[seed], (0.01, 0.03)[seed % 2]
+    made = blocks.block(joint, gap)
+    assembly = assemble(row_of([made, made]), gap=0.0)
+    ground = survey(assembly)
+    links, (region,) = outer_regions(ground, lambda: False)
+    pivot = ground.bodies.rest[0, :2] + links.arm_a[0]
+    truth = Slices(made, made, (1.0, 0.0))
+    low, high = region.turns
+    assert low <= truth.low
+    assert high >= truth.high
+    for outer in (region, refined(region, np.arange(len(region.low)))):
+        for phi in np.linspace(truth.low, truth.high, 41):
+            corners = truth.corners(phi)
+            arm, c, s = pivot - (1.0, 0.0), math.cos(phi), math.sin(phi)
+            swing = np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]]) - arm
+            axes = links.axes[0]
+            turn = np.array([[math.cos(axes), math.sin(axes)], [-math.sin(axes), math.cos(axes)]])
+            points = np.column_stack([(corners + swing) @ turn.T, np.full(len(corners), phi)])
+            near = facets(outer, phi - 1e-4, phi + 1e-4)
+            for found in (near, facets(outer, -np.inf, np.inf)):
+                assert (points @ found.normal.T <= found.offset).all()
+                assert np.hypot(*(points[:, :2] - found.middle).T).max() <= found.reach
+
+
+@pytest.mark.parametrize("half", [1e-9, 0.01, 0.7, 1.6, 3.0, 7.0])
+def test_envelopes_hold_at_every_angle(half):
+    rng = np.random.default_rng(0)
+    middle = rng.uniform(-4, 4, 30)
+    rows, most = envelope(middle - half, middle + half)
+    t = middle[:, None] + np.linspace(-half, half, 2001)
+    curve = np.stack([np.cos(t) - 1, np.sin(t), t], 1)
+    assert (rows @ curve <= most[:, :, None]).all()
+
+
+def test_support_is_the_largest_value():
+    rng = np.random.default_rng(1)
+    a, b, c, half = *rng.standard_normal((3, 500)), rng.uniform(0, 3.1, 500)
+    v = np.linspace(-1, 1, 4001) * half[:, None]
+    a, b, c = (k[:, None] for k in (a, b, c))
+    seen = (a * np.cos(v) + b * np.sin(v) + c * v).max(1)
+    found = support(a[:, 0], b[:, 0], c[:, 0], half)
+    assert (found >= seen).all()
+    assert (found <= seen + 1e-5).all()
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_any_multipliers_give_a_bound(seed):
+    """Weak duality: good, bad and nonsensical multipliers alike stay above every point that is allowed."""
+    rng = np.random.default_rng(seed)
+    rows = sp.random(12, 6, 0.5, random_state=seed, data_rvs=rng.standard_normal).tocsr()
+    x = rng.uniform(-1, 1, 6)
+    low, high = rows @ x - rng.uniform(0, 0.1, 12), rows @ x + rng.uniform(0, 0.1, 12)
+    low[::3], high[1::3] = -np.inf, np.inf
+    cost, least, most = rng.standard_normal(6), np.full(6, -1.0), np.ones(6)
+    solver = LinearBounds(rows, low, high, least, most)
+    best = solver.most_of(cost)
+    assert cost @ solver.x == pytest.approx(best, abs=1e-6)
+    for y in (solver.y, solver.y + 1e-3 * rng.standard_normal(12), 100 * rng.standard_normal(12), np.full(12, np.nan)):
+        assert safe_bound(cost, rows, low, high, least, most, y) >= cost @ x
+    assert best >= cost @ x
+
+
+# -- the same question otherwise -------------------------------------------------------------------------------------
+
+OTHERWISE = {
+    "mirror": (mirrored, 1.0),
+    "thousandfold": (lambda d: scaled(d, 1e3), 1e3),
+    "hundredth": (lambda d: scaled(d, 1e-2), 1e-2),
+    "shuffled": (shuffled, 1.0),
+    "far off": (lambda d: displaced(d, 0.7, (300.0, -200.0)), 1.0),
+}
+
+
+@pytest.mark.parametrize("how", OTHERWISE)
+def test_same_chain_otherwise(how):
+    change, length = OTHERWISE[how]
+    value, _ = chain.stored("swallowtail", 0.02, 5)
+    assembly = assemble(change(row_of([blocks.block("swallowtail", 0.02)] * 5)), gap=0.0)
+    answer = wr.prove(wr.flex(assembly), 0.01, seconds=60)
+    assert value * length * (1 - 1e-10) <= answer.at_most <= 1.0101 * value * length
+
+
+def test_a_turn_beyond_a_quarter():
+    """Two loose pegs in line turn more than a quarter together; the bound holds and is near."""
+    assembly = wr.patterns.chain(12, joint="swallowtail", gap=0.03)
+    answer = wr.flex(assembly, wr.Turn("b12", "ccw"))
+    assert answer.objective > math.pi / 4
+    proven = wr.prove(answer, 0.01, seconds=60)
+    assert answer.objective <= proven.at_most <= 1.01 * answer.objective
+
+
+# -- asking ----------------------------------------------------------------------------------------------------------
+
+
+def test_flex_proves_when_asked():
+    assembly = wr.patterns.chain(3, joint="tee", gap=0.02)
+    plain = wr.flex(assembly)
+    assert plain.at_most is None
+    assert plain.bound is None
+    answer = wr.flex(assembly, prove=0.01)
+    assert answer.objective == plain.objective
+    assert answer.bound.at_most == answer.at_most
+    assert answer.at_most / answer.objective - 1 == pytest.approx(answer.bound.within)
+    assert answer.bound.within <= 0.01
+
+
+def test_what_flies_away_has_no_bound():
+    case = next(iter(closed_forms.unbounded()))
+    answer = wr.prove(wr.flex(case_assembly(case)), 0.01)
+    assert answer.at_most is None
+    assert answer.bound.why == "nothing stops the motion"
+
+
+def test_open_joints_are_said():
+    parts = wr.patterns.chain(2, joint="finger", gap=0.02)
+    answer = wr.flex(parts, wr.Pull("b2", (0, 1)))
+    if answer.objective is not None:
+        proven = wr.prove(answer, 0.01)
+        assert proven.at_most is None
+        assert "close" in proven.bound.why
+
+
+@pytest.mark.parametrize(("within", "seconds"), [(0, 1), (-1, 1), (math.nan, 1), (0.1, 0), (0.1, math.inf)])
+def test_numbers_that_make_no_sense(within, seconds):
+    answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02))
+    with pytest.raises(wr.InputError, match="it must be"):
+        wr.prove(answer, within, seconds=seconds)
+
+
+def test_sums_of_squares_are_refused():
+    assembly = wr.patterns.chain(2, joint="tee", gap=0.02)
+    with pytest.raises(wr.InputError, match="sums of squares"):
+        wr.flex(assembly, wr.Translation(), prove=0.01)
+
+
+def test_a_short_time_gives_the_best_so_far():
+    assembly = wr.patterns.grid(3, 3, joint="tee", gap=0.02)
+    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)), prove=1e-6, seconds=3)
+    assert answer.bound.seconds < 10
+    assert answer.at_most is None or answer.at_most >= answer.objective
+
+
+def test_command(tmp_path, capsys, monkeypatch):
+    from wiggleroom.cli import main
+
+    def run(*words):
+        monkeypatch.setattr("sys.argv", ["wiggleroom", *map(str, words)])
+        return main()
+
+    file, out, picture = (tmp_path / name for name in ("chain.json", "out.json", "out.svg"))
+    assert run("make", "chain", "3", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
+    assert run("flex", file, "--prove", "0.01", "--time", "30", "--json", out, "--picture", picture) == 0
+    said = capsys.readouterr().out
+    assert "mm, proven" in said
+    assert "mm, proven" in picture.read_text()
+    record = json.loads(out.read_text())
+    assert record["bound"]["kind"] == "proven"
+    assert record["bound"]["within"] == pytest.approx(record["at_most"] / record["objective"] - 1)
+    assert record["objective"] <= record["at_most"] <= 1.01 * record["objective"]
+    for wrong in (["--time", "3"], ["--prove", "0"], ["--prove", "0.01", "--model", "hull"], ["--prove", "x"]):
+        assert run("flex", file, *wrong) == 2
+        assert len(capsys.readouterr().err.strip().splitlines()) == 1
+
+
+def test_words_round_outwards():
+    from dataclasses import replace
+
+    from wiggleroom.report.words import proven
+
+    answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
+    assert proven(answer) == ""
+    said = proven(replace(answer, objective=1.37238, at_most=1.37901))
+    assert said == "between 1.3723 and 1.3791 mm, proven"
