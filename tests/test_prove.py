@@ -131,7 +131,7 @@ def test_many_random_joints_against_exact_slices(seed):
 # -- the pieces of the argument --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 1, 3, pytest.param(2, marks=pytest.mark.slow)])
 def test_outer_regions_hold_all_true_slices(seed):
     """Exact slices by an oracle that shares no code lie inside the facets."""
     joint, gap = blocks.JOINTS[seed], (0.01, 0.03)[seed % 2]
@@ -145,7 +145,7 @@ def test_outer_regions_hold_all_true_slices(seed):
     assert low <= truth.low
     assert high >= truth.high
     for outer in (region, refined(region, np.arange(len(region.low)))):
-        for phi in np.linspace(truth.low, truth.high, 41):
+        for phi in np.linspace(truth.low, truth.high, 23):
             corners = truth.corners(phi)
             arm, c, s = pivot - (1.0, 0.0), math.cos(phi), math.sin(phi)
             swing = np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]]) - arm
