@@ -38,6 +38,8 @@ NUDGE = 1e-3
 """Standard deviation of the first, random displacement, in units of the clearance."""
 FEW = 8, 100
 """Up to so many corner contacts are tried one by one, in an assembly of up to so many bodies."""
+NEARER = 2
+"""So often pairs whose virtual walls stay are rebuilt from nearer to the end."""
 MOST_RESTARTS = 3
 """So often the search begins again because a part may meet another on the way that was not thought of."""
 MANY = 1000
@@ -93,12 +95,11 @@ class Found:
     begin: Floats
     tolerance: float
 
-    @property
-    def nearer(self) -> Floats:
-        """A legal point (3F,) of the round's way half as near to its end as the inner one, in steps of the solver."""
+    def nearer(self, level: int) -> Floats:
+        """A legal point (3F,) of the round's way nearer to its end than the inner one: level 1 half as near in steps, 2 a quarter."""
         way = self.solution.way
         start = next((k for k, u in enumerate(way) if u is self.solution.inner), -1)
-        return way[(start + len(way)) // 2] if start >= 0 else self.solution.inner
+        return way[len(way) - 1 - (len(way) - 1 - start) // 2**level] if start >= 0 else self.solution.inner
 
     def leg(self, end: Floats) -> Leg:
         """The round's piece of the way, up to its point `end` or to its solution."""
@@ -151,7 +152,7 @@ class Search:
         fine = min(max(FINE, EACH * len(self.inner)), COARSE)
         tolerance, mu = ROUGH, self.first_mu
         polished = False
-        nearer = False  # the last rebuilding began nearer to its end
+        nearer = 0  # the last rebuildings began so much nearer to the end
         branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
@@ -168,7 +169,7 @@ class Search:
             best, mu = self.best or found, AGAIN * found.solution.inner_mu
             stale = self._stale(found)
             if gained and len(stale):
-                branches, nearer = None, False
+                branches, nearer = None, 0
                 if found.solution.status == "failed":  # still on its way: go on in larger steps
                     tolerance, mu = ROUGH, FIRST_MU
                 self._rebuild(found, stale)
@@ -180,10 +181,10 @@ class Search:
                 tolerance = fine
                 polished, mu = True, best.solution.inner_mu
                 self._rebuild(best, stale[:0])
-            elif best.touch.virtual.any() and not nearer and not self.large:
+            elif best.touch.virtual.any() and nearer < NEARER and not self.large:
                 # past a corner, the walls that matter show only from where the corner has been passed
-                nearer, mu = True, AGAIN * best.solution.inner_mu
-                self._rebuild(best, self._stale(best), nearer=True)
+                nearer, mu = nearer + 1, AGAIN * best.solution.inner_mu
+                self._rebuild(best, self._stale(best), nearer=nearer)
             else:
                 if branches is None or gained:
                     branches = self._branches(best) if self.thorough else []
@@ -213,11 +214,12 @@ class Search:
 
     @property
     def unlimited(self) -> bool:
-        """True where a body has moved or turned so far that nothing stops it."""
+        """True where a body that the objective is about has moved or turned so far that nothing stops it."""
         if self.best is None:
             return False
-        far = np.hypot(*self.best.motion[:, :2].T).max() > FAR * self.ready.size
-        return bool(far or np.abs(self.best.motion[:, 2]).max() > ROUND)
+        asked = (self.objective.gradient(self.best.motion) != 0).any(axis=1)
+        far = np.hypot(*self.best.motion[asked, :2].T).max(initial=0.0) > FAR * self.ready.size
+        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > ROUND)
 
     def _round(self, tolerance: float, mu: float) -> Found:
         """Build and solve the program of the present cells."""
@@ -296,7 +298,7 @@ class Search:
         grown, _ = grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), wish=wish)
         self.cells = joined(self.cells, grown)
 
-    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False, nearer: bool = False) -> None:
+    def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False, nearer: int = 0) -> None:
         """Begin the next round near `found`, with new cells for some pairs grown there.
 
         The new cells keep the solution itself inside, so the next round can only be better. With `other_side` they avoid the line that a
@@ -306,7 +308,7 @@ class Search:
         began = time.perf_counter()
         self.tell(Progress("free spaces", self.rounds, found.solution.iterations, found.value))
         bodies, old, solution = self.ready.bodies, found.program.cells, found.solution
-        inner = found.nearer if nearer else solution.inner
+        inner = found.nearer(nearer) if nearer else solution.inner
         self.inner = found.program.motion(inner)
         self.legs = (*found.legs, found.leg(inner))
         a, b = old.a[pairs], old.b[pairs]

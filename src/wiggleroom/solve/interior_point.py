@@ -235,7 +235,9 @@ class _Watch:
             return "converged"
         if self.stop is not None and self.stop.is_set():
             return "stopped"
-        far = np.abs(state.at.program.motion(state.u)[:, :2]).max(initial=0.0) > self.horizon
+        pulled = (state.at.gradient.reshape(-1, 3) != 0).any(axis=1)  # a loose part may drift anywhere
+        reached = np.abs(state.u.reshape(-1, 3)[pulled, :2]).max(initial=0.0) * state.at.program.length
+        far = reached > self.horizon
         return ("escaping" if inside else "failed") if far else ""
 
 
