@@ -85,9 +85,7 @@ def part(pair, work, seed, keep, i, j, pose, p, q):
             room = 0.0
         elif attempt == 3 or attempt == 6:
             room *= 0.1
-        if (
-            attempt % 3 == 2
-        ):  # neither of their own lines: any that one of them is wholly behind and the other in front of
+        if attempt % 3 == 2:  # neither of their own lines: any other that parts them
             edge, ahead = line_between(pair, i, j, pose, tiny)
             other = j if edge < pair.na else i
         else:
@@ -133,10 +131,8 @@ def hide_all(pair, work, seed, keep, pose, p, q):
         if where < 0:
             return True, np.nan
         i, j, apart2 = work.open_pairs[where].a, work.open_pairs[where].b, work.open_pairs[where].apart2
-        near = (
-            apart2 <= 1.5 * last
-        )  # the reach is looked at again only when the nearest open pair is clearly further away
-        if not near:
+        looked = apart2 > 1.5 * last  # the reach is looked at again only where the nearest is clearly further away
+        if looked:
             last = apart2
             if out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny):
                 return True, np.nan
@@ -144,7 +140,7 @@ def hide_all(pair, work, seed, keep, pose, p, q):
         if line == NO_ROOM:
             return False, np.nan
         if line == NO_LINE:
-            reached = not near or not out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny)
-            return not reached, parallel(pair, i, j, p, q)
+            beyond = not looked and out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny)
+            return beyond, parallel(pair, i, j, p, q)
         set_ahead(pair, work, line, p, q)
         cover(pair, work, line, tiny)

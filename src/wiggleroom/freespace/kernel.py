@@ -1,4 +1,8 @@
-"""How functions are compiled."""
+"""How functions are compiled.
+
+What was compiled is kept beside the package. Of what a function calls in other modules only the outermost one's file is looked at to see
+whether it is still right: after a change to what `grow` builds on, change the time of grow.py as well (touch).
+"""
 
 from __future__ import annotations
 
