@@ -1,0 +1,46 @@
+/** Dropping a file, and what is seen before there is one. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect } from "preact/hooks";
+import { openFile } from "../session.ts";
+import { baked, drawing, line, opening } from "../state.ts";
+
+export function Drop() {
+  const over = useSignal(false);
+  useEffect(() => {
+    if (baked.value) return;
+    const gone = new AbortController();
+    const files = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
+    const enter = (event: DragEvent): void => {
+      if (!files(event)) return;
+      event.preventDefault();
+      over.value = true;
+    };
+    const leave = (event: DragEvent): void => {
+      if (event.relatedTarget === null) over.value = false;
+    };
+    const drop = async (event: DragEvent): Promise<void> => {
+      event.preventDefault();
+      over.value = false;
+      const file = event.dataTransfer?.files[0];
+      if (file) openFile(file.name, new Uint8Array(await file.arrayBuffer()));
+    };
+    addEventListener("dragover", enter, { signal: gone.signal });
+    addEventListener("dragleave", leave, { signal: gone.signal });
+    addEventListener("drop", drop, { signal: gone.signal });
+    return () => gone.abort();
+  }, []);
+  if (over.value) return <div class="drop over">Let go to open it</div>;
+  if (opening.value) return <div class="drop" role="status">Opening {opening.value}…</div>;
+  if (drawing.value || baked.value) return null;
+  if (line.value === "refused") return <div class="drop">Open the address that <code>wiggleroom serve</code> prints.</div>;
+  return (
+    <div class="drop">
+      <div>
+        <p class="big">Drop a drawing here</p>
+        <p>SVG, DXF or an assembly file (JSON). Or <label class="link" for="file">choose one</label>.</p>
+        <p class="quiet">It stays on this machine.</p>
+      </div>
+    </div>
+  );
+}

@@ -1,0 +1,39 @@
+/** A box for a number that takes it when it is finished: by Enter, by leaving, or by the arrows. */
+
+import { useEffect, useRef } from "preact/hooks";
+import { number } from "../words.ts";
+
+interface Asked { value: number; onChange: (value: number) => void; label: string; min?: number; step?: number; unit?: string; digits?: number; disabled?: boolean }
+
+export function NumberBox({ value, onChange, label, min, step, unit, digits = 5, disabled }: Asked) {
+  const box = useRef<HTMLInputElement>(null);
+  const text = number(value, digits);
+  useEffect(() => {
+    if (box.current && document.activeElement !== box.current) box.current.value = text;
+  }, [text]);
+  const take = (): void => {
+    const typed = Number(box.current!.value.replace(",", "."));
+    if (!Number.isFinite(typed) || box.current!.value.trim() === "" || (min !== undefined && typed < min)) box.current!.value = text;
+    else if (typed !== value) onChange(typed);
+  };
+  const keys = (event: KeyboardEvent): void => {
+    event.stopPropagation();
+    if (event.key === "Enter") take();
+    if (event.key === "Escape") {
+      box.current!.value = text;
+      box.current!.blur();
+    }
+    if (step && (event.key === "ArrowUp" || event.key === "ArrowDown")) {
+      event.preventDefault();
+      const next = Math.max(min ?? -Infinity, value + (event.key === "ArrowUp" ? step : -step) * (event.shiftKey ? 10 : 1));
+      box.current!.value = number(next, digits);
+      onChange(Number(next.toPrecision(9)));
+    }
+  };
+  return (
+    <span class="numberbox">
+      <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} onChange={take} onKeyDown={keys} />
+      {unit && <span class="unit" aria-hidden="true">{unit}</span>}
+    </span>
+  );
+}

@@ -1,0 +1,49 @@
+/** Under the canvas: play, the place on the way, magnification, and the zoom. */
+
+import { autoFactor, chosenFactor, place, play, playing, shown } from "../motion.ts";
+import { back } from "../session.ts";
+import { fitAll, zoomBy } from "../stage/camera.ts";
+import { answer, drawing } from "../state.ts";
+import { Button } from "./Button.tsx";
+
+const FACTORS = [1, 2, 5, 10, 20, 50, 100];
+
+export function Player() {
+  if (!drawing.value) return null;
+  const { frames, what } = shown.value;
+  const film = frames !== null && frames.k > 1;
+  const other = what !== "answer" && what !== "rest" && what !== "between";
+  return (
+    <div class="player">
+      <div class="group film" hidden={!film && !other}>
+        {film && (
+          <>
+            <Button icon={playing.value ? "pause" : "play"} label={playing.value ? "Pause" : "Play"} keyName="Space" onClick={() => play(!playing.value)} />
+            <input
+              type="range" min="0" max="1000" value={Math.round(place.value * 1000)} aria-label="place on the way from rest"
+              aria-valuetext={`${Math.round(place.value * 100)} %`}
+              onInput={(event) => {
+                play(false);
+                place.value = Number(event.currentTarget.value) / 1000;
+              }}
+            />
+            <output>{place.value <= 0 ? "rest" : `${Math.round(place.value * 100)} %`}</output>
+          </>
+        )}
+        {other && <Button icon="rest" label={answer.value ? "Back to the answer" : "Back to rest"} keyName="Escape" onClick={back}>{answer.value ? "Answer" : "Rest"}</Button>}
+      </div>
+      <label class="group factor" title="how many times the motion is enlarged">
+        <span>motion</span>
+        <select value={chosenFactor.value} aria-label="how many times the motion is enlarged" onChange={(event) => (chosenFactor.value = Number(event.currentTarget.value))}>
+          <option value={0}>×{autoFactor.value} auto</option>
+          {FACTORS.map((f) => <option key={f} value={f}>×{f}</option>)}
+        </select>
+      </label>
+      <div class="group zoom">
+        <Button icon="minus" label="Zoom out" keyName="-" onClick={() => zoomBy(1 / 1.3)} />
+        <Button icon="plus" label="Zoom in" keyName="+" onClick={() => zoomBy(1.3)} />
+        <Button icon="fit" label="Fit the drawing" keyName="0" onClick={fitAll} />
+      </div>
+    </div>
+  );
+}

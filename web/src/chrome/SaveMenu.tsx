@@ -1,0 +1,88 @@
+/** What can be saved: picture, film, report, numbers, the assembly, files to cut, and the command that says it again. */
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import type { SaveWhat } from "../protocol.ts";
+import { save } from "../session.ts";
+import { shown } from "../motion.ts";
+import { answer, can, checked, drawing, notice, running } from "../state.ts";
+import { Button } from "./Button.tsx";
+
+interface Choice { what: SaveWhat; words: string; ending: string; needs?: string; asked?: true }
+const CHOICES: Choice[] = [
+  { what: "svg", words: "Picture", ending: "svg", asked: true },
+  { what: "png", words: "Picture", ending: "png", asked: true },
+  { what: "gif", words: "Film", ending: "gif", needs: "film", asked: true },
+  { what: "mp4", words: "Film", ending: "mp4", needs: "film", asked: true },
+  { what: "html", words: "Report", ending: "html", asked: true },
+  { what: "json", words: "Answer in numbers", ending: "json", asked: true },
+  { what: "assembly", words: "Assembly file", ending: "json" },
+  { what: "cut-svg", words: "Outlines to cut", ending: "svg" },
+  { what: "cut-dxf", words: "Outlines to cut", ending: "dxf", needs: "dxf" },
+];
+
+export function SaveMenu() {
+  const [open, setOpen] = useState(false);
+  const root = useRef<HTMLDivElement>(null);
+  useEffect(() => {
+    if (!open) return;
+    const outside = (event: PointerEvent): void => {
+      if (!root.current?.contains(event.target as Node)) setOpen(false);
+    };
+    root.current?.querySelector<HTMLElement>("[role=menuitem]:not(:disabled)")?.focus();
+    addEventListener("pointerdown", outside);
+    return () => removeEventListener("pointerdown", outside);
+  }, [open]);
+  const escape = shown.value.what === "escape" && checked.value !== null;
+  const pick = (what: SaveWhat): void => {
+    setOpen(false);
+    save(what, escape ? "check" : "flex");
+    root.current?.querySelector("button")?.focus();
+  };
+  const keys = (event: KeyboardEvent): void => {
+    if (!open) return;
+    const items = [...(root.current?.querySelectorAll<HTMLElement>("[role=menuitem]:not(:disabled)") ?? [])];
+    const at = items.indexOf(document.activeElement as HTMLElement);
+    const to = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: items.length - 1 }[event.key];
+    if (event.key === "Escape" || to !== undefined) {
+      event.preventDefault();
+      event.stopPropagation();
+    }
+    if (event.key === "Escape") {
+      setOpen(false);
+      root.current?.querySelector("button")?.focus();
+    } else if (to !== undefined) items[(to + items.length) % items.length]?.focus();
+  };
+  const command = escape ? (checked.value?.reply.command ?? "") : (answer.value?.reply.command ?? "");
+  return (
+    <div class="menu" ref={root} onKeyDown={keys}>
+      <Button icon="save" label="Save" keyName="S" onClick={() => setOpen(!open)} disabled={!drawing.value} pressed={open} class="savebutton">
+        {running.value.has("save") ? "Saving…" : "Save"}
+      </Button>
+      {open && (
+        <div class="popup" role="menu" aria-label="Save">
+          {CHOICES.map(({ what, words, ending, needs, asked }) => {
+            const missing = needs !== undefined && !can(needs);
+            return (
+              <button
+                key={what} type="button" role="menuitem" disabled={missing || (asked && !answer.value && !escape)} onClick={() => pick(what)}
+                title={missing ? `needs the extra ${needs}: pip install 'wiggleroom[${needs}]'` : undefined}
+              >
+                <span>{words}</span><kbd>{ending}</kbd>
+              </button>
+            );
+          })}
+          {command && (
+            <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(command))}>
+              <span>Copy the command</span><kbd>text</kbd>
+            </button>
+          )}
+        </div>
+      )}
+    </div>
+  );
+}
+
+export async function copy(text: string): Promise<void> {
+  await navigator.clipboard.writeText(text);
+  notice.value = "copied";
+}

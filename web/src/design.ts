@@ -1,0 +1,107 @@
+/** The design: what the user set, with undo and redo. Every change is a new object. */
+
+import { computed, signal } from "@preact/signals";
+import { type Design, type Goal, type Goals, isPull, type Point } from "./protocol.ts";
+
+export const NOTHING: Design = { gap: 0, extra: {}, fixed: [], glue: [], goals: [] };
+
+export const design = signal<Design>(NOTHING);
+const past = signal<Design[]>([]);
+const future = signal<Design[]>([]);
+export const canUndo = computed(() => past.value.length > 0);
+export const canRedo = computed(() => future.value.length > 0);
+
+const DEEPEST = 200;
+let merging = "";
+
+/** Begins anew with a design that was read: nothing to undo. */
+export function begin(read: Design): void {
+  design.value = read;
+  past.value = [];
+  future.value = [];
+  merging = "";
+}
+
+/** Changes the design. Changes with the same `merge` word that follow each other are undone in one step. */
+export function change(next: Partial<Design>, merge = ""): void {
+  if (!merge || merge !== merging) past.value = [...past.value.slice(-DEEPEST), design.value];
+  merging = merge;
+  future.value = [];
+  design.value = { ...design.value, ...next };
+}
+
+/** The next change is a step of its own even if its word is the same. */
+export function settle(): void {
+  merging = "";
+}
+
+export function undo(): void {
+  const last = past.value.at(-1);
+  if (!last) return;
+  past.value = past.value.slice(0, -1);
+  future.value = [...future.value, design.value];
+  design.value = last;
+  merging = "";
+}
+
+export function redo(): void {
+  const next = future.value.at(-1);
+  if (!next) return;
+  future.value = future.value.slice(0, -1);
+  past.value = [...past.value, design.value];
+  design.value = next;
+  merging = "";
+}
+
+export const list = (goals: Goals): Goal[] => (typeof goals === "string" ? [] : goals);
+export const goals = computed(() => list(design.value.goals));
+export const fixedNames = computed(() => new Set(design.value.fixed));
+export const pulledNames = computed(() => new Set(goals.value.map((goal) => goal.part)));
+
+export function toggleFixed(name: string): void {
+  const { fixed } = design.value;
+  change({ fixed: fixed.includes(name) ? fixed.filter((other) => other !== name) : [...fixed, name] });
+}
+
+export function setGoal(index: number, goal: Goal, merge = ""): void {
+  change({ goals: goals.value.map((old, i) => (i === index ? goal : old)) }, merge);
+}
+
+export function removeGoal(index: number): void {
+  change({ goals: goals.value.filter((_, i) => i !== index) });
+}
+
+/** Pulls this part alone, the way that was asked for before; off again where it was pulled already. */
+export function togglePull(name: string): void {
+  const mine = goals.value.findIndex((goal) => goal.part === name);
+  if (mine >= 0) return removeGoal(mine);
+  const before = goals.value.find(isPull);
+  const direction: Point = before?.direction ?? [1, 0];
+  const fixed = design.value.fixed.filter((other) => other !== name);
+  change({ goals: [{ part: name, direction }], fixed });
+}
+
+export const groupOf = (name: string): string[] | undefined => design.value.glue.find((group) => group.includes(name));
+
+/** Glues two parts, and with them the groups they are in. */
+export function glue(a: string, b: string): void {
+  if (a === b) return;
+  const mine = design.value.glue.filter((group) => group.includes(a) || group.includes(b));
+  const joined = [...new Set([...mine.flat(), a, b])];
+  change({ glue: [...design.value.glue.filter((group) => !mine.includes(group)), joined] });
+}
+
+export function unglue(name: string): void {
+  const rest = design.value.glue.map((group) => group.filter((other) => other !== name)).filter((group) => group.length > 1);
+  change({ glue: rest });
+}
+
+export function setExtra(name: string, value: number, merge = ""): void {
+  const extra = { ...design.value.extra };
+  if (value === 0) delete extra[name];
+  else extra[name] = value;
+  change({ extra }, merge);
+}
+
+/** Text that is the same for designs that differ in the gap alone. */
+export const question = computed(() => JSON.stringify({ ...design.value, gap: 0 }));

@@ -1,0 +1,103 @@
+/** What the keyboard does, wherever no box is being typed in. */
+
+import { design, goals, redo, setGoal, settle, toggleFixed, togglePull, undo } from "./design.ts";
+import { factor, play, playing, shown } from "./motion.ts";
+import { isPull, type Point } from "./protocol.ts";
+import { askDrag, back, cancel, setGap } from "./session.ts";
+import { fitAll, view, zoomBy } from "./stage/camera.ts";
+import { degrees } from "./words.ts";
+import { glueOrNot, stepOf, wiggle } from "./chrome/Selection.tsx";
+import * as state from "./state.ts";
+
+const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const TABS = ["answer", "gaps", "apart", "space", "sure"] as const;
+const LONG = ["prove", "sweep", "check", "rank", "space", "save", "wiggle", "flex"] as const;
+const STEP = 14; // pixels that a part is asked to go by one press
+
+/** Where a part was asked to go by arrow keys so far. */
+let target: { part: string; grip: Point; at: Point } | null = null;
+
+export function listen(): void {
+  addEventListener("keydown", (event) => {
+    const on = event.target as HTMLElement;
+    if (event.altKey || state.helpOpen.peek() || on.closest("[role=menu]")) return;
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !state.baked.peek()) {
+      event.preventDefault();
+      return event.shiftKey ? redo() : undo();
+    }
+    if (event.ctrlKey || event.metaKey || on.matches("input:not([type=range]), select, textarea")) return;
+    if (on.matches("input[type=range], [role=tab]") && (event.key in ARROWS || event.key === "Home" || event.key === "End")) return;
+    if (on.matches("button, summary, a") && (event.key === " " || event.key === "Enter")) return;
+    if (act(event)) event.preventDefault();
+  });
+}
+
+/** True when the key meant something. */
+function act(event: KeyboardEvent): boolean {
+  const { key } = event;
+  const name = state.selected.peek();
+  const tabAt = Number(key) - 1;
+  if (key in ARROWS) return arrow(ARROWS[key]!, event.shiftKey);
+  if (key === "?") state.helpOpen.value = true;
+  else if (key === " ") play(!playing.peek());
+  else if (key === "+" || key === "=") zoomBy(1.3);
+  else if (key === "-") zoomBy(1 / 1.3);
+  else if (key === "0") fitAll();
+  else if (key === "." || key === ",") step(key === "." ? 1 : -1);
+  else if (key === "Escape") escape();
+  else if (tabAt >= 0 && tabAt < TABS.length) {
+    state.tab.value = TABS[tabAt]!;
+    state.sheetOpen.value = true;
+  } else if (state.baked.peek()) return false;
+  else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * stepOf(design.peek().gap));
+  else if (key === "o") document.getElementById("file")?.click();
+  else if (key === "s") document.querySelector<HTMLElement>(".savebutton")?.click();
+  else if (key === "w") wiggle(name ?? undefined);
+  else if (!name) return false;
+  else if (key === "f") toggleFixed(name);
+  else if (key === "p") togglePull(name);
+  else if (key === "g") glueOrNot(name);
+  else return false;
+  return true;
+}
+
+function step(by: number): void {
+  const parts = state.drawing.peek()?.parts ?? [];
+  if (!parts.length) return;
+  const at = state.indexOf.peek().get(state.selected.peek() ?? "");
+  state.selected.value = parts[((at ?? (by > 0 ? -1 : 0)) + by + parts.length) % parts.length]!.name;
+}
+
+function arrow([dx, dy]: Point, fine: boolean): boolean {
+  const name = state.selected.peek();
+  if (!name || state.baked.peek()) return false;
+  const index = goals.peek().findIndex((goal) => goal.part === name && isPull(goal));
+  if (index >= 0) {
+    const goal = goals.peek()[index]!;
+    if (!isPull(goal)) return false;
+    const turned = ((degrees(goal.direction) + (dx - dy < 0 ? 5 : -5)) * Math.PI) / 180;
+    const to: Point = fine ? [Math.cos(turned), Math.sin(turned)] : [dx, dy];
+    if (!fine) settle();
+    setGoal(index, { ...goal, direction: to.map((v) => Number(v.toFixed(6)) + 0) as Point }, fine ? "aim" : "");
+    return true;
+  }
+  const i = state.indexOf.peek().get(name);
+  if (i === undefined || design.peek().fixed.includes(name)) return false;
+  const grip = state.drawing.peek()!.parts[i]!.at.slice(0, 2) as Point;
+  if (target?.part !== name || shown.peek().what !== "drag") target = { part: name, grip, at: grip };
+  const by = STEP / view.peek().scale / factor();
+  const stopped = state.dragged.peek()?.reply;
+  const from = stopped?.part === name && stopped.settled && stopped.distance > 4 * by ? stopped.reached : target.at;
+  target = { part: name, grip, at: [from[0] + dx * by, from[1] + dy * by] };
+  askDrag(name, grip, target.at);
+  return true;
+}
+
+function escape(): void {
+  if (state.gluing.peek()) state.gluing.value = null;
+  else if (LONG.some((kind) => state.running.peek().has(kind) && (kind !== "flex" || state.running.peek().get(kind)))) {
+    for (const kind of LONG) if (state.running.peek().has(kind)) cancel(kind);
+  } else if (!["answer", "rest"].includes(shown.peek().what)) back();
+  else if (state.sheetOpen.peek()) state.sheetOpen.value = false;
+  else state.selected.value = null;
+}

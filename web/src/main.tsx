@@ -1,0 +1,49 @@
+/** The page. */
+
+import { effect } from "@preact/signals";
+import { render } from "preact";
+import { unpack } from "./baked.ts";
+import { Drop } from "./chrome/Drop.tsx";
+import { GapStrip } from "./chrome/GapStrip.tsx";
+import { Headline, Spoken } from "./chrome/Headline.tsx";
+import { Help } from "./chrome/Help.tsx";
+import { Notices } from "./chrome/Notices.tsx";
+import { Player } from "./chrome/Player.tsx";
+import { Selection } from "./chrome/Selection.tsx";
+import { TopBar } from "./chrome/TopBar.tsx";
+import { listen } from "./keys.ts";
+import { Panel } from "./panels/Panel.tsx";
+import { start } from "./session.ts";
+import { isDark } from "./stage/colours.ts";
+import { Stage } from "./stage/Stage.tsx";
+import { drawing } from "./state.ts";
+
+function Page() {
+  return (
+    <div class="page" data-empty={drawing.value === null}>
+      <TopBar />
+      <main class="middle">
+        <Stage />
+        <Headline />
+        <Selection />
+        <Player />
+        <Notices />
+        <Drop />
+      </main>
+      <GapStrip />
+      <Panel />
+      <Help />
+      <Spoken />
+    </div>
+  );
+}
+
+effect(() => {
+  document.documentElement.dataset["theme"] = isDark() ? "dark" : "light";
+});
+effect(() => {
+  document.title = drawing.value ? `${drawing.value.name} · wiggleroom` : "wiggleroom";
+});
+if (!unpack()) start();
+listen();
+render(<Page />, document.getElementById("page")!);

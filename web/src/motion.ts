@@ -1,0 +1,136 @@
+/** What the canvas shows: frames along a way, a place on it, playing, magnification, and a soft change from one to the next. */
+
+import { effect, signal } from "@preact/signals";
+import type { Frames } from "./protocol.ts";
+
+export type What = "rest" | "answer" | "between" | "drag" | "mode" | "escape";
+export interface Shown { what: What; frames: Frames | null; label: string; back: boolean }
+
+const REST: Shown = { what: "rest", frames: null, label: "", back: false };
+const BLEND = 170;
+const PAUSE = 700;
+
+export const shown = signal<Shown>(REST);
+export const place = signal(1);
+export const playing = signal(false);
+/** Chosen magnification; 0 leaves it to the page. */
+export const chosenFactor = signal(0);
+export const autoFactor = signal(1);
+
+export const factor = (): number => chosenFactor.value || autoFactor.value;
+export const calm = (): boolean => typeof matchMedia === "function" && matchMedia("(prefers-reduced-motion: reduce)").matches;
+
+/** Motion at a place `t` in 0..1 along the frames, linear between frames, written into `out`. */
+export function along(frames: Frames, t: number, out: Float32Array): Float32Array {
+  const { k, n, data } = frames;
+  const x = Math.min(Math.max(t, 0), 1) * (k - 1);
+  const low = Math.min(Math.floor(x), Math.max(k - 2, 0));
+  const w = x - low;
+  const a = low * n * 3;
+  const b = Math.min(low + 1, k - 1) * n * 3;
+  for (let i = 0; i < n * 3; i++) out[i] = data[a + i]! + w * (data[b + i]! - data[a + i]!);
+  return out;
+}
+
+/** Last frame alone. */
+export const end = (frames: Frames): Float32Array => frames.data.slice((frames.k - 1) * frames.n * 3);
+
+/** Motion between solved gaps: linear between two, in proportion to the gap outside of them; null where nothing is known. */
+export function between(solved: readonly { gap: number; end: Float32Array | null }[], gap: number): Float32Array | null {
+  const known = solved.filter((one) => one.end !== null);
+  const upper = known.findIndex((one) => one.gap >= gap);
+  const scaled = (one: { gap: number; end: Float32Array | null }): Float32Array | null =>
+    one.gap > 0 ? one.end!.map((v) => (v * gap) / one.gap) : one.end;
+  if (known.length === 0) return null;
+  if (upper < 0) return scaled(known.at(-1)!);
+  const above = known[upper]!;
+  if (upper === 0) return scaled(above);
+  const below = known[upper - 1]!;
+  const w = (gap - below.gap) / (above.gap - below.gap);
+  return below.end!.map((v, i) => v + w * (above.end![i]! - v));
+}
+
+/** The same for a number. */
+export function valueBetween(solved: readonly { gap: number; objective: number | null }[], gap: number): number | null {
+  const known = solved.filter((one) => one.objective !== null);
+  if (known.length === 0) return null;
+  const upper = known.findIndex((one) => one.gap >= gap);
+  const one = upper < 0 ? known.at(-1)! : known[upper]!;
+  if (upper <= 0) return one.gap > 0 ? (one.objective! * gap) / one.gap : one.objective;
+  const below = known[upper - 1]!;
+  return below.objective! + ((gap - below.gap) / (one.gap - below.gap)) * (one.objective! - below.objective!);
+}
+
+/** Factor from a row of round numbers that makes a motion of `size` visible in a drawing of `radius`; keeps `now` where that serves. */
+export function fittingFactor(size: number, radius: number, now = 1): number {
+  if (size <= 0) return 1;
+  const good = (f: number): boolean => (f === 1 || size * f < radius / 3) && size * f > radius / 25;
+  if (good(now)) return now;
+  let best = 1;
+  for (const f of [2, 5, 10, 20, 50, 100]) if (size * best < radius / 12 && size * f < radius / 4) best = f;
+  return best;
+}
+
+/** Largest shift of any part in the last frame [mm]. */
+export function reach(frames: Frames): number {
+  let most = 0;
+  for (let i = 0, at = (frames.k - 1) * frames.n * 3; i < frames.n; i++, at += 3) {
+    most = Math.max(most, Math.hypot(frames.data[at]!, frames.data[at + 1]!));
+  }
+  return most;
+}
+
+/** Shows something else from now on; `soft` changes over a few frames. */
+export function show(next: Shown, soft = true): void {
+  playing.value = false;
+  from = soft && !calm() && displayed.length > 0 ? displayed.slice() : null;
+  since = performance.now();
+  shown.value = next;
+  place.value = 1;
+}
+
+export function play(on: boolean): void {
+  if (!shown.value.frames || shown.value.frames.k < 2) return;
+  playing.value = on;
+}
+
+let displayed = new Float32Array(0);
+let from: Float32Array | null = null;
+let since = 0;
+let clock = 0;
+let before = 0;
+effect(() => {
+  if (!playing.value) return;
+  before = performance.now();
+  clock = (place.peek() >= 1 ? 0 : place.peek()) * seconds();
+});
+
+const seconds = (): number => (shown.peek().what === "mode" ? 2400 : 1800);
+
+/** Motions (n, 3) to draw now, and whether the picture goes on changing. */
+export function pose(now: number, n: number): { motion: Float32Array; moving: boolean } {
+  const { frames, back } = shown.peek();
+  if (displayed.length !== n * 3) {
+    displayed = new Float32Array(n * 3);
+    from = null;
+  }
+  if (playing.peek()) advance(now, back);
+  if (frames && frames.n === n) along(frames, place.peek(), displayed);
+  else displayed.fill(0);
+  const w = from && from.length === displayed.length ? (now - since) / BLEND : 1;
+  if (w >= 1) from = null;
+  else {
+    const eased = 1 - (1 - Math.max(w, 0)) ** 3;
+    for (let i = 0; i < displayed.length; i++) displayed[i] = from![i]! + eased * (displayed[i]! - from![i]!);
+  }
+  return { motion: displayed, moving: playing.peek() || from !== null };
+}
+
+function advance(now: number, back: boolean): void {
+  const whole = seconds();
+  const loop = shown.peek().what === "mode";
+  const cycle = loop ? whole : (back ? 2 : 1) * (whole + PAUSE);
+  clock = (clock + Math.min(now - before, 100)) % cycle;
+  before = now;
+  place.value = loop || clock < whole + PAUSE ? Math.min(clock / whole, 1) : Math.max(0, 1 - (clock - whole - PAUSE) / whole);
+}

@@ -1,0 +1,45 @@
+/** Whether it comes apart, and the ways out as films. */
+
+import { design } from "../design.ts";
+import { play, shown } from "../motion.ts";
+import { ask, cancel, showEscape } from "../session.ts";
+import { baked, checked, current, running } from "../state.ts";
+import { few } from "../words.ts";
+import { Button } from "../chrome/Button.tsx";
+import { Section } from "./Section.tsx";
+
+export function Apart() {
+  const about = checked.value;
+  const busy = running.value.has("check");
+  const start = (): void => void ask("check", { design: design.peek() });
+  return (
+    <Section title="Does it come apart?">
+      <p>Can some parts be moved without limit away from the others? Turning in place is not coming apart.</p>
+      {!baked.value && (
+        <div class="asks">
+          {busy ? <Button label="Cancel" onClick={() => cancel("check")}>Cancel</Button> : <Button label="Check" onClick={start} class="main">Check</Button>}
+        </div>
+      )}
+      {about && (
+        <div class={current(about) || baked.value ? "result" : "result old"}>
+          <p class="verdict" data-verdict={about.reply.verdict}>{about.reply.verdict}</p>
+          <p>{about.reply.words}</p>
+          <p class="quiet">{about.reply.certainty}</p>
+          {!current(about) && !baked.value && <p class="quiet">said of an earlier design</p>}
+          <ul class="rows">
+            {about.reply.escapes.map((one, i) => (
+              <li class="row" key={i}>
+                <Button
+                  icon="play" label={`Play the way out of ${few(one.parts)}`} pressed={shown.value.what === "escape" && shown.value.label === `way out ${i + 1}`}
+                  onClick={() => (showEscape(i), play(true))}
+                />
+                <span class="grow">{few(one.parts)}</span>
+              </li>
+            ))}
+          </ul>
+          {about.reply.spins.length > 0 && <p>Can spin in place: {few(about.reply.spins)}</p>}
+        </div>
+      )}
+    </Section>
+  );
+}

@@ -1,0 +1,91 @@
+/** All parts with the gap around each of them, and whose gap matters most. */
+
+import { useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { design, fixedNames, groupOf, pulledNames, setExtra } from "../design.ts";
+import { ask, cancel } from "../session.ts";
+import { answer, baked, coloured, current, drawing, ranking, running, selected } from "../state.ts";
+import { number, short } from "../words.ts";
+import { Button } from "../chrome/Button.tsx";
+import { NumberBox } from "../chrome/NumberBox.tsx";
+import { stepOf } from "../chrome/Selection.tsx";
+import { Section } from "./Section.tsx";
+
+type Column = "order" | "name" | "extra" | "matters";
+const PAGE = 150;
+
+export function Gaps() {
+  const column = useSignal<Column>("order");
+  const down = useSignal(true);
+  const most = useSignal(PAGE);
+  const wanted = useSignal("");
+  const table = useRef<HTMLTableElement>(null);
+  const about = ranking.value;
+  const busy = running.value.has("rank");
+  const order = (next: Column): void => {
+    if (column.value === next) down.value = !down.value;
+    else {
+      column.value = next;
+      down.value = next !== "name";
+    }
+  };
+  useEffect(() => {
+    if (about) [column.value, down.value] = ["matters", true];
+  }, [about]);
+  const chosen = selected.value;
+  useEffect(() => {
+    table.current?.querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest" });
+  }, [chosen]);
+  const matters = (name: string): number => about?.reply.parts[name]?.mm_per_mm ?? 0;
+  const names = drawing.value!.parts.map((part) => part.name).filter((name) => name.toLowerCase().includes(wanted.value.toLowerCase()));
+  const sign = down.value ? -1 : 1;
+  if (column.value === "name") names.sort((a, b) => sign * a.localeCompare(b, undefined, { numeric: true }));
+  if (column.value === "extra") names.sort((a, b) => sign * ((design.value.extra[a] ?? 0) - (design.value.extra[b] ?? 0)));
+  if (column.value === "matters") names.sort((a, b) => sign * (matters(a) - matters(b)));
+  const values = about ? Object.values(about.reply.parts).map((one) => Math.abs(one.mm_per_mm)) : [];
+  const largest = Math.max(...values, 1e-12);
+  const heading = (key: Column, words: string, hint: string) => (
+    <th scope="col" aria-sort={column.value === key ? (down.value ? "descending" : "ascending") : "none"}>
+      <button type="button" title={hint} onClick={() => order(key)}>{words}</button>
+    </th>
+  );
+  return (
+    <Section title="Whose gap matters most?">
+      <p>How much further the answer goes for each mm of extra gap around one part.</p>
+      <div class="asks">
+        {!baked.value && (busy ? <Button label="Cancel" onClick={() => cancel("rank")}>Cancel</Button>
+          : <Button label="Rank the gaps of all parts" onClick={() => void ask("rank", { design: design.peek() })} disabled={!answer.value || answer.value.reply.objective === null} class="main">Rank</Button>)}
+        {about && <label class="check"><input type="checkbox" checked={coloured.value} onChange={(event) => (coloured.value = event.currentTarget.checked)} /> colour the parts</label>}
+      </div>
+      {about && (
+        <>
+          <div class="blamebar" aria-hidden="true"><span>0</span><i /><span>{number(largest, 3)} mm per mm</span></div>
+          {!current(about) && !baked.value && <p class="quiet">ranked for an earlier design</p>}
+          {about.reply.note && <p class="quiet">{about.reply.note}</p>}
+        </>
+      )}
+      {drawing.value!.parts.length > 12 && (
+        <input class="search" type="search" placeholder="find a part" aria-label="find a part" value={wanted.value} onInput={(event) => (wanted.value = event.currentTarget.value)} />
+      )}
+      <table class="parts" ref={table}>
+        <thead><tr>{heading("name", "part", "by name")}{heading("extra", "extra gap", "by extra gap")}{about && heading("matters", "mm per mm", "by importance")}</tr></thead>
+        <tbody>
+          {names.slice(0, most.value).map((name) => (
+            <tr key={name} aria-selected={name === chosen}>
+              <td>
+                <button type="button" class="link" onClick={() => (selected.value = name)}>
+                  <i class={`dot ${fixedNames.value.has(name) ? "fixed" : pulledNames.value.has(name) ? "pulled" : ""}`} />
+                  {short(name, 18)}
+                  {groupOf(name) && <span class="quiet"> glued</span>}
+                </button>
+              </td>
+              <td><NumberBox value={design.value.extra[name] ?? 0} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} disabled={baked.value} /></td>
+              {about && <td class="bar"><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+      {names.length > most.value && <button type="button" class="link" onClick={() => (most.value += 4 * PAGE)}>show more of {names.length}</button>}
+    </Section>
+  );
+}

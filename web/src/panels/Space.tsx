@@ -1,0 +1,101 @@
+/** Free space of a pair in 3D (x, y, turn), with a slice of it and the present state as a point. */
+
+import { useComputed, useSignal } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { design } from "../design.ts";
+import { end, shown } from "../motion.ts";
+import { ask, cancel } from "../session.ts";
+import { isDark } from "../stage/colours.ts";
+import { answer, baked, current, drawing, running, selected, space } from "../state.ts";
+import type { SpaceView } from "../space3d.ts";
+import { number } from "../words.ts";
+import { Button } from "../chrome/Button.tsx";
+import { relative } from "./relative.ts";
+import { Section } from "./Section.tsx";
+import { Slice } from "./Slice.tsx";
+
+export function Space() {
+  const a = useSignal("");
+  const b = useSignal("");
+  const names = drawing.value!.parts.map((part) => part.name);
+  const touching = useComputed(() => answer.value?.reply.contacts.map((one) => one.parts) ?? []);
+  useEffect(() => {
+    const chosen = selected.value;
+    const pair = touching.value.find((one) => !chosen || one.includes(chosen));
+    if (!a.value || (chosen && chosen !== a.value && chosen !== b.value)) {
+      a.value = pair?.[0] ?? names[0] ?? "";
+      b.value = pair?.[1] ?? names[1] ?? "";
+      if (chosen && !pair) [a.value, b.value] = [names.find((name) => name !== chosen) ?? "", chosen];
+    }
+  }, [selected.value, touching.value]);
+  const busy = running.value.has("space");
+  const about = space.value;
+  const choice = (one: typeof a, label: string) => (
+    <label>{label} <input class="pairname" list="partnames" value={one.value} onChange={(event) => (one.value = event.currentTarget.value)} /></label>
+  );
+  const ready = names.includes(a.value) && names.includes(b.value) && a.value !== b.value;
+  return (
+    <Section title="Free space of a pair">
+      <p>Everywhere one part can go against another: shift in x and y, and turn upwards.</p>
+      {!baked.value && (
+        <div class="asks">
+          <datalist id="partnames">{names.map((name) => <option key={name} value={name} />)}</datalist>
+          {choice(a, "stands")}{choice(b, "moves")}
+          {busy ? <Button label="Cancel" onClick={() => cancel("space")}>Cancel</Button>
+            : <Button label="Show the free space" onClick={() => void ask("space", { design: design.peek(), a: a.value, b: b.value })} disabled={!ready} class="main">Show</Button>}
+        </div>
+      )}
+      {about?.reply.open && <p class="strong">{about.reply.words}</p>}
+      {about && !about.reply.open && <Body />}
+      {about && !current(about) && !baked.value && <p class="quiet">shown for an earlier design</p>}
+    </Section>
+  );
+}
+
+function Body() {
+  const about = space.value!;
+  const box = useRef<HTMLDivElement>(null);
+  const made = useRef<SpaceView | null>(null);
+  const which = useSignal(Math.floor(about.reply.slices.length / 2));
+  const failed = useSignal("");
+  const { a, b, slices } = about.reply;
+  const parts = drawing.value!.parts;
+  const frames = shown.value.frames;
+  const state = frames && frames.n === parts.length ? relative(parts, a, b, end(frames)) : about.reply.state;
+  useEffect(() => {
+    let gone = false;
+    which.value = Math.floor(slices.length / 2);
+    import("./space-view.js" as string).then(
+      (code: typeof import("../space3d.ts")) => {
+        if (gone || !box.current) return;
+        made.current = code.show(box.current, about.reply, isDark());
+        made.current.point(state);
+        made.current.slice(slices[which.peek()]?.angle_deg ?? 0);
+      },
+      () => (failed.value = "The 3D view could not be loaded."),
+    );
+    return () => {
+      gone = true;
+      made.current?.remove();
+      made.current = null;
+    };
+  }, [about, isDark()]);
+  useEffect(() => made.current?.point(state));
+  useEffect(() => made.current?.slice(slices[which.value]?.angle_deg ?? 0), [which.value]);
+  const slice = slices[which.value];
+  return (
+    <>
+      <div class="space3d" ref={box} role="img" aria-label={`free space of ${b} against ${a}, turns from ${number(about.reply.range_deg[0], 3)} to ${number(about.reply.range_deg[1], 3)} degrees`} />
+      {failed.value && <p class="quiet">{failed.value}</p>}
+      <p class="quiet">now: {number(state[0], 3)}, {number(state[1], 3)} mm, {number(state[2], 3)}°</p>
+      {slice && (
+        <>
+          <label class="slicer">slice at {number(slice.angle_deg, 3)}°
+            <input type="range" min={0} max={slices.length - 1} value={which.value} aria-valuetext={`${number(slice.angle_deg, 3)} degrees`} onInput={(event) => (which.value = Number(event.currentTarget.value))} />
+          </label>
+          <Slice slices={slices} which={which.value} state={state} />
+        </>
+      )}
+    </>
+  );
+}

@@ -1,0 +1,275 @@
+/** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
+
+import { batch, effect } from "@preact/signals";
+import { begin, change, design, goals, list, question } from "./design.ts";
+import { autoFactor, between, end, factor, fittingFactor, reach, show, shown } from "./motion.ts";
+import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, token } from "./keep.ts";
+import { download } from "./save.ts";
+import { type Line, requestOf, Socket } from "./socket.ts";
+import * as state from "./state.ts";
+
+let socket: Socket | null = null;
+const asked = new Map<number, Design>();
+let quick: { since: number; again: boolean } | null = null;
+let drag: { since: number; next: Requests["drag"] | null } | null = null;
+
+/** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
+const PATIENCE = 250;
+
+export function start(): void {
+  const url = new URL("socket", location.href);
+  url.protocol = location.protocol === "https:" ? "wss:" : "ws:";
+  url.search = `?token=${encodeURIComponent(token())}`;
+  socket = new Socket(url.href, { reply: hear, line: heardLine });
+  follow();
+}
+
+/** Whenever the design changes: keep it, show what is likely, ask for the truth. */
+export function follow(): void {
+  let before = "";
+  effect(() => {
+    const now = design.value;
+    const opened = state.drawing.peek();
+    if (!opened) return;
+    if (question.value !== before) {
+      before = question.value;
+      batch(() => {
+        state.solved.value = [];
+        state.lost.value = null;
+      });
+    }
+    keepDesign(opened, now);
+    preview(now.gap);
+    askFlex();
+  });
+}
+
+function preview(gap: number): void {
+  const opened = state.drawing.peek()!;
+  const guess = list(design.peek().goals).length || typeof design.peek().goals === "string" ? between(state.solved.peek(), gap) : null;
+  if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
+}
+
+export function ask<K extends Kind>(kind: K, body: Requests[K]): boolean {
+  const id = socket?.ask(kind, body) ?? 0;
+  if (!id) return false;
+  if ("design" in body) asked.set(id, body.design as Design);
+  for (const old of asked.keys()) if (old < id - 500) asked.delete(old);
+  setRunning(kind, true);
+  return true;
+}
+
+function setRunning(kind: string, on: boolean): void {
+  const now = new Map(state.running.peek());
+  if (on) now.set(kind, null);
+  else now.delete(kind);
+  state.running.value = now;
+}
+
+export function cancel(kind: Kind): void {
+  socket?.cancel(kind);
+  setRunning(kind, false);
+  if (kind === "flex") quick = null;
+}
+
+/** Asks for the largest motion, or only for the outlines where nothing is asked. */
+export function askFlex(): void {
+  const wanted = design.peek();
+  state.dragged.value = null;
+  if (typeof wanted.goals !== "string" && wanted.goals.length === 0) {
+    state.answer.value = null;
+    show({ what: "rest", frames: null, label: "", back: false });
+    ask("shape", { design: wanted });
+    return;
+  }
+  if (quick && performance.now() - quick.since < PATIENCE) {
+    quick.again = true;
+    return;
+  }
+  state.waiting.value = ask("flex", { design: wanted, thorough: false });
+  quick = state.waiting.value ? { since: performance.now(), again: false } : null;
+}
+
+/** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
+export function askDrag(part: string, grip: Point, target: Point): void {
+  const from = shown.peek().what === "drag" ? "here" : "rest";
+  const wanted = { design: design.peek(), part, grip, target, from } as const;
+  if (drag && performance.now() - drag.since < PATIENCE) {
+    drag.next = wanted;
+    return;
+  }
+  drag = ask("drag", wanted) ? { since: performance.now(), next: null } : null;
+}
+
+export function release(): void {
+  ask("release", { design: design.peek() });
+  setRunning("release", false);
+}
+
+/** Back to the answer, or to rest where nothing is asked. */
+export function back(): void {
+  state.dragged.value = null;
+  const known = state.answer.peek();
+  if (known?.ways[0]) show({ what: "answer", frames: known.ways[0], label: "", back: !known.reply.leaves.length });
+  else show({ what: "rest", frames: null, label: "", back: false });
+}
+
+export function openFile(name: string, bytes: Uint8Array): void {
+  const most = state.hello.peek()?.limits.upload_mb ?? 20;
+  if (bytes.length > most * 1e6) {
+    state.findings.value = [`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`];
+    return;
+  }
+  const data = toBase64(bytes);
+  state.opening.value = name;
+  pendingFile = { name, data };
+  ask("open", { name, data });
+}
+let pendingFile: { name: string; data: string } | null = null;
+
+export function save(what: SaveWhat, of: "flex" | "check" = "flex"): void {
+  ask("save", { design: design.peek(), what, of });
+}
+
+function heardLine(now: Line): void {
+  state.line.value = now;
+  if (now === "open") {
+    quick = null;
+    drag = null;
+  } else state.running.value = new Map();
+}
+
+function hear(reply: Reply, ways: Frames[]): void {
+  batch(() => take(reply, ways));
+}
+
+function take(reply: Reply, ways: Frames[]): void {
+  if (reply.kind === "progress") {
+    if (!state.running.peek().has(reply.kind_of)) return;
+    state.running.value = new Map(state.running.peek()).set(reply.kind_of, reply);
+    return;
+  }
+  const settled = !("settled" in reply) || reply.settled;
+  if ("id" in reply && settled && reply.kind !== "step") setRunning(requestOf(reply), false);
+  const about = <T>(of: T) => ({ reply: of, design: asked.get((of as { id: number }).id) ?? design.peek(), ways });
+  switch (reply.kind) {
+    case "hello": state.hello.value = reply; return reopen();
+    case "worker": return worker(reply.state);
+    case "opened": return opened(reply);
+    case "shape": state.rings.value = reply.rings; return;
+    case "flex": return flexed(about(reply));
+    case "drag": return draggedTo(about(reply));
+    case "modes": state.modes.value = about(reply); return showMode(0);
+    case "rank": state.ranking.value = about(reply); state.coloured.value = true; return;
+    case "check": state.checked.value = about(reply); return showEscape(0);
+    case "step": return stepped(reply.gap, reply.objective, reply.verdict, ways[0]);
+    case "sweep": state.lost.value = reply.lost; return;
+    case "space": state.space.value = about(reply); return;
+    case "prove": state.proof.value = about(reply); return;
+    case "saved": return download(reply);
+    case "failed": return failed(reply.of, reply.findings);
+  }
+}
+
+function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
+  const again = quick?.again;
+  quick = null;
+  const { reply, ways } = about;
+  if (reply.rings) state.rings.value = reply.rings;
+  const same = JSON.stringify({ ...about.design, gap: 0 }) === question.peek();
+  if (same && ways[0]) remember(about.design.gap, reply.objective, reply.verdict, end(ways[0]));
+  if (about.design === design.peek()) {
+    state.waiting.value = false;
+    state.answer.value = about;
+    if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
+      autoFactor.value = fittingFactor(reach(ways[0]), state.extent.peek().radius, autoFactor.peek());
+      const still = shown.peek().what === "answer" && !reply.leaves.length;
+      show({ what: "answer", frames: ways[0], label: "", back: !reply.leaves.length }, still || shown.peek().what !== "answer");
+    }
+  }
+  if (again) askFlex();
+}
+
+function remember(gap: number, objective: number | null, verdict: string, at: Float32Array | null): void {
+  const others = state.solved.peek().filter((one) => Math.abs(one.gap - gap) > 1e-9);
+  state.solved.value = [...others, { gap, objective, verdict, end: objective === null ? null : at }].sort((a, b) => a.gap - b.gap);
+}
+
+function stepped(gap: number, objective: number | null, verdict: string, way?: Frames): void {
+  remember(gap, objective, verdict, way ? end(way) : null);
+}
+
+function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
+  const next = drag?.next;
+  drag = null;
+  if (about.reply.rings) state.rings.value = about.reply.rings;
+  if (about.design === design.peek() && about.ways[0]) {
+    state.dragged.value = about;
+    show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, shown.peek().what !== "drag");
+  }
+  if (next) askDrag(next.part, next.grip, next.target);
+}
+
+export function showMode(which: number): void {
+  const known = state.modes.peek();
+  const frames = known?.ways[which];
+  if (!frames) return;
+  autoFactor.value = fittingFactor(Math.max(known.reply.modes[which]!.size, 0), state.extent.peek().radius, factor());
+  show({ what: "mode", frames, label: `freedom ${which + 1} of ${known.ways.length}`, back: false });
+}
+
+export function showEscape(which: number): void {
+  const frames = state.checked.peek()?.ways[which];
+  if (frames) show({ what: "escape", frames, label: `way out ${which + 1}`, back: false });
+}
+
+function opened(reply: Opened): void {
+  state.opening.value = "";
+  if (reply.id !== 0 && pendingFile) keepFile(pendingFile.name, pendingFile.data);
+  if (reply.id !== 0) pendingFile = null;
+  const read: Design = { ...reply.design };
+  const suggested = reply.pulled ? [reply.pulled].flat() : [];
+  if (list(read.goals).length === 0 && typeof read.goals !== "string") read.goals = suggested;
+  state.findings.value = [];
+  state.notice.value = reply.notes.join(" · ");
+  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof]) one.value = null;
+  state.selected.value = null;
+  state.solved.value = [];
+  state.rings.value = reply.parts.map((part) => part.rings);
+  state.drawing.value = reply;
+  show({ what: "rest", frames: null, label: "", back: false }, false);
+  begin(keptDesign(reply) ?? read);
+}
+
+function reopen(): void {
+  const kept = keptFile();
+  if (kept) ask("open", kept);
+}
+
+function worker(now: "ready" | "lost" | "restarted"): void {
+  state.workerState.value = now;
+  if (now === "restarted") {
+    quick = null;
+    drag = null;
+    if (state.drawing.peek() && !state.answer.peek() && goals.peek().length) askFlex();
+  }
+}
+
+function failed(of: string, lines: string[]): void {
+  if (of === "flex") {
+    quick = null;
+    state.waiting.value = false;
+    state.answer.value = null;
+  }
+  if (of === "drag") drag = null;
+  if (of === "open") {
+    state.opening.value = "";
+    pendingFile = null;
+    if (!state.drawing.peek()) forgetFile();
+  }
+  state.findings.value = lines;
+}
+
+/** Sets the gap; steps of one pull of the slider are undone together. */
+export const setGap = (gap: number, merge = "gap"): void => change({ gap: Math.max(0, Number(gap.toPrecision(6))) }, merge);

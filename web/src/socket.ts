@@ -1,0 +1,118 @@
+/** The line to the server: numbers requests, keeps the newest of each kind, drops what is older, comes back when it breaks. */
+
+import { type Frames, type Kind, readFrames, type Reply, type Requests } from "./protocol.ts";
+
+/** Latest wins: which request of a kind is the newest one, and whether an answer is still wanted. */
+export class Latest {
+  #next = 1;
+  #newest = new Map<string, number>();
+
+  ask(kind: string): number {
+    const id = this.#next++;
+    this.#newest.set(kind, id);
+    return id;
+  }
+  wanted(kind: string, id: number): boolean {
+    return this.#newest.get(kind) === id;
+  }
+  newest(kind: string): number | undefined {
+    return this.#newest.get(kind);
+  }
+  forget(kind: string): void {
+    this.#newest.delete(kind);
+  }
+}
+
+/** Kind of the request that a reply belongs to. */
+export function requestOf(reply: Reply): string {
+  switch (reply.kind) {
+    case "opened": return "open";
+    case "modes": return "wiggle";
+    case "step": return "sweep";
+    case "saved": return "save";
+    case "progress": return reply.kind_of;
+    case "failed": return reply.of;
+    default: return reply.kind;
+  }
+}
+
+export type Line = "connecting" | "open" | "broken" | "refused";
+
+export interface Heard {
+  reply(reply: Reply, ways: Frames[]): void;
+  line(state: Line): void;
+}
+
+const PATIENCE = [200, 500, 1000, 2000, 4000];
+
+export class Socket {
+  #heard: Heard;
+  #url: string;
+  #socket: WebSocket | null = null;
+  #latest = new Latest();
+  #ways = new Map<number, Frames[]>();
+  #tries = 0;
+  #everOpen = false;
+
+  constructor(url: string, heard: Heard) {
+    this.#url = url;
+    this.#heard = heard;
+    this.#connect();
+  }
+
+  get ready(): boolean {
+    return this.#socket?.readyState === WebSocket.OPEN;
+  }
+
+  /** Sends a request and gives its id; 0 while there is no line. */
+  ask<K extends Kind>(kind: K, body: Requests[K]): number {
+    if (!this.ready) return 0;
+    const id = this.#latest.ask(kind);
+    this.#socket!.send(JSON.stringify({ kind, id, ...body }));
+    return id;
+  }
+
+  cancel(kind: Kind): void {
+    const id = this.#latest.newest(kind);
+    if (id === undefined) return;
+    this.#latest.forget(kind);
+    if (this.ready) this.#socket!.send(JSON.stringify({ kind: "cancel", id, of: kind }));
+  }
+
+  #connect(): void {
+    this.#heard.line("connecting");
+    const socket = new WebSocket(this.#url);
+    socket.binaryType = "arraybuffer";
+    this.#socket = socket;
+    socket.onopen = () => {
+      this.#tries = 0;
+      this.#everOpen = true;
+      this.#heard.line("open");
+    };
+    socket.onmessage = (event: MessageEvent) => this.#hear(event.data);
+    socket.onclose = (event) => {
+      this.#ways.clear();
+      const refused = event.code === 1008 || (!this.#everOpen && this.#tries > 3);
+      this.#heard.line(refused ? "refused" : "broken");
+      if (!refused) setTimeout(() => this.#connect(), PATIENCE[Math.min(this.#tries++, PATIENCE.length - 1)]);
+    };
+  }
+
+  #hear(data: unknown): void {
+    if (data instanceof ArrayBuffer) {
+      const read = readFrames(data);
+      if (read) this.#ways.set(read.id, [...(this.#ways.get(read.id) ?? []), read.frames]);
+      return;
+    }
+    const reply = JSON.parse(String(data)) as Reply;
+    if (reply.kind === "hello" || reply.kind === "worker" || (reply.kind === "opened" && reply.id === 0)) {
+      this.#heard.reply(reply, []);
+      return;
+    }
+    const ways = reply.kind === "progress" ? [] : (this.#ways.get(reply.id) ?? []);
+    if (reply.kind !== "progress") this.#ways.delete(reply.id);
+    const kind = requestOf(reply);
+    if (this.#latest.wanted(kind, reply.id)) this.#heard.reply(reply, ways);
+    for (const id of this.#ways.keys()) if (id < reply.id - 64) this.#ways.delete(id);
+  }
+}

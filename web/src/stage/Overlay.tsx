@@ -1,0 +1,125 @@
+/** What lies over the canvas as SVG: the arrow of a pull or a turn, with handles to take it elsewhere. */
+
+import { useRef } from "preact/hooks";
+import { goals, setGoal, settle } from "../design.ts";
+import { factor } from "../motion.ts";
+import { type Goal, isPull, isTurn, type Point, type Pull } from "../protocol.ts";
+import { baked, drawing, indexOf } from "../state.ts";
+import { size, view } from "./camera.ts";
+import { current, frame, gripAt, partAt } from "./Stage.tsx";
+import { outOf, placed } from "./shapes.ts";
+import { toScreen } from "./view.ts";
+
+const LONG = 74;
+const MOST = 60;
+
+export function Overlay() {
+  void frame.value;
+  const { width, height } = size.value;
+  if (!drawing.value || !width) return null;
+  return (
+    <svg class="overlay" width={width} height={height} aria-hidden="true">
+      {goals.value.slice(0, MOST).map((goal, i) => {
+        const at = anchor(goal);
+        if (!at) return null;
+        if (isPull(goal)) return <PullArrow key={i} goal={goal} index={i} at={at} />;
+        return isTurn(goal) ? <TurnArrow key={i} at={at} ccw={goal.turn === "ccw"} /> : null;
+      })}
+    </svg>
+  );
+}
+
+/** Where a goal takes hold, on the screen. */
+function anchor(goal: Goal): Point | null {
+  const i = indexOf.value.get(goal.part);
+  const shape = i === undefined ? undefined : current.shapes[i];
+  if (!shape || current.motion.length < 3 * i! + 3) return null;
+  const grip = isPull(goal) && goal.point ? goal.point : shape.at;
+  const local: Point = [grip[0] - shape.at[0], grip[1] - shape.at[1]];
+  return toScreen(view.value, size.value, outOf(placed(shape, current.motion, i!, factor()), local));
+}
+
+const SNAP = (4 * Math.PI) / 180;
+
+/** Direction on the plane from a vector on the screen, drawn to the eighths of a turn when it is near one. */
+export function aim(dx: number, dy: number): Point {
+  const angle = Math.atan2(-dy, dx);
+  const eighth = Math.round(angle / (Math.PI / 4)) * (Math.PI / 4);
+  const used = Math.abs(angle - eighth) < SNAP ? eighth : angle;
+  return [Math.cos(used), Math.sin(used)].map((v) => Number(v.toFixed(4)) + 0) as Point;
+}
+
+function PullArrow({ goal, index, at }: { goal: Pull; index: number; at: Point }) {
+  const held = useRef<"base" | "head" | null>(null);
+  const place = useRef<Point | null>(null);
+  const long = Math.hypot(...goal.direction) || 1;
+  const [ux, uy] = [goal.direction[0] / long, -goal.direction[1] / long];
+  const [x, y] = held.current === "base" && place.current ? place.current : at;
+  const [hx, hy] = [x + ux * LONG, y + uy * LONG];
+  const here = (event: PointerEvent): Point => {
+    const box = (event.currentTarget as Element).closest("svg")!.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  const press = (what: "base" | "head") => (event: PointerEvent) => {
+    if (baked.value) return;
+    (event.currentTarget as Element).setPointerCapture(event.pointerId);
+    held.current = what;
+    event.stopPropagation();
+  };
+  const move = (event: PointerEvent): void => {
+    if (!held.current) return;
+    const to = here(event);
+    if (held.current === "head") setGoal(index, { ...goal, direction: aim(to[0] - at[0], to[1] - at[1]) }, "aim");
+    else {
+      place.current = to;
+      frame.value++;
+    }
+  };
+  const lift = (): void => {
+    const to = place.current;
+    if (held.current === "base" && to) {
+      const name = partAt(to);
+      if (name) setGoal(index, { ...goal, part: name, point: gripAt(name, to).map((v) => Number(v.toPrecision(6))) as Point });
+    }
+    held.current = place.current = null;
+    settle();
+  };
+  const handlers = { onPointerMove: move, onPointerUp: lift, onPointerCancel: lift };
+  const [px, py] = [-uy, ux];
+  const back = 15;
+  const head = `${hx},${hy} ${hx - ux * back + px * 7},${hy - uy * back + py * 7} ${hx - ux * back - px * 7},${hy - uy * back - py * 7}`;
+  return (
+    <g class="pull">
+      <line class="casing" x1={x} y1={y} x2={hx - ux * 6} y2={hy - uy * 6} />
+      <polygon class="casing" points={head} />
+      <line class="shaft" x1={x} y1={y} x2={hx - ux * 12} y2={hy - uy * 12} />
+      <polygon class="head" points={head} />
+      <circle class="base" cx={x} cy={y} r={5.5} />
+      <circle class="grab" cx={x} cy={y} r={13} onPointerDown={press("base")} {...handlers}>
+        <title>pull: take it to another part</title>
+      </circle>
+      <circle class="grab" cx={hx - ux * 6} cy={hy - uy * 6} r={17} onPointerDown={press("head")} {...handlers}>
+        <title>pull: turn it</title>
+      </circle>
+    </g>
+  );
+}
+
+function TurnArrow({ at: [x, y], ccw }: { at: Point; ccw: boolean }) {
+  const radius = 30;
+  const flip = ccw ? 1 : -1;
+  const point = (degrees: number): Point => {
+    const a = (degrees * Math.PI) / 180;
+    return [x + flip * radius * Math.cos(a), y - radius * Math.sin(a)];
+  };
+  const [a, b] = [point(-50), point(170)];
+  const arc = `M${a} A${radius} ${radius} 0 1 ${ccw ? 0 : 1} ${b}`;
+  const head = `${b[0]},${b[1] + 13} ${b[0] - 8},${b[1] - 2} ${b[0] + 8},${b[1] - 2}`;
+  return (
+    <g class="pull">
+      <path class="casing" d={arc} />
+      <path class="shaft" d={arc} />
+      <polygon class="head" points={head} />
+    </g>
+  );
+}

@@ -1,0 +1,246 @@
+/** The canvas with the parts, and what the pointer does on it. */
+
+import { effect, signal as signalOf } from "@preact/signals";
+import { useEffect, useRef } from "preact/hooks";
+import { design, fixedNames, glue } from "../design.ts";
+import { end, factor, place, pose, shown } from "../motion.ts";
+import type { Point } from "../protocol.ts";
+import { askDrag, release } from "../session.ts";
+import * as state from "../state.ts";
+import { fitAll, fitted, panBy, size, view, zoomBy } from "./camera.ts";
+import { colours } from "./colours.ts";
+import { paintMarks } from "./marks.ts";
+import { paint } from "./paint.ts";
+import { Overlay } from "./Overlay.tsx";
+import { blame, roles } from "./roles.ts";
+import { hit, into, outOf, placed, type Shape, shapes } from "./shapes.ts";
+import { toWorld } from "./view.ts";
+
+/** Counts the frames painted: what lies over the canvas moves along. */
+export const frame = signalOf(0);
+/** Time of the last frames [ms], for tests and for leaving out thin lines where they cost too much. */
+export const cost = { last: 0 };
+export const current: { shapes: Shape[]; motion: Float32Array } = { shapes: [], motion: new Float32Array(0) };
+export const pointerTarget = signalOf<{ part: string; grip: Point; target: Point } | null>(null);
+
+const SLOW = 36;
+
+function painter(canvas: HTMLCanvasElement): () => void {
+  const g = canvas.getContext("2d", { alpha: false })!;
+  let wanted = 0;
+  let still = 0;
+  let rough = false;
+  let lastView = view.peek();
+  const draw = (now: number): void => {
+    wanted = 0;
+    if (!size.peek().width || !state.drawing.peek()) return;
+    const began = performance.now();
+    const { motion, moving } = pose(now, current.shapes.length);
+    current.motion = motion;
+    const changing = moving || lastView !== view.peek() || pointerTarget.peek() !== null;
+    lastView = view.peek();
+    rough = changing && (rough || cost.last > SLOW);
+    const ratio = canvas.width / size.peek().width;
+    const at = state.indexOf.peek();
+    const scene = {
+      shapes: current.shapes, names: state.drawing.peek()!.parts.map((part) => part.name), roles: roles.peek(), blame: blame.peek(),
+      motion, factor: factor(), chosen: at.get(state.selected.peek() ?? "") ?? -1, hovered: at.get(state.hovered.peek() ?? "") ?? -1, colours: colours(),
+    };
+    paint(g, size.peek(), ratio, view.peek(), scene, rough);
+    const marks = marksNow();
+    if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, motion, scene.factor, marks);
+    cost.last = performance.now() - began;
+    frame.value++;
+    clearTimeout(still);
+    if (moving) invalidate();
+    else if (rough) still = window.setTimeout(() => ((rough = false), (cost.last = 0), invalidate()), 120);
+  };
+  const invalidate = (): void => {
+    if (!wanted) wanted = requestAnimationFrame(draw);
+  };
+  const stopShapes = effect(() => {
+    const opened = state.drawing.value;
+    current.shapes = opened ? shapes(opened.parts, state.rings.value) : [];
+    invalidate();
+  });
+  const stopFit = effect(() => {
+    if (state.drawing.value && size.value.width) fitAll();
+  });
+  const stop = effect(() => {
+    void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), state.selected.value];
+    void [state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
+    invalidate();
+  });
+  return () => {
+    stopShapes();
+    stopFit();
+    stop();
+    cancelAnimationFrame(wanted);
+  };
+}
+
+function marksNow() {
+  const what = shown.peek().what;
+  const thread = threadNow();
+  if (what === "drag" && state.dragged.peek()) {
+    const about = state.dragged.peek()!;
+    return { contacts: about.reply.held, at: end(about.ways[0]!), thread, highlit: null };
+  }
+  const about = state.answer.peek();
+  if (what !== "answer" || !about?.ways[0] || place.peek() < 0.999) return null;
+  return { contacts: about.reply.contacts.filter((one) => one.force > 0), at: end(about.ways[0]), thread, highlit: state.highlit.peek() };
+}
+
+/** From where the dragged point is drawn to where it is wanted. */
+function threadNow(): { from: Point; to: Point } | null {
+  const now = pointerTarget.peek();
+  const i = now ? state.indexOf.peek().get(now.part) : undefined;
+  if (!now || i === undefined) return null;
+  const shape = current.shapes[i]!;
+  const f = factor();
+  const local: Point = [now.grip[0] - shape.at[0], now.grip[1] - shape.at[1]];
+  const to: Point = [now.grip[0] + (now.target[0] - now.grip[0]) * f, now.grip[1] + (now.target[1] - now.grip[1]) * f];
+  return { from: outOf(placed(shape, current.motion, i, f), local), to };
+}
+
+/** Part under a point of the canvas [px], or null. */
+export function partAt(px: Point): string | null {
+  const world = toWorld(view.peek(), size.peek(), px);
+  const i = hit(current.shapes, current.motion, factor(), world, 5 / view.peek().scale);
+  return i < 0 ? null : (state.drawing.peek()?.parts[i]?.name ?? null);
+}
+
+/** Point of a part at rest that is drawn at a point of the canvas. */
+export function gripAt(name: string, px: Point): Point {
+  const i = state.indexOf.peek().get(name)!;
+  const shape = current.shapes[i]!;
+  const [x, y] = into(placed(shape, current.motion, i, factor()), toWorld(view.peek(), size.peek(), px));
+  return [shape.at[0] + x, shape.at[1] + y];
+}
+
+interface Held { id: number; at: Point; moved: boolean; part: string | null; grip: Point; reference: Point }
+
+function pointers(canvas: HTMLCanvasElement): () => void {
+  const down = new Map<number, Held>();
+  const here = (event: PointerEvent | WheelEvent): Point => {
+    const box = canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  };
+  const press = (event: PointerEvent): void => {
+    if (event.button > 1 || !state.drawing.peek()) return;
+    canvas.setPointerCapture(event.pointerId);
+    canvas.focus({ preventScroll: true });
+    const at = here(event);
+    const name = event.button === 0 && down.size === 0 ? partAt(at) : null;
+    const grip = name ? gripAt(name, at) : ([0, 0] as Point);
+    down.set(event.pointerId, { id: event.pointerId, at, moved: false, part: name, grip, reference: toWorld(view.peek(), size.peek(), at) });
+  };
+  const move = (event: PointerEvent): void => {
+    const held = down.get(event.pointerId);
+    const at = here(event);
+    if (!held) {
+      if (event.pointerType !== "touch") state.hovered.value = partAt(at);
+      return;
+    }
+    if (down.size === 2) return pinch(held, at);
+    if (!held.moved && Math.hypot(at[0] - held.at[0], at[1] - held.at[1]) < (event.pointerType === "touch" ? 8 : 4)) return;
+    held.moved = true;
+    const free = held.part !== null && !fixedNames.peek().has(held.part) && !state.baked.peek();
+    if (free) dragTo(held, at);
+    else {
+      panBy(at[0] - held.at[0], at[1] - held.at[1]);
+      held.at = at;
+    }
+  };
+  const pinch = (held: Held, at: Point): void => {
+    const other = [...down.values()].find((one) => one !== held)!;
+    const [before, after] = [held.at, at].map((p) => Math.hypot(p[0] - other.at[0], p[1] - other.at[1]));
+    held.moved = other.moved = true;
+    held.part = other.part = null;
+    pointerTarget.value = null;
+    panBy((at[0] - held.at[0]) / 2, (at[1] - held.at[1]) / 2);
+    zoomBy(after! / Math.max(before!, 1), [(at[0] + other.at[0]) / 2, (at[1] + other.at[1]) / 2]);
+    held.at = at;
+  };
+  const dragTo = (held: Held, at: Point): void => {
+    const world = toWorld(view.peek(), size.peek(), at);
+    const f = factor();
+    const target: Point = [held.grip[0] + (world[0] - held.grip[0]) / f, held.grip[1] + (world[1] - held.grip[1]) / f];
+    state.selected.value = held.part;
+    pointerTarget.value = { part: held.part!, grip: held.grip, target };
+    askDrag(held.part!, held.grip, target);
+  };
+  const lift = (event: PointerEvent): void => {
+    const held = down.get(event.pointerId);
+    down.delete(event.pointerId);
+    if (!held) return;
+    if (pointerTarget.peek()) {
+      pointerTarget.value = null;
+      release();
+    } else if (!held.moved && event.type === "pointerup") choose(held.part);
+  };
+  const wheel = (event: WheelEvent): void => {
+    event.preventDefault();
+    const lines = event.deltaMode === 1 ? 16 : 1;
+    zoomBy(Math.exp(-event.deltaY * lines * (event.ctrlKey ? 0.01 : 0.0016)), here(event));
+  };
+  const leave = (): void => void (state.hovered.value = null);
+  const gone = new AbortController();
+  const { signal } = gone;
+  canvas.addEventListener("pointerdown", press, { signal });
+  canvas.addEventListener("pointermove", move, { signal });
+  canvas.addEventListener("pointerup", lift, { signal });
+  canvas.addEventListener("pointercancel", lift, { signal });
+  canvas.addEventListener("pointerleave", leave, { signal });
+  canvas.addEventListener("wheel", wheel, { passive: false, signal });
+  canvas.addEventListener("dblclick", fitUnlessPart, { signal });
+  return () => gone.abort();
+}
+
+function fitUnlessPart(): void {
+  if (!state.hovered.peek()) fitAll();
+}
+
+/** Selects a part; while gluing, glues it to the one chosen before. */
+export function choose(name: string | null): void {
+  const other = state.gluing.peek();
+  state.gluing.value = null;
+  if (other && name) glue(other, name);
+  else state.selected.value = name;
+}
+
+export function Stage() {
+  const canvas = useRef<HTMLCanvasElement>(null);
+  useEffect(() => {
+    const own = canvas.current!;
+    const stopPainting = painter(own);
+    const stopPointers = pointers(own);
+    const watch = new ResizeObserver(([entry]) => {
+      const ratio = window.devicePixelRatio || 1;
+      const exact = entry!.devicePixelContentBoxSize?.[0];
+      const { width, height } = entry!.contentRect;
+      own.width = exact?.inlineSize ?? Math.round(width * ratio);
+      own.height = exact?.blockSize ?? Math.round(height * ratio);
+      size.value = { width, height };
+      if (fitted.peek()) fitAll();
+    });
+    watch.observe(own);
+    return () => {
+      stopPainting();
+      stopPointers();
+      watch.disconnect();
+    };
+  }, []);
+  const parts = state.drawing.value?.parts.length ?? 0;
+  const grabbing = pointerTarget.value !== null;
+  const over = state.hovered.value !== null && !state.baked.value;
+  return (
+    <div class="stage" data-cursor={grabbing ? "grabbing" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
+      <canvas
+        ref={canvas} tabIndex={0} role="application" aria-roledescription="drawing"
+        aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part, arrow keys move it or turn its pull, question mark lists all keys.`}
+      />
+      <Overlay />
+    </div>
+  );
+}

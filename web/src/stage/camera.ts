@@ -1,0 +1,34 @@
+/** The view as a signal, with what buttons and keys do to it. */
+
+import { signal } from "@preact/signals";
+import { drawing } from "../state.ts";
+import { fit, type Inset, panned, type Size, type View, zoomed } from "./view.ts";
+
+export const view = signal<View>({ x: 0, y: 0, scale: 1 });
+export const size = signal<Size>({ width: 0, height: 0 });
+/** True until the user pans or zooms: then the drawing stays fitted when the canvas changes size. */
+export const fitted = signal(true);
+
+const inset = (): Inset => (size.value.width < 560
+  ? { top: 92, right: 22, bottom: 60, left: 22 }
+  : { top: 96, right: 56, bottom: 72, left: 56 });
+
+export function fitAll(): void {
+  fitted.value = true;
+  if (drawing.value && size.value.width) view.value = fit(drawing.value.size, size.value, inset());
+}
+
+export function zoomBy(factor: number, at?: [number, number]): void {
+  const { width, height } = size.value;
+  const next = zoomed(view.value, size.value, at ?? [width / 2, height / 2], factor);
+  const [x0, y0, x1, y1] = drawing.value?.size ?? [0, 0, 1, 1];
+  const whole = Math.max(x1 - x0, y1 - y0, 1e-9) * next.scale;
+  if (whole < 30 || whole > 4e6) return;
+  fitted.value = false;
+  view.value = next;
+}
+
+export function panBy(dx: number, dy: number): void {
+  fitted.value = false;
+  view.value = panned(view.value, dx, dy);
+}

@@ -1,0 +1,80 @@
+/** Marks over the parts: contacts with their forces, and the thread from a dragged point to the pointer. */
+
+import type { Contact, Point } from "../protocol.ts";
+import type { Colours } from "./colours.ts";
+import { into, outOf, placed, type Shape } from "./shapes.ts";
+import { type Size, toScreen, type View } from "./view.ts";
+
+export interface Marks {
+  contacts: readonly Contact[];
+  /** True end of the motion that the contacts belong to. */
+  at: Float32Array;
+  thread: { from: Point; to: Point } | null;
+  highlit: Point | null;
+}
+
+const MOST = 400;
+
+export function paintMarks(
+  g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, colours: Colours,
+  shapes: readonly Shape[], indexOf: ReadonlyMap<string, number>, motion: Float32Array, factor: number, marks: Marks,
+): void {
+  g.setTransform(ratio, 0, 0, ratio, 0, 0);
+  const shown = marks.contacts.length > MOST ? [...marks.contacts].sort((a, b) => b.force - a.force).slice(0, MOST) : marks.contacts;
+  const most = Math.max(...shown.map((one) => one.force), 1e-12);
+  for (const contact of shown) {
+    const i = indexOf.get(contact.parts[0]);
+    if (i === undefined) continue;
+    const carrier = shapes[i]!;
+    const local = into(placed(carrier, marks.at, i, 1), contact.point);
+    const [x, y] = toScreen(view, size, outOf(placed(carrier, motion, i, factor), local));
+    const share = contact.force / most;
+    const picked = marks.highlit !== null && marks.highlit[0] === contact.point[0] && marks.highlit[1] === contact.point[1];
+    if (share > 1e-3) force(g, [x, y], contact.normal, 9 + 30 * Math.sqrt(share), colours.force, colours.paper);
+    dot(g, x, y, picked ? 6 : share > 1e-3 ? 3.2 : 2, colours.force, colours.paper);
+  }
+  if (marks.thread) {
+    const [a, b] = [toScreen(view, size, marks.thread.from), toScreen(view, size, marks.thread.to)];
+    g.strokeStyle = colours.motion;
+    g.lineWidth = 1.4;
+    g.setLineDash([4, 4]);
+    g.beginPath();
+    g.moveTo(...a);
+    g.lineTo(...b);
+    g.stroke();
+    g.setLineDash([]);
+    dot(g, a[0], a[1], 4.5, colours.motion, colours.paper);
+    dot(g, b[0], b[1], 2.5, colours.motion, colours.paper);
+  }
+}
+
+function dot(g: CanvasRenderingContext2D, x: number, y: number, radius: number, fill: string, edge: string): void {
+  g.beginPath();
+  g.arc(x, y, radius, 0, 2 * Math.PI);
+  g.fillStyle = fill;
+  g.fill();
+  g.strokeStyle = edge;
+  g.lineWidth = 1.2;
+  g.stroke();
+}
+
+/** Arrow that presses on the contact, as long as the force is large, with an edge that stays apart from any fill. */
+function force(g: CanvasRenderingContext2D, [x, y]: Point, normal: Point, length: number, colour: string, edge: string): void {
+  const long = Math.hypot(normal[0], normal[1]) || 1;
+  const [ux, uy] = [normal[0] / long, -normal[1] / long];
+  const [tx, ty] = [x + ux * length, y + uy * length];
+  const head = Math.min(7, length * 0.5);
+  for (const [style, width] of [[edge, 4.2], [colour, 2]] as const) {
+    g.strokeStyle = style;
+    g.lineWidth = width;
+    g.lineCap = "round";
+    g.beginPath();
+    g.moveTo(x, y);
+    g.lineTo(tx, ty);
+    g.moveTo(tx - head * (ux * 0.86 - uy * 0.5), ty - head * (uy * 0.86 + ux * 0.5));
+    g.lineTo(tx, ty);
+    g.lineTo(tx - head * (ux * 0.86 + uy * 0.5), ty - head * (uy * 0.86 - ux * 0.5));
+    g.stroke();
+  }
+  g.lineCap = "butt";
+}

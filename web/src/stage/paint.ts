@@ -1,0 +1,145 @@
+/** Paints the parts on a Canvas 2D. Each part's path is kept; a frame only places it. */
+
+import { blameColour, type Colours } from "./colours.ts";
+import type { Role } from "./roles.ts";
+import { type Placed, placed, type Shape } from "./shapes.ts";
+import { type Size, toScreen, type View } from "./view.ts";
+
+export interface Scene {
+  shapes: readonly Shape[];
+  names: readonly string[];
+  roles: readonly Role[];
+  blame: Float32Array | null;
+  motion: Float32Array;
+  factor: number;
+  chosen: number;
+  hovered: number;
+  colours: Colours;
+}
+
+const SMALLEST = 3;
+const NAMED = 70;
+const MOST_NAMES = 140;
+
+/** Draws everything; `rough` leaves out thin lines, for frames that come too slowly. */
+export function paint(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, rough: boolean): void {
+  const { colours } = scene;
+  const scale = view.scale * ratio;
+  g.setTransform(1, 0, 0, 1, 0, 0);
+  g.fillStyle = colours.paper;
+  g.fillRect(0, 0, size.width * ratio, size.height * ratio);
+  g.lineJoin = "round";
+  const seen = visible(size, view, scene);
+  if (!rough) restOutlines(g, size, ratio, view, scene, seen);
+  let last = "";
+  for (const { i, place } of seen) {
+    const one = scene.shapes[i]!;
+    const role = scene.roles[i] ?? "neutral";
+    const [fill, edge] = colours[role];
+    const tint = scene.blame ? blameColour(colours.blame, scene.blame[i]!) : fill;
+    stand(g, size, ratio, view, place);
+    if (last !== tint) g.fillStyle = last = tint;
+    g.fill(one.path, "evenodd");
+    if (role === "fixed" && one.radius * view.scale > 2 * SMALLEST) {
+      g.fillStyle = last = "";
+      g.fillStyle = hatch(g, scale, place, edge, ratio);
+      g.fill(one.path, "evenodd");
+    }
+    if (rough || one.radius * view.scale < SMALLEST) continue;
+    g.strokeStyle = edge;
+    g.lineWidth = (role === "neutral" ? 1 : 1.4) / view.scale;
+    g.stroke(one.path);
+  }
+  for (const i of [scene.hovered, scene.chosen]) {
+    const found = seen.find((one) => one.i === i);
+    if (found) ring(g, size, ratio, view, scene, found, i === scene.chosen);
+  }
+  if (!rough) names(g, size, ratio, view, scene, seen);
+}
+
+interface Seen { i: number; place: Placed }
+
+/** Parts on the screen; fixed ones first, pulled ones last, so that what matters is not covered. */
+function visible(size: Size, view: View, scene: Scene): Seen[] {
+  const [halfX, halfY] = [size.width / 2 / view.scale, size.height / 2 / view.scale];
+  const layers: Seen[][] = [[], [], []];
+  scene.shapes.forEach((one, i) => {
+    const place = placed(one, scene.motion, i, scene.factor);
+    if (Math.abs(place.x - view.x) > halfX + one.radius || Math.abs(place.y - view.y) > halfY + one.radius) return;
+    const role = scene.roles[i];
+    layers[role === "fixed" ? 0 : role === "neutral" ? 1 : 2]!.push({ i, place });
+  });
+  return layers.flat();
+}
+
+/** Canvas transform under which a part's path is drawn in place. */
+function stand(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, p: Placed): void {
+  const [x, y] = toScreen(view, size, [p.x, p.y]);
+  const [c, s] = [p.cos * view.scale * ratio, p.sin * view.scale * ratio];
+  g.setTransform(c, -s, -s, -c, x * ratio, y * ratio);
+}
+
+function restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, seen: Seen[]): void {
+  g.strokeStyle = scene.colours.rest;
+  g.lineWidth = 1 / view.scale;
+  for (const { i, place } of seen) {
+    const one = scene.shapes[i]!;
+    const away = Math.hypot(place.x - one.at[0], place.y - one.at[1]) + one.radius * Math.hypot(place.cos - 1, place.sin);
+    if (away * view.scale < 0.6 || one.radius * view.scale < SMALLEST) continue;
+    stand(g, size, ratio, view, { x: one.at[0], y: one.at[1], cos: 1, sin: 0 });
+    g.stroke(one.path);
+  }
+}
+
+function ring(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, { i, place }: Seen, chosen: boolean): void {
+  stand(g, size, ratio, view, place);
+  g.strokeStyle = chosen ? scene.colours.ink : scene.colours.quiet;
+  g.lineWidth = (chosen ? 2.6 : 1.8) / view.scale;
+  g.stroke(scene.shapes[i]!.path);
+}
+
+function names(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, seen: Seen[]): void {
+  if (seen.length > MOST_NAMES) return;
+  g.setTransform(ratio, 0, 0, ratio, 0, 0);
+  g.font = "500 12px system-ui, sans-serif";
+  g.textAlign = "center";
+  g.textBaseline = "middle";
+  g.fillStyle = scene.colours.ink;
+  for (const { i, place } of seen) {
+    const one = scene.shapes[i]!;
+    if (one.width * view.scale < NAMED) continue;
+    const name = scene.names[i]!;
+    const [mx, my] = one.middle;
+    const [x, y] = toScreen(view, size, [place.x + place.cos * mx - place.sin * my, place.y + place.sin * mx + place.cos * my]);
+    g.globalAlpha = 0.72;
+    g.fillText(name.length > 14 ? `${name.slice(0, 12)}…` : name, x, y, one.width * view.scale - 12);
+  }
+  g.globalAlpha = 1;
+}
+
+const tiles = new Map<string, CanvasPattern>();
+
+/** Diagonal lines in the colour of the edge, of the same width on the screen at every zoom: fixed is not a colour alone. */
+function hatch(g: CanvasRenderingContext2D, scale: number, p: Placed, colour: string, ratio: number): CanvasPattern {
+  const key = `${colour} ${ratio}`;
+  let pattern = tiles.get(key);
+  if (!pattern) {
+    const side = Math.round(8 * ratio);
+    const tile = document.createElement("canvas");
+    tile.width = tile.height = side;
+    const t = tile.getContext("2d")!;
+    t.strokeStyle = colour;
+    t.globalAlpha = 0.55;
+    t.lineWidth = 1.1 * ratio;
+    t.beginPath();
+    for (const shift of [-side, 0, side]) {
+      t.moveTo(shift - 1, side + 1);
+      t.lineTo(shift + side + 1, -1);
+    }
+    t.stroke();
+    pattern = g.createPattern(tile, "repeat")!;
+    tiles.set(key, pattern);
+  }
+  pattern.setTransform(new DOMMatrix([p.cos / scale, -p.sin / scale, -p.sin / scale, -p.cos / scale, 0, 0]));
+  return pattern;
+}

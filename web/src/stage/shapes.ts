@@ -1,0 +1,79 @@
+/** Outlines of the parts made ready for drawing and hitting: paths about each part's reference point. */
+
+import type { PartShape, Point, Ring } from "../protocol.ts";
+
+export interface Shape { path: Path2D; rings: Ring[]; at: Point; radius: number; middle: Point; width: number }
+
+/** One shape a part; `rings` in world coordinates at rest. */
+export function shapes(parts: readonly PartShape[], rings: readonly Ring[][]): Shape[] {
+  return parts.map((part, i) => shape([part.at[0], part.at[1]], rings[i] ?? part.rings));
+}
+
+function shape(at: Point, world: Ring[]): Shape {
+  const path = new Path2D();
+  let radius = 0;
+  let [x0, y0, x1, y1] = [Infinity, Infinity, -Infinity, -Infinity];
+  const rings = world.map((ring) => ring.map(([x, y]): Point => [x - at[0], y - at[1]]));
+  for (const ring of rings) {
+    ring.forEach(([x, y], i) => {
+      if (i) path.lineTo(x, y);
+      else path.moveTo(x, y);
+      radius = Math.max(radius, Math.hypot(x, y));
+      [x0, y0, x1, y1] = [Math.min(x0, x), Math.min(y0, y), Math.max(x1, x), Math.max(y1, y)];
+    });
+    path.closePath();
+  }
+  return { path, rings, at, radius, middle: [(x0 + x1) / 2, (y0 + y1) / 2], width: x1 - x0 };
+}
+
+/** Where a part is: reference point in the world and turn, its motion times the magnification. */
+export interface Placed { x: number; y: number; cos: number; sin: number }
+
+export function placed(shape: Shape, motion: Float32Array, i: number, factor: number): Placed {
+  const turn = (motion[3 * i + 2] ?? 0) * factor;
+  return {
+    x: shape.at[0] + (motion[3 * i] ?? 0) * factor,
+    y: shape.at[1] + (motion[3 * i + 1] ?? 0) * factor,
+    cos: Math.cos(turn),
+    sin: Math.sin(turn),
+  };
+}
+
+/** World point as seen from the part, about its reference point. */
+export const into = (p: Placed, [x, y]: Point): Point => [
+  p.cos * (x - p.x) + p.sin * (y - p.y),
+  -p.sin * (x - p.x) + p.cos * (y - p.y),
+];
+export const outOf = (p: Placed, [x, y]: Point): Point => [p.x + p.cos * x - p.sin * y, p.y + p.sin * x + p.cos * y];
+
+/** Whether a point about the reference point lies in the rings, counted even-odd. */
+export function inside(rings: readonly Ring[], [px, py]: Point): boolean {
+  let odd = false;
+  for (const ring of rings) {
+    for (let i = 0, j = ring.length - 1; i < ring.length; j = i++) {
+      const [xi, yi] = ring[i]!;
+      const [xj, yj] = ring[j]!;
+      if (yi > py !== yj > py && px < ((xj - xi) * (py - yi)) / (yj - yi) + xi) odd = !odd;
+    }
+  }
+  return odd;
+}
+
+/** Index of the part at a world point, the one drawn last where several are; -1 for none. `slack` [mm] helps thin parts. */
+export function hit(all: readonly Shape[], motion: Float32Array, factor: number, at: Point, slack: number): number {
+  let near = -1;
+  let best = slack;
+  for (let i = all.length - 1; i >= 0; i--) {
+    const one = all[i]!;
+    const p = placed(one, motion, i, factor);
+    const away = Math.hypot(at[0] - p.x, at[1] - p.y);
+    if (away > one.radius + slack) continue;
+    const local = into(p, at);
+    if (inside(one.rings, local)) return i;
+    for (const ring of one.rings) for (const [x, y] of ring) {
+      const d = Math.hypot(x - local[0], y - local[1]);
+      if (d < best) [best, near] = [d, i];
+    }
+  }
+  return near;
+}

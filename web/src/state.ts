@@ -1,0 +1,60 @@
+/** What the page knows: the drawing, the answers, and what is chosen. Signals only; `session.ts` fills them. */
+
+import { computed, signal } from "@preact/signals";
+import { design } from "./design.ts";
+import type {
+  CheckReply, Design, DragReply, FlexReply, Frames, Hello, Modes, Opened, Point, Progress, ProveReply, RankReply, Ring, SpaceReply,
+} from "./protocol.ts";
+import type { Line } from "./socket.ts";
+
+/** An answer and the design that it answers. */
+export interface About<T> { reply: T; design: Design; ways: Frames[] }
+
+export const baked = signal(false);
+export const line = signal<Line>("connecting");
+export const hello = signal<Hello | null>(null);
+export const workerState = signal<"ready" | "lost" | "restarted">("ready");
+export const findings = signal<string[]>([]);
+export const notice = signal("");
+export const opening = signal("");
+
+export const drawing = signal<Opened | null>(null);
+export const rings = signal<Ring[][]>([]);
+export const indexOf = computed(() => new Map(drawing.value?.parts.map((part, i) => [part.name, i]) ?? []));
+
+export const answer = signal<About<FlexReply> | null>(null);
+export const dragged = signal<About<DragReply> | null>(null);
+export const modes = signal<About<Modes> | null>(null);
+export const ranking = signal<About<RankReply> | null>(null);
+export const checked = signal<About<CheckReply> | null>(null);
+export const space = signal<About<SpaceReply> | null>(null);
+export const proof = signal<About<ProveReply> | null>(null);
+
+/** Answers at several gaps to the present question, by gap. */
+export interface Solved { gap: number; objective: number | null; verdict: string; end: Float32Array | null }
+export const solved = signal<Solved[]>([]);
+export const lost = signal<[number, number] | null>(null);
+
+/** Requests under way, by kind, with the last progress that was told. */
+export const running = signal<ReadonlyMap<string, Progress | null>>(new Map());
+export const waiting = signal(false);
+
+export const selected = signal<string | null>(null);
+export const hovered = signal<string | null>(null);
+export const gluing = signal<string | null>(null);
+export const highlit = signal<Point | null>(null);
+
+export type Tab = "answer" | "gaps" | "apart" | "space" | "sure";
+export const tab = signal<Tab>("answer");
+export const sheetOpen = signal(false);
+export const helpOpen = signal(false);
+export const coloured = signal(true);
+
+export const current = (about: About<unknown> | null): boolean => about !== null && about.design === design.value;
+export const can = (what: string): boolean => hello.value?.can.includes(what) ?? false;
+
+/** Width and height of what was drawn, and half its diagonal [mm]. */
+export const extent = computed(() => {
+  const [x0, y0, x1, y1] = drawing.value?.size ?? [0, 0, 1, 1];
+  return { x0, y0, x1, y1, radius: Math.hypot(x1 - x0, y1 - y0) / 2 || 1 };
+});

@@ -1,0 +1,36 @@
+/** Numbers and directions as the terminal writes them. */
+
+import { type Goal, isPull, isTurn, type Point } from "./protocol.ts";
+
+/** To so many significant digits, without an exponent wherever that stays readable. */
+export function number(value: number, digits = 4): string {
+  if (value === 0 || !Number.isFinite(value)) return value === 0 ? "0" : String(value);
+  const places = digits - 1 - Math.floor(Math.log10(Math.abs(value)));
+  if (places > 12) return value.toExponential(digits - 1);
+  const rounded = value.toFixed(Math.max(places, 0));
+  return rounded.includes(".") ? rounded.replace(/0+$/, "").replace(/\.$/, "") : rounded;
+}
+
+export function towards([dx, dy]: Point): string {
+  const long = Math.hypot(dx, dy) || 1;
+  const [x, y] = [dx / long, dy / long];
+  if (Math.abs(y) < 1e-9) return x > 0 ? "+x" : "-x";
+  if (Math.abs(x) < 1e-9) return y > 0 ? "+y" : "-y";
+  return `(${number(x, 3)}, ${number(y, 3)})`;
+}
+
+export const degrees = ([x, y]: Point): number => (Math.atan2(y, x) * 180) / Math.PI;
+
+export function ask(goal: Goal): string {
+  if (isPull(goal)) return `${goal.part} in ${towards(goal.direction)}`;
+  if (isTurn(goal)) return `turn of ${goal.part} ${goal.turn}`;
+  return `${goal.part} along w = (${goal.w.map((v) => number(v, 3)).join(", ")})`;
+}
+
+export const short = (name: string, most = 24): string => (name.length <= most ? name : `${name.slice(0, most / 2 - 1)}…${name.slice(-most / 2)}`);
+
+/** Names in a row, the rest counted. */
+export function few(names: readonly string[], most = 6): string {
+  const more = names.length - most;
+  return names.slice(0, most).map((name) => short(name)).join(", ") + (more > 0 ? ` and ${more} more` : "");
+}
