@@ -23,6 +23,7 @@ export function token(): string {
   const address = new URL(location.href);
   const given = address.searchParams.get("token");
   if (given) {
+    if (given !== read("token")) for (const key of ["file", "design"]) write(key, null); // another server: what was kept is not its own
     write("token", given);
     address.searchParams.delete("token");
     history.replaceState(null, "", address.href);
@@ -37,7 +38,7 @@ export function keptFile(): { name: string; data: string } | null {
   return text ? (JSON.parse(text) as { name: string; data: string }) : null;
 }
 
-const mark = (of: Opened): string => `${of.name}|${of.gap}|${of.parts.length}|${of.size.join(",")}`;
+export const mark = (of: Opened): string => `${of.name}|${of.gap}|${of.parts.length}|${of.size.join(",")}`;
 
 export const keepDesign = (of: Opened, design: Design): void => write("design", JSON.stringify({ mark: mark(of), design }));
 export function keptDesign(of: Opened): Design | null {

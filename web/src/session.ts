@@ -4,7 +4,7 @@ import { batch, effect } from "@preact/signals";
 import { begin, change, design, goals, list, question } from "./design.ts";
 import { autoFactor, between, end, factor, fittingFactor, reach, show, shown } from "./motion.ts";
 import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, token } from "./keep.ts";
+import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, mark, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import * as state from "./state.ts";
@@ -127,6 +127,9 @@ export function openFile(name: string, bytes: Uint8Array): void {
   ask("open", { name, data });
 }
 let pendingFile: { name: string; data: string } | null = null;
+/** The file that was dropped here, and whether the next drawing is the one that is open already. */
+let file: { name: string; data: string } | null = null;
+let again = false;
 
 export function save(what: SaveWhat, of: "flex" | "check" = "flex"): void {
   ask("save", { design: design.peek(), what, of });
@@ -226,8 +229,18 @@ export function showEscape(which: number): void {
 
 function opened(reply: Opened): void {
   state.opening.value = "";
-  if (reply.id !== 0 && pendingFile) keepFile(pendingFile.name, pendingFile.data);
-  if (reply.id !== 0) pendingFile = null;
+  if (reply.id === 0 && file) return; // a reload: the file that was dropped here comes after
+  if (reply.id !== 0 && pendingFile) {
+    file = pendingFile;
+    keepFile(file.name, file.data);
+    pendingFile = null;
+  }
+  const before = state.drawing.peek();
+  if (before && again && mark(before) === mark(reply)) {
+    again = false;
+    return askFlex(); // the line came back: nothing that was set is lost
+  }
+  again = false;
   const read: Design = { ...reply.design };
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
   if (list(read.goals).length === 0 && typeof read.goals !== "string") read.goals = suggested;
@@ -243,8 +256,9 @@ function opened(reply: Opened): void {
 }
 
 function reopen(): void {
-  const kept = keptFile();
-  if (kept) ask("open", kept);
+  again = state.drawing.peek() !== null;
+  file ??= keptFile();
+  if (file) ask("open", file);
 }
 
 function worker(now: "ready" | "lost" | "restarted"): void {
@@ -266,7 +280,10 @@ function failed(of: string, lines: string[]): void {
   if (of === "open") {
     state.opening.value = "";
     pendingFile = null;
-    if (!state.drawing.peek()) forgetFile();
+    if (!state.drawing.peek()) {
+      file = null;
+      forgetFile();
+    }
   }
   state.findings.value = lines;
 }

@@ -6,7 +6,7 @@ import { factor } from "../motion.ts";
 import { type Goal, isPull, isTurn, type Point, type Pull } from "../protocol.ts";
 import { baked, drawing, indexOf } from "../state.ts";
 import { size, view } from "./camera.ts";
-import { current, frame, gripAt, partAt } from "./Stage.tsx";
+import { current, frame, gripAt, partAt } from "./now.ts";
 import { outOf, placed } from "./shapes.ts";
 import { toScreen } from "./view.ts";
 

@@ -1,6 +1,6 @@
 /** The canvas with the parts, and what the pointer does on it. */
 
-import { effect, signal as signalOf } from "@preact/signals";
+import { effect } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
 import { end, factor, place, pose, shown } from "../motion.ts";
@@ -9,19 +9,13 @@ import { askDrag, release } from "../session.ts";
 import * as state from "../state.ts";
 import { fitAll, fitted, panBy, size, view, zoomBy } from "./camera.ts";
 import { colours } from "./colours.ts";
+import { cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
 import { paintMarks } from "./marks.ts";
 import { paint } from "./paint.ts";
 import { Overlay } from "./Overlay.tsx";
 import { blame, roles } from "./roles.ts";
-import { hit, into, outOf, placed, type Shape, shapes } from "./shapes.ts";
+import { outOf, placed, shapes } from "./shapes.ts";
 import { toWorld } from "./view.ts";
-
-/** Counts the frames painted: what lies over the canvas moves along. */
-export const frame = signalOf(0);
-/** Time of the last frames [ms], for tests and for leaving out thin lines where they cost too much. */
-export const cost = { last: 0 };
-export const current: { shapes: Shape[]; motion: Float32Array } = { shapes: [], motion: new Float32Array(0) };
-export const pointerTarget = signalOf<{ part: string; grip: Point; target: Point } | null>(null);
 
 const SLOW = 36;
 
@@ -101,21 +95,6 @@ function threadNow(): { from: Point; to: Point } | null {
   const local: Point = [now.grip[0] - shape.at[0], now.grip[1] - shape.at[1]];
   const to: Point = [now.grip[0] + (now.target[0] - now.grip[0]) * f, now.grip[1] + (now.target[1] - now.grip[1]) * f];
   return { from: outOf(placed(shape, current.motion, i, f), local), to };
-}
-
-/** Part under a point of the canvas [px], or null. */
-export function partAt(px: Point): string | null {
-  const world = toWorld(view.peek(), size.peek(), px);
-  const i = hit(current.shapes, current.motion, factor(), world, 5 / view.peek().scale);
-  return i < 0 ? null : (state.drawing.peek()?.parts[i]?.name ?? null);
-}
-
-/** Point of a part at rest that is drawn at a point of the canvas. */
-export function gripAt(name: string, px: Point): Point {
-  const i = state.indexOf.peek().get(name)!;
-  const shape = current.shapes[i]!;
-  const [x, y] = into(placed(shape, current.motion, i, factor()), toWorld(view.peek(), size.peek(), px));
-  return [shape.at[0] + x, shape.at[1] + y];
 }
 
 interface Held { id: number; at: Point; moved: boolean; part: string | null; grip: Point; reference: Point }

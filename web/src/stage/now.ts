@@ -1,0 +1,31 @@
+/** What is on the canvas now, for everything that points at it. */
+
+import { signal } from "@preact/signals";
+import { factor } from "../motion.ts";
+import type { Point } from "../protocol.ts";
+import { drawing, indexOf } from "../state.ts";
+import { size, view } from "./camera.ts";
+import { hit, into, placed, type Shape } from "./shapes.ts";
+import { toWorld } from "./view.ts";
+
+/** Counts the frames painted: what lies over the canvas moves along. */
+export const frame = signal(0);
+/** Time of the last frames [ms], for tests and for leaving out thin lines where they cost too much. */
+export const cost = { last: 0 };
+export const current: { shapes: Shape[]; motion: Float32Array } = { shapes: [], motion: new Float32Array(0) };
+export const pointerTarget = signal<{ part: string; grip: Point; target: Point } | null>(null);
+
+/** Part under a point of the canvas [px], or null. */
+export function partAt(px: Point): string | null {
+  const world = toWorld(view.peek(), size.peek(), px);
+  const i = hit(current.shapes, current.motion, factor(), world, 5 / view.peek().scale);
+  return i < 0 ? null : (drawing.peek()?.parts[i]?.name ?? null);
+}
+
+/** Point of a part at rest that is drawn at a point of the canvas. */
+export function gripAt(name: string, px: Point): Point {
+  const i = indexOf.peek().get(name)!;
+  const shape = current.shapes[i]!;
+  const [x, y] = into(placed(shape, current.motion, i, factor()), toWorld(view.peek(), size.peek(), px));
+  return [shape.at[0] + x, shape.at[1] + y];
+}
