@@ -114,5 +114,5 @@ export function toBase64(bytes: Uint8Array): string {
   return btoa(text);
 }
 
-export const isTurn = (goal: Goal): goal is Turn => "turn" in goal;
-export const isPull = (goal: Goal): goal is Pull => "direction" in goal;
+export const isTurn = (goal: Goal): goal is Turn => "turn" in goal && goal.turn != null;
+export const isPull = (goal: Goal): goal is Pull => "direction" in goal && goal.direction != null;

@@ -1,6 +1,6 @@
 /** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
 
-import { batch, effect } from "@preact/signals";
+import { batch, effect, untracked } from "@preact/signals";
 import { begin, change, design, goals, list, question } from "./design.ts";
 import { autoFactor, between, end, factor, fittingFactor, reach, show, shown } from "./motion.ts";
 import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
@@ -40,8 +40,10 @@ export function follow(): void {
       });
     }
     keepDesign(opened, now);
-    preview(now.gap);
-    askFlex();
+    untracked(() => {
+      preview(now.gap);
+      askFlex();
+    });
   });
 }
 
