@@ -4,6 +4,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, goals, settle } from "../design.ts";
 import { valueBetween } from "../motion.ts";
+import { isPull, isTurn } from "../protocol.ts";
 import { ask, setGap } from "../session.ts";
 import { answer, baked, drawing, lost, running, solved } from "../state.ts";
 import { number } from "../words.ts";
@@ -83,7 +84,7 @@ function Curve({ width, low, most, gap }: { width: number; low: number; most: nu
   if (width < 40) return <svg class="curve" height={HIGH} aria-hidden="true" />;
   const x = (g: number): number => PAD + ((g - low) / Math.max(most - low, 1e-12)) * (width - 2 * PAD);
   const known = solved.value.filter((one) => one.objective !== null && one.gap <= most);
-  const high = niceTop(Math.max(...known.map((one) => one.objective!), 1e-9));
+  const high = Math.max(...known.map((one) => one.objective!), 1e-9);
   const y = (v: number): number => HIGH - 4 - (v / high) * (HIGH - 20);
   const points = [...(known.length && low === 0 ? [{ gap: 0, objective: 0 }] : []), ...known];
   const path = points.map((one, i) => `${i ? "L" : "M"}${x(one.gap).toFixed(1)} ${y(one.objective!).toFixed(1)}`).join("");
@@ -111,12 +112,19 @@ function Curve({ width, low, most, gap }: { width: number; low: number; most: nu
           {one.objective !== null && <circle class="dot" cx={x(one.gap)} cy={y(one.objective)} r={2.4} />}
         </g>
       ))}
-      {known.length > 0 && <text class="scale" x={PAD} y={10}>{number(high, 3)} mm</text>}
+      {known.length > 0 && <text class="scale" x={PAD} y={10}>{number(high, 3)} {unitOf()}</text>}
       <line class="now" x1={x(gap)} x2={x(gap)} y1={6} y2={HIGH} />
       {now !== null && !loose && <circle class={exact ? "here" : "here guess"} cx={x(gap)} cy={Math.max(y(now), 4)} r={4.6} />}
       {answer.value === null && known.length === 0 && <text class="empty" x={width / 2} y={HIGH / 2}>motion against gap grows here</text>}
     </svg>
   );
+}
+
+/** Unit of the objective, as the answers say it. */
+export function unitOf(): string {
+  if (typeof design.value.goals === "string") return "mm²";
+  if (goals.value.every(isPull)) return "mm";
+  return goals.value.every(isTurn) ? "rad" : "";
 }
 
 function curveWords(edge: readonly (number | undefined)[] | null): string {

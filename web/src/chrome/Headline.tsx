@@ -6,6 +6,7 @@ import { answer, dragged, drawing, modes, running, selected, solved, waiting } f
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
 import { ask, few, number } from "../words.ts";
+import { unitOf } from "./GapStrip.tsx";
 
 export function Headline() {
   if (!drawing.value) return null;
@@ -37,7 +38,7 @@ function said(): Said {
   }
   if (what === "between") {
     const guess = valueBetween(solved.value, design.value.gap);
-    return { title: guess === null ? "…" : `about ${number(guess, 3)} mm`, line: "between solved gaps, solving", tone: "guess" };
+    return { title: guess === null ? "…" : `about ${number(guess, 3)} ${unitOf()}`, line: "between solved gaps, solving", tone: "guess" };
   }
   if (!about) return { title: goals.value.map(ask).slice(0, 2).join(", "), line: waiting.value ? "solving" : "no answer", tone: "guess" };
   const { headline, verdict, collision_free, path, settled } = about.reply;

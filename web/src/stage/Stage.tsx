@@ -81,7 +81,7 @@ function marksNow() {
     return { contacts: about.reply.held, at: end(about.ways[0]!), thread, highlit: null };
   }
   const about = state.answer.peek();
-  if (what !== "answer" || !about?.ways[0] || place.peek() < 0.999) return null;
+  if (what !== "answer" || !about?.ways[0] || place.peek() < 0.999 || blame.peek()) return null;
   return { contacts: about.reply.contacts.filter((one) => one.force > 0), at: end(about.ways[0]), thread, highlit: state.highlit.peek() };
 }
 
@@ -108,7 +108,6 @@ function pointers(canvas: HTMLCanvasElement): () => void {
   const press = (event: PointerEvent): void => {
     if (event.button > 1 || !state.drawing.peek()) return;
     canvas.setPointerCapture(event.pointerId);
-    canvas.focus({ preventScroll: true });
     const at = here(event);
     const name = event.button === 0 && down.size === 0 ? partAt(at) : null;
     const grip = name ? gripAt(name, at) : ([0, 0] as Point);

@@ -10,8 +10,8 @@ export const size = signal<Size>({ width: 0, height: 0 });
 export const fitted = signal(true);
 
 const inset = (): Inset => (size.value.width < 560
-  ? { top: 92, right: 22, bottom: 60, left: 22 }
-  : { top: 96, right: 56, bottom: 72, left: 56 });
+  ? { top: 70, right: 20, bottom: 62, left: 20 }
+  : { top: 80, right: 48, bottom: 68, left: 48 });
 
 export function fitAll(): void {
   fitted.value = true;

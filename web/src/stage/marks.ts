@@ -21,6 +21,7 @@ export function paintMarks(
 ): void {
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
   const shown = marks.contacts.length > MOST ? [...marks.contacts].sort((a, b) => b.force - a.force).slice(0, MOST) : marks.contacts;
+  const longest = Math.min(32, Math.min(size.width, size.height) / 18);
   const most = Math.max(...shown.map((one) => one.force), 1e-12);
   for (const contact of shown) {
     const i = indexOf.get(contact.parts[0]);
@@ -30,7 +31,7 @@ export function paintMarks(
     const [x, y] = toScreen(view, size, outOf(placed(carrier, motion, i, factor), local));
     const share = contact.force / most;
     const picked = marks.highlit !== null && marks.highlit[0] === contact.point[0] && marks.highlit[1] === contact.point[1];
-    if (share > 1e-3) force(g, [x, y], contact.normal, 9 + 30 * Math.sqrt(share), colours.force, colours.paper);
+    if (share > 1e-3) force(g, [x, y], contact.normal, 8 + longest * Math.sqrt(share), colours.force, colours.paper);
     dot(g, x, y, picked ? 6 : share > 1e-3 ? 3.2 : 2, colours.force, colours.paper);
   }
   if (marks.thread) {

@@ -104,17 +104,23 @@ function names(g: CanvasRenderingContext2D, size: Size, ratio: number, view: Vie
   g.font = "500 12px system-ui, sans-serif";
   g.textAlign = "center";
   g.textBaseline = "middle";
-  g.fillStyle = scene.colours.ink;
   for (const { i, place } of seen) {
     const one = scene.shapes[i]!;
     if (one.width * view.scale < NAMED) continue;
     const name = scene.names[i]!;
     const [mx, my] = one.middle;
     const [x, y] = toScreen(view, size, [place.x + place.cos * mx - place.sin * my, place.y + place.sin * mx + place.cos * my]);
-    g.globalAlpha = 0.72;
+    g.globalAlpha = 0.78;
+    g.fillStyle = scene.blame ? inkOn(blameColour(scene.colours.blame, scene.blame[i]!)) : scene.colours.ink;
     g.fillText(name.length > 14 ? `${name.slice(0, 12)}…` : name, x, y, one.width * view.scale - 12);
   }
   g.globalAlpha = 1;
+}
+
+/** Dark or light ink, whichever is read better on a colour given as rgb(r,g,b). */
+function inkOn(rgb: string): string {
+  const [r, g, b] = rgb.match(/\d+/g)!.map(Number);
+  return 0.299 * r! + 0.587 * g! + 0.114 * b! > 140 ? "#1f2933" : "#ffffff";
 }
 
 const tiles = new Map<string, CanvasPattern>();
