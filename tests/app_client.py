@@ -98,11 +98,10 @@ class Visit:
         """The reply of this number that is no progress: of a kind, or that ends the request."""
         while True:
             reply = self.next(seconds)
-            if reply.get("id") == number and reply["kind"] == "failed":
+            if reply.get("id") != number or reply["kind"] in ("progress", "step"):
+                continue
+            if reply["kind"] == "failed" or (kind in ("", reply["kind"]) and reply.get("settled", True)):
                 return reply
-            if reply.get("id") == number and reply["kind"] not in ("progress", "step"):
-                if (not kind or reply["kind"] == kind) and reply.get("settled", True):
-                    return reply
 
     def ask(self, kind: str, **more: Any) -> Json:
         """Ask and wait for the whole answer."""

@@ -47,7 +47,7 @@ def test_of_a_hundred_quick_requests_few_are_answered_and_the_last_one_rightly(p
     reply = page.until(last, "flex")
     answered = {r["id"] for r in page.told if r["kind"] == "flex"}
     assert len(answered) < 40
-    assert sorted(answered) == [r for r in dict.fromkeys(r["id"] for r in page.told if r["kind"] == "flex")]
+    assert sorted(answered) == list(dict.fromkeys(r["id"] for r in page.told if r["kind"] == "flex"))
     truth = wr.flex(assemble(chain.drawing, gap=gaps[-1]))
     assert reply["objective"] == pytest.approx(truth.objective, rel=1e-6)
 
@@ -112,7 +112,9 @@ def test_a_drawing_that_takes_too_long_to_read_is_given_up(page: Visit, monkeypa
     page.open("grid.json", text(GRID))
     rings = "".join(f"<circle cx='{k % 200 * 10}' cy='{k // 200 * 10}' r='4'/>" for k in range(40_000))
     monkeypatch.setattr(session, "READING", 0.3)
-    reply = page.open("big.svg", f"<svg xmlns='http://www.w3.org/2000/svg' width='2m' height='2m'>{rings}</svg>".encode())
+    reply = page.open(
+        "big.svg", f"<svg xmlns='http://www.w3.org/2000/svg' width='2m' height='2m'>{rings}</svg>".encode()
+    )
     assert "was not read within" in reply["findings"][0]
     monkeypatch.setattr(session, "READING", 60.0)
     assert page.ask("flex")["settled"]  # about the drawing before
