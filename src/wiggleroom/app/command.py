@@ -11,7 +11,7 @@ from wiggleroom.app.opening import File
 from wiggleroom.drawing.assembly_schema import PullEntry
 
 
-def command(name: str, file: File, design: Design, more: tuple[str, ...] = ()) -> str:
+def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:
     """Command of this name: with options where they can say the design, else about the assembly file that `save` makes.
 
     Parameters
@@ -20,8 +20,10 @@ def command(name: str, file: File, design: Design, more: tuple[str, ...] = ()) -
         flex, rank, check, ...
     more : tuple of str
         Arguments and options of the command itself.
+    pulled : bool
+        False: it does not matter what is pulled.
     """
-    said = options(file, design)
+    said = options(file, design, pulled=pulled)
     if said is None:
         return shlex.join(["wiggleroom", name, saved_name(file), *more])
     return shlex.join(["wiggleroom", name, file.path, *more, *said])
@@ -32,7 +34,7 @@ def saved_name(file: File, ending: str = "-design.json") -> str:
     return PurePath(file.name).stem + ending
 
 
-def options(file: File, design: Design) -> list[str] | None:
+def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | None:
     """Options that make the design of the file; None where none can."""
     drawing = file.drawing
     before = {p.name for p in drawing.parts if p.fixed}
@@ -47,7 +49,7 @@ def options(file: File, design: Design) -> list[str] | None:
     for part in design.fixed:
         if part not in before:
             found.append(f"--fix={part}")
-    asked = _goals(file, design)
+    asked = _goals(file, design) if pulled else []
     return None if asked is None else [*found, *asked]
 
 

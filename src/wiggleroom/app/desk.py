@@ -49,7 +49,7 @@ class Desk:
         drawing = file.drawing if design is None else Designs(file.drawing).drawing(design)
         content = told(file, drawing)
         if design is not None:
-            content["design"] = msgspec.to_builtins(design) | {"gap": drawing.gap}
+            content["design"]["extra"] = design.extra
         self._file, self.designs = file, Designs(file.drawing)
         self.ready: Recent[Prepared] = Recent(4)
         self.answers: Recent[Answer] = Recent(4)

@@ -45,7 +45,7 @@ def space(desk: Desk, request: Space, out: Out) -> None:
         "facts": said(found, None),
         "state": desk.moves.relative(found),
         "model": "walls",
-        "command": command("space", desk.file, request.design, (request.a, request.b)),
+        "command": command("space", desk.file, request.design, (request.a, request.b), pulled=False),
     }
     out.reply(content)
 

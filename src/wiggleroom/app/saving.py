@@ -54,7 +54,7 @@ def _write(desk: Desk, request: Save, path: Path, out: Out) -> None:
             drawing = replace(drawing, parts=assembly.parts, gap=0.0, gaps=())
         write_drawing(drawing, path)
         return
-    said = command(request.of, desk.file, design)
+    said = command(request.of, desk.file, design, pulled=request.of == "flex")
     if request.of == "check":
         found = desk.checked(design, out)
         if request.what == "json":

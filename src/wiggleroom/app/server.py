@@ -7,7 +7,7 @@ import contextlib
 import hmac
 import signal
 import socket
-from collections.abc import Callable
+from collections.abc import AsyncIterator, Callable, Iterator
 from importlib import resources
 from importlib.util import find_spec
 
@@ -72,7 +72,7 @@ class Page:
         self.app = Starlette(routes=routes, lifespan=self._life)
 
     @contextlib.asynccontextmanager
-    async def _life(self, _: Starlette):  # type: ignore[no-untyped-def]
+    async def _life(self, _: Starlette) -> AsyncIterator[None]:
         await self.pool.prepare()
         yield
         await self.pool.close()
@@ -165,12 +165,33 @@ def listen(port: int) -> socket.socket:
     return listening
 
 
-class _Server(uvicorn.Server):
-    """A server whose signals are looked after by `serve`."""
+class Server(uvicorn.Server):
+    """A server that leaves signals to others.
+
+    Parameters
+    ----------
+    page : Page
+    """
+
+    def __init__(self, page: Page) -> None:
+        config = uvicorn.Config(
+            page.app,
+            http="h11",
+            ws=Patient,
+            ws_max_size=LARGEST,
+            ws_per_message_deflate=False,  # nothing to win on one machine, and no bombs
+            log_config=None,
+            log_level="critical",
+            access_log=False,
+            server_header=False,
+            limit_concurrency=64,
+            timeout_graceful_shutdown=2,
+        )
+        super().__init__(config)
 
     @contextlib.contextmanager
-    def capture_signals(self):  # type: ignore[no-untyped-def]
-        """Leave signals alone."""
+    def capture_signals(self) -> Iterator[None]:
+        """Capture none."""
         yield
 
 
@@ -183,32 +204,16 @@ def serve(page: Page, listening: socket.socket, started: Callable[[], None]) -> 
     listening : socket
         From `listen`.
     started : callable
-        Called once when the first page may come.
+        Called once when pages may come.
     """
-    config = uvicorn.Config(
-        page.app,
-        http="h11",
-        ws=Patient,
-        ws_max_size=LARGEST,
-        ws_per_message_deflate=False,  # nothing to win on one machine, and no bombs
-        log_config=None,
-        log_level="critical",
-        access_log=False,
-        server_header=False,
-        limit_concurrency=64,
-        timeout_graceful_shutdown=2,
-    )
-    server = _Server(config)
+    server = Server(page)
 
     async def run() -> None:
         loop = asyncio.get_running_loop()
-
-        def leave(*_: object) -> None:
-            loop.call_soon_threadsafe(setattr, server, "should_exit", True)
-
         for one in (signal.SIGINT, signal.SIGTERM):
-            signal.signal(one, leave)
-        loop.call_later(0.0, started)
+            signal.signal(one, lambda *_: loop.call_soon_threadsafe(setattr, server, "should_exit", True))
+        listening.listen()  # who comes early waits
+        loop.call_soon(started)
         await server.serve(sockets=[listening])
 
     asyncio.run(run())

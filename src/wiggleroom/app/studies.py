@@ -17,6 +17,7 @@ from wiggleroom.report.ranking import ranking_sure
 from wiggleroom.report.words import proven
 
 if TYPE_CHECKING:
+    from wiggleroom.analysis.interlock import Escape, Interlock
     from wiggleroom.analysis.sweep import Step
     from wiggleroom.app.desk import Desk
 
@@ -52,12 +53,12 @@ def check(desk: Desk, request: Check, out: Out) -> None:
         "escapes": escapes,
         "spins": list(found.spins),
         "remains": list(found.remains),
-        "command": command("check", desk.file, request.design),
+        "command": command("check", desk.file, request.design, pulled=False),
     }
     out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
 
 
-def _leaves(found, escape) -> str:  # type: ignore[no-untyped-def]
+def _leaves(found: Interlock, escape: Escape) -> str:
     """Who leaves, and how."""
     verb = "leaves" if len(escape.parts) == 1 else "leave together"
     return f"{some(escape.parts)} {verb} {along(found, escape)}"

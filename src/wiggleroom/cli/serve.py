@@ -37,7 +37,7 @@ def serve(
 
     from wiggleroom.errors import InputError
 
-    first = None if file is None else _first(file, asked)
+    first = None if file is None else first_request(file, asked)
     if file is None and asked != _NONE_ASKED:
         raise InputError("serve: --gap, --fix and the like are about a FILE; name it, or leave them out")
     _see_extra()
@@ -74,7 +74,7 @@ def _see_extra() -> None:
         raise MissingExtraError("the page needs starlette, uvicorn and websockets: pip install 'wiggleroom[page]'")
 
 
-def _first(file: str, asked: Asked) -> bytes:
+def first_request(file: str, asked: Asked) -> bytes:
     """The request that opens a file; raises InputError where it cannot be read or the options do not fit it."""
     from wiggleroom.app.opening import first_open
 
