@@ -73,6 +73,7 @@ class Visit:
         self.number = 0
         self.design: Json = {}
         self.told: list[Json] = []
+        self.rings: list[list[list[list[float]]]] = []
 
     def next(self, seconds: float = 60.0) -> Json:
         """The next reply; its motions, (k, n, 3) each, under "motions"."""
@@ -85,6 +86,7 @@ class Visit:
         assert all(number == reply["id"] for number, _ in motions)
         reply["motions"] = [m for _, m in motions]
         self.told.append(reply)
+        self.rings = reply.get("rings", self.rings)
         return reply
 
     def send(self, kind: str, **more: Any) -> int:

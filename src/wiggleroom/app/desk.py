@@ -5,16 +5,13 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Hashable
-from dataclasses import replace
 from typing import Any
 
 import msgspec
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.interlock import Interlock
 from wiggleroom.analysis.interlock import check as interlock
-from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.app import moving, regions, saving, studies
 from wiggleroom.app.designs import Designs, Recent
 from wiggleroom.app.link import Start
@@ -23,6 +20,8 @@ from wiggleroom.app.opening import File, opened, told
 from wiggleroom.app.out import Out, StoppedError
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.statements import statement_findings
+from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, WiggleroomError
 
 
@@ -51,36 +50,34 @@ class Desk:
         if design is not None:
             content["design"]["extra"] = design.extra
         self._file, self.designs = file, Designs(file.drawing)
-        self.ready: Recent[Prepared] = Recent(4)
         self.answers: Recent[Answer] = Recent(4)
         self.checks: Recent[Interlock] = Recent(2)
-        self.moves = moving.Moves(self)
+        self.moves = moving.Moves(self, file.drawing)
         out.reply(content, kind="opened")
 
-    def assembly(self, design: Design, asked: bool = False) -> Assembly:
-        """Parts as made; where a question about motion is `asked`, raises InputError if it lacks something."""
-        made = self.designs.assembly(design)
-        lacking = role_findings(made.drawing) if asked else ()
-        if lacking:
-            raise InputError([_on_the_page(line) for line in lacking])
-        return made
+    def assembly(self, design: Design) -> Assembly:
+        """Parts as made for a design."""
+        return self.designs.assembly(design)
 
-    def prepared(self, design: Design) -> Prepared:
-        """An assembly made ready for questions."""
-        made = self.assembly(design)
-        found = self.ready.get(self.designs.body(design), lambda: prepare(made))
-        return replace(found, assembly=made)
+    def asked(self, design: Design) -> tuple[Goal, ...]:
+        """What a design asks; raises InputError where a question about motion lacks something."""
+        drawing = self.designs.drawing(design)
+        wrong = statement_findings(drawing) or [_on_the_page(line) for line in role_findings(drawing)]
+        if wrong:
+            raise InputError(wrong)
+        return drawing.goals
+
+    def kept(self, design: Design) -> Answer | None:
+        """The full answer, where it is known."""
+        return self.answers.peek(whole(design))
 
     def answer(self, design: Design, out: Out) -> Answer:
         """The full answer, worked out once for a design."""
-        key = whole(design)
-        kept = self.answers.peek(key)
-        if kept is not None:
-            return kept
-        self.assembly(design, asked=True)
-        answer = flex(self.prepared(design), stop=out.stop, progress=out.progress)
-        out.check()
-        self.answers.keep(key, answer)
+        answer = self.kept(design)
+        if answer is None:
+            answer = self.moves.settle(design, out)
+            out.check()
+            self.know(design, answer)
         return answer
 
     def know(self, design: Design, answer: Answer) -> None:
@@ -135,7 +132,7 @@ ANSWERS: dict[str, Callable[[Desk, Any, Out], None]] = {
     "shape": moving.shape,
     "drag": lambda desk, request, out: desk.moves.drag(request, out),
     "release": lambda desk, request, out: desk.moves.release(request, out),
-    "wiggle": moving.wiggle,
+    "wiggle": lambda desk, request, out: desk.moves.wiggle(request, out),
     "rank": studies.rank,
     "check": studies.check,
     "sweep": studies.sweep,

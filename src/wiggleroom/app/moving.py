@@ -2,33 +2,41 @@
 
 from __future__ import annotations
 
+import math
 import threading
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.analysis.audit import swing
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.live import Live
+from wiggleroom.analysis.shot import Shot
 from wiggleroom.app.command import command
 from wiggleroom.app.frames import way_frames
 from wiggleroom.app.messages import Design, Drag, Flex, Json, Release, Shape, Wiggle
 from wiggleroom.app.opening import rings_of
 from wiggleroom.app.out import Out
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.drawing.model import Pull
-from wiggleroom.errors import InputError
+from wiggleroom.drawing.model import Drawing, Goal
 from wiggleroom.freespace.space import FreeSpace
 from wiggleroom.report.html import answer_sure
-from wiggleroom.report.motion import Way
 from wiggleroom.report.words import headline
+from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
     from wiggleroom.app.desk import Desk
 
 Floats = NDArray[np.float64]
+
+SECONDS = 0.1
+"""A quick answer takes about so long [s]."""
+MOST_TURNS = 50
+"""So often a drag is gone on with."""
+LITTLE = 1e-4
+"""A drag that gets nearer by less than this share is done."""
 
 
 class Moves:
@@ -37,66 +45,92 @@ class Moves:
     Parameters
     ----------
     desk : Desk
+    drawing : Drawing
     """
 
-    def __init__(self, desk: Desk) -> None:
+    def __init__(self, desk: Desk, drawing: Drawing) -> None:
         self._desk = desk
+        self._live = Live(drawing)
         self._told: tuple[Hashable, threading.Event] | None = None
         self._shown: tuple[Assembly, Floats] | None = None
 
+    def at(self, design: Design) -> Live:
+        """The engine, its design set."""
+        extra = {name: value for name, value in design.extra.items() if value}
+        self._live.design(self._desk.designs.gap(design), extra, design.fixed, [g for g in design.glue if len(g) > 1])
+        return self._live
+
     def flex(self, request: Flex, out: Out) -> bool:
-        """Answer; True where a fuller one is to come."""
-        return self.settled(request, out)
+        """Answer quickly; True where the full answer is to come."""
+        design, desk = request.design, self._desk
+        if desk.kept(design) is not None:
+            return self.settled(request, out)
+        goals = desk.asked(design)
+        live = self.at(design)
+        shot = live.flex(goals, seconds=SECONDS, stop=out.stop)
+        out.check()
+        self._shown = live.assembly, shot.motion
+        answer = quick(live.assembly, goals, shot)
+        content = flex_content(desk, design, answer) | self.new_rings(design, live.assembly, out)
+        out.reply(content | {"settled": False}, [shot.motion[None]])
+        return True
 
     def settled(self, request: Flex, out: Out) -> bool:
-        """The full answer."""
+        """Answer fully."""
         answer = self._desk.answer(request.design, out)
-        content = flex_content(self._desk, request.design, answer) | self.new_rings(request.design, out)
         self._shown = answer.assembly, answer.motion
+        content = flex_content(self._desk, request.design, answer)
+        content |= self.new_rings(request.design, answer.assembly, out)
         out.reply(content | {"settled": True}, [way_frames(answer.assembly, answer.waypoints)])
         return False
 
+    def settle(self, design: Design, out: Out) -> Answer:
+        """The full answer, worked out."""
+        goals = self._desk.asked(design)
+        return self.at(design).settle(goals, stop=out.stop, progress=out.progress)
+
     def drag(self, request: Drag, out: Out) -> None:
-        """As near to a place as the part can be drawn."""
-        ready = self._desk.prepared(request.design)
-        names, rest = ready.assembly.names, ready.assembly.rest
-        grip, target = np.array(request.grip), np.array(request.target)
-        if request.part not in names:
-            finding = f'drag: there is no part "{request.part}"'
-            raise InputError(finding)
-        k = names.index(request.part)
-        answer = flex(ready, Pull(request.part, tuple(target - grip), tuple(grip)), stop=out.stop)
-        way = Way(ready.assembly, answer.waypoints)
-        motions = way.at(np.linspace(0, way.length, 65))
-        arm = grip - rest[k, :2]
-        c, s = np.cos(motions[:, k, 2]), np.sin(motions[:, k, 2])
-        at = rest[k, :2] + motions[:, k, :2] + np.column_stack([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]])
-        away = np.hypot(*(at - target).T)
-        best = int(away.argmin())
-        self._shown = ready.assembly, motions[best]
-        held = contacts(answer) if best == len(motions) - 1 else []
-        content = {
-            "part": request.part,
-            "target": list(request.target),
-            "reached": at[best].tolist(),
-            "distance": float(away[best]),
-            "held": held,
-            "blocking": sorted({name for c in held for name in c["parts"]} - {request.part}),
-            "settled": True,
-        }
-        out.reply(content, [motions[best : best + 1]])
+        """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
+        live = self.at(request.design)
+        rings, start, last = self.new_rings(request.design, live.assembly, out), request.from_, math.inf
+        for turn in range(MOST_TURNS):
+            shot = live.drag(request.part, request.grip, request.target, start=start, seconds=SECONDS, stop=out.stop)
+            out.check()
+            assert shot.distance is not None
+            settled = shot.settled or turn == MOST_TURNS - 1 or shot.distance > last * (1 - LITTLE)
+            self._shown = live.assembly, shot.motion
+            content = {
+                "part": request.part,
+                "target": list(request.target),
+                "reached": shot.reached,
+                "distance": shot.distance,
+                "held": contacts(shot.contacts),
+                "blocking": list(shot.blocking),
+                "settled": settled,
+            }
+            out.reply(content | rings, [shot.motion[None]])
+            if settled:
+                return
+            rings, start, last = {}, "here", shot.distance
+
+    def wiggle(self, request: Wiggle, out: Out) -> None:
+        """Show the freedoms that are left."""
+        modes = self.at(request.design).wiggle(request.part, stop=out.stop)
+        out.check()
+        told = [{"size": mode.size, "parts": list(mode.parts), "ends": mode.ends} for mode in modes]
+        out.reply({"modes": told}, [mode.frames for mode in modes], kind="modes")
 
     def release(self, _: Release, out: Out) -> None:
         """End a drag; the parts stay where they are shown."""
         out.reply({})
 
-    def new_rings(self, design: Design, out: Out) -> Json:
+    def new_rings(self, design: Design, assembly: Assembly, out: Out) -> Json:
         """Outlines as made, where the page has not had them: a reply that was stopped did not get there."""
         key = self._desk.designs.shape(design)
         if self._told is not None and self._told[0] == key and not self._told[1].is_set():
             return {}
         self._told = key, out.stop
-        return {"rings": rings(self._desk.assembly(design))}
+        return {"rings": rings(assembly)}
 
     def relative(self, space: FreeSpace) -> list[float]:
         """Where the pair of a free space is shown: motion of its pivot [mm] and turn [deg]."""
@@ -116,23 +150,38 @@ def shape(desk: Desk, request: Shape, out: Out) -> None:
     out.reply({"rings": rings(desk.assembly(request.design))})
 
 
-def wiggle(desk: Desk, request: Wiggle, out: Out) -> None:
-    """The freedoms that are left."""
-    raise InputError("wiggle: not there yet")
-
-
 def rings(assembly: Assembly) -> list[list[list[list[float]]]]:
     """Outlines of all parts as made, at rest, in world coordinates [mm]."""
     return [[ring.tolist() for ring in rings_of(part)] for part in assembly.parts]
 
 
-def contacts(answer: Answer) -> list[Json]:
+def contacts(some: Iterable[Contact]) -> list[Json]:
     """Contacts with a force, the strongest first."""
-    held = sorted((c for c in answer.contacts if c.force > 0), key=lambda c: -c.force)
-    return [
-        {"parts": list(c.parts), "point": list(c.point), "normal": list(c.normal), "force": float(c.force)}
-        for c in held
-    ]
+    held = sorted((c for c in some if c.force > 0), key=lambda c: -c.force)
+    return [{"parts": c.parts, "point": c.point, "normal": c.normal, "force": float(c.force)} for c in held]
+
+
+def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: Shot) -> Answer:
+    """What was found in the time there was, as an answer."""
+    return Answer(
+        assembly=assembly,
+        goals=goals,
+        verdict=Verdict.UNBOUNDED if shot.objective is None else Verdict.STOPPED,
+        objective=shot.objective,
+        motion=shot.motion,
+        waypoints=shot.motion[None],
+        contacts=shot.contacts,
+        path="not checked",
+        collision_free=True,
+        deepest_overlap=0.0,
+        model="walls",
+        solver="interior-point",
+        rounds=0,
+        iterations=0,
+        seconds={"total": shot.seconds},
+        leaves=shot.leaves,
+        turns=shot.turns,
+    )
 
 
 def flex_content(desk: Desk, design: Design, answer: Answer) -> Json:
@@ -145,7 +194,7 @@ def flex_content(desk: Desk, design: Design, answer: Answer) -> Json:
         "at_most": answer.at_most,
         "leaves": list(answer.leaves),
         "turns": list(answer.turns),
-        "contacts": contacts(answer),
+        "contacts": contacts(answer.contacts),
         "collision_free": bool(answer.collision_free),
         "path": answer.path,
         "seconds": answer.seconds.get("total", 0.0),

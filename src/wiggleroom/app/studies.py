@@ -72,7 +72,8 @@ def sweep(desk: Desk, request: Sweep, out: Out) -> None:
         out.check()
         out.reply(_step(step), [] if motion is None else [motion[None]], kind="step")
 
-    assembly = desk.assembly(request.design, asked=True)
+    desk.asked(request.design)
+    assembly = desk.assembly(request.design)
     found = work_out(assembly, request.gaps, stop=out.stop, each=tell)
     out.check()
     lost = None if found.lost is None else list(found.lost)
