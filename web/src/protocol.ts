@@ -45,14 +45,14 @@ export interface RankReply {
 }
 export interface CheckReply {
   kind: "check"; id: number; verdict: string; certainty: string; words: string;
-  escapes: { parts: string[] }[]; spins: string[]; command?: string;
+  escapes: { parts: string[]; words?: string }[]; spins: string[]; command?: string;
 }
 export interface Step { kind: "step"; id: number; gap: number; objective: number | null; verdict: string }
 export interface SweepReply { kind: "sweep"; id: number; steps: { gap: number; objective: number | null; verdict: string }[]; lost: [number, number] | null }
 export interface SpaceReply {
   kind: "space"; id: number; a: string; b: string; open?: boolean; words?: string;
   vertices: string; triangles: string; slices: { angle_deg: number; rings: Ring[] }[];
-  range_deg: [number, number]; state: [number, number, number]; scale: number;
+  range_deg: [number, number]; state: [number, number, number]; pivot: Point; scale: number;
 }
 export interface ProveReply { kind: "prove"; id: number; at_most: number | null; within: number | null; words: string }
 export interface Saved { kind: "saved"; id: number; name: string; mime: string; data: string }

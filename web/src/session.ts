@@ -2,7 +2,7 @@
 
 import { batch, effect, untracked } from "@preact/signals";
 import { begin, change, design, goals, list, question } from "./design.ts";
-import { autoFactor, between, end, factor, fittingFactor, reach, show, shown } from "./motion.ts";
+import { autoFactor, between, end, factor, fittingFactor, play, reach, show, shown } from "./motion.ts";
 import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, mark, token } from "./keep.ts";
 import { download } from "./save.ts";
@@ -226,7 +226,11 @@ export function showMode(which: number): void {
 
 export function showEscape(which: number): void {
   const frames = state.checked.peek()?.ways[which];
-  if (frames) show({ what: "escape", frames, label: `way out ${which + 1}`, back: false });
+  if (!frames) return;
+  const count = state.checked.peek()!.ways.length;
+  autoFactor.value = 1;
+  show({ what: "escape", frames, label: count > 1 ? `way out, step ${which + 1} of ${count}` : "way out", back: false }, false);
+  play(true);
 }
 
 function opened(reply: Opened): void {

@@ -1,7 +1,7 @@
 /** The free space of a pair in 3D. This file is the only one that knows three.js; it is loaded when it is first wanted. */
 
 import {
-  AmbientLight, BufferAttribute, BufferGeometry, DirectionalLight, DoubleSide, EdgesGeometry, LineBasicMaterial, LineSegments, Mesh,
+  AmbientLight, BufferAttribute, BufferGeometry, DirectionalLight, DoubleSide, LineBasicMaterial, LineSegments, Mesh,
   MeshBasicMaterial, MeshStandardMaterial, PerspectiveCamera, PlaneGeometry, Scene, SphereGeometry, WebGLRenderer,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
@@ -15,6 +15,16 @@ export interface SpaceView {
   remove(): void;
 }
 
+/** Outlines of the slices, one above the other. */
+function contours(reply: SpaceReply, tall: (angle: number) => number): BufferGeometry {
+  const ends: number[] = [];
+  for (const { angle_deg, rings } of reply.slices) {
+    const z = tall(angle_deg);
+    for (const ring of rings) ring.forEach(([x, y], i) => ends.push(x, y, z, ...ring[(i + 1) % ring.length]!, z));
+  }
+  return new BufferGeometry().setAttribute("position", new BufferAttribute(new Float32Array(ends), 3));
+}
+
 /** Draws the region into `box`; turns are drawn upwards, times the scale of the reply. */
 export function show(box: HTMLElement, reply: SpaceReply, dark: boolean): SpaceView {
   const renderer = new WebGLRenderer({ antialias: true, alpha: true });
@@ -26,7 +36,9 @@ export function show(box: HTMLElement, reply: SpaceReply, dark: boolean): SpaceV
   camera.up.set(0, 0, 1);
 
   const geometry = new BufferGeometry();
-  geometry.setAttribute("position", new BufferAttribute(new Float32Array(fromBase64(reply.vertices).buffer), 3));
+  const corners = new Float32Array(fromBase64(reply.vertices).buffer);
+  for (let i = 2; i < corners.length; i += 3) corners[i]! *= reply.scale; // degrees as mm
+  geometry.setAttribute("position", new BufferAttribute(corners, 3));
   geometry.setIndex(new BufferAttribute(new Uint32Array(fromBase64(reply.triangles).buffer), 1));
   geometry.computeVertexNormals();
   geometry.computeBoundingBox();
@@ -34,12 +46,12 @@ export function show(box: HTMLElement, reply: SpaceReply, dark: boolean): SpaceV
   const middle = bounds.min.clone().add(bounds.max).multiplyScalar(0.5);
   const span = bounds.max.clone().sub(bounds.min);
   const unit = 1 / Math.max(span.x, span.y, span.z, 1e-9);
-  const tall = (angle: number): number => ((angle * Math.PI) / 180) * reply.scale;
+  const tall = (angle: number): number => angle * reply.scale;
 
   const body = new Mesh(geometry, new MeshStandardMaterial({
-    color: dark ? 0x4f8fc7 : 0x6faadf, transparent: true, opacity: 0.55, side: DoubleSide, flatShading: true, depthWrite: false, roughness: 0.8,
+    color: dark ? 0x4f8fc7 : 0x6faadf, transparent: true, opacity: 0.62, flatShading: true, roughness: 1,
   }));
-  const edges = new LineSegments(new EdgesGeometry(geometry, 18), new LineBasicMaterial({ color: dark ? 0xa8d1f5 : 0x1f5f99, transparent: true, opacity: 0.75 }));
+  const edges = new LineSegments(contours(reply, tall), new LineBasicMaterial({ color: dark ? 0xa8d1f5 : 0x1f5f99, transparent: true, opacity: 0.5 }));
   const plane = new Mesh(new PlaneGeometry(span.x * 1.15, span.y * 1.15), new MeshBasicMaterial({
     color: dark ? 0xffb04d : 0xc96a00, transparent: true, opacity: 0.2, side: DoubleSide, depthWrite: false,
   }));
@@ -49,8 +61,8 @@ export function show(box: HTMLElement, reply: SpaceReply, dark: boolean): SpaceV
   for (const one of [body, edges, plane, dot]) scene.add(one);
   scene.scale.setScalar(unit);
   scene.position.copy(middle).multiplyScalar(-unit);
-  scene.add(new AmbientLight(0xffffff, 1.6));
-  const sun = new DirectionalLight(0xffffff, 2);
+  scene.add(new AmbientLight(0xffffff, 2.3));
+  const sun = new DirectionalLight(0xffffff, 0.9);
   sun.position.set(2, -3, 4);
   camera.add(sun);
 

@@ -44,6 +44,7 @@ def space(desk: Desk, request: Space, out: Out) -> None:
         "headline": headline(found),
         "facts": said(found, None),
         "state": desk.moves.relative(found),
+        "pivot": found.pivot.tolist(),
         "model": "walls",
         "command": command("space", desk.file, request.design, (request.a, request.b), pulled=False),
     }

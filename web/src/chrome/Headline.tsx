@@ -2,7 +2,7 @@
 
 import { design, goals } from "../design.ts";
 import { factor, shown, valueBetween } from "../motion.ts";
-import { answer, dragged, drawing, modes, running, selected, solved, waiting } from "../state.ts";
+import { answer, checked, dragged, drawing, modes, running, selected, solved, waiting } from "../state.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
 import { ask, few, number } from "../words.ts";
@@ -31,7 +31,10 @@ function said(): Said {
     return { title: `${part} dragged to (${number(reached[0])}, ${number(reached[1])})`, line: blocking.length ? `held by ${few(blocking)} · ${short}` : short, tone: "" };
   }
   if (what === "mode" && modes.value) return { title: `Wiggle: ${label}`, line: "how the parts can move together, there and back", tone: "" };
-  if (what === "escape") return { title: "The way out", line: label, tone: "" };
+  if (what === "escape" && checked.value) {
+    const step = checked.value.reply.escapes[checked.value.ways.indexOf(shown.value.frames!)];
+    return { title: step ? (step.words ?? `${few(step.parts)} leaves`) : "The way out", line: label, tone: "" };
+  }
   if (goals.value.length === 0 && typeof design.value.goals !== "string") {
     const count = drawing.value!.parts.length;
     return { title: `${count} ${count === 1 ? "part" : "parts"}, nothing asked`, line: "choose a part and press P to pull it, or drag it", tone: "" };

@@ -1,7 +1,7 @@
 /** Whether it comes apart, and the ways out as films. */
 
 import { design } from "../design.ts";
-import { play, shown } from "../motion.ts";
+import { shown } from "../motion.ts";
 import { ask, cancel, showEscape } from "../session.ts";
 import { baked, checked, current, running } from "../state.ts";
 import { few } from "../words.ts";
@@ -23,17 +23,16 @@ export function Apart() {
       {about && (
         <div class={current(about) || baked.value ? "result" : "result old"}>
           <p class="verdict" data-verdict={about.reply.verdict}>{about.reply.verdict}</p>
-          <p>{about.reply.words}</p>
-          <p class="quiet">{about.reply.certainty}</p>
+          <p>{about.reply.certainty}{about.reply.words.replace(/^[^:]*:/, ",")}</p>
           {!current(about) && !baked.value && <p class="quiet">said of an earlier design</p>}
           <ul class="rows">
             {about.reply.escapes.map((one, i) => (
               <li class="row" key={i}>
                 <Button
-                  icon="play" label={`Play the way out of ${few(one.parts)}`} pressed={shown.value.what === "escape" && shown.value.label === `way out ${i + 1}`}
-                  onClick={() => (showEscape(i), play(true))}
+                  icon="play" label={`Play the way out of ${few(one.parts)}`} pressed={shown.value.what === "escape" && shown.value.frames === about.ways[i]}
+                  onClick={() => showEscape(i)}
                 />
-                <span class="grow">{few(one.parts)}</span>
+                <span class="grow">{one.words ?? few(one.parts)}</span>
               </li>
             ))}
           </ul>

@@ -5,7 +5,7 @@ import type { SpaceReply } from "../protocol.ts";
 const SIDE = 220;
 const PAD = 12;
 
-export function Slice({ slices, which, state }: { slices: SpaceReply["slices"]; which: number; state: [number, number, number] }) {
+export function Slice({ slices, which, state, here }: { slices: SpaceReply["slices"]; which: number; state: [number, number, number]; here: boolean }) {
   const all = slices.flatMap((one) => one.rings.flat());
   if (all.length === 0) return null;
   const [xs, ys] = [all.map((p) => p[0]), all.map((p) => p[1])];
@@ -20,7 +20,7 @@ export function Slice({ slices, which, state }: { slices: SpaceReply["slices"]; 
     <svg class="slice" viewBox={`0 0 ${SIDE} ${SIDE}`} role="img" aria-label={`slice at ${slices[which]!.angle_deg.toFixed(2)} degrees`}>
       <path class="free" d={path} fill-rule="evenodd" />
       <path class="cross" d={`M${at(0, y0)}L${at(0, y1)}M${at(x0, 0)}L${at(x1, 0)}`} />
-      <circle class="state" cx={sx} cy={sy} r={4} />
+      <circle class={here ? "state" : "state elsewhere"} cx={sx} cy={sy} r={4} />
     </svg>
   );
 }

@@ -52,19 +52,23 @@ export function Space() {
   );
 }
 
+function nearest(slices: { angle_deg: number }[], angle: number): number {
+  return slices.reduce((best, one, i) => (Math.abs(one.angle_deg - angle) < Math.abs(slices[best]!.angle_deg - angle) ? i : best), 0);
+}
+
 function Body() {
   const about = space.value!;
   const box = useRef<HTMLDivElement>(null);
   const made = useRef<SpaceView | null>(null);
-  const which = useSignal(Math.floor(about.reply.slices.length / 2));
+  const which = useSignal(0);
   const failed = useSignal("");
   const { a, b, slices } = about.reply;
   const parts = drawing.value!.parts;
   const frames = shown.value.frames;
-  const state = frames && frames.n === parts.length ? relative(parts, a, b, end(frames)) : about.reply.state;
+  const state = frames && frames.n === parts.length ? relative(parts, a, b, end(frames), about.reply.pivot) : about.reply.state;
   useEffect(() => {
     let gone = false;
-    which.value = Math.floor(slices.length / 2);
+    which.value = nearest(slices, state[2]);
     import("./space-view.js" as string).then(
       (code: typeof import("../space3d.ts")) => {
         if (gone || !box.current) return;
@@ -93,7 +97,7 @@ function Body() {
           <label class="slicer">slice at {number(slice.angle_deg, 3)}°
             <input type="range" min={0} max={slices.length - 1} value={which.value} aria-valuetext={`${number(slice.angle_deg, 3)} degrees`} onInput={(event) => (which.value = Number(event.currentTarget.value))} />
           </label>
-          <Slice slices={slices} which={which.value} state={state} />
+          <Slice slices={slices} which={which.value} state={state} here={which.value === nearest(slices, state[2])} />
         </>
       )}
     </>

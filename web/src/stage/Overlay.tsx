@@ -2,7 +2,7 @@
 
 import { useRef } from "preact/hooks";
 import { goals, setGoal, settle } from "../design.ts";
-import { factor } from "../motion.ts";
+import { factor, shown } from "../motion.ts";
 import { type Goal, isPull, isTurn, type Point, type Pull } from "../protocol.ts";
 import { baked, drawing, indexOf } from "../state.ts";
 import { size, view } from "./camera.ts";
@@ -16,7 +16,7 @@ const MOST = 60;
 export function Overlay() {
   void frame.value;
   const { width, height } = size.value;
-  if (!drawing.value || !width) return null;
+  if (!drawing.value || !width || shown.value.what === "escape") return null;
   return (
     <svg class="overlay" width={width} height={height} aria-hidden="true">
       {goals.value.slice(0, MOST).map((goal, i) => {

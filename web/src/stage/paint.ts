@@ -2,7 +2,7 @@
 
 import { blameColour, type Colours } from "./colours.ts";
 import type { Role } from "./roles.ts";
-import { type Placed, placed, type Shape } from "./shapes.ts";
+import { namePlace, type Placed, placed, type Shape } from "./shapes.ts";
 import { type Size, toScreen, type View } from "./view.ts";
 
 export interface Scene {
@@ -108,11 +108,12 @@ function names(g: CanvasRenderingContext2D, size: Size, ratio: number, view: Vie
     const one = scene.shapes[i]!;
     if (one.width * view.scale < NAMED) continue;
     const name = scene.names[i]!;
-    const [mx, my] = one.middle;
+    const [mx, my] = namePlace(one);
     const [x, y] = toScreen(view, size, [place.x + place.cos * mx - place.sin * my, place.y + place.sin * mx + place.cos * my]);
+    const below = scene.roles[i] === "pulled" ? 20 : 0; // beside the foot of the arrow
     g.globalAlpha = 0.78;
     g.fillStyle = scene.blame ? inkOn(blameColour(scene.colours.blame, scene.blame[i]!)) : scene.colours.ink;
-    g.fillText(name.length > 14 ? `${name.slice(0, 12)}…` : name, x, y, one.width * view.scale - 12);
+    g.fillText(name.length > 14 ? `${name.slice(0, 12)}…` : name, x, y + below, one.width * view.scale - 12);
   }
   g.globalAlpha = 1;
 }

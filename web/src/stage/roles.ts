@@ -16,10 +16,16 @@ export const blame = computed<Float32Array | null>(() => {
   return Float32Array.from(values, (v) => v / most);
 });
 
+/** Parts that leave in the step that is shown. */
+function escaping(): string[] {
+  const about = checked.value;
+  return about?.reply.escapes[about.ways.indexOf(shown.value.frames!)]?.parts ?? [];
+}
+
 export const roles = computed<Role[]>(() => {
   const names = drawing.value?.parts.map((part) => part.name) ?? [];
   const leaving = new Set(
-    shown.value.what === "escape" ? (checked.value?.reply.escapes.flatMap((one) => one.parts) ?? []) : (answer.value?.reply.leaves ?? []),
+    shown.value.what === "escape" ? escaping() : (answer.value?.reply.leaves ?? []),
   );
   const held = new Set(shown.value.what === "drag" ? (dragged.value?.reply.blocking ?? []) : []);
   const role = (name: string): Role => {

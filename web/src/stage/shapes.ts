@@ -2,7 +2,7 @@
 
 import type { PartShape, Point, Ring } from "../protocol.ts";
 
-export interface Shape { path: Path2D; rings: Ring[]; at: Point; radius: number; middle: Point; width: number }
+export interface Shape { path: Path2D; rings: Ring[]; at: Point; radius: number; name: Point | null; width: number }
 
 /** One shape a part; `rings` in world coordinates at rest. */
 export function shapes(parts: readonly PartShape[], rings: readonly Ring[][]): Shape[] {
@@ -23,7 +23,27 @@ function shape(at: Point, world: Ring[]): Shape {
     });
     path.closePath();
   }
-  return { path, rings, at, radius, middle: [(x0 + x1) / 2, (y0 + y1) / 2], width: x1 - x0 };
+  return { path, rings, at, radius, name: null, width: x1 - x0 };
+}
+
+const ACROSS = 14;
+
+/** Place for the name: well inside the material, as near to the middle as that allows. Worked out when it is first wanted. */
+export function namePlace(shape: Shape): Point {
+  if (shape.name) return shape.name;
+  const all = shape.rings.flat();
+  const [xs, ys] = [all.map((p) => p[0]), all.map((p) => p[1])];
+  const [x0, x1, y0, y1] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
+  const middle: Point = [(x0 + x1) / 2, (y0 + y1) / 2];
+  const room = (p: Point): number => (inside(shape.rings, p) ? Math.min(...all.map(([x, y]) => Math.hypot(x - p[0], (y - p[1]) * 2)), Infinity) : -1);
+  const side = Math.min(x1 - x0, y1 - y0);
+  let [best, place] = [room(middle) > side / 8 ? Infinity : -1, middle];
+  for (let i = 1; i < ACROSS && best < Infinity; i++) for (let j = 1; j < ACROSS; j++) {
+    const p: Point = [x0 + ((x1 - x0) * i) / ACROSS, y0 + ((y1 - y0) * j) / ACROSS];
+    const value = room(p) - Math.hypot(p[0] - middle[0], p[1] - middle[1]) / 6;
+    if (value > best) [best, place] = [value, p];
+  }
+  return (shape.name = place);
 }
 
 /** Where a part is: reference point in the world and turn, its motion times the magnification. */
