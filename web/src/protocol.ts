@@ -38,7 +38,7 @@ export interface DragReply {
   kind: "drag"; id: number; part: string; target: Point; reached: Point; distance: number;
   held: Contact[]; blocking: string[]; settled: boolean; rings?: Ring[][];
 }
-export interface Modes { kind: "modes"; id: number; modes: { size: number; parts: string[] }[] }
+export interface Modes { kind: "modes"; id: number; modes: { size: number; parts: string[]; ends?: boolean }[] }
 export interface RankReply {
   kind: "rank"; id: number; parts: Record<string, { mm_per_mm: number; tighter?: number; percent: number }>;
   unique: boolean; note: string;

@@ -222,6 +222,7 @@ export function showMode(which: number): void {
   if (!frames) return;
   autoFactor.value = fittingFactor(Math.max(known.reply.modes[which]!.size, 0), state.extent.peek().radius, factor());
   show({ what: "mode", frames, label: `freedom ${which + 1} of ${known.ways.length}`, back: false });
+  play(true);
 }
 
 export function showEscape(which: number): void {

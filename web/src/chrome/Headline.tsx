@@ -30,7 +30,11 @@ function said(): Said {
     const short = distance > 1e-9 ? `${number(distance, 3)} mm short of the pointer` : "at the pointer";
     return { title: `${part} dragged to (${number(reached[0])}, ${number(reached[1])})`, line: blocking.length ? `held by ${few(blocking)} · ${short}` : short, tone: "" };
   }
-  if (what === "mode" && modes.value) return { title: `Wiggle: ${label}`, line: "how the parts can move together, there and back", tone: "" };
+  if (what === "mode" && modes.value) {
+    const mode = modes.value.reply.modes[modes.value.ways.indexOf(shown.value.frames!)];
+    const far = mode ? (mode.ends === false ? "without end" : `up to ${number(mode.size, 3)} mm`) : "";
+    return { title: `Wiggle, ${label}`, line: mode ? `${far} · most of all ${few(mode.parts, 4)}` : "", tone: "" };
+  }
   if (what === "escape" && checked.value) {
     const step = checked.value.reply.escapes[checked.value.ways.indexOf(shown.value.frames!)];
     return { title: step ? (step.words ?? `${few(step.parts)} leaves`) : "The way out", line: label, tone: "" };

@@ -1,9 +1,9 @@
 /** Under the canvas: play, the place on the way, magnification, and the zoom. */
 
 import { autoFactor, chosenFactor, place, play, playing, shown } from "../motion.ts";
-import { back } from "../session.ts";
+import { back, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
-import { answer, drawing } from "../state.ts";
+import { answer, drawing, modes } from "../state.ts";
 import { Button } from "./Button.tsx";
 
 const FACTORS = [1, 2, 5, 10, 20, 50, 100];
@@ -29,6 +29,11 @@ export function Player() {
             />
             <output>{place.value <= 0 ? "rest" : `${Math.round(place.value * 100)} %`}</output>
           </>
+        )}
+        {what === "mode" && modes.value && modes.value.ways.length > 1 && (
+          <span class="modes" role="group" aria-label="freedoms">
+            {modes.value.ways.map((way, i) => <Button key={i} label={`Freedom ${i + 1}`} onClick={() => showMode(i)} pressed={way === frames} class="small">{i + 1}</Button>)}
+          </span>
         )}
         {other && <Button icon="rest" label={answer.value ? "Back to the answer" : "Back to rest"} keyName="Escape" onClick={back}>{answer.value ? "Answer" : "Rest"}</Button>}
       </div>
