@@ -1,4 +1,4 @@
-# What developers type: make demo, make test, make lint, make types, make slow, make browser.
+# What developers type: make demo, make test, make lint, make types, make slow, make browser, make web.
 # The environment .venv is made when it is needed and again only when pyproject.toml changes.
 
 BIN := .venv/bin
@@ -6,7 +6,7 @@ FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
 
-.PHONY: demo test slow browser lint types clean
+.PHONY: demo test slow browser web lint types clean
 
 demo: .venv/ready-demo
 	@mkdir -p out
@@ -20,8 +20,11 @@ slow: .venv/ready-test
 	$(BIN)/python -m pytest -n auto -m slow
 
 browser: .venv/ready-test # needs a Chromium on the path
-	$(BIN)/python -m pip install --quiet --editable '.[dxf,browser]'
-	$(BIN)/python -m pytest -m slow tests/test_html.py tests/test_space_report.py tests/test_study_report.py
+	$(BIN)/python -m pip install --quiet --editable '.[dxf,browser,film,page,prove]'
+	$(BIN)/python -m pytest -m slow tests/test_html.py tests/test_space_report.py tests/test_study_report.py tests/test_page.py
+
+web: # the live page from its source; needs Node 20 or later and npm
+	cd web && npm ci --silent --ignore-scripts && npm run --silent check && npm run --silent test && npm run --silent build
 
 lint: .venv/ready-lint
 	$(BIN)/ruff check .

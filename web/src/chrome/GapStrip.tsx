@@ -49,8 +49,8 @@ export function GapStrip() {
       <div class="gapcurve" ref={box}>
         <Curve width={width.value} low={low} most={most} gap={gap} />
         <input
-          id="gap" type="range" min={low} max={most} step={(most - low) / 400 || 1e-6} value={gap}
-          aria-valuetext={`${number(gap)} mm`} onInput={(event) => setGap(slid(Number(event.currentTarget.value), most))} onChange={settle}
+          id="gap" type="range" min={low} max={most} step={baked.value ? (most - low) / 400 || 1e-6 : stepOf(most / 30)} value={gap}
+          aria-valuetext={`${number(gap)} mm`} onInput={(event) => setGap(slid(Number(event.currentTarget.value), most))} onPointerUp={settle} onBlur={settle}
         />
       </div>
     </section>
@@ -59,7 +59,8 @@ export function GapStrip() {
 
 /** The slider gives round numbers, except on a baked page, where only stored gaps have answers. */
 function slid(value: number, most: number): number {
-  if (!baked.value) return Number((Math.round(value / (most / 400)) * (most / 400)).toPrecision(4));
+  const step = stepOf(most / 30);
+  if (!baked.value) return Number((Math.round(value / step) * step).toPrecision(6));
   return solved.value.reduce((best, one) => (Math.abs(one.gap - value) < Math.abs(best - value) ? one.gap : best), solved.value[0]!.gap);
 }
 

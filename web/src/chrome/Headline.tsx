@@ -11,9 +11,10 @@ import { unitOf } from "./GapStrip.tsx";
 export function Headline() {
   if (!drawing.value) return null;
   const { title, line, tone } = said();
+  const settled = shown.value.what === "answer" && answer.value?.design === design.value && answer.value.reply.settled;
   return (
     <div class="headline">
-      <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer">{title}</p>
+      <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled}>{title}</p>
       <p class="facts">{line}</p>
       <Work />
     </div>
@@ -49,7 +50,7 @@ function said(): Said {
   }
   if (!about) return { title: goals.value.map(ask).slice(0, 2).join(", "), line: waiting.value ? "solving" : "no answer", tone: "guess" };
   const { headline, verdict, collision_free, path, settled } = about.reply;
-  const sure = [settled ? verdict : `${verdict}, still improving`, collision_free ? "no overlap" : "parts overlap", path === "checked" ? "way checked" : "way not checked"];
+  const sure = [settled ? verdict : "settling", collision_free ? "no overlap" : "parts overlap", path === "checked" ? "way checked" : "way not checked"];
   return { title: headline, line: sure.join(" · "), tone: about.reply.objective === null ? "warn" : about.design === design.value ? "" : "guess" };
 }
 

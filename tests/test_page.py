@@ -1,0 +1,385 @@
+"""The page in a real browser, against the real server: what is seen is what the functions say."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import wiggleroom as wr
+from tests.app_client import TOKEN, Served
+from wiggleroom.app.opening import first_open
+from wiggleroom.drawing.assembly_writer import write_assembly
+
+pytestmark = pytest.mark.slow
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+PEG = {
+    "format": "wiggleroom/1",
+    "gap": 1,
+    "parts": [
+        {
+            "name": "frame",
+            "outline": [[0, 0], [30, 0], [30, 30], [0, 30]],
+            "holes": [[[10, 10], [20, 10], [20, 20], [10, 20]]],
+            "fixed": True,
+        },
+        {"name": "peg", "outline": [[-5, -5], [5, -5], [5, 5], [-5, 5]], "at": [15, 15, 0]},
+    ],
+    "pull": [{"part": "peg", "direction": [1, 0]}],
+}
+"""A peg of 10 mm in a hole of 10 mm: with a gap g it moves by g each way, and turns by little."""
+
+
+@contextmanager
+def serving(path: Path | None) -> Iterator[Served]:
+    drawing = None if path is None else wr.read(str(path)).drawing
+    one = Served(None if path is None or drawing is None else first_open(path, drawing, None, None, None))
+    try:
+        yield one
+    finally:
+        one.close()
+
+
+@pytest.fixture(scope="module")
+def peg(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    path = tmp_path_factory.mktemp("peg") / "peg.json"
+    path.write_text(json.dumps(PEG))
+    with serving(path) as one:
+        yield one
+
+
+@contextmanager
+def visiting(browser: Any, served: Served, **how: Any) -> Iterator[Any]:
+    """A page of its own; whatever it complains about fails the test, and so does any word to another address."""
+    context = browser.new_context(viewport={"width": 1440, "height": 900}, accept_downloads=True, **how)
+    page = context.new_page()
+    wrong: list[str] = []
+    home = f"127.0.0.1:{served.port}"
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+    page.on("request", lambda asked: None if home in asked.url or asked.url[:5] in ("data:", "blob:") else wrong.append(asked.url))
+    page.goto(f"http://{home}/?token={TOKEN}")
+    try:
+        yield page
+        assert not wrong
+    finally:
+        context.close()
+
+
+def answered(page: Any, words: str, seconds: float = 60) -> None:
+    """Wait until the headline says this, as the full answer."""
+    page.locator("#answer[data-settled=true]", has_text=words).wait_for(timeout=1000 * seconds)
+
+
+def foot(page: Any) -> tuple[float, float]:
+    """Where the arrow of the pull stands on the canvas [px]."""
+    base = page.locator(".pull .base").first
+    return float(base.get_attribute("cx")), float(base.get_attribute("cy"))
+
+
+def still(page: Any) -> tuple[float, float]:
+    """The same when it has come to rest."""
+    before = foot(page)
+    for _ in range(100):
+        page.wait_for_timeout(60)
+        now = foot(page)
+        if max(abs(a - b) for a, b in zip(now, before, strict=True)) < 0.01:
+            return now
+        before = now
+    raise AssertionError("it goes on moving")
+
+
+def at_rest(page: Any) -> tuple[float, float]:
+    page.get_by_label("place on the way from rest").fill("0")
+    rest = still(page)
+    page.get_by_label("place on the way from rest").fill("1000")
+    return rest
+
+
+def pixels_per_mm(page: Any) -> float:
+    """Scale of the picture, from the answer: the peg's reference point goes 1 mm to the right."""
+    rest = at_rest(page)
+    moved = still(page)
+    factor = float(re.search(r"×([\d.]+)", page.locator(".player select option").first.inner_text()).group(1))  # type: ignore[union-attr]
+    assert moved[1] == pytest.approx(rest[1], abs=0.01)
+    return (moved[0] - rest[0]) / factor
+
+
+def colour(page: Any, x: float, y: float) -> tuple[int, ...]:
+    """Colour of the canvas at a point [px]."""
+    script = "(c, [x, y]) => [...c.getContext('2d').getImageData(x * devicePixelRatio, y * devicePixelRatio, 1, 1).data].slice(0, 3)"
+    return tuple(page.locator(".stage canvas").evaluate(script, [x, y]))
+
+
+def canvas(page: Any) -> dict[str, float]:
+    return page.locator(".stage canvas").bounding_box()
+
+
+def test_the_page_is_ready_soon_and_says_the_answer(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm in +x")
+        assert "optimal" in page.locator(".headline .facts").inner_text()
+        assert page.title() == "peg.json · wiggleroom"
+        assert "token" not in page.url
+        page.get_by_role("tab", name="How sure").click()
+        assert "every active wall is a real contact" in page.locator(".sure").inner_text()
+
+
+def test_a_dragged_part_stops_where_it_must_and_what_holds_it_lights_up(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        scale = pixels_per_mm(page)
+        rest, box = at_rest(page), canvas(page)
+        frame = (rest[0] - 12 * scale, rest[1])
+        quiet = colour(page, *frame)
+        x, y = still(page)
+        page.mouse.move(box["x"] + x - 40, box["y"] + y + 40)
+        page.mouse.down()
+        page.mouse.move(box["x"] + x - 200, box["y"] + y - 150, steps=12)
+        page.locator("#answer", has_text="peg dragged").wait_for()
+        page.locator(".headline .facts", has_text="held by frame").wait_for()
+        page.mouse.up()
+        now = still(page)
+        factor = (now[0] - rest[0]) / -scale
+        assert factor > 0.99
+        assert (now[1] - rest[1]) / scale == pytest.approx(-factor, abs=0.02 * factor)  # 1 mm to the left, 1 mm up
+        assert colour(page, *frame) == quiet  # what stands stays red
+        page.keyboard.press("Escape")
+        answered(page, "peg moves 1 mm in +x")
+
+
+def test_the_gap_leads_to_new_poses_and_the_curve_grows(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        box = page.get_by_label("gap, mm", exact=True)
+        for gap in ("2", "0.5"):
+            box.fill(gap)
+            box.press("Enter")
+            answered(page, f"peg moves {gap} mm in +x")
+        assert page.locator(".curve .dot").count() == 3
+        slider = page.locator("#gap")
+        slider.focus()
+        for _ in range(5):
+            slider.press("ArrowRight")
+        gap = float(slider.input_value())
+        assert gap > 0.5
+        answered(page, f"peg moves {gap:g} mm in +x")
+        page.keyboard.press("Control+z")
+        answered(page, "peg moves 0.5 mm in +x")  # one pull of the slider is undone at once
+        page.keyboard.press("Control+Shift+z")
+        answered(page, f"peg moves {gap:g} mm in +x")
+        extra = page.get_by_label("extra gap around peg, mm")
+        page.get_by_role("tab", name="Gaps").click()
+        extra.last.fill("0.4")
+        extra.last.press("Enter")
+        answered(page, f"peg moves {gap + 0.2:g} mm in +x")  # its outline alone moves inward by half of it
+
+
+def test_the_ranking_colours_the_parts_and_sorts_the_table(browser: Any) -> None:
+    path = EXAMPLES / "03_chain_of_swallowtails" / "chain.json"
+    truth = wr.rank(wr.read(str(path)))
+    names = truth.answer.assembly.names
+    with serving(path) as served, visiting(browser, served) as page:
+        answered(page, "b10 moves")
+        page.get_by_role("tab", name="Gaps").click()
+        x, y = still(page)
+        before = colour(page, x - 16, y - 6)
+        page.get_by_role("button", name="Rank the gaps of all parts").or_(page.get_by_role("button", name="Rank")).first.click()
+        page.locator(".blamebar").wait_for()
+        page.wait_for_timeout(300)
+        assert colour(page, x - 16, y - 6) != before
+        rows = page.locator(".parts tbody tr")
+        shown = [(r.locator("button").inner_text().strip(), float(r.locator(".bar span").inner_text())) for r in rows.all()]
+        assert [v for _, v in shown] == sorted((v for _, v in shown), reverse=True)
+        for name, value in shown:
+            assert value == pytest.approx(float(truth.looser[names.index(name)]), rel=5e-3, abs=1e-6)
+
+
+def test_the_way_out_is_a_film(browser: Any) -> None:
+    with serving(EXAMPLES / "17_does_it_come_apart" / "sequential.json") as served, visiting(browser, served) as page:
+        page.get_by_role("tab", name="Come apart").click()
+        page.get_by_role("button", name="Check").click()
+        page.locator(".verdict", has_text="comes apart").wait_for(timeout=60_000)
+        assert page.locator(".result .row").count() == 2
+        page.locator("#answer", has_text="latch leaves").wait_for()
+        place = page.get_by_label("place on the way from rest")
+        seen = set()
+        for _ in range(20):
+            seen.add(place.input_value())
+            page.wait_for_timeout(50)
+        assert len(seen) > 5  # it plays
+
+
+def test_what_is_saved_says_the_same(browser: Any, peg: Served, tmp_path: Path) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        box = page.get_by_label("gap, mm", exact=True)
+        box.fill("2")
+        box.press("Enter")
+        answered(page, "peg moves 2 mm")
+        kept = {}
+        for words, ending in (("Assembly file json", "json"), ("Picture svg", "svg"), ("Report html", "html")):
+            page.get_by_role("button", name="Save").click()
+            with page.expect_download() as coming:
+                page.get_by_role("menuitem", name=words).click()
+            kept[ending] = tmp_path / f"saved.{ending}"
+            coming.value.save_as(kept[ending])
+        assert wr.flex(wr.read(str(kept["json"]))).objective == pytest.approx(2)
+        assert "peg moves 2 mm in +x" in kept["svg"].read_text()
+        assert "peg moves 2 mm in +x" in kept["html"].read_text()
+
+
+def test_a_reload_loses_nothing(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        box = page.get_by_label("gap, mm", exact=True)
+        box.fill("1.5")
+        box.press("Enter")
+        answered(page, "peg moves 1.5 mm")
+        page.reload()
+        answered(page, "peg moves 1.5 mm in +x")
+
+
+def test_a_killed_worker_is_told_and_the_session_goes_on(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        os.kill(peg.workers()[-1], signal.SIGKILL)
+        box = page.get_by_label("gap, mm", exact=True)
+        box.fill("1.2")
+        box.press("Enter")
+        answered(page, "peg moves 1.2 mm in +x")
+        page.locator(".pill").wait_for(state="detached")
+
+
+def test_two_pages_have_drawings_of_their_own(browser: Any, peg: Served, tmp_path: Path) -> None:
+    other = tmp_path / "chain.json"
+    other.write_text(write_assembly(wr.patterns.chain(3, joint="tee", gap=0.02).drawing))
+    truth = wr.flex(wr.read(str(other))).objective
+    with visiting(browser, peg) as one, visiting(browser, peg) as two:
+        answered(one, "peg moves 1 mm")
+        two.locator("#file").set_input_files(str(other))
+        answered(two, f"b3 moves {truth:.4g} mm")
+        box = one.get_by_label("gap, mm", exact=True)
+        box.fill("0.75")
+        box.press("Enter")
+        answered(one, "peg moves 0.75 mm")
+        assert "b3 moves" in two.locator("#answer").inner_text()
+        two.reload()  # what was dropped here comes back, not the file of the command
+        answered(two, f"b3 moves {truth:.4g} mm")
+
+
+def test_hostile_files_are_refused_in_a_line(browser: Any, peg: Served) -> None:
+    bomb = '<!DOCTYPE s [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;&a;&a;">]><svg xmlns="http://www.w3.org/2000/svg">&b;</svg>'
+    files = [
+        ("bomb.svg", bomb.encode()),
+        ("<img src=x onerror=alert(1)>.json", b"{}"),
+        ("nan.json", b'{"format": "wiggleroom/1", "parts": [{"name": "a", "outline": [[NaN, 0], [1, 0], [1, 1]]}]}'),
+        ("huge.svg", b" " * 21_000_000),
+    ]
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        for name, content in files:
+            page.locator("#file").set_input_files({"name": name, "mimeType": "text/plain", "buffer": content})
+            page.get_by_role("alert").wait_for(timeout=30_000)
+            assert page.locator("[role=alert] li").count() >= 1
+            assert page.locator("[role=alert] img").count() == 0
+            page.get_by_role("alert").get_by_role("button", name="Close").click()
+        assert "peg moves 1 mm" in page.locator("#answer").inner_text()
+
+
+def test_everything_by_keyboard_alone(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        keys = page.keyboard
+        for _ in range(20):
+            if page.evaluate("document.activeElement.tagName") == "CANVAS":
+                break
+            keys.press("Tab")
+        assert page.evaluate("document.activeElement.tagName") == "CANVAS"
+        assert page.evaluate("getComputedStyle(document.querySelector('.stage'), '::after').borderTopWidth") == "2px"
+        for _ in range(2):
+            keys.press(".")
+        page.get_by_role("toolbar", name="part peg").wait_for()
+        keys.press("ArrowUp")
+        answered(page, "peg moves 1 mm in +y")
+        keys.press("p")
+        page.locator("#answer", has_text="nothing asked").wait_for()
+        for _ in range(40):
+            keys.press("ArrowLeft")
+        page.locator("#answer", has_text=re.compile(r"peg dragged to \(14, 15\)")).wait_for()
+        keys.press("p")
+        answered(page, "peg moves 1 mm in +x")
+        keys.press("f")
+        page.locator(".chip.fixed", has_text="peg").wait_for()
+        keys.press("f")
+        keys.press("?")
+        page.get_by_role("dialog").wait_for()
+        keys.press("Escape")
+        page.get_by_role("dialog").wait_for(state="hidden")
+        page.wait_for_timeout(100)
+        keys.press("3")
+        assert page.get_by_role("tab", name="Come apart").get_attribute("aria-selected") == "true"
+
+
+def test_everything_has_a_name(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.keyboard.press(".")
+        nameless = """() => [...document.querySelectorAll('button, input, select, canvas, [role=img], meter, progress')].filter(e =>
+            !(e.getAttribute('aria-label') || e.textContent.trim() || (e.labels && e.labels.length))).map(e => e.outerHTML)"""
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            assert page.evaluate(nameless) == []
+        assert page.locator("#answer").get_attribute("aria-live") == "polite"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_phone_needs_no_scrolling_sideways(browser: Any, peg: Served, scheme: str) -> None:
+    with visiting(browser, peg, color_scheme=scheme) as page:
+        page.set_viewport_size({"width": 390, "height": 844})
+        answered(page, "peg moves 1 mm")
+        page.keyboard.press(".")
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            assert page.evaluate("document.scrollingElement.scrollWidth") <= 390
+            assert page.locator(".tabpanel").evaluate("e => e.scrollWidth - e.clientWidth") <= 0
+            assert canvas(page)["height"] > 150
+        seen = page.locator(".topbar button:visible, .player button:visible, .selection button:visible").all()
+        for button in seen:
+            box = button.bounding_box()
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= 390
+
+
+def test_5000_parts_pan_and_play_in_time(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "plates.json"
+    ring = [[0, 0], [10, 0], [10, 4], [11, 4], [11, 3], [12, 3], [12, 7], [11, 7], [11, 6], [10, 6], [10, 10], [0, 10], [0, 6], [1, 6], [1, 4], [0, 4]]
+    parts = [{"name": f"p{i}", "shape": "plate", "at": [13 * (i % 71), 11 * (i // 71), 0]} for i in range(5000)]
+    parts[0]["fixed"] = True
+    path.write_text(json.dumps({"format": "wiggleroom/1", "gap": 0.1, "shapes": {"plate": {"outline": ring}}, "parts": parts}))
+    count = """() => new Promise(done => { const times = []; let last = performance.now();
+        const step = () => { const now = performance.now(); times.push(now - last); last = now;
+            times.length < 60 ? requestAnimationFrame(step) : done(times.sort((a, b) => a - b)[30]); };
+        requestAnimationFrame(step); })"""
+    with serving(path) as served, visiting(browser, served) as page:
+        page.locator("#answer").wait_for(timeout=60_000)
+        box = canvas(page)
+        page.mouse.move(box["x"] + 20, box["y"] + 300)
+        page.mouse.down()
+        page.evaluate(f"window.counted = ({count})()")
+        began = time.monotonic()
+        k = 0
+        while time.monotonic() - began < 4:
+            k += 1
+            page.mouse.move(box["x"] + 20 + 3 * (k % 60), box["y"] + 300 + 2 * (k % 40))
+        page.mouse.up()
+        assert page.evaluate("window.counted") < 60
