@@ -6,7 +6,9 @@ import os
 import signal
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 import wiggleroom as wr
@@ -113,7 +115,7 @@ def test_a_drawing_that_takes_too_long_to_read_is_given_up(page: Visit, monkeypa
     rings = "".join(f"<circle cx='{k % 200 * 10}' cy='{k // 200 * 10}' r='4'/>" for k in range(40_000))
     monkeypatch.setattr(session, "READING", 0.3)
     reply = page.open(
-        "big.svg", f"<svg xmlns='http://www.w3.org/2000/svg' width='2m' height='2m'>{rings}</svg>".encode()
+        "big.svg", f"<svg xmlns='http://www.w3.org/2000/svg' width='2000mm' height='2000mm'>{rings}</svg>".encode()
     )
     assert "was not read within" in reply["findings"][0]
     monkeypatch.setattr(session, "READING", 60.0)
@@ -163,3 +165,25 @@ def alive(pid: int) -> bool:
     except ProcessLookupError:
         return False
     return True
+
+
+@pytest.mark.slow
+def test_memory_stays_flat_while_parts_are_dragged(served: Served, page: Visit) -> None:
+    told = page.open("grid.json", text(GRID))
+    rng = np.random.default_rng(0)
+    (pid,) = served.workers()
+    sizes = []
+    for k in range(600):
+        part = told["parts"][int(rng.integers(1, len(told["parts"])))]
+        target = np.add(part["at"][:2], rng.normal(0, 0.1, 2)).tolist()
+        page.until(page.send("drag", part=part["name"], grip=part["at"][:2], target=target), "drag")
+        page.told.clear()
+        if k in (200, 599):
+            sizes.append(memory(pid))
+    assert sizes[1] < sizes[0] + 20
+
+
+def memory(pid: int) -> float:
+    """What a process holds [MB]."""
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6

@@ -49,6 +49,7 @@ class Desk:
         content = told(file, drawing)
         if design is not None:
             content["design"]["extra"] = design.extra
+        out.check()
         self._file, self.designs = file, Designs(file.drawing)
         self.answers: Recent[Answer] = Recent(4)
         self.checks: Recent[Interlock] = Recent(2)
@@ -62,7 +63,7 @@ class Desk:
     def asked(self, design: Design) -> tuple[Goal, ...]:
         """What a design asks; raises InputError where a question about motion lacks something."""
         drawing = self.designs.drawing(design)
-        wrong = statement_findings(drawing) or [_on_the_page(line) for line in role_findings(drawing)]
+        wrong = statement_findings(drawing) or list(role_findings(drawing))
         if wrong:
             raise InputError(wrong)
         return drawing.goals
@@ -150,11 +151,6 @@ def kind_of(request: AnyRequest) -> str:
 def whole(design: Design) -> Hashable:
     """Everything a design says, as a key."""
     return msgspec.json.encode(design)
-
-
-def _on_the_page(line: str) -> str:
-    """Finding about roles without the options of commands."""
-    return line.partition(": name the parts that stand")[0].partition(": say what moves")[0]
 
 
 def _line(problem: BaseException) -> str:

@@ -35,6 +35,8 @@ SECONDS = 0.1
 """A quick answer takes about so long [s]."""
 MOST_TURNS = 50
 """So often a drag is gone on with."""
+DIGITS = 7
+"""Outlines are told to so many digits of the drawing's size."""
 LITTLE = 1e-4
 """A drag that gets nearer by less than this share is done."""
 
@@ -151,8 +153,9 @@ def shape(desk: Desk, request: Shape, out: Out) -> None:
 
 
 def rings(assembly: Assembly) -> list[list[list[list[float]]]]:
-    """Outlines of all parts as made, at rest, in world coordinates [mm]."""
-    return [[ring.tolist() for ring in rings_of(part)] for part in assembly.parts]
+    """Outlines of all parts as made, at rest, in world coordinates [mm]; no finer than eyes and screens."""
+    digits = max(0, DIGITS - math.floor(math.log10(assembly.size)))
+    return [[ring.tolist() for ring in rings_of(part, digits)] for part in assembly.parts]
 
 
 def contacts(some: Iterable[Contact]) -> list[Json]:

@@ -226,7 +226,9 @@ class Session:
 
     def _after(self, job: Job, done: Done) -> None:
         """What follows when the process is done with a job."""
-        if job.kind == "open" and done.good and not job.stopped:
+        if job.kind == "open" and job.stopped:
+            self._loaded = False  # it may have got far enough to be on the desk
+        elif job.kind == "open" and done.good:
             self._drawing, self._loaded = job.text, True
         if job.stopped and job.again:
             job.tries = 0
