@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import shlex
+import time
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -17,6 +18,7 @@ import shapely.affinity
 
 import wiggleroom as wr
 from tests.app_client import Served, Visit
+from wiggleroom.app import moving
 from wiggleroom.cli import main
 from wiggleroom.drawing.assembly_writer import write_assembly
 
@@ -79,6 +81,7 @@ def test_gap_extra_fixed_glue_and_goals_stand_in_place_of_the_files(page: Visit)
     reply = page.ask("flex")
     assert reply["objective"] == pytest.approx(2 * 0.45, abs=1e-6)
     assert shapely.Polygon(page.rings[1][0]).area == pytest.approx(9.5**2)
+    time.sleep(moving.AGAIN)
     page.told.clear()
     page.ask("flex")
     assert not any("rings" in r for r in page.told)

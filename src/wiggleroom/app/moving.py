@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
@@ -35,6 +36,8 @@ SECONDS = 0.1
 """A quick answer takes about so long [s]."""
 MOST_TURNS = 50
 """So often a drag is gone on with."""
+AGAIN = 3.0
+"""Outlines that changed are told with every reply for so long [s]."""
 DIGITS = 7
 """Outlines are told to so many digits of the drawing's size."""
 LITTLE = 1e-4
@@ -53,7 +56,8 @@ class Moves:
     def __init__(self, desk: Desk, drawing: Drawing) -> None:
         self._desk = desk
         self._live = Live(drawing)
-        self._told: tuple[Hashable, threading.Event] | None = None
+        self._outlines: Hashable = None
+        self._told, self._since = threading.Event(), 0.0
         self._shown: tuple[Assembly, Floats] | None = None
 
     def at(self, design: Design) -> Live:
@@ -127,11 +131,13 @@ class Moves:
         out.reply({})
 
     def new_rings(self, design: Design, assembly: Assembly, out: Out) -> Json:
-        """Outlines as made, where the page has not had them: a reply that was stopped did not get there."""
-        key = self._desk.designs.shape(design)
-        if self._told is not None and self._told[0] == key and not self._told[1].is_set():
+        """Outlines as made, where the page may not have them: a page drops replies that a newer request has overtaken."""
+        key, now = self._desk.designs.shape(design), time.monotonic()
+        if key != self._outlines or self._told.is_set():
+            self._outlines, self._since = key, now
+        elif now > self._since + AGAIN:
             return {}
-        self._told = key, out.stop
+        self._told = out.stop
         return {"rings": rings(assembly)}
 
     def relative(self, space: FreeSpace) -> list[float]:

@@ -43,6 +43,7 @@ def space(desk: Desk, request: Space, out: Out) -> None:
         "b": request.b,
         "headline": headline(found),
         "facts": said(found, None),
+        "pivot": found.pivot.tolist(),
         "state": desk.moves.relative(found),
         "model": "walls",
         "command": command("space", desk.file, request.design, (request.a, request.b), pulled=False),
