@@ -126,7 +126,14 @@ class Live:
         self._state = None
 
     def drag(
-        self, part: str, grip: Spot, target: Spot, *, start: str = "here", seconds: float = 0.1, stop: Stop | None = None
+        self,
+        part: str,
+        grip: Spot,
+        target: Spot,
+        *,
+        start: str = "here",
+        seconds: float = 0.1,
+        stop: Stop | None = None,
     ) -> Shot:
         """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
 
