@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import signal
 import time
@@ -165,6 +166,40 @@ def alive(pid: int) -> bool:
     except ProcessLookupError:
         return False
     return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_whatever_comes_in_whatever_order_the_last_question_is_answered(served: Served, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    chain = wr.patterns.chain(5, joint="tee", gap=0.02)
+    drawing = base64.b64encode(text(chain)).decode()
+    with served.visit() as one:
+        one.open("chain.json", text(chain))
+        for _ in range(120):
+            one.design["gap"] = float(rng.uniform(0.01, 0.03))
+            match int(rng.integers(0, 14)):
+                case 0:
+                    one.send("open", name="chain.json", data=drawing)
+                case 1:
+                    one.send("open", name="bad.json", data=drawing[:40])
+                case 2:
+                    one.send("cancel", of=str(rng.choice(["flex", "check", "drag", "sweep", "nothing"])))
+                case 3:
+                    one.socket.send("noise")
+                case 4 if served.workers() and rng.random() < 0.3:
+                    os.kill(served.workers()[0], signal.SIGKILL)
+                case 5 | 6:
+                    one.send("flex")
+                case 7 | 8 | 9:
+                    one.send("drag", part="b5", grip=[4.0, 0.0], target=rng.normal((4, 0), 0.1).tolist())
+                case kind:
+                    one.send(["rank", "check", "sweep", "wiggle"][kind % 4])
+            time.sleep(float(rng.choice([0.0, 0.0, 0.01, 0.2])))
+        one.send("open", name="chain.json", data=drawing)
+        one.design["gap"] = 0.025
+        reply = one.until(one.send("flex"), "flex")
+    assert reply["objective"] == pytest.approx(wr.flex(assemble(chain.drawing, gap=0.025)).objective, rel=1e-6)
 
 
 @pytest.mark.slow
