@@ -72,6 +72,7 @@ class Visit:
         self.socket = socket
         self.number = 0
         self.design: Json = {}
+        self.opened: Json = {}
         self.told: list[Json] = []
         self.rings: list[list[list[list[float]]]] = []
 
@@ -115,5 +116,5 @@ class Visit:
 
         reply = self.ask("open", name=name, data=base64.b64encode(data).decode(), **more)
         if reply["kind"] == "opened":
-            self.design = reply["design"]
+            self.design, self.opened = reply["design"], reply
         return reply

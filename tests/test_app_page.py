@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import base64
 import json
+import re
 import shlex
+import time
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +18,7 @@ import shapely.affinity
 
 import wiggleroom as wr
 from tests.app_client import Served, Visit
+from wiggleroom.app import moving
 from wiggleroom.cli import main
 from wiggleroom.drawing.assembly_writer import write_assembly
 
@@ -77,6 +81,7 @@ def test_gap_extra_fixed_glue_and_goals_stand_in_place_of_the_files(page: Visit)
     reply = page.ask("flex")
     assert reply["objective"] == pytest.approx(2 * 0.45, abs=1e-6)
     assert shapely.Polygon(page.rings[1][0]).area == pytest.approx(9.5**2)
+    time.sleep(moving.AGAIN)
     page.told.clear()
     page.ask("flex")
     assert not any("rings" in r for r in page.told)
@@ -104,7 +109,9 @@ def test_what_cannot_be_asked_is_said_in_plain_lines(page: Visit) -> None:
     page.design = {"gap": 0.2, "fixed": ["fram"], "goals": [{"part": "peg", "direction": [1, 0]}]}
     assert 'did you mean "frame"' in page.ask("flex")["findings"][0]
     page.design = {"gap": 0.0, "fixed": ["frame"], "goals": [{"part": "peg", "direction": [1, 0]}]}
-    assert "touch" in page.ask("flex")["findings"][0]
+    assert re.search(r"touch at rest.* give a gap, for example 0\.\d+ mm$", page.ask("flex")["findings"][0])
+    page.design = {"gap": 0.2}
+    assert page.ask("drag", part="peg", grip=[15, 15], target=[0, 0])["findings"] == [found[0]]
     page.design = {"gap": 40.0, "fixed": ["frame"], "goals": [{"part": "peg", "direction": [1, 0]}]}
     assert "smaller gap" in page.ask("shape")["findings"][0]
 
@@ -133,6 +140,58 @@ def objective(command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capt
     monkeypatch.setattr("sys.argv", [*words, "--json", "-"])
     assert main() == 0
     return float(json.loads(capsys.readouterr().out)["objective"])
+
+
+def test_a_part_is_dragged_as_near_as_its_neighbours_let_it(page: Visit) -> None:
+    page.open("peg.svg", PEG.encode())
+    page.design = {"gap": 0.4, "fixed": ["frame"]}
+    for target, reached in (((25, 25), (15.4, 15.4)), ((15.1, 0), (15.1, 14.6)), ((15.2, 15.1), (15.2, 15.1))):
+        reply = page.ask("drag", part="peg", grip=[15, 15], target=target)
+        assert reply["reached"] == pytest.approx(reached, abs=2e-3)
+        assert reply["distance"] == pytest.approx(np.hypot(*np.subtract(target, reached)), abs=2e-3)
+        assert reply["blocking"] == (["frame"] if target != reached else [])
+        np.testing.assert_allclose(reply["motions"][0][0, 1, :2], np.subtract(reached, 15), atol=2e-3)
+    assert page.ask("release")["kind"] == "release"
+    assert "not a part" in page.ask("drag", part="pig", grip=[15, 15], target=[0, 0])["findings"][0]
+
+
+def test_nothing_that_is_shown_overlaps(page: Visit) -> None:
+    page.open("chain.json", write_assembly(wr.patterns.chain(4, joint="jigsaw", gap=0.03).drawing).encode())
+    rng = np.random.default_rng(3)
+    names, worst = list(wr.patterns.chain(4).names), 0.0
+    for _ in range(6):
+        page.design["gap"] = float(rng.uniform(0.02, 0.05))
+        page.told.clear()
+        page.ask("shape")
+        page.until(page.send("drag", part=names[-1], grip=[3, 0], target=rng.normal((3, 0), 0.2).tolist()), "drag")
+        page.ask("flex")
+        for reply in page.told:
+            for motion in (m for way in reply["motions"] for m in way):
+                there = [placed(page.rings[k], page, k, motion[k]) for k in range(4)]
+                worst = max(worst, *(shapely.intersection(a, b).area for a, b in pairwise(there)))
+    assert worst < 1e-7  # of parts of 1 mm; motions are sent with seven digits
+
+
+def placed(rings: list, page: Visit, k: int, motion: np.ndarray) -> shapely.Geometry:
+    """A part as the page draws it: its rings at rest, turned about its reference point and moved."""
+    at = page.opened["parts"][k]["at"]
+    here = shapely.Polygon(rings[0], rings[1:])
+    turned = shapely.affinity.rotate(here, motion[2], origin=(at[0], at[1]), use_radians=True)
+    return shapely.affinity.translate(turned, motion[0], motion[1])
+
+
+def test_a_wiggle_goes_there_and_back(page: Visit) -> None:
+    page.open("peg.svg", PEG.encode())
+    page.design = {"gap": 0.4, "fixed": ["frame"]}
+    reply = page.ask("wiggle")
+    assert 1 <= len(reply["modes"]) == len(reply["motions"]) <= 6
+    for mode, way in zip(reply["modes"], reply["motions"], strict=True):
+        assert mode["parts"] == ["peg"]
+        assert np.abs(way[[0, -1]]).max() < 1e-6
+        corners = shapely.get_coordinates(shapely.box(-4.8, -4.8, 4.8, 4.8))  # the peg, 9.6 mm
+        for x, y, turn in way[:, 1]:
+            c, s = np.cos(turn), np.sin(turn)
+            assert np.abs(corners @ [[c, s], [-s, c]] + (x, y)).max() < 5.2 + 1e-5  # in the hole, 10.4 mm
 
 
 def test_ranking_is_that_of_rank(page: Visit) -> None:

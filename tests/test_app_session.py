@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import signal
 import time
 from collections.abc import Iterator
+from pathlib import Path
 
+import numpy as np
 import pytest
 
 import wiggleroom as wr
@@ -113,7 +116,7 @@ def test_a_drawing_that_takes_too_long_to_read_is_given_up(page: Visit, monkeypa
     rings = "".join(f"<circle cx='{k % 200 * 10}' cy='{k // 200 * 10}' r='4'/>" for k in range(40_000))
     monkeypatch.setattr(session, "READING", 0.3)
     reply = page.open(
-        "big.svg", f"<svg xmlns='http://www.w3.org/2000/svg' width='2m' height='2m'>{rings}</svg>".encode()
+        "big.svg", f"<svg xmlns='http://www.w3.org/2000/svg' width='2000mm' height='2000mm'>{rings}</svg>".encode()
     )
     assert "was not read within" in reply["findings"][0]
     monkeypatch.setattr(session, "READING", 60.0)
@@ -163,3 +166,59 @@ def alive(pid: int) -> bool:
     except ProcessLookupError:
         return False
     return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_whatever_comes_in_whatever_order_the_last_question_is_answered(served: Served, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    chain = wr.patterns.chain(5, joint="tee", gap=0.02)
+    drawing = base64.b64encode(text(chain)).decode()
+    with served.visit() as one:
+        one.open("chain.json", text(chain))
+        for _ in range(120):
+            one.design["gap"] = float(rng.uniform(0.01, 0.03))
+            match int(rng.integers(0, 14)):
+                case 0:
+                    one.send("open", name="chain.json", data=drawing)
+                case 1:
+                    one.send("open", name="bad.json", data=drawing[:40])
+                case 2:
+                    one.send("cancel", of=str(rng.choice(["flex", "check", "drag", "sweep", "nothing"])))
+                case 3:
+                    one.socket.send("noise")
+                case 4 if served.workers() and rng.random() < 0.3:
+                    os.kill(served.workers()[0], signal.SIGKILL)
+                case 5 | 6:
+                    one.send("flex")
+                case 7 | 8 | 9:
+                    one.send("drag", part="b5", grip=[4.0, 0.0], target=rng.normal((4, 0), 0.1).tolist())
+                case kind:
+                    one.send(["rank", "check", "sweep", "wiggle"][kind % 4])
+            time.sleep(float(rng.choice([0.0, 0.0, 0.01, 0.2])))
+        one.send("open", name="chain.json", data=drawing)
+        one.design["gap"] = 0.025
+        reply = one.until(one.send("flex"), "flex")
+    assert reply["objective"] == pytest.approx(wr.flex(assemble(chain.drawing, gap=0.025)).objective, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_memory_stays_flat_while_parts_are_dragged(served: Served, page: Visit) -> None:
+    told = page.open("grid.json", text(GRID))
+    rng = np.random.default_rng(0)
+    (pid,) = served.workers()
+    sizes = []
+    for k in range(600):
+        part = told["parts"][int(rng.integers(1, len(told["parts"])))]
+        target = np.add(part["at"][:2], rng.normal(0, 0.1, 2)).tolist()
+        page.until(page.send("drag", part=part["name"], grip=part["at"][:2], target=target), "drag")
+        page.told.clear()
+        if k in (200, 599):
+            sizes.append(memory(pid))
+    assert sizes[1] < sizes[0] + 20
+
+
+def memory(pid: int) -> float:
+    """What a process holds [MB]."""
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6

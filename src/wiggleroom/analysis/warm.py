@@ -25,7 +25,10 @@ NEAR = 1e-3
 """Share of the objective that a live answer may leave on the table."""
 WEAK = {ROUGH: 1e-2, NEAR: 1e-3}
 """Cells whose virtual walls hold less than this share of the largest force are left as they are, at each tolerance."""
+FIRST = 3e-3
 MOST_ROUNDS = 30
+SOME = 8
+"""So many of a way's points show where it leads: the solver's steps wander."""
 ENDED = ("converged", "enough")
 LEAST_ASKED = 4
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
@@ -163,7 +166,9 @@ class Warm(Search):
         """Begin again with the pairs that were not in the program and may meet on the way; True where there were any."""
         cells, n, ready = found.program.cells, len(found.motion), self.ready
         legs = (*found.legs, found.leg(found.solution.u))
-        motions = np.array([leg.program.motion(u) for leg in legs for u in leg.points])
+        points = [(leg.program, u) for leg in legs for u in leg.points]
+        some = np.unique(np.linspace(0, len(points) - 1, SOME).round().astype(int))
+        motions = np.array([points[k][0].motion(points[k][1]) for k in some])
         a, b = strangers(ready.bodies, ready.arm, motions, cells.a * n + cells.b, ready.barred)
         if len(a):
             self.begin()
@@ -185,7 +190,7 @@ class Warm(Search):
         far = late & (apart > REACH * self.ready.clearance)
         if far.any():
             cells = select(cells, np.flatnonzero(~far))
-        return State(cells, inner, motion, min(AGAIN * mu, FIRST_MU))
+        return State(cells, inner, motion, max(AGAIN * mu, FIRST))
 
 
 def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None, enough: float = np.inf) -> Warm:

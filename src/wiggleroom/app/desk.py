@@ -1,45 +1,40 @@
-"""What a solver process has in hand, and which function answers which request."""
+"""Which function answers which request, and what is said where one cannot."""
 
 from __future__ import annotations
 
 import os
 import threading
-from collections.abc import Callable, Hashable
-from typing import Any
+from collections.abc import Callable
+from importlib import import_module
 
-import msgspec
-
-from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.interlock import Interlock
-from wiggleroom.analysis.interlock import check as interlock
-from wiggleroom.app import moving, regions, saving, studies
-from wiggleroom.app.designs import Designs, Recent
+from wiggleroom.app.designs import Designs
 from wiggleroom.app.link import Start
-from wiggleroom.app.messages import AnyRequest, Design, Flex, Open, decode
-from wiggleroom.app.opening import File, opened, told
+from wiggleroom.app.messages import AnyRequest, Flex, Open, decode
+from wiggleroom.app.opening import opened, told
 from wiggleroom.app.out import Out, StoppedError
-from wiggleroom.assembly.findings import role_findings
-from wiggleroom.assembly.model import Assembly
-from wiggleroom.assembly.statements import statement_findings
-from wiggleroom.drawing.model import Goal
+from wiggleroom.app.sheet import Sheet
 from wiggleroom.errors import InputError, WiggleroomError
+
+ANSWERS = {
+    "shape": "moving",
+    "drag": "moving",
+    "release": "moving",
+    "wiggle": "moving",
+    "rank": "studies",
+    "check": "studies",
+    "sweep": "studies",
+    "prove": "studies",
+    "space": "regions",
+    "save": "saving",
+}
+"""Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
 
 
 class Desk:
-    """One drawing and what was worked out about it.
-
-    What is kept is kept for speed alone: every request carries its whole design.
-    """
+    """Where requests are answered, one after the other."""
 
     def __init__(self) -> None:
-        self._file: File | None = None
-
-    @property
-    def file(self) -> File:
-        """The drawing that is open; raises InputError where none is."""
-        if self._file is None:
-            raise InputError("nothing is open: open a drawing first")
-        return self._file
+        self._sheet: Sheet | None = None
 
     def open(self, request: Open, out: Out) -> None:
         """Read a drawing and tell the page; where that fails the one before stays."""
@@ -49,51 +44,9 @@ class Desk:
         content = told(file, drawing)
         if design is not None:
             content["design"]["extra"] = design.extra
-        self._file, self.designs = file, Designs(file.drawing)
-        self.answers: Recent[Answer] = Recent(4)
-        self.checks: Recent[Interlock] = Recent(2)
-        self.moves = moving.Moves(self, file.drawing)
-        out.reply(content, kind="opened")
-
-    def assembly(self, design: Design) -> Assembly:
-        """Parts as made for a design."""
-        return self.designs.assembly(design)
-
-    def asked(self, design: Design) -> tuple[Goal, ...]:
-        """What a design asks; raises InputError where a question about motion lacks something."""
-        drawing = self.designs.drawing(design)
-        wrong = statement_findings(drawing) or [_on_the_page(line) for line in role_findings(drawing)]
-        if wrong:
-            raise InputError(wrong)
-        return drawing.goals
-
-    def kept(self, design: Design) -> Answer | None:
-        """The full answer, where it is known."""
-        return self.answers.peek(whole(design))
-
-    def answer(self, design: Design, out: Out) -> Answer:
-        """The full answer, worked out once for a design."""
-        answer = self.kept(design)
-        if answer is None:
-            answer = self.moves.settle(design, out)
-            out.check()
-            self.know(design, answer)
-        return answer
-
-    def know(self, design: Design, answer: Answer) -> None:
-        """Keep a fuller answer to a design."""
-        self.answers.keep(whole(design), answer)
-
-    def checked(self, design: Design, out: Out) -> Interlock:
-        """Whether it comes apart, worked out once for a design."""
-        key = self.designs.body(design)
-        kept = self.checks.peek(key)
-        if kept is not None:
-            return kept
-        found = interlock(self.assembly(design), stop=out.stop, progress=out.progress)
         out.check()
-        self.checks.keep(key, found)
-        return found
+        self._sheet = Sheet(file)
+        out.reply(content, kind="opened")
 
     def work(self, order: Start, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:
         """Answer one request; whether that went well, and whether a full answer is still to come."""
@@ -121,40 +74,19 @@ class Desk:
         if isinstance(request, Open):
             self.open(request, out)
             return False
+        if self._sheet is None:
+            raise InputError("nothing is open: open a drawing first")
         if isinstance(request, Flex):
-            return self.moves.settled(request, out) if settle else self.moves.flex(request, out)
-        self.file  # noqa: B018  # raises where nothing is open
-        ANSWERS[type(request).__name__.lower()](self, request, out)
+            moves = self._sheet.moves
+            return moves.settled(request, out) if settle else moves.flex(request, out)
+        kind = kind_of(request)
+        getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._sheet, request, out)
         return False
-
-
-ANSWERS: dict[str, Callable[[Desk, Any, Out], None]] = {
-    "shape": moving.shape,
-    "drag": lambda desk, request, out: desk.moves.drag(request, out),
-    "release": lambda desk, request, out: desk.moves.release(request, out),
-    "wiggle": lambda desk, request, out: desk.moves.wiggle(request, out),
-    "rank": studies.rank,
-    "check": studies.check,
-    "sweep": studies.sweep,
-    "prove": studies.prove,
-    "space": regions.space,
-    "save": saving.save,
-}
 
 
 def kind_of(request: AnyRequest) -> str:
     """Kind of a request, as in its message."""
     return str(request.__struct_config__.tag)
-
-
-def whole(design: Design) -> Hashable:
-    """Everything a design says, as a key."""
-    return msgspec.json.encode(design)
-
-
-def _on_the_page(line: str) -> str:
-    """Finding about roles without the options of commands."""
-    return line.partition(": name the parts that stand")[0].partition(": say what moves")[0]
 
 
 def _line(problem: BaseException) -> str:

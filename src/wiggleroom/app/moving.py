@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Hashable, Iterable
 from typing import TYPE_CHECKING
 
@@ -27,7 +28,7 @@ from wiggleroom.report.words import headline
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
-    from wiggleroom.app.desk import Desk
+    from wiggleroom.app.sheet import Sheet
 
 Floats = NDArray[np.float64]
 
@@ -35,6 +36,10 @@ SECONDS = 0.1
 """A quick answer takes about so long [s]."""
 MOST_TURNS = 50
 """So often a drag is gone on with."""
+AGAIN = 3.0
+"""Outlines that changed are told with every reply for so long [s]."""
+DIGITS = 7
+"""Outlines are told to so many digits of the drawing's size."""
 LITTLE = 1e-4
 """A drag that gets nearer by less than this share is done."""
 
@@ -44,49 +49,50 @@ class Moves:
 
     Parameters
     ----------
-    desk : Desk
+    sheet : Sheet
     drawing : Drawing
     """
 
-    def __init__(self, desk: Desk, drawing: Drawing) -> None:
-        self._desk = desk
+    def __init__(self, sheet: Sheet, drawing: Drawing) -> None:
+        self._sheet = sheet
         self._live = Live(drawing)
-        self._told: tuple[Hashable, threading.Event] | None = None
+        self._outlines: Hashable = None
+        self._told, self._since = threading.Event(), 0.0
         self._shown: tuple[Assembly, Floats] | None = None
 
     def at(self, design: Design) -> Live:
         """The engine, its design set."""
         extra = {name: value for name, value in design.extra.items() if value}
-        self._live.design(self._desk.designs.gap(design), extra, design.fixed, [g for g in design.glue if len(g) > 1])
+        self._live.design(self._sheet.designs.gap(design), extra, design.fixed, [g for g in design.glue if len(g) > 1])
         return self._live
 
     def flex(self, request: Flex, out: Out) -> bool:
         """Answer quickly; True where the full answer is to come."""
-        design, desk = request.design, self._desk
-        if desk.kept(design) is not None:
+        design, sheet = request.design, self._sheet
+        if sheet.kept(design) is not None:
             return self.settled(request, out)
-        goals = desk.asked(design)
+        goals = sheet.asked(design)
         live = self.at(design)
         shot = live.flex(goals, seconds=SECONDS, stop=out.stop)
         out.check()
         self._shown = live.assembly, shot.motion
         answer = quick(live.assembly, goals, shot)
-        content = flex_content(desk, design, answer) | self.new_rings(design, live.assembly, out)
+        content = flex_content(sheet, design, answer) | self.new_rings(design, live.assembly, out)
         out.reply(content | {"settled": False}, [shot.motion[None]])
         return True
 
     def settled(self, request: Flex, out: Out) -> bool:
         """Answer fully."""
-        answer = self._desk.answer(request.design, out)
+        answer = self._sheet.answer(request.design, out)
         self._shown = answer.assembly, answer.motion
-        content = flex_content(self._desk, request.design, answer)
+        content = flex_content(self._sheet, request.design, answer)
         content |= self.new_rings(request.design, answer.assembly, out)
         out.reply(content | {"settled": True}, [way_frames(answer.assembly, answer.waypoints)])
         return False
 
     def settle(self, design: Design, out: Out) -> Answer:
         """The full answer, worked out."""
-        goals = self._desk.asked(design)
+        goals = self._sheet.asked(design)
         return self.at(design).settle(goals, stop=out.stop, progress=out.progress)
 
     def drag(self, request: Drag, out: Out) -> None:
@@ -120,16 +126,14 @@ class Moves:
         told = [{"size": mode.size, "parts": list(mode.parts), "ends": mode.ends} for mode in modes]
         out.reply({"modes": told}, [mode.frames for mode in modes], kind="modes")
 
-    def release(self, _: Release, out: Out) -> None:
-        """End a drag; the parts stay where they are shown."""
-        out.reply({})
-
     def new_rings(self, design: Design, assembly: Assembly, out: Out) -> Json:
-        """Outlines as made, where the page has not had them: a reply that was stopped did not get there."""
-        key = self._desk.designs.shape(design)
-        if self._told is not None and self._told[0] == key and not self._told[1].is_set():
+        """Outlines as made, where the page may not have them: a page drops replies that a newer request has overtaken."""
+        key, now = self._sheet.designs.shape(design), time.monotonic()
+        if key != self._outlines or self._told.is_set():
+            self._outlines, self._since = key, now
+        elif now > self._since + AGAIN:
             return {}
-        self._told = key, out.stop
+        self._told = out.stop
         return {"rings": rings(assembly)}
 
     def relative(self, space: FreeSpace) -> list[float]:
@@ -145,14 +149,30 @@ class Moves:
         return [float(pivot[0]), float(pivot[1]), float(np.degrees(phi))]
 
 
-def shape(desk: Desk, request: Shape, out: Out) -> None:
+def drag(sheet: Sheet, request: Drag, out: Out) -> None:
+    """Bring a part as near to a place as it goes."""
+    sheet.moves.drag(request, out)
+
+
+def release(_: Sheet, __: Release, out: Out) -> None:
+    """End a drag; the parts stay where they are shown."""
+    out.reply({})
+
+
+def wiggle(sheet: Sheet, request: Wiggle, out: Out) -> None:
+    """Show the freedoms that are left."""
+    sheet.moves.wiggle(request, out)
+
+
+def shape(sheet: Sheet, request: Shape, out: Out) -> None:
     """Outlines with the gap applied."""
-    out.reply({"rings": rings(desk.assembly(request.design))})
+    out.reply({"rings": rings(sheet.assembly(request.design))})
 
 
 def rings(assembly: Assembly) -> list[list[list[list[float]]]]:
-    """Outlines of all parts as made, at rest, in world coordinates [mm]."""
-    return [[ring.tolist() for ring in rings_of(part)] for part in assembly.parts]
+    """Outlines of all parts as made, at rest, in world coordinates [mm]; no finer than eyes and screens."""
+    digits = max(0, DIGITS - math.floor(math.log10(assembly.size)))
+    return [[ring.tolist() for ring in rings_of(part, digits)] for part in assembly.parts]
 
 
 def contacts(some: Iterable[Contact]) -> list[Json]:
@@ -184,7 +204,7 @@ def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: Shot) -> Answer:
     )
 
 
-def flex_content(desk: Desk, design: Design, answer: Answer) -> Json:
+def flex_content(sheet: Sheet, design: Design, answer: Answer) -> Json:
     """What an answer says, in the words of the commands."""
     return {
         "objective": answer.objective,
@@ -198,7 +218,7 @@ def flex_content(desk: Desk, design: Design, answer: Answer) -> Json:
         "collision_free": bool(answer.collision_free),
         "path": answer.path,
         "seconds": answer.seconds.get("total", 0.0),
-        "command": command("flex", desk.file, design),
+        "command": command("flex", sheet.file, design),
     }
 
 

@@ -133,9 +133,9 @@ def told(file: File, drawing: Drawing) -> Json:
     return reply
 
 
-def rings_of(part: Part) -> list[NDArray[np.float64]]:
-    """Outlines and holes of a part at rest, in world coordinates [mm]."""
-    return [place(ring, part.at) for r in part.regions for ring in (r.outer, *r.holes)]
+def rings_of(part: Part, digits: int = 17) -> list[NDArray[np.float64]]:
+    """Outlines and holes of a part at rest, in world coordinates [mm], with so many digits after the point."""
+    return [place(ring, part.at).round(digits) for r in part.regions for ring in (r.outer, *r.holes)]
 
 
 def design_of(drawing: Drawing) -> Json:

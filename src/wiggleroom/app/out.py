@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 import threading
 import time
 from collections.abc import Callable, Sequence
@@ -53,7 +54,8 @@ class Out:
     def failed(self, findings: Sequence[str]) -> None:
         """Say what is wrong, one line each."""
         if not self._quiet:
-            self._say(Reply(self.ticket, encode(failed(self.number, self.kind, list(findings)))))
+            lines = [on_the_page(line) for line in findings]
+            self._say(Reply(self.ticket, encode(failed(self.number, self.kind, lines))))
 
     def check(self) -> None:
         """End here where the work is to stop."""
@@ -78,3 +80,21 @@ class Out:
         self._last = now
         told = {"kind_of": self.kind, "stage": stage, "round": turn, "iteration": iteration}
         self.reply(told | {"objective": objective, "share": share}, kind="progress")
+
+
+def on_the_page(line: str) -> str:
+    """Finding without the options of commands.
+
+    >>> on_the_page("no room to move: give a gap, for example --gap 0.2")
+    'no room to move: give a gap, for example 0.2 mm'
+    """
+    for option, words in _WORDS:
+        line = re.sub(option, words, line)
+    return line
+
+
+_WORDS = (
+    (r"name the parts that stand with --fix NAME", "choose a part that stands"),
+    (r"say what moves with --pull NAME:\+y", "choose what is pulled, and which way"),
+    (r"--gap (\S+)", r"\1 mm"),
+)

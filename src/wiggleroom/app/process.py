@@ -7,6 +7,8 @@ import os
 import sys
 from dataclasses import dataclass, field
 
+import msgspec
+
 from wiggleroom.app.link import Done, Ready, Reply, Start, Stop, block, length, result
 
 MOST_PAGES = 4
@@ -55,7 +57,7 @@ class Process:
         try:
             head = await self.child.stdout.readexactly(4)
             return result(await self.child.stdout.readexactly(length(head)))
-        except (asyncio.IncompleteReadError, OSError) as problem:
+        except (asyncio.IncompleteReadError, OSError, msgspec.DecodeError) as problem:
             raise LostError from problem
 
     def kill(self) -> None:

@@ -19,7 +19,7 @@ from wiggleroom.report.space import headline, said
 from wiggleroom.report.words import number
 
 if TYPE_CHECKING:
-    from wiggleroom.app.desk import Desk
+    from wiggleroom.app.sheet import Sheet
 
 Floats = NDArray[np.float64]
 
@@ -29,9 +29,9 @@ MOST_TILES = 33
 """Slices that the page is given."""
 
 
-def space(desk: Desk, request: Space, out: Out) -> None:
+def space(sheet: Sheet, request: Space, out: Out) -> None:
     """How one part can move against another."""
-    assembly = desk.assembly(request.design)
+    assembly = sheet.assembly(request.design)
     found = free_space(assembly, request.a, request.b)
     out.check()
     content = solid(found)
@@ -43,10 +43,15 @@ def space(desk: Desk, request: Space, out: Out) -> None:
         "b": request.b,
         "headline": headline(found),
         "facts": said(found, None),
+<<<<<<< HEAD
         "state": desk.moves.relative(found),
         "pivot": found.pivot.tolist(),
+=======
+        "pivot": found.pivot.tolist(),
+        "state": sheet.moves.relative(found),
+>>>>>>> server
         "model": "walls",
-        "command": command("space", desk.file, request.design, (request.a, request.b), pulled=False),
+        "command": command("space", sheet.file, request.design, (request.a, request.b), pulled=False),
     }
     out.reply(content)
 

@@ -18,7 +18,7 @@ from wiggleroom.report.draw import draw
 from wiggleroom.report.records import flex_record, to_json
 
 if TYPE_CHECKING:
-    from wiggleroom.app.desk import Desk
+    from wiggleroom.app.sheet import Sheet
 
 KINDS = {
     "svg": ("-moved.svg", "image/svg+xml"),
@@ -34,35 +34,35 @@ KINDS = {
 """What is added to the drawing's name, and what the browser is told it is."""
 
 
-def save(desk: Desk, request: Save, out: Out) -> None:
+def save(sheet: Sheet, request: Save, out: Out) -> None:
     """One file, by name, kind and content."""
     tail, mime = KINDS[request.what]
-    name = saved_name(desk.file, tail.replace("-moved", "-apart") if request.of == "check" else tail)
+    name = saved_name(sheet.file, tail.replace("-moved", "-apart") if request.of == "check" else tail)
     with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
         path = Path(folder) / name
-        _write(desk, request, path, out)
+        _write(sheet, request, path, out)
         content = path.read_bytes()
     out.reply({"name": name, "mime": mime, "data": base64.b64encode(content).decode()}, kind="saved")
 
 
-def _write(desk: Desk, request: Save, path: Path, out: Out) -> None:
+def _write(sheet: Sheet, request: Save, path: Path, out: Out) -> None:
     design = request.design
     if request.what in ("assembly", "cut-svg", "cut-dxf"):
-        assembly = desk.assembly(design)
+        assembly = sheet.assembly(design)
         drawing = assembly.drawing
         if request.what != "assembly":
             drawing = replace(drawing, parts=assembly.parts, gap=0.0, gaps=())
         write_drawing(drawing, path)
         return
-    said = command(request.of, desk.file, design, pulled=request.of == "flex")
+    said = command(request.of, sheet.file, design, pulled=request.of == "flex")
     if request.of == "check":
-        found = desk.checked(design, out)
+        found = sheet.checked(design, out)
         if request.what == "json":
             path.write_text(to_json(check_record(found, None, said)), encoding="utf-8")
         else:
             draw(Checked(found), path, command=said, progress=out.counted)
         return
-    answer = replace(desk.answer(design, out), command=said)
+    answer = replace(sheet.answer(design, out), command=said)
     if request.what == "json":
         path.write_text(to_json(flex_record(answer)), encoding="utf-8")
     else:

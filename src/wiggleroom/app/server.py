@@ -128,25 +128,29 @@ class Page:
 
     async def _talk(self, socket: WebSocket, session: Session) -> None:
         """Frames in, answers out, until one side ends; then the next page's process is made ready."""
-        working = asyncio.create_task(session.run())
-        ready = asyncio.get_running_loop().call_later(2.0, lambda: asyncio.ensure_future(self.pool.prepare()))
+        loop = asyncio.get_running_loop()
+        ready = loop.call_later(2.0, lambda: asyncio.ensure_future(self.pool.prepare()))
+        sides = [asyncio.create_task(session.run()), asyncio.create_task(_listen(socket, session))]
         try:
-            while True:
-                said = await socket.receive()
-                if said["type"] == "websocket.disconnect" or working.done():
-                    return
-                if said.get("text") is None:
-                    await session.refuse("message: a text frame is expected, this was a binary one")
-                else:
-                    await session.submit(said["text"].encode())
-        except (WebSocketDisconnect, OSError):
-            return
+            await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
         finally:
             ready.cancel()
-            working.cancel()
-            with contextlib.suppress(asyncio.CancelledError, WebSocketDisconnect, OSError, RuntimeError):
-                await working
-            asyncio.get_running_loop().call_soon(lambda: asyncio.ensure_future(self.pool.prepare()))
+            for side in sides:
+                side.cancel()
+            await asyncio.gather(*sides, return_exceptions=True)
+            with contextlib.suppress(RuntimeError):  # closed by the page
+                await socket.close(1011)
+            loop.call_soon(lambda: asyncio.ensure_future(self.pool.prepare()))
+
+
+async def _listen(socket: WebSocket, session: Session) -> None:
+    """Pass frames of a page on until it goes."""
+    with contextlib.suppress(WebSocketDisconnect):
+        while (said := await socket.receive())["type"] != "websocket.disconnect":
+            if said.get("text") is None:
+                await session.refuse("message: a text frame is expected, this was a binary one")
+            else:
+                await session.submit(said["text"].encode())
 
 
 def hello() -> dict[str, object]:

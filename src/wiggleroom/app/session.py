@@ -1,7 +1,7 @@
 """One page: which of its requests is worked on next, which are dropped, and what happens when a process dies.
 
-The newest request of a kind counts. `open`, `drag` and `flex` are for the hand that moves and go first; everything else
-gives way to them and begins again when the hand rests.
+The newest request of a kind counts. `open`, `drag`, `flex` and `shape` are for the hand that moves and go first;
+everything else gives way to them and begins again when the hand rests.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Send = Callable[[list[bytes], bytes], Awaitable[None]]
 """Sends binary frames and then one text frame."""
 
 FIRST = {"open": 0, "drag": 1, "release": 1, "flex": 2, "shape": 3}
-"""Kinds that are served first, in this order; all others are interrupted for the first three."""
+"""Kinds that are served first, in this order; all others are interrupted for them."""
 GRACE = 0.6
 """A drag or flex that a newer one replaces may still end within this time [s]: else a hand that never rests would see nothing."""
 QUIET = 0.25
@@ -124,7 +124,7 @@ class Session:
         if running is not None and not running.stopped:
             if running.kind == job.kind:
                 self._supersede(running)
-            elif job.kind in ("open", "drag", "flex") and running.kind not in FIRST:
+            elif job.kind in FIRST and running.kind not in FIRST:
                 running.again = True
                 self._halt(running)
         self._news.set()
@@ -226,7 +226,9 @@ class Session:
 
     def _after(self, job: Job, done: Done) -> None:
         """What follows when the process is done with a job."""
-        if job.kind == "open" and done.good and not job.stopped:
+        if job.kind == "open" and job.stopped:
+            self._loaded = False  # it may have got far enough to be on the desk
+        elif job.kind == "open" and done.good:
             self._drawing, self._loaded = job.text, True
         if job.stopped and job.again:
             job.tries = 0

@@ -19,14 +19,14 @@ from wiggleroom.report.words import proven
 if TYPE_CHECKING:
     from wiggleroom.analysis.interlock import Escape, Interlock
     from wiggleroom.analysis.sweep import Step
-    from wiggleroom.app.desk import Desk
+    from wiggleroom.app.sheet import Sheet
 
 
-def rank(desk: Desk, request: Rank, out: Out) -> None:
+def rank(sheet: Sheet, request: Rank, out: Out) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
     from wiggleroom.analysis.rank import rank as work_out
 
-    found = work_out(desk.answer(request.design, out), stop=out.stop, progress=out.counted)
+    found = work_out(sheet.answer(request.design, out), stop=out.stop, progress=out.counted)
     out.check()
     names = found.answer.assembly.names
     parts = {
@@ -37,14 +37,14 @@ def rank(desk: Desk, request: Rank, out: Out) -> None:
         }
         for k in found.order.tolist()
     }
-    said = command("rank", desk.file, request.design)
+    said = command("rank", sheet.file, request.design)
     note = "; ".join(line for _, line in ranking_sure(found)[1:])
     out.reply({"parts": parts, "unique": bool(found.unique.all()), "note": note, "command": said})
 
 
-def check(desk: Desk, request: Check, out: Out) -> None:
+def check(sheet: Sheet, request: Check, out: Out) -> None:
     """Whether it comes apart; one film for each escape."""
-    found = desk.checked(request.design, out)
+    found = sheet.checked(request.design, out)
     escapes: list[Json] = [{"parts": list(e.parts), "words": _leaves(found, e)} for e in found.escapes]
     content = {
         "verdict": found.verdict,
@@ -53,7 +53,7 @@ def check(desk: Desk, request: Check, out: Out) -> None:
         "escapes": escapes,
         "spins": list(found.spins),
         "remains": list(found.remains),
-        "command": command("check", desk.file, request.design, pulled=False),
+        "command": command("check", sheet.file, request.design, pulled=False),
     }
     out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
 
@@ -64,7 +64,7 @@ def _leaves(found: Interlock, escape: Escape) -> str:
     return f"{some(escape.parts)} {verb} {along(found, escape)}"
 
 
-def sweep(desk: Desk, request: Sweep, out: Out) -> None:
+def sweep(sheet: Sheet, request: Sweep, out: Out) -> None:
     """Motion against gap, told gap by gap."""
     from wiggleroom.analysis.sweep import sweep as work_out
 
@@ -72,12 +72,12 @@ def sweep(desk: Desk, request: Sweep, out: Out) -> None:
         out.check()
         out.reply(_step(step), [] if motion is None else [motion[None]], kind="step")
 
-    desk.asked(request.design)
-    assembly = desk.assembly(request.design)
+    sheet.asked(request.design)
+    assembly = sheet.assembly(request.design)
     found = work_out(assembly, request.gaps, stop=out.stop, each=tell)
     out.check()
     lost = None if found.lost is None else list(found.lost)
-    said = command("sweep", desk.file, request.design, _gaps(request))
+    said = command("sweep", sheet.file, request.design, _gaps(request))
     out.reply({"steps": [_step(s) for s in found.steps], "lost": lost, "command": said})
 
 
@@ -89,11 +89,11 @@ def _step(step: Step) -> Json:
     return {"gap": step.gap, "objective": step.objective, "verdict": step.verdict, "checked": step.checked}
 
 
-def prove(desk: Desk, request: Prove, out: Out) -> None:
+def prove(sheet: Sheet, request: Prove, out: Out) -> None:
     """A value that no motion exceeds."""
     from wiggleroom.analysis.prove import prove as work_out
 
-    answer = desk.answer(request.design, out)
+    answer = sheet.answer(request.design, out)
     done = work_out(answer, request.share, seconds=request.seconds, stop=out.stop, progress=out.progress)
     out.check()
     bound = done.bound
@@ -105,8 +105,8 @@ def prove(desk: Desk, request: Prove, out: Out) -> None:
             "at_most": done.at_most,
             "within": within,
             "words": words,
-            "command": command("flex", desk.file, request.design, more),
+            "command": command("flex", sheet.file, request.design, more),
         }
     )
     if done.at_most is not None:
-        desk.know(request.design, replace(answer, at_most=done.at_most, bound=bound))
+        sheet.know(request.design, replace(answer, at_most=done.at_most, bound=bound))

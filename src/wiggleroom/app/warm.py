@@ -1,11 +1,17 @@
-"""What a solver process does before anyone asks: load libraries and compiled kernels, in steps that work may cut short."""
+"""What a solver process does while nobody asks: load libraries and compiled kernels, in steps that work may come between."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
 
-MODULES = ("wiggleroom.assembly.build", "wiggleroom.analysis.flex", "wiggleroom.app.desk", "wiggleroom.drawing.svg")
+MODULES = (
+    "wiggleroom.drawing.svg",
+    "wiggleroom.drawing.assembly_file",
+    "wiggleroom.analysis.flex",
+    "wiggleroom.app.moving",
+    "wiggleroom.app.studies",
+)
 
 
 def steps() -> list[Callable[[], object]]:

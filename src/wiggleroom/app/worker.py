@@ -53,20 +53,18 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
         target.write(block(message))
         target.flush()
 
+    from wiggleroom.app.desk import Desk
     from wiggleroom.app.limits import bound_memory
     from wiggleroom.app.warm import steps
 
     bound_memory()
-    for step in steps():
-        if orders.waiting:  # work itself loads what it needs
-            break
-        step()
-    say(Ready())
-
-    from wiggleroom.app.desk import Desk
-
-    desk = Desk()
+    desk, cold = Desk(), steps()
     while True:
+        if cold and not orders.waiting:  # work that has come goes first, and loads what it needs
+            cold.pop(0)()
+            if not cold:
+                say(Ready())
+            continue
         order, stop = orders.next()
         good, more = desk.work(order, stop, say)
         say(Done(order.ticket, good, more))

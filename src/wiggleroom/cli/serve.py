@@ -55,9 +55,10 @@ def serve(
     def started() -> None:
         print(address, flush=True)  # noqa: T201
         if browser:
+            import threading
             import webbrowser
 
-            webbrowser.open(address)
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()  # some run in the terminal
 
     with listening:
         answer(Page(number, token, first), listening, started)

@@ -39,7 +39,7 @@ export function GapStrip() {
     <section class="gapstrip" aria-label="gap">
       <div class="gapbox">
         <label for="gap">Gap</label>
-        <NumberBox value={gap} min={0} step={stepOf(gap || most / 10)} unit="mm" label="gap" onChange={(value) => (settle(), setGap(value))} disabled={baked.value} />
+        <NumberBox value={gap} min={0} step={stepOf(gap || most / 10)} unit="mm" label="gap" onChange={(value) => setGap(value, "")} disabled={baked.value} />
         {!baked.value && (
           <Button label="Solve a row of gaps" onClick={() => sweep(most)} disabled={!goals.value.length || running.value.has("sweep")} class="small">
             {running.value.has("sweep") ? "Sweeping…" : "Sweep"}
