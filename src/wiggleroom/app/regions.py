@@ -43,13 +43,8 @@ def space(sheet: Sheet, request: Space, out: Out) -> None:
         "b": request.b,
         "headline": headline(found),
         "facts": said(found, None),
-<<<<<<< HEAD
-        "state": desk.moves.relative(found),
-        "pivot": found.pivot.tolist(),
-=======
         "pivot": found.pivot.tolist(),
         "state": sheet.moves.relative(found),
->>>>>>> server
         "model": "walls",
         "command": command("space", sheet.file, request.design, (request.a, request.b), pulled=False),
     }
