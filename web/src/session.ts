@@ -132,6 +132,8 @@ let pendingFile: { name: string; data: string } | null = null;
 /** The file that was dropped here, and whether the next drawing is the one that is open already. */
 let file: { name: string; data: string } | null = null;
 let again = false;
+/** What failed last: its findings go when it succeeds. */
+let trouble = "";
 
 export function save(what: SaveWhat, of: "flex" | "check" = "flex"): void {
   ask("save", { design: design.peek(), what, of });
@@ -187,6 +189,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   if (about.design === design.peek()) {
     state.waiting.value = false;
     state.answer.value = about;
+    if (trouble === "flex") state.findings.value = [];
     if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       autoFactor.value = fittingFactor(reach(ways[0]), state.extent.peek().radius, autoFactor.peek());
       const still = shown.peek().what === "answer" && !reply.leaves.length;
@@ -292,6 +295,7 @@ function failed(of: string, lines: string[]): void {
       forgetFile();
     }
   }
+  trouble = of;
   state.findings.value = lines;
 }
 

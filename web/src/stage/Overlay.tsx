@@ -11,6 +11,8 @@ import { outOf, placed } from "./shapes.ts";
 import { toScreen } from "./view.ts";
 
 const LONG = 74;
+const SHORT = 34;
+const EDGE = 6;
 const MOST = 60;
 
 export function Overlay() {
@@ -39,6 +41,9 @@ function anchor(goal: Goal): Point | null {
   return toScreen(view.value, size.value, outOf(placed(shape, current.motion, i!, factor()), local));
 }
 
+/** How far an arrow can go along one axis before it leaves the canvas. */
+const room = (from: number, step: number, width: number): number => (step === 0 ? LONG : ((step > 0 ? width : 0) - from) / step - EDGE);
+
 const SNAP = (4 * Math.PI) / 180;
 
 /** Direction on the plane from a vector on the screen, drawn to the eighths of a turn when it is near one. */
@@ -55,7 +60,8 @@ function PullArrow({ goal, index, at }: { goal: Pull; index: number; at: Point }
   const long = Math.hypot(...goal.direction) || 1;
   const [ux, uy] = [goal.direction[0] / long, -goal.direction[1] / long];
   const [x, y] = held.current === "base" && place.current ? place.current : at;
-  const [hx, hy] = [x + ux * LONG, y + uy * LONG];
+  const far = Math.max(SHORT, Math.min(LONG, room(x, ux, size.value.width), room(y, uy, size.value.height)));
+  const [hx, hy] = [x + ux * far, y + uy * far];
   const here = (event: PointerEvent): Point => {
     const box = (event.currentTarget as Element).closest("svg")!.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
