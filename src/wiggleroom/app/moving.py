@@ -16,7 +16,7 @@ from wiggleroom.analysis.audit import swing
 from wiggleroom.analysis.live import Live
 from wiggleroom.analysis.shot import Shot
 from wiggleroom.app.command import command
-from wiggleroom.app.frames import way_frames
+from wiggleroom.report.ways import way_frames
 from wiggleroom.app.messages import Design, Drag, Flex, Json, Release, Shape, Wiggle
 from wiggleroom.app.opening import rings_of
 from wiggleroom.app.out import Out

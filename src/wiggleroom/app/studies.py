@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.app.command import command
-from wiggleroom.app.frames import way_frames
+from wiggleroom.report.ways import way_frames
 from wiggleroom.app.messages import Check, Json, Prove, Rank, Sweep
 from wiggleroom.app.out import Out
 from wiggleroom.report.apart import along, some, why
