@@ -17,6 +17,7 @@ import pytest
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served
 from wiggleroom.app.opening import first_open
+from wiggleroom.cli import main
 from wiggleroom.drawing.assembly_writer import write_assembly
 
 pytestmark = pytest.mark.slow
@@ -66,7 +67,10 @@ def visiting(browser: Any, served: Served, **how: Any) -> Iterator[Any]:
     home = f"127.0.0.1:{served.port}"
     page.on("pageerror", lambda error: wrong.append(str(error)))
     page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
-    page.on("request", lambda asked: None if home in asked.url or asked.url[:5] in ("data:", "blob:") else wrong.append(asked.url))
+    page.on(
+        "request",
+        lambda asked: None if home in asked.url or asked.url[:5] in ("data:", "blob:") else wrong.append(asked.url),
+    )
     page.goto(f"http://{home}/?token={TOKEN}")
     try:
         yield page
@@ -193,12 +197,16 @@ def test_the_ranking_colours_the_parts_and_sorts_the_table(browser: Any) -> None
         page.get_by_role("tab", name="Gaps").click()
         x, y = still(page)
         before = colour(page, x - 16, y - 6)
-        page.get_by_role("button", name="Rank the gaps of all parts").or_(page.get_by_role("button", name="Rank")).first.click()
+        page.get_by_role("button", name="Rank the gaps of all parts").or_(
+            page.get_by_role("button", name="Rank")
+        ).first.click()
         page.locator(".blamebar").wait_for()
         page.wait_for_timeout(300)
         assert colour(page, x - 16, y - 6) != before
         rows = page.locator(".parts tbody tr")
-        shown = [(r.locator("button").inner_text().strip(), float(r.locator(".bar span").inner_text())) for r in rows.all()]
+        shown = [
+            (r.locator("button").inner_text().strip(), float(r.locator(".bar span").inner_text())) for r in rows.all()
+        ]
         assert [v for _, v in shown] == sorted((v for _, v in shown), reverse=True)
         for name, value in shown:
             assert value == pytest.approx(float(truth.looser[names.index(name)]), rel=5e-3, abs=1e-6)
@@ -362,10 +370,29 @@ def test_a_phone_needs_no_scrolling_sideways(browser: Any, peg: Served, scheme: 
 
 def test_5000_parts_pan_and_play_in_time(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "plates.json"
-    ring = [[0, 0], [10, 0], [10, 4], [11, 4], [11, 3], [12, 3], [12, 7], [11, 7], [11, 6], [10, 6], [10, 10], [0, 10], [0, 6], [1, 6], [1, 4], [0, 4]]
+    ring = [
+        [0, 0],
+        [10, 0],
+        [10, 4],
+        [11, 4],
+        [11, 3],
+        [12, 3],
+        [12, 7],
+        [11, 7],
+        [11, 6],
+        [10, 6],
+        [10, 10],
+        [0, 10],
+        [0, 6],
+        [1, 6],
+        [1, 4],
+        [0, 4],
+    ]
     parts = [{"name": f"p{i}", "shape": "plate", "at": [13 * (i % 71), 11 * (i // 71), 0]} for i in range(5000)]
     parts[0]["fixed"] = True
-    path.write_text(json.dumps({"format": "wiggleroom/1", "gap": 0.1, "shapes": {"plate": {"outline": ring}}, "parts": parts}))
+    path.write_text(
+        json.dumps({"format": "wiggleroom/1", "gap": 0.1, "shapes": {"plate": {"outline": ring}}, "parts": parts})
+    )
     count = """() => new Promise(done => { const times = []; let last = performance.now();
         const step = () => { const now = performance.now(); times.push(now - last); last = now;
             times.length < 60 ? requestAnimationFrame(step) : done(times.sort((a, b) => a - b)[30]); };
@@ -383,3 +410,25 @@ def test_5000_parts_pan_and_play_in_time(browser: Any, tmp_path: Path) -> None:
             page.mouse.move(box["x"] + 20 + 3 * (k % 60), box["y"] + 300 + 2 * (k % 40))
         page.mouse.up()
         assert page.evaluate("window.counted") < 60
+
+
+def test_a_baked_page_needs_no_server(browser: Any, tmp_path: Path) -> None:
+    path, made = tmp_path / "peg.json", tmp_path / "peg <1>.html"
+    path.write_text(json.dumps(PEG))
+    assert main(["sweep", str(path), "--gaps", "0.5,1,2", "--html", str(made)]) == 0
+    wrong: list[str] = []
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("console", lambda said: wrong.append(said.text))
+    page.on("request", lambda asked: None if asked.url.startswith("file:") else wrong.append(asked.url))
+    page.goto(made.as_uri())
+    answered(page, "peg moves 1 mm in +x")  # the gap of the file comes first
+    assert page.locator(".curve .dot").count() == 3
+    page.locator("#gap").fill("1.9")  # only stored gaps have answers
+    answered(page, "peg moves 2 mm in +x")
+    rest, moved = at_rest(page), still(page)
+    assert moved[0] > rest[0]
+    assert [tab.inner_text() for tab in page.get_by_role("tab").all()] == ["Answer", "How sure"]
+    assert page.get_by_role("button", name="Save").count() == 0
+    page.close()
+    assert wrong == []

@@ -16,7 +16,6 @@ from wiggleroom.analysis.audit import swing
 from wiggleroom.analysis.live import Live
 from wiggleroom.analysis.shot import Shot
 from wiggleroom.app.command import command
-from wiggleroom.report.ways import way_frames
 from wiggleroom.app.messages import Design, Drag, Flex, Json, Release, Shape, Wiggle
 from wiggleroom.app.opening import rings_of
 from wiggleroom.app.out import Out
@@ -24,6 +23,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal
 from wiggleroom.freespace.space import FreeSpace
 from wiggleroom.report.html import answer_sure
+from wiggleroom.report.ways import way_frames
 from wiggleroom.report.words import headline
 from wiggleroom.solve.verdict import Verdict
 

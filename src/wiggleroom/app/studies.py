@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.app.command import command
-from wiggleroom.report.ways import way_frames
 from wiggleroom.app.messages import Check, Json, Prove, Rank, Sweep
 from wiggleroom.app.out import Out
 from wiggleroom.report.apart import along, some, why
 from wiggleroom.report.ranking import ranking_sure
+from wiggleroom.report.ways import way_frames
 from wiggleroom.report.words import proven
 
 if TYPE_CHECKING:

@@ -1,20 +1,20 @@
 /** The canvas with the parts, and what the pointer does on it. */
 
-import { effect } from "@preact/signals";
+import { effect, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
 import { end, factor, place, pose, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { askDrag, release } from "../session.ts";
 import * as state from "../state.ts";
-import { fitAll, fitted, panBy, size, view, zoomBy } from "./camera.ts";
+import { content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
 import { colours } from "./colours.ts";
 import { cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
 import { paintMarks } from "./marks.ts";
 import { paint } from "./paint.ts";
 import { Overlay } from "./Overlay.tsx";
 import { blame, roles } from "./roles.ts";
-import { outOf, placed, shapes } from "./shapes.ts";
+import { around, outOf, placed, shapes } from "./shapes.ts";
 import { toWorld } from "./view.ts";
 
 const SLOW = 36;
@@ -60,8 +60,17 @@ function painter(canvas: HTMLCanvasElement): () => void {
     current.shapes = opened ? shapes(opened.parts, state.rings.value) : [];
     invalidate();
   });
+  const stopBox = effect(() => {
+    const opened = state.drawing.value;
+    const { frames } = shown.value;
+    void state.rings.value;
+    if (!opened || ["drag", "between"].includes(shown.value.what)) return;
+    const motion = frames && frames.n === current.shapes.length ? end(frames) : null;
+    content.value = around(current.shapes, opened.size, motion, factor());
+    keepFitted();
+  });
   const stopFit = effect(() => {
-    if (state.drawing.value && size.value.width) fitAll();
+    if (state.drawing.value && size.value.width) untracked(fitAll);
   });
   const stop = effect(() => {
     void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), state.selected.value];
@@ -70,6 +79,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
   });
   return () => {
     stopShapes();
+    stopBox();
     stopFit();
     stop();
     cancelAnimationFrame(wanted);

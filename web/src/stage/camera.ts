@@ -2,10 +2,12 @@
 
 import { signal } from "@preact/signals";
 import { drawing } from "../state.ts";
-import { fit, type Inset, panned, type Size, type View, zoomed } from "./view.ts";
+import { type Box, fit, type Inset, panned, type Size, toScreen, type View, zoomed } from "./view.ts";
 
 export const view = signal<View>({ x: 0, y: 0, scale: 1 });
 export const size = signal<Size>({ width: 0, height: 0 });
+/** Box around what is drawn, at rest and moved [mm]; what is fitted. */
+export const content = signal<Box>([0, 0, 1, 1]);
 /** True until the user pans or zooms: then the drawing stays fitted when the canvas changes size. */
 export const fitted = signal(true);
 
@@ -15,7 +17,18 @@ const inset = (): Inset => (size.value.width < 560
 
 export function fitAll(): void {
   fitted.value = true;
-  if (drawing.value && size.value.width) view.value = fit(drawing.value.size, size.value, inset());
+  if (drawing.value && size.value.width) view.value = fit(content.value, size.value, inset());
+}
+
+/** Fits again where something of the box has left the canvas, or has become small in it. */
+export function keepFitted(): void {
+  if (!fitted.peek() || !drawing.peek() || !size.peek().width) return;
+  const wanted = fit(content.peek(), size.peek(), inset());
+  const [x0, y0, x1, y1] = content.peek();
+  const corners = [toScreen(view.peek(), size.peek(), [x0, y0]), toScreen(view.peek(), size.peek(), [x1, y1])];
+  const { width, height } = size.peek();
+  const out = corners.some(([x, y]) => x < 4 || y < 4 || x > width - 4 || y > height - 4);
+  if (out || wanted.scale > 1.4 * view.peek().scale) view.value = wanted;
 }
 
 export function zoomBy(factor: number, at?: [number, number]): void {

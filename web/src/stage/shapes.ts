@@ -1,6 +1,7 @@
 /** Outlines of the parts made ready for drawing and hitting: paths about each part's reference point. */
 
 import type { PartShape, Point, Ring } from "../protocol.ts";
+import type { Box } from "./view.ts";
 
 export interface Shape { path: Path2D; rings: Ring[]; at: Point; radius: number; name: Point | null; width: number }
 
@@ -57,6 +58,20 @@ export function placed(shape: Shape, motion: Float32Array, i: number, factor: nu
     cos: Math.cos(turn),
     sin: Math.sin(turn),
   };
+}
+
+/** Box around parts at rest and moved; on each side no farther out than `most` times the longer side. */
+export function around(all: readonly Shape[], rest: Box, motion: Float32Array | null, factor: number, most = 0.8): Box {
+  let [x0, y0, x1, y1] = rest;
+  const far = most * Math.max(x1 - x0, y1 - y0);
+  if (motion) all.forEach((shape, i) => {
+    const p = placed(shape, motion, i, factor);
+    for (const ring of shape.rings) for (const point of ring) {
+      const [x, y] = outOf(p, point);
+      [x0, y0, x1, y1] = [Math.min(x0, x), Math.min(y0, y), Math.max(x1, x), Math.max(y1, y)];
+    }
+  });
+  return [Math.max(x0, rest[0] - far), Math.max(y0, rest[1] - far), Math.min(x1, rest[2] + far), Math.min(y1, rest[3] + far)];
 }
 
 /** World point as seen from the part, about its reference point. */

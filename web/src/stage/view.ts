@@ -7,11 +7,14 @@ export interface Size { width: number; height: number }
 /** Room that other things cover at the edges of the canvas [px]. */
 export interface Inset { top: number; right: number; bottom: number; left: number }
 
+/** x0, y0, x1, y1. */
+export type Box = readonly [number, number, number, number];
+
 export const toScreen = (v: View, s: Size, [x, y]: Point): Point => [s.width / 2 + (x - v.x) * v.scale, s.height / 2 - (y - v.y) * v.scale];
 export const toWorld = (v: View, s: Size, [x, y]: Point): Point => [v.x + (x - s.width / 2) / v.scale, v.y - (y - s.height / 2) / v.scale];
 
 /** View in which a box [x0, y0, x1, y1] fills what is not covered. */
-export function fit([x0, y0, x1, y1]: readonly [number, number, number, number], s: Size, inset: Inset): View {
+export function fit([x0, y0, x1, y1]: Box, s: Size, inset: Inset): View {
   const width = Math.max(s.width - inset.left - inset.right, 40);
   const height = Math.max(s.height - inset.top - inset.bottom, 40);
   const scale = Math.min(width / Math.max(x1 - x0, 1e-9), height / Math.max(y1 - y0, 1e-9));
