@@ -84,7 +84,8 @@ function arrow([dx, dy]: Point, fine: boolean): boolean {
   const i = state.indexOf.peek().get(name);
   if (i === undefined || design.peek().fixed.includes(name)) return false;
   const grip = state.drawing.peek()!.parts[i]!.at.slice(0, 2) as Point;
-  if (target?.part !== name || shown.peek().what !== "drag") target = { part: name, grip, at: grip };
+  const goesOn = target?.part === name && (shown.peek().what === "drag" || state.running.peek().has("drag"));
+  if (!target || !goesOn) target = { part: name, grip, at: grip };
   const by = STEP / view.peek().scale / factor();
   const stopped = state.dragged.peek()?.reply;
   const from = stopped?.part === name && stopped.settled && stopped.distance > 4 * by ? stopped.reached : target.at;
