@@ -34,14 +34,18 @@ Floats = NDArray[np.float64]
 
 SECONDS = 0.1
 """A quick answer takes about so long [s]."""
-MOST_TURNS = 50
-"""So often a drag is gone on with."""
+MOST_SHOTS = 10
+"""So many quick answers are looked for before the full one."""
+MOST_TURNS, MOST_STUCK = 50, 3
+"""So often a drag is gone on with, and so often in vain."""
 AGAIN = 3.0
 """Outlines that changed are told with every reply for so long [s]."""
 DIGITS = 7
 """Outlines are told to so many digits of the drawing's size."""
 LITTLE = 1e-4
-"""A drag that gets nearer by less than this share is done."""
+"""A drag that gets nearer by less than this share is stuck."""
+WORTH = 1e-3
+"""A quick answer that is better by less than this share is not told; the full one is looked for then."""
 
 
 class Moves:
@@ -67,18 +71,25 @@ class Moves:
         return self._live
 
     def flex(self, request: Flex, out: Out) -> bool:
-        """Answer quickly; True where the full answer is to come."""
+        """Answer quickly, and again while that brings more; True where the full answer is to come."""
         design, sheet = request.design, self._sheet
         if sheet.kept(design) is not None:
             return self.settled(request, out)
         goals = sheet.asked(design)
         live = self.at(design)
-        shot = live.flex(goals, seconds=SECONDS, stop=out.stop)
-        out.check()
-        self._shown = live.assembly, shot.motion
-        answer = quick(live.assembly, goals, shot)
-        content = flex_content(sheet, design, answer) | self.new_rings(design, live.assembly, out)
-        out.reply(content | {"settled": False}, [shot.motion[None]])
+        last: float | None = None
+        for _ in range(MOST_SHOTS):
+            shot = live.flex(goals, seconds=SECONDS, stop=out.stop)
+            out.check()
+            value = math.inf if shot.objective is None else shot.objective
+            if last is not None and not value > last + WORTH * abs(last):
+                break
+            last, self._shown = value, (live.assembly, shot.motion)
+            content = flex_content(sheet, design, quick(live.assembly, goals, shot))
+            content |= self.new_rings(design, live.assembly, out)
+            out.reply(content | {"settled": False}, [shot.motion[None]])
+            if shot.settled:
+                break
         return True
 
     def settled(self, request: Flex, out: Out) -> bool:
@@ -99,11 +110,13 @@ class Moves:
         """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
         live = self.at(request.design)
         rings, start, last = self.new_rings(request.design, live.assembly, out), request.from_, math.inf
+        stuck = 0
         for turn in range(MOST_TURNS):
             shot = live.drag(request.part, request.grip, request.target, start=start, seconds=SECONDS, stop=out.stop)
             out.check()
             assert shot.distance is not None
-            settled = shot.settled or turn == MOST_TURNS - 1 or shot.distance > last * (1 - LITTLE)
+            stuck = stuck + 1 if shot.distance > last * (1 - LITTLE) else 0
+            settled = shot.settled or turn == MOST_TURNS - 1 or stuck == MOST_STUCK
             self._shown = live.assembly, shot.motion
             content = {
                 "part": request.part,
@@ -117,7 +130,7 @@ class Moves:
             out.reply(content | rings, [shot.motion[None]])
             if settled:
                 return
-            rings, start, last = {}, "here", shot.distance
+            rings, start, last = {}, "here", min(last, shot.distance)
 
     def wiggle(self, request: Wiggle, out: Out) -> None:
         """Show the freedoms that are left."""
