@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals";
 import { begin, design } from "./design.ts";
-import { autoFactor, fittingFactor, reach, show } from "./motion.ts";
+import { autoFactor, fittingFactor, reach, showAnswer } from "./motion.ts";
 import { type CheckReply, type FlexReply, type Frames, fromBase64, type Opened, type RankReply } from "./protocol.ts";
 import * as state from "./state.ts";
 
@@ -41,7 +41,7 @@ export function unpack(): boolean {
     state.rings.value = flex.rings ?? told.opened.parts.map((part) => part.rings);
     state.answer.value = about(flex, [frames]);
     autoFactor.value = fittingFactor(reach(frames), state.extent.peek().radius, autoFactor.peek());
-    show({ what: "answer", frames, label: "", back: !flex.leaves.length });
+    showAnswer(frames, flex.leaves.length > 0);
   });
   return true;
 }

@@ -89,6 +89,12 @@ export function show(next: Shown, soft = true): void {
   place.value = 1;
 }
 
+/** Shows the way of an answer at its end; where parts leave it plays, for at the end they are gone. */
+export function showAnswer(frames: Frames, leaves: boolean, soft = true): void {
+  show({ what: "answer", frames, label: "", back: !leaves }, soft);
+  if (leaves && !calm()) play(true);
+}
+
 export function play(on: boolean): void {
   if (!shown.value.frames || shown.value.frames.k < 2) return;
   playing.value = on;

@@ -2,7 +2,7 @@
 
 import { batch, effect, untracked } from "@preact/signals";
 import { begin, change, design, goals, list, question } from "./design.ts";
-import { autoFactor, between, end, factor, fittingFactor, play, reach, show, shown } from "./motion.ts";
+import { autoFactor, between, end, factor, fittingFactor, play, reach, show, showAnswer, shown } from "./motion.ts";
 import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, mark, token } from "./keep.ts";
 import { download } from "./save.ts";
@@ -15,7 +15,7 @@ let quick: { since: number; again: boolean } | null = null;
 let drag: { since: number; next: Requests["drag"] | null } | null = null;
 
 /** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
-const PATIENCE = 250;
+const PATIENCE = 600;
 
 export function start(): void {
   const url = new URL("socket", location.href);
@@ -113,7 +113,7 @@ export function release(): void {
 export function back(): void {
   state.dragged.value = null;
   const known = state.answer.peek();
-  if (known?.ways[0]) show({ what: "answer", frames: known.ways[0], label: "", back: !known.reply.leaves.length });
+  if (known?.ways[0]) showAnswer(known.ways[0], known.reply.leaves.length > 0);
   else show({ what: "rest", frames: null, label: "", back: false });
 }
 
@@ -193,7 +193,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
     if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       autoFactor.value = fittingFactor(reach(ways[0]), state.extent.peek().radius, autoFactor.peek());
       const still = shown.peek().what === "answer" && !reply.leaves.length;
-      show({ what: "answer", frames: ways[0], label: "", back: !reply.leaves.length }, still || shown.peek().what !== "answer");
+      showAnswer(ways[0], reply.leaves.length > 0, still || shown.peek().what !== "answer");
     }
   }
   if (again) askFlex();

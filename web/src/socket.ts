@@ -105,7 +105,7 @@ export class Socket {
       return;
     }
     const reply = JSON.parse(String(data)) as Reply;
-    if (reply.kind === "hello" || reply.kind === "worker" || (reply.kind === "opened" && reply.id === 0)) {
+    if (!("id" in reply) || reply.id === 0) { // said without being asked
       this.#heard.reply(reply, []);
       return;
     }

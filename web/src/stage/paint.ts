@@ -30,7 +30,7 @@ export function paint(g: CanvasRenderingContext2D, size: Size, ratio: number, vi
   g.fillRect(0, 0, size.width * ratio, size.height * ratio);
   g.lineJoin = "round";
   const seen = visible(size, view, scene);
-  if (!rough) restOutlines(g, size, ratio, view, scene, seen);
+  if (!rough) restOutlines(g, size, ratio, view, scene);
   let last = "";
   for (const { i, place } of seen) {
     const one = scene.shapes[i]!;
@@ -59,13 +59,15 @@ export function paint(g: CanvasRenderingContext2D, size: Size, ratio: number, vi
 
 interface Seen { i: number; place: Placed }
 
+const onScreen = (size: Size, view: View, x: number, y: number, radius: number): boolean =>
+  Math.abs(x - view.x) <= size.width / 2 / view.scale + radius && Math.abs(y - view.y) <= size.height / 2 / view.scale + radius;
+
 /** Parts on the screen; fixed ones first, pulled ones last, so that what matters is not covered. */
 function visible(size: Size, view: View, scene: Scene): Seen[] {
-  const [halfX, halfY] = [size.width / 2 / view.scale, size.height / 2 / view.scale];
   const layers: Seen[][] = [[], [], []];
   scene.shapes.forEach((one, i) => {
     const place = placed(one, scene.motion, i, scene.factor);
-    if (Math.abs(place.x - view.x) > halfX + one.radius || Math.abs(place.y - view.y) > halfY + one.radius) return;
+    if (!onScreen(size, view, place.x, place.y, one.radius)) return;
     const role = scene.roles[i];
     layers[role === "fixed" ? 0 : role === "neutral" ? 1 : 2]!.push({ i, place });
   });
@@ -79,13 +81,15 @@ function stand(g: CanvasRenderingContext2D, size: Size, ratio: number, view: Vie
   g.setTransform(c, -s, -s, -c, x * ratio, y * ratio);
 }
 
-function restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, seen: Seen[]): void {
+function restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene): void {
   g.strokeStyle = scene.colours.rest;
   g.lineWidth = 1 / view.scale;
-  for (const { i, place } of seen) {
+  for (let i = 0; i < scene.shapes.length; i++) {
     const one = scene.shapes[i]!;
+    if (one.radius * view.scale < SMALLEST || !onScreen(size, view, one.at[0], one.at[1], one.radius)) continue;
+    const place = placed(one, scene.motion, i, scene.factor);
     const away = Math.hypot(place.x - one.at[0], place.y - one.at[1]) + one.radius * Math.hypot(place.cos - 1, place.sin);
-    if (away * view.scale < 0.6 || one.radius * view.scale < SMALLEST) continue;
+    if (away * view.scale < 0.6) continue;
     stand(g, size, ratio, view, { x: one.at[0], y: one.at[1], cos: 1, sin: 0 });
     g.stroke(one.path);
   }
