@@ -24,19 +24,14 @@ function painter(canvas: HTMLCanvasElement): () => void {
   let wanted = 0;
   let still = 0;
   let rough = false;
-  let changed = false;
-  let before = 0;
   let lastView = view.peek();
   const draw = (now: number): void => {
     wanted = 0;
     if (!size.peek().width || !state.drawing.peek()) return;
-    if (changed && now - before < 400) cost.last = now - before; // painting goes on after this function: only the next frame tells
-    before = now;
     const { motion, moving } = pose(now, current.shapes.length);
     current.motion = motion;
     const changing = moving || lastView !== view.peek() || pointerTarget.peek() !== null;
     lastView = view.peek();
-    changed = changing;
     rough = changing && (rough || cost.last > SLOW);
     const ratio = canvas.width / size.peek().width;
     const at = state.indexOf.peek();
@@ -47,6 +42,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     paint(g, size.peek(), ratio, view.peek(), scene, rough);
     const marks = marksNow();
     if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, motion, scene.factor, marks);
+    requestAnimationFrame((next) => (cost.last = next - now)); // painting goes on after this function: only the next frame tells
     frame.value++;
     clearTimeout(still);
     if (moving) invalidate();

@@ -10,7 +10,7 @@ import { toWorld } from "./view.ts";
 
 /** Counts the frames painted: what lies over the canvas moves along. */
 export const frame = signal(0);
-/** Time from the frame before the last one to the last [ms]: where it is too long, thin lines are left out. */
+/** Time that the last painted frame took [ms]: where it is too long, thin lines are left out. */
 export const cost = { last: 0 };
 export const current: { shapes: Shape[]; motion: Float32Array } = { shapes: [], motion: new Float32Array(0) };
 export const pointerTarget = signal<{ part: string; grip: Point; target: Point } | null>(null);
