@@ -36,7 +36,9 @@ ASSEMBLIES: dict[str, Callable[[], wr.Assembly]] = {
 }
 
 
-def moves(assembly: wr.Assembly, random: np.random.Generator, steps: int) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
+def moves(
+    assembly: wr.Assembly, random: np.random.Generator, steps: int
+) -> Iterator[tuple[str, np.ndarray, np.ndarray]]:
     """Part, grip and target of one drag after another, each in some steps."""
     free = [k for k, part in enumerate(assembly.parts) if not part.fixed]
     while True:
@@ -80,7 +82,11 @@ def _overlap(assembly: wr.Assembly, motion: np.ndarray) -> None:
     made = []
     for part, by in zip(assembly.parts, motion, strict=True):
         at = tuple(np.asarray(part.at) + by)
-        made.append(shapely.union_all([shapely.Polygon(place(r.outer, at), [place(h, at) for h in r.holes]) for r in part.regions]))
+        made.append(
+            shapely.union_all(
+                [shapely.Polygon(place(r.outer, at), [place(h, at) for h in r.holes]) for r in part.regions]
+            )
+        )
     a, b = shapely.STRtree(made).query(made, predicate="intersects")
     shared = shapely.area(shapely.intersection(np.array(made)[a[a < b]], np.array(made)[b[a < b]]))
     if shared.max(initial=0.0) > 1e-9 * assembly.size**2:
@@ -96,7 +102,9 @@ def _line(name: str, seconds: list[float], shots: list[wr.Shot]) -> None:
 def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--names", default="", help="some assemblies by the beginning of their names, separated by commas")
+    parser.add_argument(
+        "--names", default="", help="some assemblies by the beginning of their names, separated by commas"
+    )
     parser.add_argument("--moves", type=int, default=100)
     options = parser.parse_args()
     print("           median  95 of 100  worst [ms]")
