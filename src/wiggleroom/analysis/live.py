@@ -169,9 +169,9 @@ class Live:
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, self._objective((goal,)))
         state = self._state if self._state is not None and start == "here" else at_rest(ready)
-        reached = term.value(state.inner)  # what counts is what is gained from here
-        enough = float(away @ away) - reached - (THERE * ready.clearance) ** 2
-        search = warm(ready, replace(term, zero=reached), state, Until(seconds, stop), enough)
+        here = term.value(state.inner)  # what counts is what is gained from there
+        enough = float(away @ away) - here - (THERE * ready.clearance) ** 2
+        search = warm(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
         self._state, settled = search.reach()
         motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
         reached = _moved(ready, part, grip, self._state.motion)

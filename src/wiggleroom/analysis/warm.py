@@ -129,7 +129,7 @@ class Warm(Search):
                 return
 
     def _stale(self, found: Found) -> Ints:
-        """Pairs whose cells stop the motion although nothing touches there, but those that together hold less than may be left on the table."""
+        """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
         touch, pairs = found.touch, super()._stale(found)
         if found.solution.status == "failed" or not len(pairs):
             return pairs
