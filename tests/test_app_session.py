@@ -123,6 +123,14 @@ def test_a_drawing_that_takes_too_long_to_read_is_given_up(page: Visit, monkeypa
     assert page.ask("flex")["settled"]  # about the drawing before
 
 
+def test_a_drawing_that_is_replaced_at_once_still_counts_where_the_next_is_bad(page: Visit) -> None:
+    good = text(wr.patterns.chain(3, joint="tee", gap=0.02))
+    for _ in range(10):  # the next one comes while the first is just done
+        page.open("good.json", good)
+        assert page.open("bad.json", good[:50])["kind"] == "failed"
+        assert page.ask("flex")["settled"]
+
+
 def test_two_pages_have_a_drawing_each(served: Served) -> None:
     with served.visit() as one, served.visit() as other:
         one.open("a.json", text(wr.patterns.chain(3, joint="tee", gap=0.02)))

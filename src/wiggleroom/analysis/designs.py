@@ -7,20 +7,19 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import shapely
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from wiggleroom.analysis.overlap import overlaps
 from wiggleroom.analysis.prepare import Prepared, cells_at, prepare
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.cells import replaced
 from wiggleroom.pairs.moved import moved
-from wiggleroom.pairs.neighbours import placed
-from wiggleroom.pairs.shapes import bodies
+from wiggleroom.pairs.shapes import Bodies, corners
 from wiggleroom.program.build import build
 from wiggleroom.program.gaps import carried
 from wiggleroom.program.objectives import NOTHING
@@ -125,8 +124,7 @@ class Designs:
             after = moved(before, by)
         except InputError:
             return None
-        there, here = placed(bodies(made)), placed(after)
-        if shapely.hausdorff_distance(there, here).max() > SAME * base.ready.size:
+        if not _same(after, made, SAME * base.ready.size):
             return None
         if overlaps(after, np.zeros_like(after.rest), base.ready.barred).deepest > 0:
             return None  # whoever prepares it afresh names the parts that touch
@@ -137,6 +135,16 @@ class Designs:
             base.ready, assembly=made, bodies=after, clearance=clearance, cells=carried(base.ready.cells, before, after)
         )
         return _with_room(ready)
+
+
+def _same(bodies: Bodies, made: Assembly, least: float) -> bool:
+    """True where the corners of the bodies are those of the assembly's outlines, to less than `least` [mm]."""
+    rings = [place(ring, p.at) for p in made.parts for r in p.regions for ring in (r.outer, *r.holes)]
+    there, here = np.vstack(rings), corners(bodies)[1]
+    if len(there) != len(here):
+        return False
+    far, nearest = cKDTree(there).query(here, distance_upper_bound=least)
+    return bool((far < least).all() and len(np.unique(nearest)) == len(there))
 
 
 def _with_room(ready: Prepared) -> Prepared:

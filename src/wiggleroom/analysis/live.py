@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,14 +19,14 @@ from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.search import Found, Progress
 from wiggleroom.analysis.shot import Mode, Shot
 from wiggleroom.analysis.starts import pulls
-from wiggleroom.analysis.warm import State, Until, Warm, at_rest, warm
+from wiggleroom.analysis.warm import State, Until, Warm, at_rest, pushed, warm
 from wiggleroom.analysis.wiggle import modes
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import InputError
 from wiggleroom.program.gaps import carried
-from wiggleroom.program.objectives import Objective, objective
+from wiggleroom.program.objectives import Approach, Objective, objective
 from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
@@ -35,6 +36,9 @@ THERE = 1e-3
 """A grip this share of the clearance from its target has arrived."""
 FARTHEST = 3.0
 """A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
+CLOSE = 0.1
+"""A largest motion is followed to parts larger by up to this share of the clearance."""
+MOST_TRIED = 3
 MOST_ENDS = 16
 """So many ends of largest motions are kept, for others to begin at."""
 
@@ -163,10 +167,11 @@ class Live:
             away = away * (FARTHEST * ready.size / far)
         aim = np.add(grip, away)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
-        term = self._objective((goal,))
+        term = cast(Approach, self._objective((goal,)))
         state = self._state if self._state is not None and start == "here" else at_rest(ready)
-        enough = float(away @ away) - (THERE * ready.clearance) ** 2
-        search = warm(ready, term, state, Until(seconds, stop), enough)
+        here = term.value(state.inner)  # what counts is what is gained from there
+        enough = float(away @ away) - here - (THERE * ready.clearance) ** 2
+        search = warm(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
         self._state, settled = search.reach()
         motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
         reached = _moved(ready, part, grip, self._state.motion)
@@ -204,12 +209,13 @@ class Live:
                 state, _ = warm(ready, pull, state, until).reach()
         search = warm(ready, term, state, until)
         state, settled = search.reach()
+        settled = settled and state.linked
         self._remember(_End(asked, self._design, state))
         motion = part_motions(ready.assembly, ready.bodies, state.motion[None])[0]
         if search.unlimited:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return Shot(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
-        held = _held(ready, search, 1.0) if settled else ()
+        held = _held(ready, search, 1.0)
         return Shot(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
 
     def settle(
@@ -282,23 +288,36 @@ class Live:
         self._ends = [*others, end][-MOST_ENDS:]
 
     def _nearby(self, goals: tuple[Goal, ...]) -> State | None:
-        """State to begin at: the end of the nearest design whose parts are all as large or larger, so that it is free here too."""
+        """State to begin at: the end of the same goals at the nearest gap, or at a smaller one."""
         now = self._design
-        smaller = [
-            e
-            for e in self._ends
-            if e.goals == goals and e.design.roles == now.roles and (e.design.inward <= now.inward + 1e-12).all()
-        ]
-        if not smaller or now.assembly.drawing.gaps:
+        if now.assembly.drawing.gaps:
             return None
-        end = max(smaller, key=lambda e: float(e.design.inward.sum()))
-        return _kept(end.state, end.design, now)
+        same = [e for e in self._ends if e.goals == goals and e.design.roles == now.roles]
+        same.sort(key=lambda e: float(np.abs(e.design.inward - now.inward).max()))
+        for end in same[:MOST_TRIED]:
+            state = _kept(end.state, end.design, now)
+            if state is None and np.abs(end.design.inward - now.inward).max() < CLOSE * now.ready.clearance:
+                state = _followed(end.state, end.design, now)
+            if state is not None:
+                return replace(state, near=True)
+        return None
 
 
 def _kept(state: State | None, old: Design | None, new: Design) -> State | None:
     """The state in another design, where all parts are as small or smaller; else None."""
     if state is None or old is None or old.roles != new.roles or not (old.inward <= new.inward + 1e-12).all():
         return None
+    return _in_design(state, old, new)
+
+
+def _followed(state: State, old: Design, new: Design) -> State | None:
+    """The state in a design where some parts are a little larger; None where they do not fit there."""
+    there = _in_design(state, old, new)
+    return None if there is None else pushed(new.ready, replace(there, linked=False))
+
+
+def _in_design(state: State, old: Design, new: Design) -> State | None:
+    """The state with its cells carried to the outlines of another design; None where these have other corners."""
     one, other = old.ready.bodies, new.ready.bodies
     if one is other:
         return state

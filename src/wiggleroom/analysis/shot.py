@@ -19,7 +19,8 @@ class Shot:
     motion : (n, 3) float64 [mm, mm, rad]
         Pose minus rest pose of every part, about its reference point; no two parts overlap there.
     settled : bool
-        True where the search came to its end; False where time ran out, and asking again goes on from here.
+        True where the search came to its end; False where time ran out, and asking again goes on from here. Also False
+        where a largest motion was followed from a larger gap, so that it is not known whether these parts get there.
     seconds : float
         What it took.
     contacts : tuple of Contact

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -14,7 +14,9 @@ from wiggleroom.analysis.prepare import REACH, Prepared
 from wiggleroom.analysis.search import AGAIN, ROUGH, Found, Progress, Search
 from wiggleroom.analysis.way import strangers
 from wiggleroom.freespace.cells import Cells, select
-from wiggleroom.program.objectives import Objective
+from wiggleroom.program.build import build
+from wiggleroom.program.objectives import NOTHING, Objective
+from wiggleroom.solve.factor import factor
 from wiggleroom.solve.interior_point import FIRST_MU, solve
 from wiggleroom.solve.newton import Stop
 
@@ -23,12 +25,14 @@ Ints = NDArray[np.int64]
 
 NEAR = 1e-3
 """Share of the objective that a live answer may leave on the table."""
-WEAK = {ROUGH: 1e-2, NEAR: 1e-3}
-"""Cells whose virtual walls hold less than this share of the largest force are left as they are, at each tolerance."""
+LEFT = 0.5
+"""Share of that which virtual walls may hold back, were they all to give way by a clearance."""
 FIRST = 3e-3
 MOST_ROUNDS = 30
 SOME = 8
 """So many of a way's points show where it leads: the solver's steps wander."""
+ROOM, LEAST_ROOM, SOFTER, MOST_PUSHES = 2e-3, 1e-6, 1e-6, 8
+"""Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
 ENDED = ("converged", "enough")
 LEAST_ASKED = 4
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
@@ -50,12 +54,18 @@ class State:
         Motion that is shown, in cells that share a point with these; free of overlap.
     mu : float
         Complementarity to begin with.
+    near : bool
+        True where the end cannot be far: no rough rounds are needed.
+    linked : bool
+        False where that chain is not known: the motion was followed from a larger gap, whose parts may pass where these do not.
     """
 
     cells: Cells
     inner: Floats
     motion: Floats
     mu: float = FIRST_MU
+    near: bool = False
+    linked: bool = True
 
 
 def at_rest(ready: Prepared) -> State:
@@ -96,7 +106,8 @@ class Warm(Search):
 
     def run(self) -> None:
         """Go through the rounds: roughly while that brings something, then once as well as a picture needs."""
-        tolerance, mu = ROUGH, self.first_mu
+        near = self.state is not None and self.state.near
+        tolerance, mu = NEAR if near else ROUGH, self.first_mu
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
             if self.stopped:
@@ -118,12 +129,14 @@ class Warm(Search):
                 return
 
     def _stale(self, found: Found) -> Ints:
-        """Pairs whose cells stop the motion by more than a little although nothing touches there."""
+        """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
         touch, pairs = found.touch, super()._stale(found)
         if found.solution.status == "failed" or not len(pairs):
             return pairs
-        held = touch.virtual & (touch.force > WEAK[found.tolerance] * touch.force.max())
-        return np.unique(touch.pair[held])
+        held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs]
+        order = np.argsort(held)
+        least = LEFT * found.tolerance * max(abs(found.value), self.ready.clearance * float(touch.force.max()))
+        return pairs[np.sort(order[np.cumsum(held[order]) * self.ready.clearance > least])]
 
     def reach(self) -> tuple[State, bool]:
         """Search, and return the state that was reached, and whether the search came to its end.
@@ -143,7 +156,7 @@ class Warm(Search):
                 return self._state(found, motion), settled
             if self.stopped:
                 break
-        return State(self.cells, self.inner, before.motion), False
+        return replace(before, cells=self.cells, inner=self.inner, mu=FIRST_MU), False
 
     @property
     def stopped(self) -> bool:
@@ -190,12 +203,30 @@ class Warm(Search):
         far = late & (apart > REACH * self.ready.clearance)
         if far.any():
             cells = select(cells, np.flatnonzero(~far))
-        return State(cells, inner, motion, max(AGAIN * mu, FIRST))
+        linked = self.state is None or self.state.linked
+        return State(cells, inner, motion, max(AGAIN * mu, FIRST), linked=linked)
 
 
 def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None, enough: float = np.inf) -> Warm:
     """Return a search that begins at a state, and ends where the objective is worth `enough`."""
     return Warm(ready, objective, partial(solve, enough=enough), stop, _silent, thorough=False, state=state)
+
+
+def pushed(ready: Prepared, state: State) -> State | None:
+    """Return the state with its inner point moved a little, until it is strictly inside all cells; None where that does not help."""
+    program = build(ready.bodies, state.cells, NOTHING, length=ready.clearance)
+    u, matrix = program.variables(state.inner), factor(program.pattern)
+    for _ in range(MOST_PUSHES):
+        at = program.linearise(u)
+        short = np.maximum(ROOM - at.h, 0.0)
+        if at.h.min(initial=np.inf) > LEAST_ROOM:
+            return replace(state, inner=program.motion(u))
+        weight = np.where(at.h < 2 * ROOM, 1.0, SOFTER)
+        shift = SOFTER
+        while not matrix.update(at.condensed(weight, np.zeros_like(weight), share=0.0), shift):
+            shift *= 100
+        u = u + matrix.solve(at.against(short))
+    return None
 
 
 def _silent(_: Progress) -> None:

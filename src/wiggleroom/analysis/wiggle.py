@@ -12,7 +12,7 @@ from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.shot import Mode
 from wiggleroom.analysis.warm import at_rest, warm
-from wiggleroom.pairs.shapes import Bodies
+from wiggleroom.pairs.shapes import Bodies, corners
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import NOTHING, PointMotion, Points
 from wiggleroom.solve.newton import Stop
@@ -111,12 +111,8 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
 
 def _furthest(bodies: Bodies, motion: Floats) -> Floats:
     """How far the furthest corner of each body is moved (n,) [mm]."""
-    shapes, count = bodies.shapes, np.diff(bodies.shapes.first)[bodies.shape]
-    body = np.repeat(np.arange(len(count)), count)
-    row = np.arange(len(body)) - np.repeat(np.cumsum(count) - count, count) + shapes.first[bodies.shape][body]
-    c, s = np.cos(bodies.rest[body, 2]), np.sin(bodies.rest[body, 2])
-    x, y = shapes.corner[row].T
-    moved = Points(body, np.column_stack([c * x - s * y, s * x + c * y])).moved(motion)
-    out = np.zeros(len(count))
+    body, spot = corners(bodies)
+    moved = Points(body, spot - bodies.rest[body, :2]).moved(motion)
+    out = np.zeros(len(bodies.fixed))
     np.maximum.at(out, body, np.hypot(*moved.T))
     return out

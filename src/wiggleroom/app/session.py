@@ -226,10 +226,10 @@ class Session:
 
     def _after(self, job: Job, done: Done) -> None:
         """What follows when the process is done with a job."""
-        if job.kind == "open" and job.stopped:
-            self._loaded = False  # it may have got far enough to be on the desk
-        elif job.kind == "open" and done.good:
+        if job.kind == "open" and done.good and job.replied:
             self._drawing, self._loaded = job.text, True
+        elif job.kind == "open" and job.stopped:
+            self._loaded = False  # it may have got far enough to be on the desk
         if job.stopped and job.again:
             job.tries = 0
             self._pending.setdefault(job.kind, job)

@@ -168,11 +168,14 @@ class Approach:
     apart : (k, 2) float64 [mm]
         From the place to the point at rest.
     weight : (k,) float64
+    zero : float [mm2]
+        Taken off: where only what is gained from somewhere else than rest counts.
     """
 
     points: Points
     apart: Floats
     weight: Floats
+    zero: float = 0.0
 
     @property
     def couples(self) -> tuple[Ints, Ints]:
@@ -182,7 +185,7 @@ class Approach:
     def value(self, motion: Floats) -> float:
         """Objective [mm2]."""
         change = self.points.moved(motion)
-        return -float(self.weight @ (change * (2 * self.apart + change)).sum(axis=1))
+        return -float(self.weight @ (change * (2 * self.apart + change)).sum(axis=1)) - self.zero
 
     def gradient(self, motion: Floats) -> Floats:
         """Derivatives (n, 3)."""
