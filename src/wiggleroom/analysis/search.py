@@ -97,9 +97,14 @@ class Found:
 
     def nearer(self, level: int) -> Floats:
         """A legal point (3F,) of the round's way nearer to its end than the inner one: level 1 half as near in steps, 2 a quarter."""
-        way = self.solution.way
-        start = next((k for k, u in enumerate(way) if u is self.solution.inner), -1)
-        return way[len(way) - 1 - (len(way) - 1 - start) // 2**level] if start >= 0 else self.solution.inner
+        way, inner = self.solution.way, self.solution.inner
+        start = next((k for k, u in enumerate(way) if u is inner), -1)  # else it stands before the way
+        steps = (len(way) - 1 - start) // 2**level
+        return way[len(way) - 1 - steps] if way else inner
+
+    def can_be_nearer(self, level: int) -> bool:
+        """True where that is another point than one level before."""
+        return self.nearer(level) is not (self.nearer(level - 1) if level > 1 else self.solution.inner)
 
     def leg(self, end: Floats) -> Leg:
         """The round's piece of the way, up to its point `end` or to its solution."""
@@ -181,7 +186,7 @@ class Search:
                 tolerance = fine
                 polished, mu = True, best.solution.inner_mu
                 self._rebuild(best, stale[:0])
-            elif best.touch.virtual.any() and nearer < NEARER and not self.large:
+            elif best.touch.virtual.any() and nearer < NEARER and not self.large and best.can_be_nearer(nearer + 1):
                 # past a corner, the walls that matter show only from where the corner has been passed
                 nearer, mu = nearer + 1, AGAIN * best.solution.inner_mu
                 self._rebuild(best, self._stale(best), nearer=nearer)
