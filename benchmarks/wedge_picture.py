@@ -94,7 +94,8 @@ def drawn(command: str) -> str:
         (palette.GRID, "not free"),
     ):
         body.append(
-            f'<g transform="translate({place} {end})">{swatch(colour, palette.NEUTRAL[1])}<text x="24" y="10" font-size="14" fill="{palette.QUIET}">{word}</text></g>'
+            f'<g transform="translate({place} {end})">{swatch(colour, palette.NEUTRAL[1])}'
+            f'<text x="24" y="10" font-size="14" fill="{palette.QUIET}">{word}</text></g>'
         )
         place += 50 + width_of(word, 14.0)
     title = "Open wedge: what each model knows of the free space"
