@@ -9,7 +9,7 @@ import pytest
 import scipy.sparse as sp
 
 from wiggleroom.assembly import patterns
-from wiggleroom.drawing.model import Closer, Pull, Translation, Turn, W
+from wiggleroom.drawing.model import Closer, Pull, Towards, Translation, Turn, W
 from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program import kernel
 from wiggleroom.program.objectives import TERMS, objective
@@ -22,6 +22,7 @@ GOALS = {
     Pull: lambda name: [Pull(name, (0.6, -0.8)), Pull(name, (-3, 1), point=(2.5, -1.2), weight=0.3)],
     Turn: lambda name: [Turn(name, "ccw", 0.7), Turn(name, "cw", -1.3)],
     W: lambda name: [W(name, (0.2, -0.4, 1.7), weight=2.0)],
+    Towards: lambda name: [Towards(name, (2, 1), (2.5, -1.2), 0.7), Towards(name, (-3, 0.5))],
     Translation: lambda _: [Translation(0.4)],
     Closer: lambda _: [Closer(0.7)],
 }

@@ -18,18 +18,20 @@ if TYPE_CHECKING:
     from wiggleroom.analysis.flex import flex
     from wiggleroom.analysis.interlock import Escape, Interlock, check
     from wiggleroom.analysis.largest_gap import LargestGap, largest_gap
+    from wiggleroom.analysis.live import Live
     from wiggleroom.analysis.lots import Spread
     from wiggleroom.analysis.prepare import Prepared, prepare
     from wiggleroom.analysis.prove import prove
     from wiggleroom.analysis.rank import Ranking, rank
     from wiggleroom.analysis.sample import Sample, sample
+    from wiggleroom.analysis.shot import Mode, Shot
     from wiggleroom.analysis.sweep import Sweep, sweep
     from wiggleroom.analysis.tight import TightVerdict, tight_verdict
     from wiggleroom.analysis.tighten import Tightening, tighten
     from wiggleroom.assembly import coupon, patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
-    from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Translation, Turn, W
+    from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Towards, Translation, Turn, W
     from wiggleroom.errors import InputError, MissingExtraError, TouchingError, WiggleroomError
     from wiggleroom.freespace.models import HalfPlane, Hull
     from wiggleroom.freespace.polyhedron import Polyhedron
@@ -53,7 +55,9 @@ _HOME = {
     "Interlock": "analysis.interlock",
     "JointGap": "drawing.model",
     "LargestGap": "analysis.largest_gap",
+    "Live": "analysis.live",
     "MissingExtraError": "errors",
+    "Mode": "analysis.shot",
     "Part": "drawing.model",
     "Polyhedron": "freespace.polyhedron",
     "Prepared": "analysis.prepare",
@@ -61,11 +65,13 @@ _HOME = {
     "Ranking": "analysis.rank",
     "Region": "drawing.model",
     "Sample": "analysis.sample",
+    "Shot": "analysis.shot",
     "Spread": "analysis.lots",
     "Sweep": "analysis.sweep",
     "Tightening": "analysis.tighten",
     "TightVerdict": "analysis.tight",
     "TouchingError": "errors",
+    "Towards": "drawing.model",
     "Translation": "drawing.model",
     "Turn": "drawing.model",
     "Verdict": "solve.verdict",
@@ -106,7 +112,9 @@ __all__ = [
     "Interlock",
     "JointGap",
     "LargestGap",
+    "Live",
     "MissingExtraError",
+    "Mode",
     "Part",
     "Polyhedron",
     "Prepared",
@@ -114,11 +122,13 @@ __all__ = [
     "Ranking",
     "Region",
     "Sample",
+    "Shot",
     "Spread",
     "Sweep",
     "TightVerdict",
     "Tightening",
     "TouchingError",
+    "Towards",
     "Translation",
     "Turn",
     "Verdict",

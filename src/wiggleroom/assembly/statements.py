@@ -8,7 +8,7 @@ from difflib import get_close_matches
 
 import numpy as np
 
-from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Translation, Turn, W, part_of
+from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, W, part_of
 
 
 def statement_findings(drawing: Drawing) -> list[str]:
@@ -69,6 +69,13 @@ def _goal_numbers(goal: Goal) -> list[str]:
         return found
     if isinstance(goal, Turn):
         return found if goal.sense in ("ccw", "cw") else [*found, f'{where}: sense is "{goal.sense}": it is ccw or cw']
+    if isinstance(goal, Towards):
+        spots = {"target": goal.target, "point": goal.point}
+        return found + [
+            f"{where}: {word} is {plain(spot)}: it must be finite"
+            for word, spot in spots.items()
+            if spot is not None and not np.isfinite(spot).all()
+        ]
     vector = goal.direction if isinstance(goal, Pull) else goal.w
     if not np.isfinite(vector).all() or not np.any(vector):
         word = "direction" if isinstance(goal, Pull) else "w"
@@ -84,7 +91,9 @@ def plain(values: Sequence[float]) -> str:
 
 
 def _kind(goal: Goal) -> str:
-    return {Pull: "pull", Turn: "turn", W: "w", Translation: "translation", Closer: "closer"}[type(goal)]
+    return {
+        Pull: "pull", Turn: "turn", W: "w", Towards: "towards", Translation: "translation", Closer: "closer",
+    }[type(goal)]  # fmt: skip
 
 
 def _roles(drawing: Drawing) -> list[str]:

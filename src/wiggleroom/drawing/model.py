@@ -122,7 +122,28 @@ class Closer:
     weight: float = 1.0
 
 
-Goal = Pull | Turn | W | Translation | Closer
+@dataclass(frozen=True)
+class Towards:
+    """Ask a material point of a part to come as near as possible to a place: the largest loss of their squared distance [mm2].
+
+    Parameters
+    ----------
+    part : str
+    target : (x, y) [mm]
+        Assembly coordinates.
+    point : (x, y) [mm], optional
+        Assembly coordinates at rest; by default the part's reference point.
+    weight : float
+        Factor of this term in the objective.
+    """
+
+    part: str
+    target: tuple[float, float]
+    point: tuple[float, float] | None = None
+    weight: float = 1.0
+
+
+Goal = Pull | Turn | W | Towards | Translation | Closer
 
 WHOLE: dict[str, type[Translation] | type[Closer]] = {"translation": Translation, "closer": Closer}
 """Goals of the whole assembly by the names that files and commands use; each stands in place of all pulls."""
@@ -149,7 +170,7 @@ class Drawing:
         Parts that never collide.
     gaps : tuple of JointGap
         Joints with a gap of their own.
-    goals : tuple of Pull, Turn, W, Translation or Closer
+    goals : tuple of Pull, Turn, W, Towards, Translation or Closer
         What is asked; several add up.
     source : str
         The file's name, for messages.

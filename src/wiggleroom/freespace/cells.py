@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ FINEST = 1e-8
 """Share of the first step of the march at which it gives up, where the end of the turn matters."""
 ROOM = 48
 """Walls per cell that the first try has room for."""
+ALONE = 2000
+"""Up to so many corners of all pairs together one thread is as quick as two."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,11 +120,12 @@ def grow_cells(
     seeds["step"], seeds["least"], seeds["span"] = step, step * finest, span
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
     walls = np.zeros((count, ROOM, 3), dtype=np.int64)
-    if count < 64:
+    corners = np.diff(shapes.first)
+    if count < 2 or corners[seeds["a"]].sum() + corners[seeds["b"]].sum() < ALONE:
         grow(shapes, seeds, keeps, walls)
     else:
-        cuts = np.linspace(0, count, 9).astype(int)
-        parts = [slice(*cuts[k : k + 2]) for k in range(8)]
+        cuts = np.linspace(0, count, min(count, 8) + 1).astype(int)
+        parts = [slice(one, other) for one, other in pairwise(cuts)]
         with ThreadPoolExecutor(max_workers=2) as pool:
             list(pool.map(lambda part: grow(shapes, seeds[part], keeps[part], walls[part]), parts))
     many = np.flatnonzero(seeds["number"] > ROOM)

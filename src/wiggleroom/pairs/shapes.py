@@ -256,3 +256,13 @@ def _moment(ring: Floats) -> Floats:
     after = np.roll(ring, -1, 0)
     cross = ring[:, 0] * after[:, 1] - after[:, 0] * ring[:, 1]
     return ((ring + after) * cross[:, None]).sum(0) / 6
+
+
+def corners(bodies: Bodies) -> tuple[Ints, Floats]:
+    """Body (N,) of every corner, and where it lies at rest (N, 2) [mm]."""
+    shapes, count = bodies.shapes, np.diff(bodies.shapes.first)[bodies.shape]
+    body = np.repeat(np.arange(len(count)), count)
+    row = np.arange(len(body)) + np.repeat(shapes.first[bodies.shape] - (np.cumsum(count) - count), count)
+    c, s = np.cos(bodies.rest[body, 2]), np.sin(bodies.rest[body, 2])
+    x, y = shapes.corner[row].T
+    return body, np.column_stack([c * x - s * y, s * x + c * y]) + bodies.rest[body, :2]

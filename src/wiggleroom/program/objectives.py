@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.drawing.model import Closer, Goal, Pull, Translation, Turn, W, part_of
+from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W, part_of
 from wiggleroom.errors import InputError
 from wiggleroom.pairs.shapes import Bodies
 
@@ -120,6 +120,10 @@ class PointMotion:
         return self.body, blocks, np.zeros((0, 3, 3))
 
 
+NOTHING = PointMotion(_NONE, np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
+"""Asks for nothing: for programs whose rows alone are of interest."""
+
+
 @dataclass(frozen=True, eq=False)
 class SquaredTravel:
     """Weight times the sum of the squared displacements [mm2] of material points.
@@ -152,6 +156,50 @@ class SquaredTravel:
         blocks = np.einsum("kij,kil->kjl", slope, slope)
         blocks[:, 2, 2] -= (self.points.moved(motion) * self.points.turned(motion)).sum(1)
         return self.points.body, 2 * self.weight * blocks, np.zeros((0, 3, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Approach:
+    """Weighted sum of what the squared distances [mm2] of material points from places lose: |at rest|^2 - |now|^2.
+
+    Parameters
+    ----------
+    points : Points
+    apart : (k, 2) float64 [mm]
+        From the place to the point at rest.
+    weight : (k,) float64
+    zero : float [mm2]
+        Taken off: where only what is gained from somewhere else than rest counts.
+    """
+
+    points: Points
+    apart: Floats
+    weight: Floats
+    zero: float = 0.0
+
+    @property
+    def couples(self) -> tuple[Ints, Ints]:
+        """None: every body for itself."""
+        return _NONE, _NONE
+
+    def value(self, motion: Floats) -> float:
+        """Objective [mm2]."""
+        change = self.points.moved(motion)
+        return -float(self.weight @ (change * (2 * self.apart + change)).sum(axis=1)) - self.zero
+
+    def gradient(self, motion: Floats) -> Floats:
+        """Derivatives (n, 3)."""
+        out = np.zeros_like(motion)
+        slope = np.einsum("ki,kij->kj", self.apart + self.points.moved(motion), self.points.slopes(motion))
+        np.add.at(out, self.points.body, -2 * self.weight[:, None] * slope)
+        return out
+
+    def hessian(self, motion: Floats) -> tuple[Ints, Floats, Floats]:
+        """Bodies (k,), blocks (k, 3, 3), and no coupled ones."""
+        slope = self.points.slopes(motion)
+        blocks = -np.einsum("kij,kil->kjl", slope, slope)
+        blocks[:, 2, 2] += ((self.apart + self.points.moved(motion)) * self.points.turned(motion)).sum(1)
+        return self.points.body, 2 * self.weight[:, None, None] * blocks, np.zeros((0, 3, 3))
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +288,7 @@ def objective(
     ----------
     assembly : Assembly
     bodies : Bodies
-    goals : sequence of Pull, Turn, W, Translation or Closer
+    goals : sequence of Pull, Turn, W, Towards, Translation or Closer
     neighbours : two (k,) int64, optional
         Pairs of bodies a < b that `Closer` brings together; by default all, but fixed with fixed.
 
@@ -286,6 +334,15 @@ def _pulled(assembly: Assembly, bodies: Bodies, goals: Sequence[Any], _: tuple[I
     return PointMotion(table[:, 0].astype(np.int64), table[:, 1:3], table[:, 3:5], table[:, 5])
 
 
+def _towards(assembly: Assembly, bodies: Bodies, goals: Sequence[Any], _: tuple[Ints, Ints]) -> Approach:
+    """Points that come nearer to places."""
+    part = [assembly.names.index(goal.part) for goal in goals]
+    spot = np.array([assembly.rest[p, :2] if g.point is None else g.point for p, g in zip(part, goals, strict=True)])
+    body = bodies.body_of[part]
+    apart = spot - np.array([goal.target for goal in goals])
+    return Approach(Points(body, spot - bodies.rest[body, :2]), apart, np.array([float(g.weight) for g in goals]))
+
+
 def _travel(assembly: Assembly, bodies: Bodies, goals: Sequence[Any], _: tuple[Ints, Ints]) -> SquaredTravel:
     """Squared translations of the reference points of all parts."""
     body = bodies.body_of
@@ -318,6 +375,6 @@ def _w(goal: W) -> tuple[Sequence[float], Sequence[float] | None, float]:
 _PULLS: dict[type, Callable[..., tuple]] = {Pull: _pull, Turn: _turn, W: _w}
 
 TERMS: dict[type, Callable[..., Objective]] = {
-    Pull: _pulled, Turn: _pulled, W: _pulled, Translation: _travel, Closer: _nearness,
+    Pull: _pulled, Turn: _pulled, W: _pulled, Towards: _towards, Translation: _travel, Closer: _nearness,
 }  # fmt: skip
 """Registry: kind of goal, and what makes one objective of all goals of its kind."""

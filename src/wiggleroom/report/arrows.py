@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.drawing.model import Goal, Pull, Turn, W
+from wiggleroom.drawing.model import Goal, Pull, Towards, Turn, W
 from wiggleroom.report import palette
 from wiggleroom.report.layout import View
 
@@ -44,7 +44,7 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
     room : float [px]
         Size of the part, which the turn arrow fits into.
     """
-    if not isinstance(goal, Pull | Turn | W):
+    if not isinstance(goal, Pull | Turn | W | Towards):
         return Mark("")
     k = assembly.names.index(goal.part)
     if isinstance(goal, Turn):
@@ -52,6 +52,11 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
     if isinstance(goal, Pull):
         way = np.array(goal.direction, dtype=float)
         point = rest[k, :2] if goal.point is None else np.array(goal.point, dtype=float)
+    elif isinstance(goal, Towards):
+        point = rest[k, :2] if goal.point is None else np.array(goal.point, dtype=float)
+        way = np.array(goal.target) - point
+        if not way.any():
+            return Mark("")
     else:
         if math.hypot(*goal.w[:2]) == 0:
             return _turn(view.pixels(shown[k, :2]), math.copysign(1.0, goal.w[2]), room)

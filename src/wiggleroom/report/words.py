@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.drawing.model import Closer, Goal, Pull, Translation, Turn, W
+from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
 from wiggleroom.solve.verdict import Verdict
 
 _NAME_LENGTH = 40
@@ -55,6 +55,8 @@ def ask(goal: Goal) -> str:
             return f"turn of {short(goal.part)} {goal.sense}"
         case W():
             return f"{short(goal.part)} along w = ({', '.join(number(x, 3) for x in goal.w)})"
+        case Towards(target=(x, y)):
+            return f"{short(goal.part)} towards ({number(x)}, {number(y)})"
         case Translation():
             return "sum of squared translations"
         case Closer():
@@ -63,7 +65,7 @@ def ask(goal: Goal) -> str:
 
 def unit(goals: tuple[Goal, ...]) -> str:
     """Say the unit of the objective: mm, rad, mm² or nothing where goals of several kinds add up."""
-    if all(isinstance(g, Translation | Closer) for g in goals):
+    if all(isinstance(g, Towards | Translation | Closer) for g in goals):
         return "mm²"
     if all(isinstance(g, Pull) or (isinstance(g, W) and g.w[2] == 0) for g in goals):
         return "mm"
@@ -88,6 +90,8 @@ def headline(answer: Answer) -> str:
                 return f"{short(goal.part)} at {place} moves {number(own)} mm in {towards(goal.direction)}"
             case Turn():
                 return f"{short(goal.part)} turns {number(math.degrees(own))}° {goal.sense}"
+            case Towards(target=(x, y)):
+                return f"{short(goal.part)} towards ({number(x)}, {number(y)}): the squared distance loses {number(own)} mm²"
             case Translation():
                 return f"sum of squared translations {number(own)} mm²"
             case Closer():

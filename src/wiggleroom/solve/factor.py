@@ -13,8 +13,8 @@ from wiggleroom.program.build import Pattern
 
 Floats = NDArray[np.float64]
 
-LARGE = 3000
-"""From so many rows on, nested dissection and threads pay."""
+SMALL, LARGE = 1000, 3000
+"""Up to so many rows one column at a time is the quickest, and from so many on nested dissection and threads pay."""
 
 
 class Factor(Protocol):
@@ -28,7 +28,9 @@ class Factor(Protocol):
 
 
 def factor(pattern: Pattern) -> Factor:
-    """The fastest factorisation that is installed: rslab (extra `fast`), else qdldl."""
+    """The fastest factorisation that is installed: rslab (extra `fast`) for more than a few hundred bodies, else qdldl."""
+    if len(pattern.indptr) <= SMALL:
+        return Plain(pattern)
     try:
         return Supernodal(pattern)
     except ImportError:
@@ -67,7 +69,7 @@ class Plain:
 
 
 class Supernodal:
-    """rslab: dense blocks, which pays from some thousand bodies on."""
+    """rslab: dense blocks, which pays from some hundred bodies on."""
 
     def __init__(self, pattern: Pattern) -> None:
         import rslab

@@ -66,7 +66,7 @@ class Solution:
     lam : (R,) float64
         Multipliers of the rows: objective [mm] per unit of `program.length`, scaled so that the largest derivative of the objective is 1.
     status : str
-        "converged", "stopped", "escaping" or "failed".
+        "converged", "enough", "stopped", "escaping" or "failed".
     iterations : int
     inner : (3F,) float64
         A point well inside all rows on the way, from which the next program can start.
@@ -110,6 +110,7 @@ def solve(
     mu: float = FIRST_MU,
     tolerance: float = 1e-6,
     horizon: float = np.inf,
+    enough: float = np.inf,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> Solution:
@@ -126,6 +127,8 @@ def solve(
         Share of the objective that may be left on the table.
     horizon : float [mm]
         A body that moves further than this is taken to escape.
+    enough : float [mm]
+        A point inside all rows that is worth so much is good enough.
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
 
@@ -137,7 +140,7 @@ def solve(
     matrix, retraction = factor(program.pattern), Retraction(program)
     unit = float(np.abs(program.linearise(begin).gradient).max()) or 1.0
     farthest = LONGEST * horizon / program.length
-    watch = _Watch(tolerance, horizon, stop, progress, begin, mu)
+    watch = _Watch(tolerance, horizon, enough, stop, progress, begin, mu)
 
     def at_start(u: Floats, mu: float, least: float) -> State:
         at = program.linearise(u)
@@ -173,6 +176,7 @@ class _Watch:
 
     tolerance: float
     horizon: float
+    enough: float
     stop: Stop | None
     progress: Callable[[int, float], None] | None
     begin: Floats
@@ -229,6 +233,8 @@ class _Watch:
             self.way.append(state.u)
             if k == 0 or gap > INNER * max(abs(value), 1.0):
                 self.inner = state.u, self.mu
+            if state.at.value >= self.enough:
+                return "enough"
         if (
             k >= LEAST_ITERATIONS
             and self.error < self.tolerance

@@ -1,0 +1,159 @@
+"""Prepared assemblies for the designs of one drawing: what was worked out for one gap is carried over to others."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from wiggleroom.analysis.overlap import overlaps
+from wiggleroom.analysis.prepare import Prepared, cells_at, prepare
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.assembly.statements import unknown
+from wiggleroom.drawing.model import Drawing
+from wiggleroom.errors import InputError
+from wiggleroom.freespace.cells import replaced
+from wiggleroom.pairs.moved import moved
+from wiggleroom.pairs.shapes import Bodies, corners
+from wiggleroom.program.build import build
+from wiggleroom.program.gaps import carried
+from wiggleroom.program.objectives import NOTHING
+
+Floats = NDArray[np.float64]
+
+MOST_KEPT = 12
+"""So many prepared designs are kept."""
+SAME = 1e-9
+"""Outlines that agree to this share of the drawing's size are the same."""
+ROOM = 0.02
+"""Where a carried cell leaves rest less room than this share of the clearance, it is grown anew."""
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """One design, made ready for questions.
+
+    Parameters
+    ----------
+    roles : tuple
+        Who is fixed and who is glued; designs that agree in this share bodies and pairs.
+    inward : (parts,) float64 [mm]
+        How far each outline lies inside the drawn one.
+    assembly : Assembly
+    ready : Prepared
+    proven : bool
+        True where its cells were grown for these very outlines, False where they were carried over from another gap.
+    """
+
+    roles: tuple[object, ...]
+    inward: Floats
+    assembly: Assembly
+    ready: Prepared
+    proven: bool
+
+
+class Designs:
+    """Designs of one drawing, the last ones kept."""
+
+    def __init__(self, drawing: Drawing) -> None:
+        self.drawing = drawing
+        self._kept: OrderedDict[tuple[object, ...], Design] = OrderedDict()
+
+    def design(
+        self,
+        gap: float | None,
+        extra: Mapping[str, float],
+        fixed: Collection[str] | None,
+        glue: Sequence[Sequence[str]] | None,
+    ) -> Design:
+        """Return one design; arguments and errors as for `wiggleroom.Live.design`."""
+        drawing = self._with_roles(fixed, glue)
+        gap = drawing.gap if gap is None else float(gap)
+        roles = (tuple(p.fixed for p in drawing.parts), drawing.glue)
+        key = (*roles, gap, tuple(sorted((name, float(x)) for name, x in extra.items() if x)))
+        if key not in self._kept:
+            made = assemble(drawing, gap=gap, offset={name: -x / 2 for name, x in extra.items() if x})
+            inward = np.array([gap / 2 - part.offset for part in made.drawing.parts])
+            ready = self._carried(roles, inward, made)
+            self._keep(key, Design(roles, inward, made, ready or prepare(made), ready is None))
+        self._kept.move_to_end(key)
+        return self._kept[key]
+
+    def prove(self, design: Design) -> Design:
+        """Return the same design with cells grown for its very outlines."""
+        if design.proven:
+            return design
+        proven = replace(design, ready=prepare(design.assembly), proven=True)
+        for key, kept in self._kept.items():
+            if kept is design:
+                self._kept[key] = proven
+        return proven
+
+    def _keep(self, key: tuple[object, ...], design: Design) -> None:
+        """Keep a design; the oldest goes, but one that others can be carried from stays."""
+        self._kept[key] = design
+        if len(self._kept) > MOST_KEPT:
+            kept = list(self._kept)
+            self._kept.pop(next((k for k in kept if not self._kept[k].proven), kept[0]))
+
+    def _with_roles(self, fixed: Collection[str] | None, glue: Sequence[Sequence[str]] | None) -> Drawing:
+        """Return the drawing with other parts fixed and glued."""
+        names = {p.name: None for p in self.drawing.parts}
+        named = {"fixed": fixed or (), "glue": [name for group in glue or () for name in group]}
+        wrong = [f"{what}: {unknown(n, names)}" for what, some in named.items() for n in some if n not in names]
+        if wrong:
+            raise InputError(wrong)
+        drawing = self.drawing
+        if fixed is not None:
+            drawing = replace(drawing, parts=tuple(replace(p, fixed=p.name in fixed) for p in drawing.parts))
+        return drawing if glue is None else replace(drawing, glue=tuple(tuple(group) for group in glue))
+
+    def _carried(self, roles: tuple[object, ...], inward: Floats, made: Assembly) -> Prepared | None:
+        """Return the nearest proven design with its outlines moved; None where that is not all that changes."""
+        near = [d for d in self._kept.values() if d.proven and d.roles == roles]
+        if not near or made.drawing.gaps:
+            return None
+        base = min(near, key=lambda d: float(np.abs(d.inward - inward).max()))
+        before, by = base.ready.bodies, inward - base.inward
+        try:
+            after = moved(before, by)
+        except InputError:
+            return None
+        if not _same(after, made, SAME * base.ready.size):
+            return None
+        if overlaps(after, np.zeros_like(after.rest), base.ready.barred).deepest > 0:
+            return None  # whoever prepares it afresh names the parts that touch
+        clearance = base.ready.clearance + 2 * float(np.median(by))
+        if clearance < 0.1 * base.ready.clearance:
+            return None
+        ready = replace(
+            base.ready, assembly=made, bodies=after, clearance=clearance, cells=carried(base.ready.cells, before, after)
+        )
+        return _with_room(ready)
+
+
+def _same(bodies: Bodies, made: Assembly, least: float) -> bool:
+    """True where the corners of the bodies are those of the assembly's outlines, to less than `least` [mm]."""
+    rings = [place(ring, p.at) for p in made.parts for r in p.regions for ring in (r.outer, *r.holes)]
+    there, here = np.vstack(rings), corners(bodies)[1]
+    if len(there) != len(here):
+        return False
+    far, nearest = cKDTree(there).query(here, distance_upper_bound=least)
+    return bool((far < least).all() and len(np.unique(nearest)) == len(there))
+
+
+def _with_room(ready: Prepared) -> Prepared:
+    """Return the same, with new cells for the pairs that have hardly any room at rest in the carried ones."""
+    program = build(ready.bodies, ready.cells, NOTHING, length=ready.clearance)
+    tight = program.values(np.zeros(len(program.scale))) < ROOM
+    pairs = np.unique(ready.cells.pair[tight])
+    if not len(pairs):
+        return ready
+    room = np.full(len(pairs), ready.clearance)
+    grown = cells_at(ready.bodies, ready.cells.a[pairs], ready.cells.b[pairs], room)
+    return replace(ready, cells=replaced(ready.cells, pairs, grown))

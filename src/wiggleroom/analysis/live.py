@@ -1,0 +1,344 @@
+"""Questions asked while somebody drags and slides: each answered safely in the time there is, from what was found before."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.answer import Answer, Contact
+from wiggleroom.analysis.contacts import contacts
+from wiggleroom.analysis.designs import Design, Designs
+from wiggleroom.analysis.finish import part_motions, unlimited
+from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.prepare import Prepared
+from wiggleroom.analysis.search import Found, Progress
+from wiggleroom.analysis.shot import Mode, Shot
+from wiggleroom.analysis.starts import pulls
+from wiggleroom.analysis.warm import State, Until, Warm, at_rest, pushed, warm
+from wiggleroom.analysis.wiggle import modes
+from wiggleroom.assembly.findings import role_findings
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Drawing, Goal, Towards
+from wiggleroom.errors import InputError
+from wiggleroom.program.gaps import carried
+from wiggleroom.program.objectives import Approach, Objective, objective
+from wiggleroom.solve.newton import Stop
+
+Floats = NDArray[np.float64]
+Spot = tuple[float, float]
+
+THERE = 1e-3
+"""A grip this share of the clearance from its target has arrived."""
+FARTHEST = 3.0
+"""A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
+CLOSE = 0.1
+"""A largest motion is followed to parts larger by up to this share of the clearance."""
+MOST_TRIED = 3
+MOST_ENDS = 16
+"""So many ends of largest motions are kept, for others to begin at."""
+
+
+@dataclass(frozen=True, eq=False)
+class _End:
+    """Where a largest motion ended, in which design."""
+
+    goals: tuple[Goal, ...]
+    design: Design
+    state: State
+
+
+class Live:
+    """One drawing whose design is changed, and whose parts are dragged, while somebody looks.
+
+    Every motion that it gives is free of overlap by exact geometry, and connected with rest by a chain of cells.
+
+    Parameters
+    ----------
+    drawing : Drawing or Assembly
+        Nothing is worked out before the first question.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> live = wr.Live(wr.patterns.chain(3, joint="tee", gap=0.02))
+    >>> shot = live.drag("b3", (2.0, 0.0), (2.0, 0.03))
+    >>> round(shot.distance, 3)
+    0.0
+    >>> round(live.design(gap=0.01).gap, 3)
+    0.01
+    """
+
+    def __init__(self, drawing: Drawing | Assembly) -> None:
+        self._designs = Designs(drawing.drawing if isinstance(drawing, Assembly) else drawing)
+        self._now: Design | None = None
+        self._state: State | None = None
+        self._ends: list[_End] = []
+
+    def design(
+        self,
+        gap: float | None = None,
+        extra: Mapping[str, float] | None = None,
+        fixed: Collection[str] | None = None,
+        glue: Sequence[Sequence[str]] | None = None,
+    ) -> Assembly:
+        """Change the design; quick where it was seen before, or where only gaps change.
+
+        Parameters
+        ----------
+        gap : float, optional [mm]
+        extra : mapping of names to float, optional [mm]
+            Extra gap round single parts: their outlines alone move inward by half of it.
+        fixed : names, optional
+        glue : groups of names, optional
+            Each in place of what the drawing says; by default that.
+
+        Returns
+        -------
+        Assembly
+            The parts as they are made.
+
+        Raises
+        ------
+        InputError
+            If a part is not known or cannot be made, or nothing can move. The design before stays.
+        TouchingError
+            If two parts touch at rest.
+        """
+        new, old = self._designs.design(gap, extra or {}, fixed, glue), self._now
+        if new is not old:
+            self._state = _kept(self._state, old, new)
+            self._now = new
+        return new.assembly
+
+    @property
+    def assembly(self) -> Assembly:
+        """The present design."""
+        return self._design.assembly
+
+    @property
+    def ready(self) -> Prepared:
+        """The present design, prepared."""
+        return self._design.ready
+
+    def rest(self) -> None:
+        """Put all parts back to rest: the next drag begins there."""
+        self._state = None
+
+    def drag(
+        self,
+        part: str,
+        grip: Spot,
+        target: Spot,
+        *,
+        start: str = "here",
+        seconds: float = 0.1,
+        stop: Stop | None = None,
+    ) -> Shot:
+        """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
+
+        Parameters
+        ----------
+        part : str
+        grip : (x, y) [mm]
+            The point, where it lies at rest.
+        target : (x, y) [mm]
+        start : str
+            "here", where the last drag ended, or "rest".
+        seconds : float
+            After that time the best safe motion so far is returned, not settled; asking again goes on from there.
+        stop : optional
+            Anything with `is_set()`, asked every iteration.
+
+        Raises
+        ------
+        InputError
+            If there is no such part, or it cannot move.
+        """
+        began = time.perf_counter()
+        ready = self.ready
+        away = np.subtract(target, grip)
+        far = float(np.hypot(*away))
+        if far > FARTHEST * ready.size:
+            away = away * (FARTHEST * ready.size / far)
+        aim = np.add(grip, away)
+        goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
+        term = cast(Approach, self._objective((goal,)))
+        state = self._state if self._state is not None and start == "here" else at_rest(ready)
+        here = term.value(state.inner)  # what counts is what is gained from there
+        enough = float(away @ away) - here - (THERE * ready.clearance) ** 2
+        search = warm(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
+        self._state, settled = search.reach()
+        motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
+        reached = _moved(ready, part, grip, self._state.motion)
+        distance = float(np.hypot(*np.subtract(target, reached)))
+        left = float(np.hypot(*np.subtract(aim, reached)))
+        held = _held(ready, search, 2 * left) if settled and left > THERE * ready.clearance else ()
+        blocking = dict.fromkeys(n for c in held if part in c.parts for n in c.parts if n != part)
+        seconds = time.perf_counter() - began
+        return Shot(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
+
+    def flex(
+        self, goals: Goal | Sequence[Goal] | None = None, *, seconds: float = 0.1, stop: Stop | None = None
+    ) -> Shot:
+        """Largest motion as far as it can be found quickly: from the end at a gap nearby where there is one, else from rest.
+
+        Parameters
+        ----------
+        goals : Pull, Turn, W, Towards, Translation or Closer, or several that add up
+            By default what the drawing asks for.
+        seconds, stop
+            As for `drag`.
+
+        Raises
+        ------
+        InputError
+            If nothing is fixed or pulled, or a goal names an unknown part.
+        """
+        began, ready = time.perf_counter(), self.ready
+        asked = self._asked(goals)
+        term, until = self._objective(asked), Until(seconds, stop)
+        state = self._nearby(asked)
+        if state is None:
+            state = at_rest(ready)
+            for pull in pulls(ready.bodies, term, ready.clearance)[:1]:  # rest shows no direction
+                state, _ = warm(ready, pull, state, until).reach()
+        search = warm(ready, term, state, until)
+        state, settled = search.reach()
+        settled = settled and state.linked
+        self._remember(_End(asked, self._design, state))
+        motion = part_motions(ready.assembly, ready.bodies, state.motion[None])[0]
+        if search.unlimited:
+            leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
+            return Shot(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
+        held = _held(ready, search, 1.0)
+        return Shot(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
+
+    def settle(
+        self,
+        goals: Goal | Sequence[Goal] | None = None,
+        *,
+        stop: Stop | None = None,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> Answer:
+        """Return the answer of `wiggleroom.flex` for the present design; later quick ones begin near it."""
+        asked = self._asked(goals)
+        old, self._now = self._design, self._designs.prove(self._design)
+        if self._now is not old:
+            self._state = None
+        answer = flex(self.ready, asked, stop=stop, progress=progress)
+        found = answer.trail
+        if isinstance(found, Found) and answer.objective is not None and answer.collision_free:
+            state = State(found.program.cells, found.program.motion(found.solution.inner), found.motion)
+            self._remember(_End(asked, self._design, state))
+        return answer
+
+    def wiggle(self, part: str | None = None, *, count: int = 4, stop: Stop | None = None) -> tuple[Mode, ...]:
+        """Return the loosest freedoms at rest, each followed to its end both ways.
+
+        Parameters
+        ----------
+        part : str, optional
+            Freedoms that move this part most; by default of the whole assembly.
+        count : int
+            At most so many.
+        stop : optional
+            Asked every iteration; what was found by then is returned.
+
+        Raises
+        ------
+        InputError
+            If there is no such part, or it cannot move.
+        """
+        body = None
+        if part is not None:
+            self._asked((Towards(part, (0.0, 0.0)),))
+            body = int(self.ready.bodies.body_of[self.assembly.names.index(part)])
+        return modes(self.ready, body, count, stop)
+
+    @property
+    def _design(self) -> Design:
+        if self._now is None:
+            self.design()
+        assert self._now is not None
+        return self._now
+
+    def _asked(self, goals: Goal | Sequence[Goal] | None) -> tuple[Goal, ...]:
+        """Goals, once it is sure that they make sense."""
+        its = self.assembly
+        asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+        findings = role_findings(replace(its.drawing, goals=asked))
+        if findings:
+            raise InputError(findings)
+        return asked
+
+    def _objective(self, goals: tuple[Goal, ...]) -> Objective:
+        ready, asked = self.ready, self._asked(goals)
+        n = len(ready.bodies.fixed)
+        near = np.union1d(ready.cells.a * n + ready.cells.b, ready.corners)
+        return objective(ready.assembly, ready.bodies, asked, (near // n, near % n))
+
+    def _remember(self, end: _End) -> None:
+        """Keep an end, in place of an older one of the same design and goals."""
+        others = [e for e in self._ends if e.goals != end.goals or e.design.assembly is not end.design.assembly]
+        self._ends = [*others, end][-MOST_ENDS:]
+
+    def _nearby(self, goals: tuple[Goal, ...]) -> State | None:
+        """State to begin at: the end of the same goals at the nearest gap, or at a smaller one."""
+        now = self._design
+        if now.assembly.drawing.gaps:
+            return None
+        same = [e for e in self._ends if e.goals == goals and e.design.roles == now.roles]
+        same.sort(key=lambda e: float(np.abs(e.design.inward - now.inward).max()))
+        for end in same[:MOST_TRIED]:
+            state = _kept(end.state, end.design, now)
+            if state is None and np.abs(end.design.inward - now.inward).max() < CLOSE * now.ready.clearance:
+                state = _followed(end.state, end.design, now)
+            if state is not None:
+                return replace(state, near=True)
+        return None
+
+
+def _kept(state: State | None, old: Design | None, new: Design) -> State | None:
+    """The state in another design, where all parts are as small or smaller; else None."""
+    if state is None or old is None or old.roles != new.roles or not (old.inward <= new.inward + 1e-12).all():
+        return None
+    return _in_design(state, old, new)
+
+
+def _followed(state: State, old: Design, new: Design) -> State | None:
+    """The state in a design where some parts are a little larger; None where they do not fit there."""
+    there = _in_design(state, old, new)
+    return None if there is None else pushed(new.ready, replace(there, linked=False))
+
+
+def _in_design(state: State, old: Design, new: Design) -> State | None:
+    """The state with its cells carried to the outlines of another design; None where these have other corners."""
+    one, other = old.ready.bodies, new.ready.bodies
+    if one is other:
+        return state
+    if not np.array_equal(np.diff(one.shapes.first)[one.shape], np.diff(other.shapes.first)[other.shape]):
+        return None
+    return replace(state, cells=carried(state.cells, one, other))
+
+
+def _held(ready: Prepared, search: Warm, unit: float) -> tuple[Contact, ...]:
+    """Contacts that hold the best motion, forces in this unit."""
+    found = search.best
+    if found is None or found.solution.status != "converged":
+        return ()
+    some = contacts(ready.assembly, found.program, found.solution.u, found.touch)
+    return tuple(replace(c, force=c.force / unit) for c in some)
+
+
+def _moved(ready: Prepared, part: str, grip: Spot, motion: Floats) -> Spot:
+    """Where a point of a part is after a motion of the bodies."""
+    body = int(ready.bodies.body_of[ready.assembly.names.index(part)])
+    x, y = np.subtract(grip, ready.bodies.rest[body, :2])
+    c, s = np.cos(motion[body, 2]), np.sin(motion[body, 2])
+    at = ready.bodies.rest[body, :2] + motion[body, :2]
+    return float(at[0] + c * x - s * y), float(at[1] + s * x + c * y)

@@ -1,0 +1,233 @@
+"""The loop of the search, begun at a state that was reached before instead of at rest, within the time there is."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.analysis.overlap import SAFE, overlaps
+from wiggleroom.analysis.prepare import REACH, Prepared
+from wiggleroom.analysis.search import AGAIN, ROUGH, Found, Progress, Search
+from wiggleroom.analysis.way import strangers
+from wiggleroom.freespace.cells import Cells, select
+from wiggleroom.program.build import build
+from wiggleroom.program.objectives import NOTHING, Objective
+from wiggleroom.solve.factor import factor
+from wiggleroom.solve.interior_point import FIRST_MU, solve
+from wiggleroom.solve.newton import Stop
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NEAR = 1e-3
+"""Share of the objective that a live answer may leave on the table."""
+LEFT = 0.5
+"""Share of that which virtual walls may hold back, were they all to give way by a clearance."""
+FIRST = 3e-3
+MOST_ROUNDS = 30
+SOME = 8
+"""So many of a way's points show where it leads: the solver's steps wander."""
+ROOM, LEAST_ROOM, SOFTER, MOST_PUSHES = 2e-3, 1e-6, 1e-6, 8
+"""Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
+ENDED = ("converged", "enough")
+LEAST_ASKED = 4
+"""A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
+MOST_TRIES = 3
+"""So often a shot is begun again because a part may meet another on its way that was not thought of."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Where a live assembly is.
+
+    Parameters
+    ----------
+    cells : Cells
+        One a pair; between them and those at rest leads a chain of cells, each sharing a point with the next.
+    inner : (n, 3) float64 [mm, mm, rad]
+        Motion of the bodies strictly inside all cells, where the next search begins.
+    motion : (n, 3) float64 [mm, mm, rad]
+        Motion that is shown, in cells that share a point with these; free of overlap.
+    mu : float
+        Complementarity to begin with.
+    near : bool
+        True where the end cannot be far: no rough rounds are needed.
+    linked : bool
+        False where that chain is not known: the motion was followed from a larger gap, whose parts may pass where these do not.
+    """
+
+    cells: Cells
+    inner: Floats
+    motion: Floats
+    mu: float = FIRST_MU
+    near: bool = False
+    linked: bool = True
+
+
+def at_rest(ready: Prepared) -> State:
+    """Return the state at rest."""
+    still = np.zeros((len(ready.bodies.fixed), 3))
+    return State(ready.cells, still, still)
+
+
+@dataclass(eq=False)
+class Until:
+    """Stops at a time, or when somebody else says so; asked every iteration."""
+
+    seconds: float
+    stop: Stop | None = None
+
+    def __post_init__(self) -> None:
+        """Start the clock."""
+        self._end, self._asked = time.perf_counter() + self.seconds, 0
+
+    def is_set(self) -> bool:
+        """True to stop."""
+        self._asked += 1
+        told = self.stop is not None and self.stop.is_set()
+        return told or (self._asked > LEAST_ASKED and time.perf_counter() > self._end)
+
+
+@dataclass(eq=False)
+class Warm(Search):
+    """The search from a state. Other sides of corner contacts are not tried; the way from the state is looked at by `reach`."""
+
+    state: State | None = None
+
+    def begin(self) -> None:
+        """Begin at the state, knowing of no way before it."""
+        state = self.state or at_rest(self.ready)
+        self.cells, self.inner, self.first_mu = state.cells, state.inner, state.mu
+        self.legs, self.best = (), None
+
+    def run(self) -> None:
+        """Go through the rounds: roughly while that brings something, then once as well as a picture needs."""
+        near = self.state is not None and self.state.near
+        tolerance, mu = NEAR if near else ROUGH, self.first_mu
+        while self.rounds < MOST_ROUNDS:
+            found = self._round(tolerance, mu)
+            if self.stopped:
+                self._keep(found)
+                return
+            if self._add_missed(found):
+                continue
+            gained = self._keep(found)
+            if self.unlimited or found.solution.status == "enough":
+                return
+            best = self.best or found
+            stale, mu = self._stale(best), AGAIN * best.solution.inner_mu
+            if gained and len(stale):
+                self._rebuild(best, stale)
+            elif tolerance == ROUGH:
+                tolerance = NEAR
+                self._rebuild(best, stale)
+            else:
+                return
+
+    def _stale(self, found: Found) -> Ints:
+        """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
+        touch, pairs = found.touch, super()._stale(found)
+        if found.solution.status == "failed" or not len(pairs):
+            return pairs
+        held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs]
+        order = np.argsort(held)
+        least = LEFT * found.tolerance * max(abs(found.value), self.ready.clearance * float(touch.force.max()))
+        return pairs[np.sort(order[np.cumsum(held[order]) * self.ready.clearance > least])]
+
+    def reach(self) -> tuple[State, bool]:
+        """Search, and return the state that was reached, and whether the search came to its end.
+
+        The motion of the new state is free of overlap and no pair outside the program can have met on the way to it; where none was
+        found, it is that of the old state.
+        """
+        before = self.state or at_rest(self.ready)
+        for _ in range(MOST_TRIES):
+            self.run()
+            found = self.best
+            if found is None:
+                break
+            settled = found.solution.status in ENDED and not self.stopped
+            motion = self._end(found)
+            if motion is not None:
+                return self._state(found, motion), settled
+            if self.stopped:
+                break
+        return replace(before, cells=self.cells, inner=self.inner, mu=FIRST_MU), False
+
+    @property
+    def stopped(self) -> bool:
+        """True where it was asked to stop."""
+        return self.stop is not None and self.stop.is_set()
+
+    def _end(self, found: Found) -> Floats | None:
+        """Safe motion at the end of a search; None where there is none, and the pairs that were missed are in the program."""
+        motion = found.motion
+        if found.solution.status not in ENDED:  # the last iterate may be on its way through a wall; these are not
+            motion = found.program.motion(found.solution.way[-1])
+        bodies = self.ready.bodies
+        if overlaps(bodies, motion, self.ready.barred).deepest > SAFE * self.ready.size:
+            self.begin()
+            self._add_missed(found)
+            return None
+        return None if self._meets_strangers(found) else motion
+
+    def _meets_strangers(self, found: Found) -> bool:
+        """Begin again with the pairs that were not in the program and may meet on the way; True where there were any."""
+        cells, n, ready = found.program.cells, len(found.motion), self.ready
+        legs = (*found.legs, found.leg(found.solution.u))
+        points = [(leg.program, u) for leg in legs for u in leg.points]
+        some = np.unique(np.linspace(0, len(points) - 1, SOME).round().astype(int))
+        motions = np.array([points[k][0].motion(points[k][1]) for k in some])
+        a, b = strangers(ready.bodies, ready.arm, motions, cells.a * n + cells.b, ready.barred)
+        if len(a):
+            self.begin()
+            known = np.concatenate([cells.a * n + cells.b, a * n + b])
+            extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
+            self.add(extra // n, extra % n, found.motion)
+        return len(a) > 0
+
+    def _state(self, found: Found, motion: Floats) -> State:
+        """The state at a motion, without the pairs that were added on the way and are far apart now."""
+        if found.program.cells is self.cells:
+            inner, mu = found.program.motion(found.solution.inner), found.solution.inner_mu
+        else:  # stopped in a later round, which begins here
+            inner, mu = self.inner, found.solution.inner_mu
+        cells, first = self.cells, len(self.ready.cells.a)
+        late = np.arange(len(cells.a)) >= first
+        place, radius = (self.ready.bodies.rest + motion)[:, :2], self.ready.bodies.radius
+        apart = np.hypot(*(place[cells.b] - place[cells.a]).T) - radius[cells.a] - radius[cells.b]
+        far = late & (apart > REACH * self.ready.clearance)
+        if far.any():
+            cells = select(cells, np.flatnonzero(~far))
+        linked = self.state is None or self.state.linked
+        return State(cells, inner, motion, max(AGAIN * mu, FIRST), linked=linked)
+
+
+def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None, enough: float = np.inf) -> Warm:
+    """Return a search that begins at a state, and ends where the objective is worth `enough`."""
+    return Warm(ready, objective, partial(solve, enough=enough), stop, _silent, thorough=False, state=state)
+
+
+def pushed(ready: Prepared, state: State) -> State | None:
+    """Return the state with its inner point moved a little, until it is strictly inside all cells; None where that does not help."""
+    program = build(ready.bodies, state.cells, NOTHING, length=ready.clearance)
+    u, matrix = program.variables(state.inner), factor(program.pattern)
+    for _ in range(MOST_PUSHES):
+        at = program.linearise(u)
+        short = np.maximum(ROOM - at.h, 0.0)
+        if at.h.min(initial=np.inf) > LEAST_ROOM:
+            return replace(state, inner=program.motion(u))
+        weight = np.where(at.h < 2 * ROOM, 1.0, SOFTER)
+        shift = SOFTER
+        while not matrix.update(at.condensed(weight, np.zeros_like(weight), share=0.0), shift):
+            shift *= 100
+        u = u + matrix.solve(at.against(short))
+    return None
+
+
+def _silent(_: Progress) -> None:
+    """Tell nobody."""
