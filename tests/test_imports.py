@@ -20,6 +20,7 @@ ORDER = [
     "analysis",
     "report",
     "bench",
+    "app",
     "cli",
 ]
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.finish import answer_of
@@ -88,6 +89,7 @@ def sweep(
     *,
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
+    each: Callable[[Step, NDArray[np.float64] | None], None] | None = None,
 ) -> Sweep:
     """Largest motion for several gaps, and the gap from which on nothing stops it.
 
@@ -103,6 +105,9 @@ def sweep(
         By default what the assembly's file asks for.
     stop, progress : optional
         Asked between gaps and within; told how many gaps are done, and how many there are.
+    each : callable, optional
+        Told every gap's step when it is found, and the motion of the parts there (n, 3) [mm, mm, rad], None where the
+        motion does not end. Where the motion loses its end is found last, and may make larger gaps unbounded.
 
     Raises
     ------
@@ -136,6 +141,8 @@ def sweep(
         if state is not None and state.gap == gap:
             held = state
         steps.append(step)
+        if each is not None:
+            each(step, state.answer.motion if state is not None and state.gap == gap else None)
         if progress is not None:
             progress(len(steps), len(sizes))
     free = next((s.gap for s in steps if s.verdict == Verdict.UNBOUNDED), None)

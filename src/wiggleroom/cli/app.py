@@ -16,6 +16,7 @@ from wiggleroom.cli.make import make
 from wiggleroom.cli.make_image import image
 from wiggleroom.cli.rank import rank
 from wiggleroom.cli.sample import sample
+from wiggleroom.cli.serve import serve
 from wiggleroom.cli.space import space
 from wiggleroom.cli.sweep import sweep
 from wiggleroom.cli.tighten import tighten
@@ -48,7 +49,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, rank, tighten, sweep, sample, space, draw, convert, maker, coupon, bench
+        flex, check, rank, tighten, sweep, sample, space, serve, draw, convert, maker, coupon, bench
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):

@@ -10,6 +10,7 @@ from cyclopts import Group, Parameter
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.model import Assembly
+    from wiggleroom.drawing.model import Drawing, Goal
 
 Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 
@@ -62,6 +63,37 @@ def read(file: str, asked: Asked) -> Assembly:
     InputError
         With everything that is wrong, one line each.
     """
+    drawing, fixed, wanted = _said(file, asked)
+    from wiggleroom.assembly.build import assemble
+
+    return assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted)
+
+
+def asked_drawing(file: str, asked: Asked) -> Drawing:
+    """The same as a drawing, its gap not applied yet: also where parts do not fit beside each other at that gap.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the options and the file, one line each.
+    """
+    from dataclasses import replace
+
+    from wiggleroom.assembly.statements import statement_findings, unknown
+    from wiggleroom.errors import InputError
+
+    drawing, fixed, wanted = _said(file, asked)
+    names = {p.name: None for p in drawing.parts}
+    parts = tuple(replace(p, fixed=True) if p.name in fixed else p for p in drawing.parts)
+    found = replace(drawing, parts=parts, goals=tuple(wanted) or drawing.goals)
+    wrong = [f"fix: {unknown(name, names)}" for name in fixed if name not in names] + statement_findings(found)
+    if wrong:
+        raise InputError(wrong)
+    return found
+
+
+def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
+    """What the file says, and the parts that stand and the goals that the options name."""
     from wiggleroom.cli.asking import goals, names
     from wiggleroom.cli.say import note
     from wiggleroom.drawing.model import WHOLE
@@ -83,11 +115,9 @@ def read(file: str, asked: Asked) -> Assembly:
     if wrong or odd:
         raise InputError([*wrong, *odd])
 
-    from wiggleroom.assembly.build import assemble
     from wiggleroom.drawing import read_drawing
 
     drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap)
     for line in drawing.notes:
         note(line)
-    fixed = names(asked.fix, {p.name for p in drawing.parts})
-    return assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted)
+    return drawing, names(asked.fix, {p.name for p in drawing.parts}), wanted

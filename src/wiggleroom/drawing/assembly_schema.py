@@ -120,7 +120,7 @@ def convert(value: Any, kind: type[T], where: str, findings: list[str]) -> T | N
     try:
         return msgspec.convert(value, kind)
     except msgspec.ValidationError as error:
-        findings.append(f"{where}: {_plain(str(error))}")
+        findings.append(f"{where}: {plain_finding(str(error))}")
         return None
 
 
@@ -135,7 +135,7 @@ _WORDS = {
 }
 
 
-def _plain(text: str) -> str:
+def plain_finding(text: str) -> str:
     """Line of the schema library in the words of the file."""
     text, _, path = text.partition(" - at `")
     place = path.rstrip("`").removeprefix("$").removeprefix(".").replace("[...]", "") or "it"

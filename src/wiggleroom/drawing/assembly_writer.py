@@ -47,7 +47,7 @@ def write_assembly(drawing: Drawing) -> str:
         "glue": [list(names) for names in drawing.glue],
         "ignore": [list(names) for names in drawing.ignore],
         "gaps": [{"parts": joint.parts, "gap": joint.gap} for joint in drawing.gaps],
-        "pull": [_goal(goal) for goal in drawing.goals if isinstance(goal, Pull | Turn | W)],
+        "pull": [goal_entry(goal) for goal in drawing.goals if isinstance(goal, Pull | Turn | W)],
     }
     fields += [_lines(name, rows) for name, rows in tables.items() if rows]
     fields += [f'"objective": "{name}"' for name, kind in WHOLE.items() if kind() in drawing.goals]
@@ -103,7 +103,8 @@ def _part(part: Part, material: Json) -> Json:
     return entry
 
 
-def _goal(goal: Pull | Turn | W) -> Json:
+def goal_entry(goal: Pull | Turn | W) -> Json:
+    """One goal as an entry of `pull`."""
     entry: Json = {"part": goal.part}
     if isinstance(goal, Pull):
         entry["direction"] = goal.direction

@@ -1,0 +1,1 @@
+"""The live page: a server on this machine alone, and the processes that solve for it."""

@@ -1,0 +1,77 @@
+"""The command line that answers what is on screen."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import PurePath
+
+from wiggleroom.app.designs import goals_of
+from wiggleroom.app.messages import Design
+from wiggleroom.app.opening import File
+from wiggleroom.drawing.assembly_schema import PullEntry
+
+
+def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:
+    """Command of this name: with options where they can say the design, else about the assembly file that `save` makes.
+
+    Parameters
+    ----------
+    name : str
+        flex, rank, check, ...
+    more : tuple of str
+        Arguments and options of the command itself.
+    pulled : bool
+        False: it does not matter what is pulled.
+    """
+    said = options(file, design, pulled=pulled)
+    if said is None:
+        return shlex.join(["wiggleroom", name, saved_name(file), *more])
+    return shlex.join(["wiggleroom", name, file.path, *more, *said])
+
+
+def saved_name(file: File, ending: str = "-design.json") -> str:
+    """Name of what is saved of a drawing."""
+    return PurePath(file.name).stem + ending
+
+
+def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | None:
+    """Options that make the design of the file; None where none can."""
+    drawing = file.drawing
+    before = {p.name for p in drawing.parts if p.fixed}
+    glue = {frozenset(group) for group in design.glue if len(group) > 1}
+    if any(design.extra.values()) or glue != {frozenset(g) for g in drawing.glue} or not before <= set(design.fixed):
+        return None
+    gap = drawing.gap if design.gap is None else design.gap
+    found = [] if file.unit is None else ["--unit", file.unit]
+    if file.flatten is not None and file.flatten != gap / 50:
+        found += ["--flatten", repr(file.flatten)]
+    found += ["--gap", f"{gap:.12g}"]
+    for part in design.fixed:
+        if part not in before:
+            found.append(f"--fix={part}")
+    asked = _goals(file, design) if pulled else []
+    return None if asked is None else [*found, *asked]
+
+
+def _goals(file: File, design: Design) -> list[str] | None:
+    if goals_of(design) == file.drawing.goals:
+        return []
+    if isinstance(design.goals, str):
+        return ["--objective", design.goals]
+    found = []
+    for entry in design.goals:
+        if entry.weight != 1 or entry.w is not None:
+            return None
+        if entry.turn is not None:
+            found.append(f"--turn={entry.part}:{entry.turn}")
+        else:
+            found.append(f"--pull={entry.part}:{_way(entry)}")
+    return found if found else None
+
+
+def _way(entry: PullEntry) -> str:
+    assert entry.direction is not None
+    x, y = entry.direction
+    axes = {(1.0, 0.0): "+x", (-1.0, 0.0): "-x", (0.0, 1.0): "+y", (0.0, -1.0): "-y"}
+    way = axes.get((x, y)) or f"{x!r},{y!r}"
+    return way if entry.point is None else f"{way}@{entry.point[0]!r},{entry.point[1]!r}"

@@ -1,0 +1,97 @@
+"""Which function answers which request, and what is said where one cannot."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+from importlib import import_module
+
+from wiggleroom.app.designs import Designs
+from wiggleroom.app.link import Start
+from wiggleroom.app.messages import AnyRequest, Flex, Open, decode
+from wiggleroom.app.opening import opened, told
+from wiggleroom.app.out import Out, StoppedError
+from wiggleroom.app.sheet import Sheet
+from wiggleroom.errors import InputError, WiggleroomError
+
+ANSWERS = {
+    "shape": "moving",
+    "drag": "moving",
+    "release": "moving",
+    "wiggle": "moving",
+    "rank": "studies",
+    "check": "studies",
+    "sweep": "studies",
+    "prove": "studies",
+    "space": "regions",
+    "save": "saving",
+}
+"""Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
+
+
+class Desk:
+    """Where requests are answered, one after the other."""
+
+    def __init__(self) -> None:
+        self._sheet: Sheet | None = None
+
+    def open(self, request: Open, out: Out) -> None:
+        """Read a drawing and tell the page; where that fails the one before stays."""
+        file = opened(request)
+        design = request.design
+        drawing = file.drawing if design is None else Designs(file.drawing).drawing(design)
+        content = told(file, drawing)
+        if design is not None:
+            content["design"]["extra"] = design.extra
+        out.check()
+        self._sheet = Sheet(file)
+        out.reply(content, kind="opened")
+
+    def work(self, order: Start, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:
+        """Answer one request; whether that went well, and whether a full answer is still to come."""
+        request = decode(order.request)
+        out = Out(order.ticket, request.id, kind_of(request), stop, say, order.quiet)
+        try:
+            out.check()
+            return True, self._answered(request, order.settle, out)
+        except StoppedError:
+            pass
+        except InputError as problem:
+            if not stop.is_set():
+                out.failed(problem.findings)
+        except WiggleroomError as problem:
+            out.failed([str(problem)])
+        except MemoryError:
+            out.failed(["this needs more memory than a page may take; the command line may have it"])
+        except Exception as problem:
+            out.failed(
+                [f"this is a fault in wiggleroom, not in your drawing: {type(problem).__name__}: {_line(problem)}"]
+            )
+        return False, False
+
+    def _answered(self, request: AnyRequest, settle: bool, out: Out) -> bool:
+        if isinstance(request, Open):
+            self.open(request, out)
+            return False
+        if self._sheet is None:
+            raise InputError("nothing is open: open a drawing first")
+        if isinstance(request, Flex):
+            moves = self._sheet.moves
+            return moves.settled(request, out) if settle else moves.flex(request, out)
+        kind = kind_of(request)
+        getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._sheet, request, out)
+        return False
+
+
+def kind_of(request: AnyRequest) -> str:
+    """Kind of a request, as in its message."""
+    return str(request.__struct_config__.tag)
+
+
+def _line(problem: BaseException) -> str:
+    place, trace = "", problem.__traceback__
+    while trace is not None:
+        place = f" ({os.path.basename(trace.tb_frame.f_code.co_filename)}:{trace.tb_lineno})"
+        trace = trace.tb_next
+    return f"{problem}{place}"

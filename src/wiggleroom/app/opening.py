@@ -1,0 +1,167 @@
+"""Open: a drawing from the bytes of a file, and what the page is told about it."""
+
+from __future__ import annotations
+
+import math
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.app.messages import Design, Json, Open
+from wiggleroom.assembly.model import place
+from wiggleroom.drawing.assembly_writer import goal_entry
+from wiggleroom.drawing.model import WHOLE, Drawing, Part, Pull, Turn, W
+from wiggleroom.drawing.read import READERS, read_drawing
+from wiggleroom.errors import InputError
+
+MOST_BYTES = 20_000_000
+FINE = 1e-4
+"""Chord error of curves as a share of the median part size, where there is no gap to tell."""
+
+
+@dataclass(frozen=True, eq=False)
+class File:
+    """The drawing that is open.
+
+    Parameters
+    ----------
+    name : str
+        Without folders.
+    path : str
+        What commands call it.
+    drawing : Drawing
+        As the file says it.
+    unit : str or None
+        In place of the file's.
+    flatten : float or None [mm]
+        How finely curves were flattened; None where there are none.
+    """
+
+    name: str
+    path: str
+    drawing: Drawing
+    unit: str | None = None
+    flatten: float | None = None
+
+
+def opened(request: Open) -> File:
+    """Read what the page sent, in a folder that is gone afterwards.
+
+    Raises
+    ------
+    InputError
+        With one line per finding; names of folders are left out.
+    """
+    if len(request.data) > MOST_BYTES and not request.path:
+        finding = (
+            f"{len(request.data) / 1e6:.1f} MB: a drawing may have {MOST_BYTES / 1e6:g} MB here; use the command line"
+        )
+        raise InputError(finding)
+    name = plain_name(request.name)
+    with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
+        path = Path(folder) / name
+        try:
+            if path.suffix.lower() in READERS:
+                path.write_bytes(request.data)
+            drawing, flatten = _read(path, request)
+        except InputError as problem:
+            raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
+    return File(name, request.path or name, drawing, request.unit, flatten)
+
+
+def first_open(path: Path, drawing: Drawing, unit: str | None, flatten: float | None, gap: float | None) -> bytes:
+    """The request that opens a file of this machine with what the options of a command made of its drawing."""
+    design = msgspec.convert(design_of(drawing), Design)
+    data = path.read_bytes()
+    return msgspec.json.encode(
+        Open(id=0, name=path.name, path=str(path), data=data, unit=unit, flatten=flatten, gap=gap, design=design)  # type: ignore[arg-type]
+    )
+
+
+def plain_name(name: str) -> str:
+    r"""Name of a file without folders and without what no name should hold.
+
+    >>> plain_name("../../etc/a b.svg"), plain_name("C:\\x\\y.dxf"), plain_name("..")
+    ('a b.svg', 'y.dxf', 'drawing')
+    """
+    last = PureWindowsPath(PurePosixPath(name).name).name
+    kept = "".join(c for c in last if c.isprintable() and c not in '<>:"|?*').strip()
+    if kept in ("", ".", ".."):
+        return "drawing"
+    stem, suffix = PurePosixPath(kept).stem, PurePosixPath(kept).suffix
+    return stem[:80] + suffix[:8]
+
+
+def _read(path: Path, request: Open) -> tuple[Drawing, float | None]:
+    """The drawing, and how finely its curves were flattened."""
+    unit, flatten, gap = request.unit, request.flatten, request.gap
+    if path.suffix.lower() == ".json":
+        return read_drawing(path, unit=unit, gap=gap), None
+    if flatten is None and gap:
+        flatten = gap / 50
+    if flatten is None:
+        rough = read_drawing(path, unit=unit)
+        sizes = [np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in rough.parts]
+        flatten = float(f"{FINE * float(np.median(sizes)):.2g}")
+    return read_drawing(path, unit=unit, flatten=flatten, gap=gap), flatten
+
+
+def told(file: File, drawing: Drawing) -> Json:
+    """Reply to `open`: parts as drawn, in world coordinates, and what is asked, as a design."""
+    rings = [rings_of(p) for p in drawing.parts]
+    corners = np.vstack([ring for one in rings for ring in one])
+    size = [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
+    parts = [
+        {"name": p.name, "at": [p.at[0], p.at[1], math.degrees(p.at[2])], "rings": [r.tolist() for r in one]}
+        for p, one in zip(drawing.parts, rings, strict=True)
+    ]
+    reply: Json = {
+        "name": file.name,
+        "gap": drawing.gap,
+        "unit": "mm",
+        "notes": list(drawing.notes),
+        "size": size,
+        "parts": parts,
+        "design": design_of(drawing),
+    }
+    if not drawing.goals and len(drawing.parts) > 1:
+        reply["pulled"] = suggested(drawing)
+    return reply
+
+
+def rings_of(part: Part, digits: int = 17) -> list[NDArray[np.float64]]:
+    """Outlines and holes of a part at rest, in world coordinates [mm], with so many digits after the point."""
+    return [place(ring, part.at).round(digits) for r in part.regions for ring in (r.outer, *r.holes)]
+
+
+def design_of(drawing: Drawing) -> Json:
+    """What a drawing asks, as a design."""
+    whole = next((name for name, kind in WHOLE.items() if kind() in drawing.goals), None)
+    return {
+        "gap": drawing.gap,
+        "extra": {},
+        "fixed": [p.name for p in drawing.parts if p.fixed],
+        "glue": [list(group) for group in drawing.glue],
+        "goals": whole or [goal_entry(goal) for goal in drawing.goals if isinstance(goal, Pull | Turn | W)],
+    }
+
+
+def suggested(drawing: Drawing) -> Json:
+    """A pull for a drawing that asks for none: the part farthest from what is fixed, away from it."""
+    middle = np.array([np.vstack([r.outer for r in p.regions]).mean(axis=0) for p in drawing.parts])
+    centres = np.array([place(m[None], p.at)[0] for m, p in zip(middle, drawing.parts, strict=True)])
+    fixed = np.array([p.fixed for p in drawing.parts])
+    if not fixed.any():
+        reach = [np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in drawing.parts]
+        fixed[int(np.argmax(reach))] = True
+    away = centres - centres[fixed].mean(axis=0)
+    far = np.where(fixed, -1.0, np.hypot(*away.T))
+    k = int(far.argmax())
+    along = int(np.abs(away[k]).argmax())
+    direction = [0.0, 0.0]
+    direction[along] = 1.0 if away[k, along] >= 0 else -1.0
+    return {"part": drawing.parts[k].name, "direction": direction}

@@ -1,0 +1,109 @@
+"""Solver processes as the server sees them: begun beforehand, one for each page, ended for certain."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from dataclasses import dataclass, field
+
+import msgspec
+
+from wiggleroom.app.link import Done, Ready, Reply, Start, Stop, block, length, result
+
+MOST_PAGES = 4
+"""Each page has a process of its own, and that much memory."""
+
+
+class LostError(Exception):
+    """The process is gone."""
+
+
+@dataclass(eq=False)
+class Process:
+    """One solver process."""
+
+    child: asyncio.subprocess.Process
+
+    @classmethod
+    async def begin(cls) -> Process:
+        """Start a process; it loads what it needs by itself."""
+        path = os.pathsep.join(p for p in sys.path if p)
+        child = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", "wiggleroom.app.worker",
+            stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL,
+            env=os.environ | {"PYTHONPATH": path},
+            start_new_session=True,  # Ctrl-C is for the server
+        )  # fmt: skip
+        return cls(child)
+
+    async def send(self, order: Start | Stop) -> None:
+        """Give an order; raises LostError where nobody takes it."""
+        assert self.child.stdin is not None
+        try:
+            self.child.stdin.write(block(order))
+            await self.child.stdin.drain()
+        except (OSError, RuntimeError) as problem:
+            raise LostError from problem
+
+    def stop(self, ticket: int) -> None:
+        """Ask it to stop working on a ticket."""
+        if self.child.stdin is not None and not self.child.stdin.is_closing():
+            self.child.stdin.write(block(Stop(ticket)))
+
+    async def receive(self) -> Reply | Done | Ready:
+        """What it says next; raises LostError where it is gone."""
+        assert self.child.stdout is not None
+        try:
+            head = await self.child.stdout.readexactly(4)
+            return result(await self.child.stdout.readexactly(length(head)))
+        except (asyncio.IncompleteReadError, OSError, msgspec.DecodeError) as problem:
+            raise LostError from problem
+
+    def kill(self) -> None:
+        """End it at once."""
+        if self.child.returncode is None:
+            self.child.kill()
+
+    async def end(self) -> None:
+        """End it and wait until it is gone."""
+        self.kill()
+        await self.child.wait()
+
+
+@dataclass(eq=False)
+class Pool:
+    """All solver processes: those that pages have, and one that waits for the next page."""
+
+    spare: Process | None = None
+    taken: set[Process] = field(default_factory=set)
+    closed: bool = False
+    _lock: asyncio.Lock = field(default_factory=asyncio.Lock)
+
+    async def prepare(self) -> None:
+        """Have one that waits."""
+        async with self._lock:
+            if not self.closed and (self.spare is None or self.spare.child.returncode is not None):
+                self.spare = await Process.begin()
+
+    async def take(self) -> Process:
+        """The one that waits, or a new one."""
+        await self.prepare()
+        async with self._lock:
+            found, self.spare = self.spare, None
+        if found is None:  # another page was quicker
+            found = await Process.begin()
+        self.taken.add(found)
+        return found
+
+    async def drop(self, process: Process) -> None:
+        """End one that a page had."""
+        self.taken.discard(process)
+        await process.end()
+
+    async def close(self) -> None:
+        """End all, for good."""
+        self.closed = True
+        gone = [*self.taken, *([self.spare] if self.spare else [])]
+        self.taken, self.spare = set(), None
+        await asyncio.gather(*(process.end() for process in gone))

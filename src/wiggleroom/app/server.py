@@ -1,0 +1,227 @@
+"""The server of the page: a fixed list of files and one socket, on this machine alone, for those who know the token."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hmac
+import signal
+import socket
+from collections.abc import AsyncIterator, Callable, Iterator
+from importlib import resources
+from importlib.util import find_spec
+
+import uvicorn
+from starlette.applications import Starlette
+from starlette.requests import HTTPConnection, Request
+from starlette.responses import PlainTextResponse, Response
+from starlette.routing import Route, WebSocketRoute
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from wiggleroom.app.messages import encode
+from wiggleroom.app.patient import Patient
+from wiggleroom.app.process import MOST_PAGES, Pool
+from wiggleroom.app.session import Session
+
+UPLOAD_MB = 20
+LARGEST = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
+"""Bytes of one message: an upload in base64, and what goes with it."""
+HEADERS = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob: data:; "
+        "font-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"
+    ),
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cross-Origin-Opener-Policy": "same-origin",
+    "Cross-Origin-Resource-Policy": "same-origin",
+    "Cache-Control": "no-store",
+}
+KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml", "png": "image/png"}
+EXTRAS = {"dxf": ("ezdxf",), "fast": ("rslab",), "film": ("PIL", "av"), "prove": ("highspy",)}
+"""Extras the page asks about, and what they install."""
+
+
+def files() -> dict[str, bytes]:
+    """Files of the page by name, all that can be had."""
+    folder = resources.files("wiggleroom.report") / "web"
+    return {file.name: file.read_bytes() for file in folder.iterdir() if file.is_file()}
+
+
+class Page:
+    """The application: who may ask, and what is there.
+
+    Parameters
+    ----------
+    port : int
+    token : str
+        Whoever shows it may ask.
+    first : bytes, optional
+        The `open` of a file that the command was given; every page begins with it.
+    """
+
+    def __init__(self, port: int, token: str, first: bytes | None = None) -> None:
+        self._hosts = {f"127.0.0.1:{port}", f"localhost:{port}"}
+        self._token, self._first = token, first
+        self._files = files()
+        self._pages = 0
+        self.pool = Pool()
+        paths = ["/", *(f"/{name}" for name in self._files)]
+        routes = [*(Route(path, self._file) for path in paths), WebSocketRoute("/socket", self._socket)]
+        self.app = Starlette(routes=routes, lifespan=self._life)
+
+    @contextlib.asynccontextmanager
+    async def _life(self, _: Starlette) -> AsyncIterator[None]:
+        await self.pool.prepare()
+        yield
+        await self.pool.close()
+
+    def _known(self, asked: HTTPConnection) -> bool:
+        """Whether a request comes to this address."""
+        return asked.headers.get("host", "") in self._hosts
+
+    def _trusted(self, asked: HTTPConnection) -> bool:
+        given = asked.query_params.get("token", "").encode("utf-8", "replace")
+        return hmac.compare_digest(given, self._token.encode())
+
+    async def _file(self, request: Request) -> Response:
+        """One file of the page; only the page itself needs the token, for the others hold nothing of the user's."""
+        if not self._known(request):
+            return PlainTextResponse("this server answers to its own address only", 421, HEADERS)
+        name = request.url.path.lstrip("/") or "index.html"
+        if name == "index.html" and "token" in request.query_params and not self._trusted(request):
+            return PlainTextResponse("the address must be the one that wiggleroom serve printed", 403, HEADERS)
+        kind = KINDS.get(name.rpartition(".")[2], "application/octet-stream")
+        return Response(self._files[name], media_type=kind, headers=HEADERS)
+
+    async def _socket(self, socket: WebSocket) -> None:
+        """One page, from its hello to its end."""
+        origins = {f"http://{host}" for host in self._hosts}
+        if not (self._known(socket) and socket.headers.get("origin") in origins and self._trusted(socket)):
+            await socket.close(1008)  # before it is accepted: 403
+            return
+        await socket.accept()
+        lock = asyncio.Lock()
+
+        async def send(frames: list[bytes], text: bytes) -> None:
+            async with lock:
+                for one in frames:
+                    await socket.send_bytes(one)
+                await socket.send_text(text.decode())
+
+        for _ in range(20):  # a page that is reloaded may come before it has gone
+            if self._pages < MOST_PAGES:
+                break
+            await asyncio.sleep(0.05)
+        else:
+            line = f"{MOST_PAGES} pages are open already; close one of them, then reload this one"
+            await send([], encode({"kind": "failed", "id": 0, "of": "hello", "findings": [line]}))
+            await socket.close(1013)
+            return
+        self._pages += 1
+        try:
+            await send([], encode(hello()))
+            await self._talk(socket, Session(self.pool, send, self._first))
+        finally:
+            self._pages -= 1
+
+    async def _talk(self, socket: WebSocket, session: Session) -> None:
+        """Frames in, answers out, until one side ends; then the next page's process is made ready."""
+        loop = asyncio.get_running_loop()
+        ready = loop.call_later(2.0, lambda: asyncio.ensure_future(self.pool.prepare()))
+        sides = [asyncio.create_task(session.run()), asyncio.create_task(_listen(socket, session))]
+        try:
+            await asyncio.wait(sides, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            ready.cancel()
+            for side in sides:
+                side.cancel()
+            await asyncio.gather(*sides, return_exceptions=True)
+            with contextlib.suppress(RuntimeError):  # closed by the page
+                await socket.close(1011)
+            loop.call_soon(lambda: asyncio.ensure_future(self.pool.prepare()))
+
+
+async def _listen(socket: WebSocket, session: Session) -> None:
+    """Pass frames of a page on until it goes."""
+    with contextlib.suppress(WebSocketDisconnect):
+        while (said := await socket.receive())["type"] != "websocket.disconnect":
+            if said.get("text") is None:
+                await session.refuse("message: a text frame is expected, this was a binary one")
+            else:
+                await session.submit(said["text"].encode())
+
+
+def hello() -> dict[str, object]:
+    """First words to a page: what this installation can do."""
+    from importlib.metadata import version
+
+    can = [extra for extra, needs in EXTRAS.items() if all(find_spec(n) is not None for n in needs)]
+    return {"kind": "hello", "version": version("wiggleroom"), "can": can, "limits": {"upload_mb": UPLOAD_MB}}
+
+
+def listen(port: int) -> socket.socket:
+    """Socket on this machine's own address; raises OSError where the port is taken."""
+    listening = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind(("127.0.0.1", port))
+    except OSError:
+        listening.close()
+        raise
+    return listening
+
+
+class Server(uvicorn.Server):
+    """A server that leaves signals to others.
+
+    Parameters
+    ----------
+    page : Page
+    """
+
+    def __init__(self, page: Page) -> None:
+        config = uvicorn.Config(
+            page.app,
+            http="h11",
+            ws=Patient,
+            ws_max_size=LARGEST,
+            ws_per_message_deflate=False,  # nothing to win on one machine, and no bombs
+            log_config=None,
+            log_level="critical",
+            access_log=False,
+            server_header=False,
+            limit_concurrency=64,
+            timeout_graceful_shutdown=2,
+        )
+        super().__init__(config)
+
+    @contextlib.contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Capture none."""
+        yield
+
+
+def serve(page: Page, listening: socket.socket, started: Callable[[], None]) -> None:
+    """Answer until Ctrl-C or SIGTERM; then all processes are gone.
+
+    Parameters
+    ----------
+    page : Page
+    listening : socket
+        From `listen`.
+    started : callable
+        Called once when pages may come.
+    """
+    server = Server(page)
+
+    async def run() -> None:
+        loop = asyncio.get_running_loop()
+        for one in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(one, lambda *_: loop.call_soon_threadsafe(setattr, server, "should_exit", True))
+        listening.listen()  # who comes early waits
+        loop.call_soon(started)
+        await server.serve(sockets=[listening])
+
+    asyncio.run(run())

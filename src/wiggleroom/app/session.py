@@ -1,0 +1,279 @@
+"""One page: which of its requests is worked on next, which are dropped, and what happens when a process dies.
+
+The newest request of a kind counts. `open`, `drag`, `flex` and `shape` are for the hand that moves and go first;
+everything else gives way to them and begins again when the hand rests.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from dataclasses import dataclass
+from itertools import count
+
+from wiggleroom.app.link import Done, Ready, Reply, Start
+from wiggleroom.app.messages import AnyRequest, Cancel, Flex, Json, decode, encode, failed, head
+from wiggleroom.app.process import LostError, Pool, Process
+from wiggleroom.errors import InputError
+
+Send = Callable[[list[bytes], bytes], Awaitable[None]]
+"""Sends binary frames and then one text frame."""
+
+FIRST = {"open": 0, "drag": 1, "release": 1, "flex": 2, "shape": 3}
+"""Kinds that are served first, in this order; all others are interrupted for them."""
+GRACE = 0.6
+"""A drag or flex that a newer one replaces may still end within this time [s]: else a hand that never rests would see nothing."""
+QUIET = 0.25
+"""So long after the last drag or flex [s] long work is taken up again."""
+READING = 60.0
+"""A drawing must be read within this time [s]."""
+PATIENCE = 8.0
+"""A process that does not stop within this time [s] is ended."""
+TRIES = 2
+"""A request whose process died so often is given up."""
+
+
+@dataclass(eq=False)
+class Job:
+    """A request that waits or is worked on.
+
+    Parameters
+    ----------
+    kind : str
+        That of the request; "settle" for the full answer of a `flex`.
+    born : int
+        Place in the order of arrival.
+    """
+
+    kind: str
+    number: int
+    text: bytes
+    born: int
+    tries: int = 0
+    ticket: int = 0
+    began: float = 0.0
+    replied: bool = False
+    stopped: bool = False
+    again: bool = False
+    late: bool = False
+
+    @property
+    def of(self) -> str:
+        """Kind of the request that the page knows."""
+        return "flex" if self.kind == "settle" else self.kind
+
+    @property
+    def rank(self) -> tuple[int, int]:
+        """Who is served first."""
+        return FIRST.get(self.kind, len(FIRST)), self.born
+
+
+class Session:
+    """Requests of one page, worked off by a process of its own.
+
+    Parameters
+    ----------
+    pool : Pool
+    send : callable
+        Sends frames to the page.
+    first : bytes, optional
+        An `open` that is done before anything is asked.
+    """
+
+    def __init__(self, pool: Pool, send: Send, first: bytes | None = None) -> None:
+        self._pool, self._send = pool, send
+        self._pending: dict[str, Job] = {}
+        self._running: Job | None = None
+        self._process: Process | None = None
+        self._drawing: bytes | None = None
+        self._loaded = False
+        self._last_move = 0.0
+        self._news = asyncio.Event()
+        self._tickets, self._births = count(1), count()
+        if first is not None:
+            self._enqueue(Job("open", 0, first, next(self._births)))
+
+    async def submit(self, text: bytes) -> None:
+        """Take a text frame of the page."""
+        try:
+            request = decode(text)
+        except InputError as problem:
+            await self._tell(failed(*head(text), problem.findings))
+            return
+        if isinstance(request, Cancel):
+            self._forget(request.of)
+            return
+        kind = "settle" if isinstance(request, Flex) and request.thorough else _kind(request)
+        self._enqueue(Job(kind, request.id, text, next(self._births)))
+
+    async def refuse(self, line: str) -> None:
+        """Say that a frame is no request."""
+        await self._tell(failed(0, "", [line]))
+
+    def _enqueue(self, job: Job) -> None:
+        running = self._running
+        if job.kind == "open":  # what was asked is about another drawing
+            self._pending.clear()
+            self._halt(running)
+        elif job.of == "flex":
+            self._pending.pop("settle", None)
+            if running is not None and running.kind == "settle":
+                self._halt(running)
+        self._pending[job.kind] = job
+        if running is not None and not running.stopped:
+            if running.kind == job.kind:
+                self._supersede(running)
+            elif job.kind in FIRST and running.kind not in FIRST:
+                running.again = True
+                self._halt(running)
+        self._news.set()
+
+    def _forget(self, kind: str) -> None:
+        for one in (kind, "settle") if kind == "flex" else (kind,):
+            self._pending.pop(one, None)
+            if self._running is not None and self._running.kind == one:
+                self._running.again = False
+                self._halt(self._running)
+
+    def _supersede(self, job: Job) -> None:
+        """Stop what a newer request of its kind replaces; a moving hand sees its answer if that comes soon."""
+        loop = asyncio.get_running_loop()
+        left = job.began + GRACE - loop.time()
+        if job.kind in ("drag", "flex") and not job.replied and left > 0:
+            loop.call_later(left, lambda: self._halt(job) if self._running is job else None)
+        else:
+            self._halt(job)
+
+    def _halt(self, job: Job | None) -> None:
+        if job is None or job.stopped or self._process is None:
+            return
+        job.stopped = True
+        process = self._process
+        process.stop(job.ticket)
+        asyncio.get_running_loop().call_later(PATIENCE, lambda: process.kill() if self._running is job else None)
+
+    async def run(self) -> None:
+        """Work off requests until the page is gone."""
+        self._process = await self._pool.take()
+        try:
+            while True:
+                job = await self._next()
+                if job is not None:
+                    await self._serve(job)
+        finally:
+            await self._pool.drop(self._process)
+
+    async def _next(self) -> Job | None:
+        """The job to do now; None where something may have changed."""
+        job = min(self._pending.values(), key=lambda j: j.rank, default=None)
+        self._news.clear()
+        rest = None
+        if job is not None and job.kind not in FIRST:
+            rest = self._last_move + QUIET - asyncio.get_running_loop().time()
+        if job is not None and (rest is None or rest <= 0):
+            return self._pending.pop(job.kind)
+        with suppress(TimeoutError):
+            await asyncio.wait_for(self._news.wait(), rest)
+        return None
+
+    async def _serve(self, job: Job) -> None:
+        """Work on one job until it is done, stopped, or its process is gone."""
+        assert self._process is not None
+        job.tries, job.stopped, job.again, job.replied = job.tries + 1, False, False, False
+        self._running = job
+        try:
+            if job.kind != "open":
+                await self._load()
+            if job.stopped:
+                self._after(job, Done(0))
+            else:
+                await self._work(job)
+        except LostError:
+            await self._lost(job)
+        finally:
+            self._running = None
+            if job.kind in ("drag", "flex"):
+                self._last_move = asyncio.get_running_loop().time()
+
+    async def _load(self) -> None:
+        """Give a new process the drawing that is open."""
+        if self._loaded or self._drawing is None:
+            return
+        await self._order(Start(ticket := next(self._tickets), self._drawing, quiet=True))
+        while not (isinstance(said := await self._receive(), Done) and said.ticket == ticket):
+            pass
+        self._loaded = True
+
+    async def _work(self, job: Job) -> None:
+        loop = asyncio.get_running_loop()
+        job.ticket, job.began = next(self._tickets), loop.time()
+        await self._order(Start(job.ticket, job.text, settle=job.kind == "settle"))
+        limit = loop.call_later(READING, self._too_late, job) if job.kind == "open" else None
+        try:
+            while True:
+                said = await self._receive()
+                if isinstance(said, Ready) or said.ticket != job.ticket:
+                    continue
+                if isinstance(said, Done):
+                    return self._after(job, said)
+                if not job.stopped:
+                    job.replied = True
+                    await self._send(said.frames, said.text)
+        finally:
+            if limit is not None:
+                limit.cancel()
+
+    def _after(self, job: Job, done: Done) -> None:
+        """What follows when the process is done with a job."""
+        if job.kind == "open" and done.good and job.replied:
+            self._drawing, self._loaded = job.text, True
+        elif job.kind == "open" and job.stopped:
+            self._loaded = False  # it may have got far enough to be on the desk
+        if job.stopped and job.again:
+            job.tries = 0
+            self._pending.setdefault(job.kind, job)
+        elif done.more and not job.stopped and "flex" not in self._pending:
+            self._pending["settle"] = Job("settle", job.number, job.text, job.born)
+
+    def _too_late(self, job: Job) -> None:
+        job.late = True
+        if self._process is not None:
+            self._process.kill()
+
+    async def _lost(self, job: Job) -> None:
+        """Get a new process; the job is tried once more."""
+        assert self._process is not None
+        await self._tell({"kind": "worker", "state": "lost"})
+        await self._pool.drop(self._process)
+        self._process, self._loaded = await self._pool.take(), False
+        await self._tell({"kind": "worker", "state": "restarted"})
+        if job.late:
+            line = f"the drawing was not read within {READING:g} seconds; simplify it, or cut it into several files"
+            await self._tell(failed(job.number, job.of, [line]))
+        elif job.stopped and not job.again:
+            return
+        elif job.tries < TRIES or job.again:
+            self._pending.setdefault(job.kind, job)
+        else:
+            line = f"the solver ended {TRIES} times without a word while it worked on this; it is left out"
+            await self._tell(failed(job.number, job.of, [line]))
+
+    async def _order(self, order: Start) -> None:
+        assert self._process is not None
+        await self._process.send(order)
+
+    async def _receive(self) -> Reply | Done | Ready:
+        """What the process says next."""
+        assert self._process is not None
+        said = await self._process.receive()
+        if isinstance(said, Ready):
+            await self._tell({"kind": "worker", "state": "ready"})
+        return said
+
+    async def _tell(self, reply: Json) -> None:
+        await self._send([], encode(reply))
+
+
+def _kind(request: AnyRequest) -> str:
+    return str(request.__struct_config__.tag)

@@ -1,0 +1,93 @@
+"""One drawing that is open, and what was worked out about it."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from wiggleroom.app.designs import Designs, Recent
+from wiggleroom.app.messages import Design
+from wiggleroom.app.opening import File
+from wiggleroom.app.out import Out
+from wiggleroom.assembly.findings import role_findings
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.statements import statement_findings
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError
+
+if TYPE_CHECKING:
+    from wiggleroom.analysis.answer import Answer
+    from wiggleroom.analysis.interlock import Interlock
+    from wiggleroom.app.moving import Moves
+
+
+class Sheet:
+    """A drawing and what was worked out about it, kept for speed alone: every request carries its whole design.
+
+    Parameters
+    ----------
+    file : File
+    """
+
+    def __init__(self, file: File) -> None:
+        self.file = file
+        self.designs = Designs(file.drawing)
+        self._answers: Recent[Answer] = Recent(4)
+        self._checks: Recent[Interlock] = Recent(2)
+
+    @cached_property
+    def moves(self) -> Moves:
+        """What moves the parts."""
+        from wiggleroom.app.moving import Moves
+
+        return Moves(self, self.file.drawing)
+
+    def assembly(self, design: Design) -> Assembly:
+        """Parts as made for a design."""
+        return self.designs.assembly(design)
+
+    def asked(self, design: Design) -> tuple[Goal, ...]:
+        """What a design asks; raises InputError where a question about motion lacks something."""
+        drawing = self.designs.drawing(design)
+        wrong = statement_findings(drawing) or list(role_findings(drawing))
+        if wrong:
+            raise InputError(wrong)
+        return drawing.goals
+
+    def kept(self, design: Design) -> Answer | None:
+        """The full answer, where it is known."""
+        return self._answers.peek(whole(design))
+
+    def answer(self, design: Design, out: Out) -> Answer:
+        """The full answer, worked out once for a design."""
+        answer = self.kept(design)
+        if answer is None:
+            answer = self.moves.settle(design, out)
+            out.check()
+            self.know(design, answer)
+        return answer
+
+    def know(self, design: Design, answer: Answer) -> None:
+        """Keep a fuller answer to a design."""
+        self._answers.keep(whole(design), answer)
+
+    def checked(self, design: Design, out: Out) -> Interlock:
+        """Whether it comes apart, worked out once for a design."""
+        key = self.designs.body(design)
+        kept = self._checks.peek(key)
+        if kept is not None:
+            return kept
+        from wiggleroom.analysis.interlock import check
+
+        found = check(self.assembly(design), stop=out.stop, progress=out.progress)
+        out.check()
+        self._checks.keep(key, found)
+        return found
+
+
+def whole(design: Design) -> Hashable:
+    """Everything a design says, as a key."""
+    return msgspec.json.encode(design)

@@ -1,0 +1,232 @@
+"""The newest request counts, long work gives way to the hand, and a process that dies costs only time."""
+
+from __future__ import annotations
+
+import base64
+import os
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wiggleroom as wr
+from tests.app_client import Served, Visit
+from wiggleroom.app import session
+from wiggleroom.assembly.build import assemble
+from wiggleroom.drawing.assembly_writer import write_assembly
+
+GRID = wr.patterns.grid(5, 5, joint="tee", gap=0.02)
+
+
+def text(assembly: wr.Assembly) -> bytes:
+    return write_assembly(assembly.drawing).encode()
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[Served]:
+    one = Served()
+    yield one
+    one.close()
+
+
+@pytest.fixture
+def page(served: Served) -> Iterator[Visit]:
+    with served.visit() as one:
+        yield one
+
+
+def test_of_a_hundred_quick_requests_few_are_answered_and_the_last_one_rightly(page: Visit) -> None:
+    chain = wr.patterns.chain(8, joint="tee", gap=0.02)
+    page.open("chain.json", text(chain))
+    gaps = [0.02 + 0.0001 * k for k in range(100)]
+    for gap in gaps:
+        page.design["gap"] = gap
+        last = page.send("flex")
+        time.sleep(0.002)
+    page.told.clear()
+    reply = page.until(last, "flex")
+    answered = {r["id"] for r in page.told if r["kind"] == "flex"}
+    assert len(answered) < 40
+    assert sorted(answered) == list(dict.fromkeys(r["id"] for r in page.told if r["kind"] == "flex"))
+    truth = wr.flex(assemble(chain.drawing, gap=gaps[-1]))
+    assert reply["objective"] == pytest.approx(truth.objective, rel=1e-6)
+
+
+def test_what_is_cancelled_is_not_answered_and_holds_nothing_up(page: Visit) -> None:
+    page.open("grid.json", text(wr.patterns.grid(12, 12, joint="tee", gap=0.02)))
+    number = page.send("flex")
+    while page.next().get("stage") != "solve":
+        pass
+    began = time.perf_counter()
+    page.send("cancel", of="flex")
+    page.ask("shape")
+    assert time.perf_counter() - began < 1.0  # half a second to stop, and what the shapes of 144 parts take
+    page.told.clear()
+    page.ask("shape")
+    assert all(r["id"] != number or r["kind"] == "progress" for r in page.told)
+
+
+def test_long_work_gives_way_to_the_hand_and_begins_again(page: Visit) -> None:
+    page.open("grid.json", text(GRID))
+    page.ask("flex")
+    long = page.send("check")
+    page.next()
+    quick = page.send("flex")
+    page.told.clear()
+    reply = page.until(long, "check", seconds=100)
+    kinds = [r["kind"] for r in page.told if r["kind"] != "progress"]
+    assert kinds.index("flex") < kinds.index("check")
+    assert [r["id"] for r in page.told if r["kind"] == "flex"] == [quick] * kinds.count("flex")
+    assert reply["verdict"] == wr.check(GRID).verdict
+
+
+def test_a_process_that_is_killed_costs_only_time(served: Served, page: Visit) -> None:
+    page.open("grid.json", text(GRID))
+    number = page.send("check")
+    page.next()
+    os.kill(served.workers()[0], signal.SIGKILL)
+    page.told.clear()
+    reply = page.until(number, "check")
+    states = [r["state"] for r in page.told if r["kind"] == "worker"]
+    assert states[:2] == ["lost", "restarted"]
+    assert reply["verdict"] == wr.check(GRID).verdict
+    assert page.ask("flex")["settled"]
+
+
+def test_a_request_whose_process_dies_twice_is_given_up_and_the_page_goes_on(served: Served, page: Visit) -> None:
+    page.open("grid.json", text(GRID))
+    number = page.send("check")
+    for _ in range(2):
+        while page.next()["kind"] != "progress":
+            pass
+        os.kill(served.workers()[0], signal.SIGKILL)
+        while page.next().get("state") != "restarted":
+            pass
+    reply = page.until(number, "check")
+    assert reply["kind"] == "failed"
+    assert "ended 2 times" in reply["findings"][0]
+    assert page.ask("flex")["settled"]
+
+
+def test_a_drawing_that_takes_too_long_to_read_is_given_up(page: Visit, monkeypatch: pytest.MonkeyPatch) -> None:
+    page.open("grid.json", text(GRID))
+    rings = "".join(f"<circle cx='{k % 200 * 10}' cy='{k // 200 * 10}' r='4'/>" for k in range(40_000))
+    monkeypatch.setattr(session, "READING", 0.3)
+    reply = page.open(
+        "big.svg", f"<svg xmlns='http://www.w3.org/2000/svg' width='2000mm' height='2000mm'>{rings}</svg>".encode()
+    )
+    assert "was not read within" in reply["findings"][0]
+    monkeypatch.setattr(session, "READING", 60.0)
+    assert page.ask("flex")["settled"]  # about the drawing before
+
+
+def test_a_drawing_that_is_replaced_at_once_still_counts_where_the_next_is_bad(page: Visit) -> None:
+    good = text(wr.patterns.chain(3, joint="tee", gap=0.02))
+    for _ in range(10):  # the next one comes while the first is just done
+        page.open("good.json", good)
+        assert page.open("bad.json", good[:50])["kind"] == "failed"
+        assert page.ask("flex")["settled"]
+
+
+def test_two_pages_have_a_drawing_each(served: Served) -> None:
+    with served.visit() as one, served.visit() as other:
+        one.open("a.json", text(wr.patterns.chain(3, joint="tee", gap=0.02)))
+        other.open("b.json", text(wr.patterns.chain(4, joint="swallowtail", gap=0.01)))
+        numbers = [visit.send("flex") for visit in (one, other)]
+        found = [visit.until(n)["objective"] for visit, n in zip((one, other), numbers, strict=True)]
+    truth = [
+        wr.flex(wr.patterns.chain(3, joint="tee", gap=0.02)).objective,
+        wr.flex(wr.patterns.chain(4, joint="swallowtail", gap=0.01)).objective,
+    ]
+    assert found == pytest.approx(truth, rel=1e-6)
+
+
+def test_a_fifth_page_is_told_why_not_and_has_room_later(served: Served) -> None:
+    import contextlib
+
+    with contextlib.ExitStack() as open_pages:
+        for _ in range(4):
+            open_pages.enter_context(served.visit())
+        with served.socket() as fifth:
+            assert "4 pages are open" in Visit(fifth).next()["findings"][0]
+    time.sleep(0.3)
+    with served.visit() as one:
+        assert one.open("a.json", text(wr.patterns.chain(2, gap=0.02)))["kind"] == "opened"
+
+
+def test_pages_that_leave_take_their_processes_along(served: Served) -> None:
+    with served.visit() as one:
+        one.open("a.json", text(wr.patterns.chain(2, gap=0.02)))
+        (pid,) = served.workers()
+    for _ in range(100):
+        if not alive(pid):
+            return
+        time.sleep(0.05)
+    pytest.fail("the process is still there")
+
+
+def alive(pid: int) -> bool:
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_whatever_comes_in_whatever_order_the_last_question_is_answered(served: Served, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    chain = wr.patterns.chain(5, joint="tee", gap=0.02)
+    drawing = base64.b64encode(text(chain)).decode()
+    with served.visit() as one:
+        one.open("chain.json", text(chain))
+        for _ in range(120):
+            one.design["gap"] = float(rng.uniform(0.01, 0.03))
+            match int(rng.integers(0, 14)):
+                case 0:
+                    one.send("open", name="chain.json", data=drawing)
+                case 1:
+                    one.send("open", name="bad.json", data=drawing[:40])
+                case 2:
+                    one.send("cancel", of=str(rng.choice(["flex", "check", "drag", "sweep", "nothing"])))
+                case 3:
+                    one.socket.send("noise")
+                case 4 if served.workers() and rng.random() < 0.3:
+                    os.kill(served.workers()[0], signal.SIGKILL)
+                case 5 | 6:
+                    one.send("flex")
+                case 7 | 8 | 9:
+                    one.send("drag", part="b5", grip=[4.0, 0.0], target=rng.normal((4, 0), 0.1).tolist())
+                case kind:
+                    one.send(["rank", "check", "sweep", "wiggle"][kind % 4])
+            time.sleep(float(rng.choice([0.0, 0.0, 0.01, 0.2])))
+        one.send("open", name="chain.json", data=drawing)
+        one.design["gap"] = 0.025
+        reply = one.until(one.send("flex"), "flex")
+    assert reply["objective"] == pytest.approx(wr.flex(assemble(chain.drawing, gap=0.025)).objective, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_memory_stays_flat_while_parts_are_dragged(served: Served, page: Visit) -> None:
+    told = page.open("grid.json", text(GRID))
+    rng = np.random.default_rng(0)
+    (pid,) = served.workers()
+    sizes = []
+    for k in range(600):
+        part = told["parts"][int(rng.integers(1, len(told["parts"])))]
+        target = np.add(part["at"][:2], rng.normal(0, 0.1, 2)).tolist()
+        page.until(page.send("drag", part=part["name"], grip=part["at"][:2], target=target), "drag")
+        page.told.clear()
+        if k in (200, 599):
+            sizes.append(memory(pid))
+    assert sizes[1] < sizes[0] + 20
+
+
+def memory(pid: int) -> float:
+    """What a process holds [MB]."""
+    pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
