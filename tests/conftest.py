@@ -11,14 +11,7 @@ import pytest
 
 LOCAL = "ends in a local optimum: some joints of a long chain take the other one of two nearly equal ends"
 KNOWN = {  # each by the end of its test's name; the list may only get shorter
-    "test_chain_reaches_the_optimum[hook-0.02-10]": LOCAL,
-    "test_chain_reaches_the_optimum[arrow-0.03-10]": LOCAL,
-    "test_chain_turned_and_far_away_is_the_same[hook-0.01-10]": LOCAL,
-    "test_chain_turned_and_far_away_is_the_same[hook-0.02-10]": LOCAL,
-    "test_chain_turned_and_far_away_is_the_same[hook-0.03-10]": LOCAL,
-    "test_chain_turned_and_far_away_is_the_same[arrow-0.02-10]": LOCAL,
     "test_chain_turned_and_far_away_is_the_same[arrow-0.03-10]": LOCAL,
-    "test_value_is_the_same_wherever_the_reference_points_are[hook-(-30.0, 20.0)]": LOCAL,
     "test_more_random_pairs[tab_pair-39]": "two edges end to end that no line of an outline parts: no cell is found, flex refuses",
 }
 

@@ -14,8 +14,6 @@ from wiggleroom.analysis.finish import answer_of
 from wiggleroom.analysis.flex_halfplane import flex_half_planes
 from wiggleroom.analysis.flex_hull import flex_hull
 from wiggleroom.analysis.prepare import Prepared, prepare
-from wiggleroom.analysis.prove import check_request
-from wiggleroom.analysis.prove import prove as with_bound
 from wiggleroom.analysis.search import Found, Progress, Search
 from wiggleroom.analysis.starts import pulls
 from wiggleroom.assembly.findings import role_findings
@@ -86,6 +84,9 @@ def flex(
     Source: Mind the Gap, section 4; by default walls instead of the hull, and the iterative re-approximation of its outlook.
     """
     if prove is not None:
+        from wiggleroom.analysis.prove import check_request
+        from wiggleroom.analysis.prove import prove as with_bound
+
         check_request(prove, seconds)
         answer = flex(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
         return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)

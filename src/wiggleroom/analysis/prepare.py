@@ -105,7 +105,7 @@ def prepare(assembly: Assembly, model: str | PairModel = "walls") -> Prepared | 
     a, b = near.a, near.b
     first, label = classes(them, a, b, relative_rest(them, a, b))
     facing = _facing(geometry[a[first]], geometry[b[first]], ground.clearance)[label]
-    cells = cells_at(them, a[facing], b[facing], near.clearance[facing])
+    cells = cells_at(assembly, them, a[facing], b[facing], near.clearance[facing])
     corners = a[~facing] * len(geometry) + b[~facing]
     return Prepared(assembly, them, ground.barred, ground.clearance, ground.size, cells, corners)
 
@@ -166,14 +166,18 @@ def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) ->
     return shapely.length(shapely.intersection(shapely.boundary(a), near)) > 5 * REACH * clearance
 
 
-def cells_at(them: Bodies, a: Ints, b: Ints, clearance: Floats) -> Cells:
+def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floats) -> Cells:
     """Cells of some pairs round rest; congruent pairs are worked out once."""
     pose = relative_rest(them, a, b)
     first, label = classes(them, a, b, pose)
     grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first])
     if not good.all():
         k = first[np.flatnonzero(~good)[0]]
-        finding = f"bodies {a[k]} and {b[k]}: no free space was found round their position; they touch or overlap"
+        one, other = (" + ".join(assembly.names[p] for p in them.members[x]) for x in (a[k], b[k]))
+        finding = (
+            f'{assembly.drawing.source or "the assembly"}: parts "{one}" and "{other}": no free space was found round '
+            "where they lie; two corners may point at each other: round one off, or give a larger gap"
+        )
         raise InputError(finding)
     cells = select(grown, label)
     turns = np.round((pose[:, 2] - pose[first[label], 2]) / (2 * np.pi)) * (2 * np.pi)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.touch import Touch, touching, wishes
+from wiggleroom.analysis.twins import Twin, exchanged, followed, twins
 from wiggleroom.analysis.way import Way, whole_way
 from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, select
 from wiggleroom.pairs.neighbours import relative_rest
@@ -97,9 +98,14 @@ class Found:
 
     def nearer(self, level: int) -> Floats:
         """A legal point (3F,) of the round's way nearer to its end than the inner one: level 1 half as near in steps, 2 a quarter."""
-        way = self.solution.way
-        start = next((k for k, u in enumerate(way) if u is self.solution.inner), -1)
-        return way[len(way) - 1 - (len(way) - 1 - start) // 2**level] if start >= 0 else self.solution.inner
+        way, inner = self.solution.way, self.solution.inner
+        start = next((k for k, u in enumerate(way) if u is inner), -1)  # else it stands before the way
+        steps = (len(way) - 1 - start) // 2**level
+        return way[len(way) - 1 - steps] if way else inner
+
+    def can_be_nearer(self, level: int) -> bool:
+        """True where that is another point than one level before."""
+        return self.nearer(level) is not (self.nearer(level - 1) if level > 1 else self.solution.inner)
 
     def leg(self, end: Floats) -> Leg:
         """The round's piece of the way, up to its point `end` or to its solution."""
@@ -153,7 +159,9 @@ class Search:
         tolerance, mu = ROUGH, self.first_mu
         polished = False
         nearer = 0  # the last rebuildings began so much nearer to the end
-        branches: list[Ints] | None = None  # corner contacts whose other side is still to be tried
+        branches: list[Ints | Twin] | None = (
+            None  # other sides of corner contacts and ends of other joints still to be tried
+        )
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
             if tolerance > fine and self._add_missed(found):
@@ -181,7 +189,7 @@ class Search:
                 tolerance = fine
                 polished, mu = True, best.solution.inner_mu
                 self._rebuild(best, stale[:0])
-            elif best.touch.virtual.any() and nearer < NEARER and not self.large:
+            elif best.touch.virtual.any() and nearer < NEARER and not self.large and best.can_be_nearer(nearer + 1):
                 # past a corner, the walls that matter show only from where the corner has been passed
                 nearer, mu = nearer + 1, AGAIN * best.solution.inner_mu
                 self._rebuild(best, self._stale(best), nearer=nearer)
@@ -197,7 +205,11 @@ class Search:
                         return
                     continue
                 mu = AGAIN * best.solution.inner_mu
-                self._rebuild(best, branches.pop(), other_side=True)
+                branch = branches.pop()
+                if isinstance(branch, Twin):
+                    self._follow(best, branch)
+                else:
+                    self._rebuild(best, branch, other_side=True)
 
     def _stale(self, found: Found) -> Ints:
         """Pairs whose cells stop the motion although nothing touches there; all that moved, where the solver did not get to an end."""
@@ -323,14 +335,35 @@ class Search:
         self.cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
         self.seconds["freespace"] += time.perf_counter() - began
 
-    def _branches(self, best: Found) -> list[Ints]:
-        """Sets of corner contacts to try the other side of: each alone where they are few, and all at once (first, as lists pop last)."""
+    def _follow(self, best: Found, twin: Twin) -> None:
+        """Begin the next round where some joints have gone the way of another one."""
+        bodies = self.ready.bodies
+        legs = []
+        for leg in (*best.legs, best.leg(best.solution.inner)):
+            cells = leg.program.cells
+            program = build(bodies, exchanged(bodies, cells, twin), self.objective, length=self.ready.clearance)
+            points = [followed(bodies, cells, twin, leg.program.motion(point)) for point in leg.points]
+            legs.append(Leg(program, tuple(program.variables(point) for point in points)))
+        self.legs, self.cells = tuple(legs), legs[-1].program.cells
+        self.inner = legs[-1].program.motion(legs[-1].points[-1])
+
+    def _branches(self, best: Found) -> list[Ints | Twin]:
+        """What else to try, the last first.
+
+        Corner contacts from their other side, all at once and, where they are few, each alone; then, in small assemblies, joints that go
+        the way of a congruent one.
+        """
         touch = best.touch
         corners = np.unique(touch.pair[touch.at_end])
         few = len(corners) <= FEW[0] and len(best.motion) <= FEW[1]
         self.branches_left = bool(touch.virtual.any()) or not (few or len(corners) == 0)
         alone = [corners[k : k + 1] for k in range(len(corners))] if few and len(corners) > 1 else []
-        return [*alone, corners] if len(corners) and not self.large else []
+        sides = [*alone, corners] if len(corners) and not self.large else []
+        cells = best.program.cells
+        whole = all(len(leg.program.cells.a) == len(cells.a) for leg in best.legs)
+        small = len(best.motion) <= FEW[1] and whole
+        joints = twins(self.ready.bodies, cells, best.motion, self.ready.clearance) if small else []
+        return [*reversed(joints), *sides]
 
 
 def nudged(program: Program, u: Floats) -> Floats:

@@ -232,16 +232,15 @@ def strangers(bodies: Bodies, arm: Floats, motions: Floats, known: Ints, barred:
         reach = np.cumsum(travel[k:], axis=0)
         many = max(1, int((reach.max(axis=1) < 0.5 * np.median(bodies.radius)).sum()))
         moved = reach[many - 1]
-        geometry = placed(bodies, motions[k])
-        swept = _boxes(geometry, moved)
+        middle = (bodies.rest + motions[k])[:, :2]
+        swept = _squares(middle, bodies.radius + moved)
         a, b = shapely.STRtree(swept).query(swept)
         keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * n + b, seen)
         a, b = a[keep], b[keep]
         passing = _passing(bodies, arm, motions[k : k + many + 1], a, b)
-        middle = (bodies.rest + motions[k])[:, :2]
         near = np.hypot(*(middle[b] - middle[a]).T) - bodies.radius[a] - bodies.radius[b] <= passing
         a, b, passing = a[near], b[near], passing[near]
-        near = shapely.distance(geometry[a], geometry[b]) <= passing
+        near = _distance(bodies, motions[k], a, b) <= passing
         a, b = a[near], b[near]
         for piece in range(k, k + many):
             if len(a):
@@ -291,6 +290,7 @@ def _passing(bodies: Bodies, arm: Floats, motions: Floats, a: Ints, b: Ints) -> 
     return total
 
 
-def _boxes(geometry: NDArray[np.object_], grow: Floats) -> NDArray[np.object_]:
-    bounds = shapely.bounds(geometry)
-    return shapely.box(bounds[:, 0] - grow, bounds[:, 1] - grow, bounds[:, 2] + grow, bounds[:, 3] + grow)
+def _squares(middle: Floats, half: Floats) -> NDArray[np.object_]:
+    """Squares round points (n, 2), `half` (n,) [mm] to each side."""
+    low, high = middle - half[:, None], middle + half[:, None]
+    return shapely.box(*low.T, *high.T)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wiggleroom.program.build import Program
 from wiggleroom.program.retract import Retraction
 from wiggleroom.solve.careful import Careful
-from wiggleroom.solve.factor import Factor, factor
+from wiggleroom.solve.factor import LARGE, Factor, factor
 from wiggleroom.solve.newton import TINY_SHIFT, State, Stop, dot, longest, newton
 from wiggleroom.solve.ridge import beside, uphill
 
@@ -45,6 +45,8 @@ EARLY = 0.05
 BALANCED = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
 LEAST_ITERATIONS, MOST_ITERATIONS, MOST_CAREFUL = 3, 100, 200
+SHARED, ROUGH = 3, 1e-3
+"""So many of the last steps share a factorisation in large programs, where the tolerance is coarser than this."""
 MOST_RIDGES = 2
 """So often the search goes on beside a point that balances on a ridge."""
 PATIENCE = 30
@@ -162,7 +164,8 @@ def solve(
             break
         begin, mu = beside(program, watch.inner[0], up), watch.inner[1]
         watch.back_to_inner()
-    settled = _settle(state, matrix, retraction) if status == "converged" else state
+    shared = SHARED if tolerance > ROUGH and len(begin) > LARGE else 1
+    settled = _settle(state, matrix, retraction, shared) if status == "converged" else state
     inner = watch.legal if status == "failed" and watch.legal else watch.inner
     return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
 
@@ -307,17 +310,23 @@ def _advance(state: State, step: _Step, retraction: Retraction) -> None:
     state.u, state.s, state.lam, state.at = u, s, lam, at
 
 
-def _settle(state: State, matrix: Factor, retraction: Retraction) -> State:
-    """A few short centred steps that remove what is left of the violation; bodies that nothing holds stay where they are."""
+def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int) -> State:
+    """A few short centred steps that remove what is left of the violation; bodies that nothing holds stay where they are.
+
+    Each factorisation serves `shared` steps.
+    """
     mu = dot(state.s, state.lam) / max(len(state.s), 1)
-    for _ in range(6):
+    shift = 0.0
+    for k in range(6):
         primal, dual, _, _ = state.residuals()
         if np.abs(primal).max(initial=0.0) < 1e-12:
             break
-        data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at), 1.0 / state.unit)
-        shift = max(state.shift, 1e-2)
-        while not matrix.update(data, shift):
-            shift *= 10
+        if k % shared == 0:  # the rows are met to first order whatever matrix the step comes from
+            share = state.lam / state.s
+            data = state.at.condensed(share, state.lam, retraction.balance(dual, state.at), 1.0 / state.unit)
+            shift = max(state.shift, 1e-2)
+            while not matrix.update(data, shift):
+                shift *= 10
         du, ds, dl = newton(state, matrix, primal, dual, mu - state.s * state.lam)
         far, dfar = longest(state.s, ds), longest(state.lam, dl)
         _advance(

@@ -65,6 +65,6 @@ def dot(x: Floats, y: Floats) -> float:
 
 
 def longest(x: Floats, dx: Floats) -> float:
-    """Largest step in [0, 1] that keeps x + step * dx >= 0."""
-    shrinking = dx < 0
-    return min(1.0, float((-x[shrinking] / dx[shrinking]).min())) if shrinking.any() else 1.0
+    """Largest step in [0, 1] that keeps x + step * dx >= 0, for x > 0."""
+    fastest = float((dx / x).min(initial=0.0))
+    return 1.0 if fastest > -1.0 else -1.0 / fastest

@@ -1,0 +1,132 @@
+"""Ends of congruent joints, offered to each other: where pairs hang together as a tree, each can take the way of another alone.
+
+A joint may end in several ways that are nearly as good, and which is best depends on the other joints. A pair that is
+congruent to another has the same free space, so the way by which the other went is legal for it too, and in a tree no
+other pair notices.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.cells import Cells, replaced, select
+from wiggleroom.pairs.neighbours import classes, relative_rest
+from wiggleroom.pairs.shapes import Bodies
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+APART = 0.05
+"""Ends of two joints that differ by less than this share of the clearance are the same."""
+MOST = 64
+"""Joints are tried one by one where there are no more tries than this."""
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """Pairs `who` (k,) that take the way of the pair `like`."""
+
+    who: Ints
+    like: int
+
+
+def twins(bodies: Bodies, cells: Cells, motion: Floats, clearance: float) -> list[Twin]:
+    """What to try at the end of a motion (n, 3) [mm, mm, rad]: each end for all joints of its kind, and for each joint alone.
+
+    None where the pairs do not hang together as a tree, or there would be too many.
+    """
+    rest = relative_rest(bodies, cells.a, cells.b)
+    if not _is_tree(bodies, cells):
+        return []
+    _, label = classes(bodies, cells.a, cells.b, rest)
+    end = relative_rest(bodies, cells.a, cells.b, motion) - rest
+    end[:, 2] *= np.maximum(bodies.radius[cells.a], bodies.radius[cells.b])
+    together: list[Twin] = []
+    alone: list[Twin] = []
+    for kind in range(int(label.max(initial=-1)) + 1):
+        same = np.flatnonzero(label == kind)
+        for k, like in enumerate(same):
+            far = np.abs(end[same] - end[like]).max(axis=1) > APART * clearance
+            if not far[:k].all():  # an end that was met before
+                continue
+            others = same[far]
+            if len(others):
+                together.append(Twin(others, int(like)))
+                alone += [Twin(np.array([one]), int(like)) for one in others]
+    return [*together, *alone] if len(together) + len(alone) <= MOST else []
+
+
+def exchanged(bodies: Bodies, cells: Cells, twin: Twin) -> Cells:
+    """The same cells, but `twin.who` with those of `twin.like`."""
+    rest = relative_rest(bodies, cells.a, cells.b)
+    theirs = select(cells, np.full(len(twin.who), twin.like))
+    turns = rest[twin.who] - rest[twin.like]
+    turns[:, :2] = 0.0  # congruent, up to whole turns
+    mine = Cells(
+        cells.a[twin.who],
+        cells.b[twin.who],
+        theirs.row,
+        theirs.kind,
+        theirs.edge,
+        theirs.corner,
+        theirs.ends + turns[:, 2:],
+        theirs.seed + turns,
+    )
+    return replaced(cells, twin.who, mine)
+
+
+def followed(bodies: Bodies, cells: Cells, twin: Twin, motion: Floats) -> Floats:
+    """The motion (n, 3) [mm, mm, rad] in which `twin.who` are where `twin.like` is, and all other pairs where they were."""
+    if not motion.any():  # rest stays rest, to the last digit
+        return motion
+    rest, now = relative_rest(bodies, cells.a, cells.b), relative_rest(bodies, cells.a, cells.b, motion)
+    now[twin.who] = rest[twin.who] + (now[twin.like] - rest[twin.like])
+    pose, out = bodies.rest + motion, motion.copy()
+    for pair, forward in _outwards(bodies, cells):
+        a, b = int(cells.a[pair]), int(cells.b[pair])
+        x, y, turn = now[pair]
+        if forward:
+            pose[b, 2] = pose[a, 2] + turn
+            pose[b, :2] = pose[a, :2] + _turned(pose[a, 2], x, y)
+        else:
+            pose[a, 2] = pose[b, 2] - turn
+            pose[a, :2] = pose[b, :2] - _turned(pose[a, 2], x, y)
+        moved = b if forward else a
+        out[moved] = pose[moved] - bodies.rest[moved]
+    return out
+
+
+def _turned(angle: float, x: float, y: float) -> tuple[float, float]:
+    c, s = np.cos(angle), np.sin(angle)
+    return c * x - s * y, s * x + c * y
+
+
+def _is_tree(bodies: Bodies, cells: Cells) -> bool:
+    """True where every free body hangs on others, or on what is fixed, by one chain of pairs only."""
+    return len(_outwards(bodies, cells)) == len(cells.a)
+
+
+def _outwards(bodies: Bodies, cells: Cells) -> list[tuple[int, bool]]:
+    """Pairs in the order in which they are met from what is fixed, and whether each leads from A to B; none that closes a loop."""
+    at: list[list[tuple[int, int, bool]]] = [[] for _ in bodies.fixed]
+    for pair, (a, b) in enumerate(zip(cells.a.tolist(), cells.b.tolist(), strict=True)):
+        at[a].append((pair, b, True))
+        at[b].append((pair, a, False))
+    known = bodies.fixed.copy()
+    found: list[tuple[int, bool]] = []
+    for root in [*np.flatnonzero(bodies.fixed), *np.flatnonzero(~bodies.fixed)]:
+        if known[root] and not bodies.fixed[root]:
+            continue
+        known[root] = True
+        todo = deque([int(root)])
+        while todo:
+            for pair, other, forward in at[todo.popleft()]:
+                if not known[other]:
+                    known[other] = True
+                    found.append((pair, forward))
+                    todo.append(other)
+    return found
