@@ -40,7 +40,7 @@ export function unpack(): boolean {
     const { flex, frames } = nearest(gap);
     state.rings.value = flex.rings ?? told.opened.parts.map((part) => part.rings);
     state.answer.value = about(flex, [frames]);
-    autoFactor.value = fittingFactor(reach(frames), state.extent.peek().radius, autoFactor.peek());
+    autoFactor.value = fittingFactor(reach(frames, state.radii.peek()), state.extent.peek().radius, autoFactor.peek());
     showAnswer(frames, flex.leaves.length > 0);
   });
   return true;

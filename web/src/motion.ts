@@ -35,17 +35,16 @@ export function along(frames: Frames, t: number, out: Float32Array): Float32Arra
 /** Last frame alone. */
 export const end = (frames: Frames): Float32Array => frames.data.slice((frames.k - 1) * frames.n * 3);
 
-/** Motion between solved gaps: linear between two, in proportion to the gap outside of them; null where nothing is known. */
+/** Motion between solved gaps: linear between two and beyond them, in proportion to the gap below all; null where nothing is known. */
 export function between(solved: readonly { gap: number; end: Float32Array | null }[], gap: number): Float32Array | null {
   const known = solved.filter((one) => one.end !== null);
   const upper = known.findIndex((one) => one.gap >= gap);
   const scaled = (one: { gap: number; end: Float32Array | null }): Float32Array | null =>
     one.gap > 0 ? one.end!.map((v) => (v * gap) / one.gap) : one.end;
   if (known.length === 0) return null;
-  if (upper < 0) return scaled(known.at(-1)!);
-  const above = known[upper]!;
-  if (upper === 0) return scaled(above);
-  const below = known[upper - 1]!;
+  if (upper === 0 || known.length === 1) return scaled(known[0]!);
+  const above = known.at(upper)!; // the last one where all are smaller
+  const below = known.at(upper < 0 ? -2 : upper - 1)!;
   const w = (gap - below.gap) / (above.gap - below.gap);
   return below.end!.map((v, i) => v + w * (above.end![i]! - v));
 }
@@ -55,9 +54,9 @@ export function valueBetween(solved: readonly { gap: number; objective: number |
   const known = solved.filter((one) => one.objective !== null);
   if (known.length === 0) return null;
   const upper = known.findIndex((one) => one.gap >= gap);
-  const one = upper < 0 ? known.at(-1)! : known[upper]!;
-  if (upper <= 0) return one.gap > 0 ? (one.objective! * gap) / one.gap : one.objective;
-  const below = known[upper - 1]!;
+  const one = known.at(known.length === 1 ? 0 : upper)!;
+  if (upper === 0 || known.length === 1) return one.gap > 0 ? (one.objective! * gap) / one.gap : one.objective;
+  const below = known.at(upper < 0 ? -2 : upper - 1)!;
   return below.objective! + ((gap - below.gap) / (one.gap - below.gap)) * (one.objective! - below.objective!);
 }
 
@@ -71,11 +70,11 @@ export function fittingFactor(size: number, radius: number, now = 1): number {
   return best;
 }
 
-/** Largest shift of any part in the last frame [mm]. */
-export function reach(frames: Frames): number {
+/** How far any corner goes in the last frame, at most [mm]; `radii` of the parts about their reference points [mm]. */
+export function reach(frames: Frames, radii: readonly number[]): number {
   let most = 0;
   for (let i = 0, at = (frames.k - 1) * frames.n * 3; i < frames.n; i++, at += 3) {
-    most = Math.max(most, Math.hypot(frames.data[at]!, frames.data[at + 1]!));
+    most = Math.max(most, Math.hypot(frames.data[at]!, frames.data[at + 1]!) + (radii[i] ?? 0) * Math.abs(frames.data[at + 2]!));
   }
   return most;
 }

@@ -191,7 +191,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
     state.answer.value = about;
     if (trouble === "flex") state.findings.value = [];
     if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
-      autoFactor.value = fittingFactor(reach(ways[0]), state.extent.peek().radius, autoFactor.peek());
+      autoFactor.value = fittingFactor(reach(ways[0], state.radii.peek()), state.extent.peek().radius, autoFactor.peek());
       const still = shown.peek().what === "answer" && !reply.leaves.length;
       showAnswer(ways[0], reply.leaves.length > 0, still || shown.peek().what !== "answer");
     }

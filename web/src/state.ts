@@ -53,6 +53,11 @@ export const coloured = signal(true);
 export const current = (about: About<unknown> | null): boolean => about !== null && about.design === design.value;
 export const can = (what: string): boolean => hello.value?.can.includes(what) ?? false;
 
+/** How far each part's outline reaches from its reference point [mm]. */
+export const radii = computed(() =>
+  (drawing.value?.parts ?? []).map(({ at, rings }) => rings.flat().reduce((most, [x, y]) => Math.max(most, Math.hypot(x - at[0], y - at[1])), 0)),
+);
+
 /** Width and height of what was drawn, and half its diagonal [mm]. */
 export const extent = computed(() => {
   const [x0, y0, x1, y1] = drawing.value?.size ?? [0, 0, 1, 1];

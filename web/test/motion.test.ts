@@ -12,14 +12,15 @@ test("a way is followed linearly between its frames, and stays at its ends", () 
   assert.deepEqual([...along({ k: 1, n: 1, data: new Float32Array([5, 6, 7]) }, 0.3, out)], [5, 6, 7]);
 });
 
-test("between solved gaps the motion is linear, outside in proportion to the gap", () => {
+test("between and beyond solved gaps the motion is linear, below them in proportion to the gap", () => {
   const solved = [1, 3].map((gap) => ({ gap, objective: gap * 10, end: new Float32Array([gap, 2 * gap, 0]) }));
   solved.splice(1, 0, { gap: 2, objective: 26, end: new Float32Array([4, 4, 0]) });
   assert.deepEqual([...between(solved, 1.5)!], [2.5, 3, 0]);
   assert.deepEqual([...between(solved, 0.5)!], [0.5, 1, 0]);
-  assert.deepEqual([...between(solved, 6)!], [6, 12, 0]);
+  assert.deepEqual([...between(solved, 6)!], [0, 12, 0]);
   assert.equal(valueBetween(solved, 2.5), 28);
   assert.equal(valueBetween(solved, 0.5), 5);
+  assert.equal(valueBetween(solved, 4), 34);
   assert.equal(between([], 1), null);
 });
 
@@ -30,7 +31,8 @@ test("gaps at which everything comes free have no motion to go between", () => {
 });
 
 test("small motions are enlarged by a round factor that stays while it serves", () => {
-  assert.equal(reach(frames), Math.hypot(4, 4));
+  assert.equal(reach(frames, [0]), Math.hypot(4, 4));
+  assert.equal(reach(frames, [2]), Math.hypot(4, 4) + 2);
   assert.equal(fittingFactor(10, 100), 1);
   assert.equal(fittingFactor(0.5, 100), 20);
   assert.equal(fittingFactor(0.6, 100, 20), 20);

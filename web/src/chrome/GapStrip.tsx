@@ -87,7 +87,7 @@ function Curve({ width, low, most, gap }: { width: number; low: number; most: nu
   const known = solved.value.filter((one) => one.objective !== null && one.gap <= most);
   const high = Math.max(...known.map((one) => one.objective!), 1e-9);
   const y = (v: number): number => HIGH - 4 - (v / high) * (HIGH - 20);
-  const points = [...(known.length && low === 0 ? [{ gap: 0, objective: 0 }] : []), ...known];
+  const points = [...(known.length && low === 0 && known[0]!.gap > 0 && drawing.value!.gap > 0 ? [{ gap: 0, objective: 0 }] : []), ...known];
   const path = points.map((one, i) => `${i ? "L" : "M"}${x(one.gap).toFixed(1)} ${y(one.objective!).toFixed(1)}`).join("");
   const area = points.length > 1 ? `${path}L${x(points.at(-1)!.gap).toFixed(1)} ${HIGH - 4}L${x(points[0]!.gap).toFixed(1)} ${HIGH - 4}Z` : "";
   const free = solved.value.filter((one) => one.objective === null).map((one) => one.gap);

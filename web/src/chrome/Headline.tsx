@@ -51,6 +51,7 @@ function said(): Said {
   if (!about) return { title: goals.value.map(ask).slice(0, 2).join(", "), line: waiting.value ? "solving" : "no answer", tone: "guess" };
   const { headline, verdict, collision_free, path, settled } = about.reply;
   const sure = [settled ? verdict : "settling", collision_free ? "no overlap" : "parts overlap", path === "checked" ? "way checked" : "way not checked"];
+  if (factor() > 1) sure.push(`motion shown ×${factor()}`);
   return { title: headline, line: sure.join(" · "), tone: about.reply.objective === null ? "warn" : about.design === design.value ? "" : "guess" };
 }
 
