@@ -155,5 +155,5 @@ def _with_room(ready: Prepared) -> Prepared:
     if not len(pairs):
         return ready
     room = np.full(len(pairs), ready.clearance)
-    grown = cells_at(ready.bodies, ready.cells.a[pairs], ready.cells.b[pairs], room)
+    grown = cells_at(ready.assembly, ready.bodies, ready.cells.a[pairs], ready.cells.b[pairs], room)
     return replace(ready, cells=replaced(ready.cells, pairs, grown))
