@@ -108,7 +108,9 @@ class Designs:
         wrong = [f"{what}: {unknown(n, names)}" for what, some in named.items() for n in some if n not in names]
         if wrong:
             raise InputError(wrong)
-        drawing = self.drawing
+        drawing = replace(
+            self.drawing, goals=()
+        )  # what is asked comes with the question: a pulled part may be fixed now
         if fixed is not None:
             drawing = replace(drawing, parts=tuple(replace(p, fixed=p.name in fixed) for p in drawing.parts))
         return drawing if glue is None else replace(drawing, glue=tuple(tuple(group) for group in glue))
