@@ -133,6 +133,18 @@ def test_commands_say_what_is_on_screen(
         assert found == pytest.approx(reply["objective"], rel=1e-9)
 
 
+def test_commands_say_names_that_look_like_options(
+    page: Visit, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    odd = PEG.replace("frame", "-f, 'r'").replace('id="peg"', 'id="--p:+x@1"')
+    Path("a peg.svg").write_text(odd, encoding="utf-8")
+    page.open("a peg.svg", odd.encode())
+    page.design = {"gap": 0.4, "fixed": ["-f, 'r'"], "goals": [{"part": "--p:+x@1", "turn": "cw"}]}
+    reply = page.ask("flex")
+    assert objective(reply["command"], monkeypatch, capsys) == pytest.approx(reply["objective"], rel=1e-9)
+
+
 def objective(command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> float:
     """What a command finds, by the program itself."""
     words = shlex.split(command)

@@ -48,7 +48,7 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
     found += ["--gap", f"{gap:.12g}"]
     for part in design.fixed:
         if part not in before:
-            found.append(f"--fix={part}")
+            found += _option("--fix", part)
     asked = _goals(file, design) if pulled else []
     return None if asked is None else [*found, *asked]
 
@@ -63,10 +63,15 @@ def _goals(file: File, design: Design) -> list[str] | None:
         if entry.weight != 1 or entry.w is not None:
             return None
         if entry.turn is not None:
-            found.append(f"--turn={entry.part}:{entry.turn}")
+            found += _option("--turn", f"{entry.part}:{entry.turn}")
         else:
-            found.append(f"--pull={entry.part}:{_way(entry)}")
+            found += _option("--pull", f"{entry.part}:{_way(entry)}")
     return found if found else None
+
+
+def _option(name: str, value: str) -> list[str]:
+    """An option and its value, in one word where the value looks like an option."""
+    return [f"{name}={value}"] if value.startswith("-") else [name, value]
 
 
 def _way(entry: PullEntry) -> str:
