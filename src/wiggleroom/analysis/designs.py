@@ -108,7 +108,9 @@ class Designs:
         wrong = [f"{what}: {unknown(n, names)}" for what, some in named.items() for n in some if n not in names]
         if wrong:
             raise InputError(wrong)
-        drawing = self.drawing
+        drawing = replace(
+            self.drawing, goals=()
+        )  # what is asked comes with the question: a pulled part may be fixed now
         if fixed is not None:
             drawing = replace(drawing, parts=tuple(replace(p, fixed=p.name in fixed) for p in drawing.parts))
         return drawing if glue is None else replace(drawing, glue=tuple(tuple(group) for group in glue))
@@ -155,5 +157,5 @@ def _with_room(ready: Prepared) -> Prepared:
     if not len(pairs):
         return ready
     room = np.full(len(pairs), ready.clearance)
-    grown = cells_at(ready.bodies, ready.cells.a[pairs], ready.cells.b[pairs], room)
+    grown = cells_at(ready.assembly, ready.bodies, ready.cells.a[pairs], ready.cells.b[pairs], room)
     return replace(ready, cells=replaced(ready.cells, pairs, grown))

@@ -23,6 +23,7 @@ from wiggleroom.analysis.warm import State, Until, Warm, at_rest, pushed, warm
 from wiggleroom.analysis.wiggle import modes
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.statements import statement_findings
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import InputError
 from wiggleroom.program.gaps import carried
@@ -100,7 +101,7 @@ class Live:
         Returns
         -------
         Assembly
-            The parts as they are made.
+            The parts as they are made; without goals, which come with the questions.
 
         Raises
         ------
@@ -256,7 +257,7 @@ class Live:
         """
         body = None
         if part is not None:
-            self._asked((Towards(part, (0.0, 0.0)),))
+            self._asked(Towards(part, (0.0, 0.0)))
             body = int(self.ready.bodies.body_of[self.assembly.names.index(part)])
         return modes(self.ready, body, count, stop)
 
@@ -270,8 +271,10 @@ class Live:
     def _asked(self, goals: Goal | Sequence[Goal] | None) -> tuple[Goal, ...]:
         """Goals, once it is sure that they make sense."""
         its = self.assembly
-        asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
-        findings = role_findings(replace(its.drawing, goals=asked))
+        said = self._designs.drawing.goals
+        asked = said if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+        drawing = replace(its.drawing, goals=asked)
+        findings = (*role_findings(drawing), *statement_findings(drawing))
         if findings:
             raise InputError(findings)
         return asked

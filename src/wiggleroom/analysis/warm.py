@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
-from wiggleroom.analysis.search import AGAIN, ROUGH, Found, Progress, Search
+from wiggleroom.analysis.search import AGAIN, FINE, ROUGH, Found, Progress, Search
 from wiggleroom.analysis.way import strangers
 from wiggleroom.freespace.cells import Cells, select
 from wiggleroom.program.build import build
@@ -25,6 +25,8 @@ Ints = NDArray[np.int64]
 
 NEAR = 1e-3
 """Share of the objective that a live answer may leave on the table."""
+SEEN = 5e-3
+"""A drag ends within this share of the clearance of where it could."""
 LEFT = 0.5
 """Share of that which virtual walls may hold back, were they all to give way by a clearance."""
 FIRST = 3e-3
@@ -34,7 +36,7 @@ SOME = 8
 ROOM, LEAST_ROOM, SOFTER, MOST_PUSHES = 2e-3, 1e-6, 1e-6, 8
 """Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
 ENDED = ("converged", "enough")
-LEAST_ASKED = 4
+LEAST_ASKED = 8
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
 MOST_TRIES = 3
 """So often a shot is begun again because a part may meet another on its way that was not thought of."""
@@ -97,36 +99,46 @@ class Warm(Search):
     """The search from a state. Other sides of corner contacts are not tried; the way from the state is looked at by `reach`."""
 
     state: State | None = None
+    precise: bool = False
+    last: Found | None = None
+    near: bool = False
+    done: bool = False
 
     def begin(self) -> None:
         """Begin at the state, knowing of no way before it."""
         state = self.state or at_rest(self.ready)
         self.cells, self.inner, self.first_mu = state.cells, state.inner, state.mu
-        self.legs, self.best = (), None
+        self.legs, self.best, self.last = (), None, None
 
     def run(self) -> None:
-        """Go through the rounds: roughly while that brings something, then once as well as a picture needs."""
-        near = self.state is not None and self.state.near
-        tolerance, mu = NEAR if near else ROUGH, self.first_mu
+        """Go through the rounds: roughly while that brings something, then as well as a picture needs."""
+        self.near, mu, self.done = self.state is not None and self.state.near, self.first_mu, False
         while self.rounds < MOST_ROUNDS:
-            found = self._round(tolerance, mu)
-            if self.stopped:
+            self.last = found = self._round(self._tolerance if self.near else ROUGH, mu)
+            if found.solution.status == "stopped":
                 self._keep(found)
                 return
             if self._add_missed(found):
                 continue
             gained = self._keep(found)
-            if self.unlimited or found.solution.status == "enough":
-                return
             best = self.best or found
             stale, mu = self._stale(best), AGAIN * best.solution.inner_mu
-            if gained and len(stale):
-                self._rebuild(best, stale)
-            elif tolerance == ROUGH:
-                tolerance = NEAR
-                self._rebuild(best, stale)
-            else:
+            again = gained and len(stale) > 0
+            if self.unlimited or found.solution.status == "enough" or (self.near and not again):
+                break
+            self.near = self.near or not again
+            self._rebuild(best, stale)
+            if self.stopped:
                 return
+        self.done = True
+
+    @property
+    def _tolerance(self) -> float:
+        """Of the last rounds: a drag that gained much may still have little left to gain, which should be seen."""
+        if not self.precise or self.best is None or self.best.value <= 0:
+            return NEAR
+        pull = float(np.abs(self.objective.gradient(self.best.motion)[:, :2]).max())
+        return float(np.clip(SEEN * self.ready.clearance * pull / self.best.value, FINE, NEAR))
 
     def _stale(self, found: Found) -> Ints:
         """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
@@ -142,7 +154,7 @@ class Warm(Search):
         """Search, and return the state that was reached, and whether the search came to its end.
 
         The motion of the new state is free of overlap and no pair outside the program can have met on the way to it; where none was
-        found, it is that of the old state.
+        found that is better, it is that of the old state.
         """
         before = self.state or at_rest(self.ready)
         for _ in range(MOST_TRIES):
@@ -150,12 +162,13 @@ class Warm(Search):
             found = self.best
             if found is None:
                 break
-            settled = found.solution.status in ENDED and not self.stopped
             motion = self._end(found)
-            if motion is not None:
-                return self._state(found, motion), settled
-            if self.stopped:
-                break
+            if motion is None and not self.stopped:
+                continue
+            settled = self.done and motion is not None
+            if motion is None or (not settled and self.objective.value(motion) < self.objective.value(before.motion)):
+                motion = before.motion
+            return self._state(motion, before), settled
         return replace(before, cells=self.cells, inner=self.inner, mu=FIRST_MU), False
 
     @property
@@ -190,12 +203,12 @@ class Warm(Search):
             self.add(extra // n, extra % n, found.motion)
         return len(a) > 0
 
-    def _state(self, found: Found, motion: Floats) -> State:
+    def _state(self, motion: Floats, before: State) -> State:
         """The state at a motion, without the pairs that were added on the way and are far apart now."""
-        if found.program.cells is self.cells:
-            inner, mu = found.program.motion(found.solution.inner), found.solution.inner_mu
-        else:  # stopped in a later round, which begins here
-            inner, mu = self.inner, found.solution.inner_mu
+        inner, mu, last = self.inner, self.first_mu, self.last
+        if last is not None and last.program.cells is self.cells:
+            inner = last.program.motion(last.solution.inner)
+            mu = last.solution.inner_mu if last.solution.status == "stopped" else AGAIN * last.solution.inner_mu
         cells, first = self.cells, len(self.ready.cells.a)
         late = np.arange(len(cells.a)) >= first
         place, radius = (self.ready.bodies.rest + motion)[:, :2], self.ready.bodies.radius
@@ -203,13 +216,15 @@ class Warm(Search):
         far = late & (apart > REACH * self.ready.clearance)
         if far.any():
             cells = select(cells, np.flatnonzero(~far))
-        linked = self.state is None or self.state.linked
-        return State(cells, inner, motion, max(AGAIN * mu, FIRST), linked=linked)
+        return State(
+            cells, inner, motion, mu if not self.done else max(mu, FIRST), self.near and not self.done, before.linked
+        )
 
 
-def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None, enough: float = np.inf) -> Warm:
-    """Return a search that begins at a state, and ends where the objective is worth `enough`."""
-    return Warm(ready, objective, partial(solve, enough=enough), stop, _silent, thorough=False, state=state)
+def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None, enough: float | None = None) -> Warm:
+    """Return a search that begins at a state; a drag, where it ends once the objective is worth `enough`."""
+    solver = solve if enough is None else partial(solve, enough=enough)
+    return Warm(ready, objective, solver, stop, _silent, thorough=False, state=state, precise=enough is not None)
 
 
 def pushed(ready: Prepared, state: State) -> State | None:

@@ -23,6 +23,8 @@ SOFT = 1e-9
 """Share of the mean stiffness that is added everywhere: bodies that nothing holds would else have none."""
 VISIBLE = 0.05
 """A freedom that moves no corner by this share of the clearance is none."""
+SIDEWAYS = 1e-3
+"""Directions with less than this share beside the freedoms already found are none."""
 ALIKE = 0.95
 """Freedoms whose ends agree to this cosine are one."""
 FRAMES = 12
@@ -42,9 +44,13 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
     """
     program = build(ready.bodies, ready.cells, NOTHING, length=ready.clearance)
     found: list[tuple[Mode, Floats]] = []
-    for direction in _directions(program, body, count):
+    gone: list[Floats] = []  # directions of the freedoms found: what leads along them is no new one
+    for towards in _directions(program, body, count):
         if len(found) == count or (stop is not None and stop.is_set()):
             break
+        direction = towards - sum((towards @ g) * g for g in gone)
+        if np.linalg.norm(direction) < SIDEWAYS * np.linalg.norm(towards):
+            continue
         one, far = _end(ready, program, direction, stop)
         other, further = _end(ready, program, -direction, stop)
         ends = np.concatenate([one[-1].ravel(), other[-1].ravel()])
@@ -60,6 +66,11 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
         most = [b for b in np.argsort(-size, kind="stable")[:MOST_NAMED] if size[b] > 0.3 * size.max()]
         names = tuple(ready.assembly.names[p] for b in most for p in ready.bodies.members[b])
         shown = part_motions(ready.assembly, ready.bodies, frames)
+        for end in (one[-1], other[-1]):
+            along = program.variables(end)
+            along = along - sum((along @ g) * g for g in gone)
+            if np.linalg.norm(along) > 0:
+                gone.append(along / np.linalg.norm(along))
         found.append((Mode(float(size.max()), names, shown, not (far or further)), ends))
     found.sort(key=lambda m: (m[0].ends, -m[0].size))
     return tuple(mode for mode, _ in found)
