@@ -161,6 +161,42 @@ def test_a_dragged_part_stops_where_it_must_and_what_holds_it_lights_up(browser:
         answered(page, "peg moves 1 mm in +x")
 
 
+def test_the_arrow_can_be_turned_and_taken_to_another_part(browser: Any) -> None:
+    path = EXAMPLES / "02_chain_of_tees" / "chain.json"
+    truth = wr.flex(wr.read(str(path)), wr.Pull("b10", (1, 0))).objective
+    with serving(path) as served, visiting(browser, served) as page:
+        answered(page, "b10 moves")
+        x, y = still(page)
+        box = canvas(page)
+        page.mouse.move(box["x"] + x, box["y"] + y - 66)  # the head of a pull in +y
+        page.mouse.down()
+        page.mouse.move(box["x"] + x + 60, box["y"] + y - 40, steps=5)
+        page.mouse.move(box["x"] + x + 70, box["y"] + y + 2, steps=5)  # drawn to the axis, which is near
+        page.mouse.up()
+        answered(page, f"b10 moves {truth:.4g} mm in +x")
+        names = page.locator(".rows .name")
+        assert names.all_inner_texts() == ["b10"]
+        x, y = still(page)
+        page.mouse.move(box["x"] + x, box["y"] + y)
+        page.mouse.down()
+        page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + y, steps=8)
+        page.mouse.up()
+        page.locator("#answer", has_text=re.compile(r"b[4-7] at .* moves")).wait_for()
+        page.keyboard.press("Control+z")
+        answered(page, f"b10 moves {truth:.4g} mm in +x")
+
+
+def test_a_dropped_file_is_opened(browser: Any) -> None:
+    with serving(None) as served, visiting(browser, served) as page:
+        page.get_by_text("Drop a drawing here").wait_for()
+        script = """text => { const carried = new DataTransfer();
+            carried.items.add(new File([text], 'dropped.json', {type: 'application/json'}));
+            window.dispatchEvent(new DragEvent('drop', {dataTransfer: carried, bubbles: true, cancelable: true})); }"""
+        page.evaluate(script, json.dumps(PEG))
+        answered(page, "peg moves 1 mm in +x")
+        assert page.title() == "dropped.json · wiggleroom"
+
+
 def test_the_gap_leads_to_new_poses_and_the_curve_grows(browser: Any, peg: Served) -> None:
     with visiting(browser, peg) as page:
         answered(page, "peg moves 1 mm")

@@ -19,7 +19,8 @@ if (process.argv.includes("--tests")) {
   const out = `${here}../src/wiggleroom/report/web`;
   await mkdir(out, { recursive: true });
   const page = { ...common, minify: true, legalComments: "none", charset: "utf8" };
-  await build({ ...page, entryPoints: { page: `${here}src/main.tsx` }, outdir: out, external: ["./space-view.js"] });
+  const banner = { js: "/* Built from web/src. Holds Preact and @preact/signals: MIT licence, (c) 2015-present Jason Miller, (c) 2022-present Preact Team. */" };
+  await build({ ...page, banner, entryPoints: { page: `${here}src/main.tsx` }, outdir: out, external: ["./space-view.js"] });
   await build({ ...page, legalComments: "eof", entryPoints: { "space-view": `${here}src/space3d.ts` }, outdir: out });
   await build({ ...page, entryPoints: { page: `${here}src/page.css` }, outdir: out });
   await copyFile(`${here}index.html`, `${out}/index.html`);

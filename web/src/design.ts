@@ -58,13 +58,16 @@ export const goals = computed(() => list(design.value.goals));
 export const fixedNames = computed(() => new Set(design.value.fixed));
 export const pulledNames = computed(() => new Set(goals.value.map((goal) => goal.part)));
 
+/** Fixes a part, which then cannot be pulled any more; or lets it go. */
 export function toggleFixed(name: string): void {
   const { fixed } = design.value;
-  change({ fixed: fixed.includes(name) ? fixed.filter((other) => other !== name) : [...fixed, name] });
+  if (fixed.includes(name)) change({ fixed: fixed.filter((other) => other !== name) });
+  else change({ fixed: [...fixed, name], ...(pulledNames.value.has(name) && { goals: goals.value.filter((goal) => goal.part !== name) }) });
 }
 
 export function setGoal(index: number, goal: Goal, merge = ""): void {
-  change({ goals: goals.value.map((old, i) => (i === index ? goal : old)) }, merge);
+  const fixed = design.value.fixed.filter((name) => name !== goal.part); // what is pulled must not stand
+  change({ goals: goals.value.map((old, i) => (i === index ? goal : old)), ...(fixed.length < design.value.fixed.length && { fixed }) }, merge);
 }
 
 export function removeGoal(index: number): void {

@@ -14,6 +14,13 @@ import { Section } from "./Section.tsx";
 type Column = "order" | "name" | "extra" | "matters";
 const PAGE = 150;
 
+/** Of one part: its share of the sum, and what a tighter gap brings where that differs. */
+function share(one?: { percent: number; mm_per_mm: number; tighter?: number }): string {
+  if (!one) return "";
+  const other = one.tighter !== undefined && Math.abs(one.tighter - one.mm_per_mm) > 1e-3 * Math.abs(one.mm_per_mm);
+  return `${number(one.percent, 3)} % of the sum${other ? `; ${number(one.tighter!, 3)} mm per mm if tighter` : ""}`;
+}
+
 export function Gaps() {
   const column = useSignal<Column>("order");
   const down = useSignal(true);
@@ -80,7 +87,7 @@ export function Gaps() {
                 </button>
               </td>
               <td><NumberBox value={design.value.extra[name] ?? 0} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} disabled={baked.value} /></td>
-              {about && <td class="bar"><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
+              {about && <td class="bar" title={share(about.reply.parts[name])}><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
             </tr>
           ))}
         </tbody>
