@@ -12,7 +12,8 @@ import * as state from "./state.ts";
 let socket: Socket | null = null;
 const asked = new Map<number, Design>();
 let quick: { since: number; again: boolean } | null = null;
-let drag: { since: number; next: Requests["drag"] | null } | null = null;
+/** The drag under way; what comes of others is dropped, also what comes late. */
+let drag: { id: number; since: number; answered: boolean; next: Requests["drag"] | null } | null = null;
 
 /** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
 const PATIENCE = 600;
@@ -53,13 +54,14 @@ function preview(gap: number): void {
   if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
 }
 
-export function ask<K extends Kind>(kind: K, body: Requests[K]): boolean {
+/** Sends a request and gives its number; 0 while there is no line. */
+export function ask<K extends Kind>(kind: K, body: Requests[K]): number {
   const id = socket?.ask(kind, body) ?? 0;
-  if (!id) return false;
+  if (!id) return 0;
   if ("design" in body) asked.set(id, body.design as Design);
   for (const old of asked.keys()) if (old < id - 500) asked.delete(old);
   setRunning(kind, true);
-  return true;
+  return id;
 }
 
 function setRunning(kind: string, on: boolean): void {
@@ -78,7 +80,7 @@ export function cancel(kind: Kind): void {
 /** Asks for the largest motion, or only for the outlines where nothing is asked. */
 export function askFlex(): void {
   const wanted = design.peek();
-  state.dragged.value = null;
+  endDrag();
   if (typeof wanted.goals !== "string" && wanted.goals.length === 0) {
     state.answer.value = null;
     show({ what: "rest", frames: null, label: "", back: false });
@@ -89,7 +91,7 @@ export function askFlex(): void {
     quick.again = true;
     return;
   }
-  state.waiting.value = ask("flex", { design: wanted, thorough: false });
+  state.waiting.value = ask("flex", { design: wanted, thorough: false }) > 0;
   quick = state.waiting.value ? { since: performance.now(), again: false } : null;
 }
 
@@ -97,11 +99,12 @@ export function askFlex(): void {
 export function askDrag(part: string, grip: Point, target: Point): void {
   const from = shown.peek().what === "drag" ? "here" : "rest";
   const wanted = { design: design.peek(), part, grip, target, from } as const;
-  if (drag && performance.now() - drag.since < PATIENCE) {
+  if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
     drag.next = wanted;
     return;
   }
-  drag = ask("drag", wanted) ? { since: performance.now(), next: null } : null;
+  const id = ask("drag", wanted);
+  drag = id ? { id, since: performance.now(), answered: false, next: null } : null;
 }
 
 export function release(): void {
@@ -109,9 +112,15 @@ export function release(): void {
   setRunning("release", false);
 }
 
+function endDrag(): void {
+  if (drag && state.running.peek().has("drag")) cancel("drag");
+  drag = null;
+  state.dragged.value = null;
+}
+
 /** Back to the answer, or to rest where nothing is asked. */
 export function back(): void {
-  state.dragged.value = null;
+  endDrag();
   const known = state.answer.peek();
   if (known?.ways[0]) showAnswer(known.ways[0], known.reply.leaves.length > 0);
   else show({ what: "rest", frames: null, label: "", back: false });
@@ -209,8 +218,10 @@ function stepped(gap: number, objective: number | null, verdict: string, way?: F
 }
 
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
-  const next = drag?.next;
-  drag = null;
+  if (!drag || drag.id !== about.reply.id) return;
+  const { next } = drag;
+  drag.next = null;
+  drag.answered = true;
   if (about.reply.rings) state.rings.value = about.reply.rings;
   if (about.design === design.peek() && about.ways[0]) {
     state.dragged.value = about;
