@@ -296,6 +296,7 @@ function failed(of: string, lines: string[]): void {
     quick = null;
     state.waiting.value = false;
     state.answer.value = null;
+    if (shown.peek().what !== "drag") show({ what: "rest", frames: null, label: "", back: false });
   }
   if (of === "drag") drag = null;
   if (of === "open") {

@@ -38,10 +38,17 @@ export function zoomBy(factor: number, at?: [number, number]): void {
   const whole = Math.max(x1 - x0, y1 - y0, 1e-9) * next.scale;
   if (whole < 30 || whole > 4e6) return;
   fitted.value = false;
-  view.value = next;
+  view.value = kept(next);
 }
 
 export function panBy(dx: number, dy: number): void {
   fitted.value = false;
-  view.value = panned(view.value, dx, dy);
+  view.value = kept(panned(view.value, dx, dy));
+}
+
+/** The view moved back so far that some of the drawing stays in it. */
+function kept(next: View): View {
+  const [x0, y0, x1, y1] = content.value;
+  const [wide, high] = [(0.4 * size.value.width) / next.scale, (0.4 * size.value.height) / next.scale];
+  return { ...next, x: Math.min(Math.max(next.x, x0 - wide), x1 + wide), y: Math.min(Math.max(next.y, y0 - high), y1 + high) };
 }
