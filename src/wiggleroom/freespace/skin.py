@@ -8,6 +8,7 @@ corners of its loops. Nobody has to believe how it was found.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -23,18 +24,18 @@ from wiggleroom.freespace.zipper import Crossings, Loop, Seam, deepest, loop_of,
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-OUTSETS = ((3e-4, 1.0), *((3e-4 * 2**k, 2.0 ** (-5 - k)) for k in range(1, 6)))
+OUTSETS = ((3e-4, 1.0), *((3e-4 * 2**k, 2.0 ** (-8 - k)) for k in range(1, 4)))
 """Loops run so far behind the walls, as shares of the clearance: the first that can be joined, the later ones only where steps are so small."""
-FIRST, NARROWEST = 1 / 16, 2.0**-20
+FIRST, NARROWEST = 1 / 64, 2.0**-20
 """The first step of the angle, and the least, as shares of the range of turns."""
 DEEP = 0.01
 """Along a loop edges cross at least so deep, as a share of its outset: so neighbouring loops can still be joined."""
-MITRES = (10.0, 25.0, 100.0)
-"""Acute corners of loops run on for at most so many outsets; the first that can be joined."""
+MITRE = 10.0
+"""Acute corners of loops run on for at most so many outsets."""
 BEYOND = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 """A loop may shrink to a point this share of the whole turn further, where walls have closed well over it."""
-INSETS = (0.1,)
-"""Chords lie so far inside their part, as a share of the least outset."""
+INSETS = (1e-3, 1e-2, 0.1)
+"""Chords lie so far inside their part, as shares of the least outset; the first that a skin is found with."""
 MOST_LOOPS = 1200
 
 
@@ -45,6 +46,8 @@ class Skin:
     Parameters
     ----------
     facing : Facing
+    crossings : Crossings
+        The chords that the seams name.
     loops : tuple of Loop
         From the least angle to the greatest.
     seams : tuple of Seam
@@ -52,6 +55,7 @@ class Skin:
     """
 
     facing: Facing
+    crossings: Crossings
     loops: tuple[Loop, ...]
     seams: tuple[Seam, ...]
 
@@ -82,32 +86,31 @@ class Skin:
         return points, np.zeros(len(points), dtype=np.int64)
 
 
-def skin(outer: Outer) -> Skin | None:
-    """Skin round rest; None where none was found, for example where a slice has several pieces."""
+def skin(outer: Outer, over: Callable[[], bool]) -> Skin | None:
+    """Skin round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
     facing = outer.facing
     window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in outer.pieces)
-    unit = OUTSETS[0][0] * facing.clearance
-    crossings = Crossings(
-        *(np.vstack([chords(g, k * unit, facing.clearance) for k in INSETS]) for g in (facing.a, facing.b))
-    )
-    start = _loop(facing, crossings, _pieces(facing, 0.0, window, shapely.Point(0, 0)), 0.0, OUTSETS[0][0], MITRES[0])
-    if start is None:
-        return None
-    up, down = (_half(facing, crossings, start, window, end) for end in (outer.turns[1], outer.turns[0]))
-    if up is None or down is None:
-        return None
-    loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
-    seams = (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up))
-    return Skin(facing, loops, seams)
+    for inset in INSETS:
+        depth = inset * OUTSETS[0][0] * facing.clearance
+        crossings = Crossings(*(chords(g, depth, facing.clearance) for g in (facing.a, facing.b)))
+        start = _loop(facing, crossings, _pieces(facing, 0.0, window, shapely.Point(0, 0)), 0.0, OUTSETS[0][0])
+        if start is None or over():
+            continue
+        up = _half(facing, crossings, start, window, outer.turns[1], over)
+        down = None if up is None else _half(facing, crossings, start, window, outer.turns[0], over)
+        if up is not None and down is not None:
+            loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
+            return Skin(facing, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up)))
+    return None
 
 
 def _half(
-    facing: Facing, crossings: Crossings, start: Loop, window: float, end: float
+    facing: Facing, crossings: Crossings, start: Loop, window: float, end: float, over: Callable[[], bool]
 ) -> list[tuple[Loop, Seam]] | None:
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
     here, step = start, FIRST * end
-    while len(done) < MOST_LOOPS and abs(step) > NARROWEST * abs(end) and abs(here.angle) < 2 * abs(end) + 0.1:
+    while not over() and len(done) < MOST_LOOPS and abs(step) > NARROWEST * abs(end) and abs(here.angle) < 2 * abs(end) + 0.1:
         found = _next(facing, crossings, here, here.angle + step, window, abs(step / end), end)
         if found is None:
             step /= 2
@@ -127,7 +130,7 @@ def _next(
     if not len(pieces):
         some = (p for k in BEYOND for p in _ends(crossings, here, angle + k * whole))
     else:
-        some = (_loop(facing, crossings, pieces, angle, o, m) for o, most in OUTSETS if share <= most for m in MITRES)
+        some = (_loop(facing, crossings, pieces, angle, o) for o, most in OUTSETS if share <= most)
     for there in some:
         seam = None if there is None else zipped(crossings, here, there)
         if there is not None and seam is not None:
@@ -143,11 +146,11 @@ def _pieces(facing: Facing, angle: float, window: float, met: shapely.Geometry) 
 
 
 def _loop(
-    facing: Facing, crossings: Crossings, pieces: NDArray[np.object_], angle: float, outset: float, mitre: float
+    facing: Facing, crossings: Crossings, pieces: NDArray[np.object_], angle: float, outset: float
 ) -> Loop | None:
     """Loop a little behind the walls of some free pieces; None where they lie apart or no edges cross somewhere along it."""
     off = outset * facing.clearance
-    grown = shapely.buffer(shapely.union_all(pieces).simplify(off / 4), off, join_style="mitre", mitre_limit=mitre)
+    grown = shapely.buffer(shapely.union_all(pieces).simplify(off / 4), off, join_style="mitre", mitre_limit=MITRE)
     if grown.geom_type != "Polygon":
         return None
     ring = shapely.get_coordinates(shapely.orient_polygons(grown).exterior)[:-1]

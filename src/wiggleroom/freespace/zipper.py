@@ -1,4 +1,4 @@
-"""Joining two loops by tracks such that between neighbouring tracks one named pair of edges crosses at every angle."""
+"""Joining two loops by tracks such that between neighbouring tracks one named pair of chords crosses at every angle."""
 
 from __future__ import annotations
 
@@ -30,25 +30,25 @@ class Loop:
 
 @dataclass(frozen=True, eq=False)
 class Seam:
-    """Tracks (k + 1, 2): corners of the first loop and of the second; the last is the first again. Edges (k, 2) of A and B between them."""
+    """Tracks (k + 1, 2): corners of the first loop and of the second; the last is the first again. Chords (k, 2) of A and B between them."""
 
     tracks: Ints
-    edges: Ints
+    chords: Ints
 
     def reversed(self) -> Seam:
         """The same seen from the second loop."""
-        return Seam(self.tracks[:, ::-1], self.edges)
+        return Seam(self.tracks[:, ::-1], self.chords)
 
 
 @dataclass(frozen=True, eq=False)
 class Crossings:
-    """Edges (n, 2, 2) of A and (m, 2, 2) of B [mm], B's as at rest."""
+    """Chords (n, 2, 2) of A and (m, 2, 2) of B [mm], B's as at rest."""
 
     a: Floats
     b: Floats
 
     def at(self, angle: float, low: Floats, high: Floats) -> Depths:
-        """Where edges cross, for the pairs that cross somewhere in the box from `low` to `high`."""
+        """Where chords cross, for the pairs that cross somewhere in the box from `low` to `high`."""
         b = turn(self.b.reshape(-1, 2), np.full(2 * len(self.b), angle)).reshape(-1, 2, 2)
         fits = np.ones((len(self.a), len(b)), dtype=bool)
         for k in (0, 1):
@@ -60,7 +60,7 @@ class Crossings:
 
 @dataclass(frozen=True, eq=False)
 class Depths:
-    """Pairs of edges, and how deep inside the parallelogram of translations at which they cross something lies."""
+    """Pairs of chords, and how deep inside the parallelogram of translations at which they cross something lies."""
 
     i: Ints
     j: Ints
@@ -68,7 +68,7 @@ class Depths:
     b: Floats
 
     def forms(self) -> tuple[Floats, Floats]:
-        """Normals (E, 4, 2) and levels (E, 4) [mm]: the edges cross where normal . tau + level > 0, all four."""
+        """Normals (E, 4, 2) and levels (E, 4) [mm]: the chords cross where normal . tau + level > 0, all four."""
         go, on = self.a[:, 1] - self.a[:, 0], self.b[:, 1] - self.b[:, 0]
         size, length = np.hypot(*go.T), np.hypot(*on.T)
         way = np.where(_cross(go, on) >= 0, 1.0, -1.0)
@@ -96,7 +96,7 @@ def _cross(p: Floats, q: Floats) -> Floats:
 
 
 def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float) -> Loop | None:
-    """Loop with corners added so that along each of its sides one pair of edges crosses, `deep` [mm]; None where there is no such pair."""
+    """Loop with corners added so that along each of its sides one pair of chords crosses, `deep` [mm]; None where there is no such pair."""
     normal, level = crossings.at(angle, ring.min(0), ring.max(0)).forms()
     corners: list[Floats] = []
     for start, end in zip(ring, np.roll(ring, -1, 0), strict=True):
@@ -177,7 +177,7 @@ def _values(depths: Depths, at: Floats) -> Floats:
 
 
 def _tracks(depths: Depths, first: Floats, second: Floats, one: Loop, two: Loop) -> Bools:
-    """Which pairs of edges cross all along the track from corner i of one loop to corner j of the other (m, n, E)."""
+    """Which pairs of chords cross all along the track from corner i of one loop to corner j of the other (m, n, E)."""
     width = abs(two.angle - one.angle)
     go = two.at[None] - one.at[:, None]
     long = np.hypot(go[..., 0], go[..., 1])

@@ -75,7 +75,11 @@ class Ranges:
 
 
 class NothingLeft(Exception):  # noqa: N818
-    """No motion lies in the given ranges."""
+    """No motion lies in the given ranges: they leave this pair no turn."""
+
+    def __init__(self, pair: int) -> None:
+        super().__init__(pair)
+        self.pair = pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +95,8 @@ class Linear:
     cost : (n,) float64
     unit : (n,) float64
         A variable times its unit is [mm] or [rad].
+    scale : (m,) float64
+        Factor of each row.
     turn : (bodies,) int64
         Column of each body's turn, -1 where it has none.
     facet : (R, 2) int64
@@ -106,6 +112,7 @@ class Linear:
     most: Floats
     cost: Floats
     unit: Floats
+    scale: Floats
     turn: Ints
     facet: Ints
     cut: dict[int, Facets]
@@ -208,6 +215,7 @@ class _Builder:
             most / unit,
             self._cost(goal, len(least)) * unit,
             unit,
+            scale,
             turns,
             facet,
             self.cut,
@@ -272,7 +280,7 @@ class _Builder:
         """Facets of a pair in the world's axes at rest."""
         found = facets(self.regions[self.links.kind[p]], low, high)
         if found is None:
-            raise NothingLeft
+            raise NothingLeft(p)
         self.cut[p] = found
         angle = np.full(1, self.links.axes[p])
         normal = np.column_stack([turn(found.normal[:, :2], angle), found.normal[:, 2]])
