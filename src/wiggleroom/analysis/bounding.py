@@ -10,7 +10,7 @@ from __future__ import annotations
 import heapq
 import itertools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -66,7 +66,7 @@ class Bounding:
 
     ground: Survey
     links: Links
-    regions: Sequence[Outer | Skin]
+    regions: list[Outer | Skin]
     goal: PointMotion
     cut: float
     clock: Clock
@@ -150,15 +150,17 @@ class Bounding:
         for p in np.unique(linear.facet[active, 0]):
             which = linear.facet[active[linear.facet[active, 0] == p], 1]
             kind = int(self.links.kind[p])
-            if isinstance(self.regions[kind], Skin):  # sharp from the start
+            region = self.regions[kind]
+            if isinstance(region, Skin):  # sharp from the start
                 continue
-            accuracy = LEAST * self.regions[kind].facing.clearance
-            wanted.setdefault(kind, []).append(holding(self.regions[kind], linear.cut[int(p)], which, accuracy))
+            accuracy = LEAST * region.facing.clearance
+            wanted.setdefault(kind, []).append(holding(region, linear.cut[int(p)], which, accuracy))
         done = False
         for kind, found in wanted.items():
             these = np.unique(np.concatenate(found))
-            if len(these) and not self.clock.over():
-                self.regions[kind] = refined(self.regions[kind], these)
+            region = self.regions[kind]
+            if len(these) and isinstance(region, Outer) and not self.clock.over():
+                self.regions[kind] = refined(region, these)
                 done = True
         return done
 

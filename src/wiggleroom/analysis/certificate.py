@@ -42,6 +42,7 @@ def skins(links: Links, regions: list[Outer], over: Callable[[], bool]) -> tuple
 def certificate(
     ground: Survey,
     names: tuple[str, ...],
+    gap: float,
     links: Links,
     regions: list[Skin],
     goal: PointMotion,
@@ -55,6 +56,8 @@ def certificate(
     held = np.isfinite(ranges.far)
     out: dict[str, Any] = {
         "format": FORMAT,
+        "gap": gap,
+        "turns": bool((goal.direction == 0).all()),
         "at_most": max(cut, proof.bound()),
         "worth": cut,
         "bodies": [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -94,18 +94,23 @@ def prove(
 
     tell("outer regions", math.nan)
     links, outer = outer_regions(ground, clock.over)
-    regions: Sequence[Outer | Skin] = outer
+    regions: list[Outer | Skin] = [*outer]
+    found: list[Skin] = []
     if certify:
         tell("skins", math.nan)
-        links, regions = skins(links, outer, clock.over)
+        links, found = skins(links, outer, clock.over)
+        regions = [*found]
     ranges = first_ranges(ground.bodies, links, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
     if not (ground.bodies.fixed[asked] | np.isfinite(ranges.far[asked])).all():
         late = "there was no time to look at all joints"
-        why = late if clock.over() else "no chain of joints that close round each other holds what is pulled"
+        loose = "no chain of joints that close round each other holds what is pulled"
+        why = late if clock.over() else loose + (", or no skin was found round one of them" if certify else "")
         return replace(answer, bound=Bound(None, None, clock.spent, why))
     proof = Step() if certify else None
-    bounding = Bounding(ground, links, regions, goal, witness + CUT * aim, clock, lambda most: tell("prove", most), proof)
+    bounding = Bounding(
+        ground, links, regions, goal, witness + CUT * aim, clock, lambda most: tell("prove", most), proof
+    )
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
         return replace(answer, bound=Bound(None, None, clock.spent, "no bound was found in the time given"))
@@ -115,7 +120,9 @@ def prove(
     share = (most - witness) / abs(witness) if witness else None
     paper = None
     if proof is not None:
-        paper = certificate(ground, answer.assembly.names, links, regions, goal, ranges, bounding.cut, proof)
+        paper = certificate(
+            ground, answer.assembly.names, answer.assembly.gap, links, found, goal, ranges, bounding.cut, proof
+        )
     return replace(answer, at_most=float(most), bound=Bound(float(most), share, clock.spent, certificate=paper))
 
 

@@ -41,9 +41,7 @@ class Step:
         """Keep what shows that the goal is at most `value`."""
         self.best, self.value = [0.0, *self._multipliers(linear, y[: len(linear.low)])], value
 
-    def cut(
-        self, linear: Linear, y: Floats, scale: float, body: int, sign: float, end: float, ranges: Ranges
-    ) -> None:
+    def cut(self, linear: Linear, y: Floats, scale: float, body: int, sign: float, end: float, ranges: Ranges) -> None:
         """Keep what shows that a body turns no further than `end`, where that is news."""
         before = ranges.high[body] if sign > 0 else ranges.low[body]
         if sign * (before - end) > 0:

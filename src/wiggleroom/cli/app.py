@@ -19,6 +19,7 @@ from wiggleroom.cli.sample import sample
 from wiggleroom.cli.space import space
 from wiggleroom.cli.sweep import sweep
 from wiggleroom.cli.tighten import tighten
+from wiggleroom.cli.verify import verify
 
 _HELP = """How far loose interlocking flat parts can move.
 
@@ -48,7 +49,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, rank, tighten, sweep, sample, space, draw, convert, maker, coupon, bench
+        flex, check, rank, tighten, sweep, sample, space, draw, convert, maker, coupon, verify, bench
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):

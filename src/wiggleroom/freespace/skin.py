@@ -8,7 +8,7 @@ corners of its loops. Nobody has to believe how it was found.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -16,16 +16,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.outer import Outer, leftover
-from wiggleroom.freespace.outer_slices import Facing, corners_of
 from wiggleroom.freespace.chords import chords
+from wiggleroom.freespace.outer import Outer, leftover
+from wiggleroom.freespace.outer_slices import Facing
 from wiggleroom.freespace.zipper import Crossings, Loop, Seam, deepest, loop_of, zipped
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 OUTSETS = ((3e-4, 1.0), *((3e-4 * 2**k, 2.0 ** (-8 - k)) for k in range(1, 4)))
-"""Loops run so far behind the walls, as shares of the clearance: the first that can be joined, the later ones only where steps are so small."""
+"""Loops run so far behind the walls, as shares of the clearance: the first that can be joined; the others for small steps only."""
 FIRST, NARROWEST = 1 / 64, 2.0**-20
 """The first step of the angle, and the least, as shares of the range of turns."""
 DEEP = 0.01
@@ -34,7 +34,7 @@ MITRE = 10.0
 """Acute corners of loops run on for at most so many outsets."""
 BEYOND = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 """A loop may shrink to a point this share of the whole turn further, where walls have closed well over it."""
-INSETS = (1e-3, 1e-2, 0.1)
+INSETS = (1e-3, 1e-4, 1e-2, 0.1)
 """Chords lie so far inside their part, as shares of the least outset; the first that a skin is found with."""
 MOST_LOOPS = 1200
 
@@ -110,7 +110,12 @@ def _half(
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
     here, step = start, FIRST * end
-    while not over() and len(done) < MOST_LOOPS and abs(step) > NARROWEST * abs(end) and abs(here.angle) < 2 * abs(end) + 0.1:
+    while (
+        not over()
+        and len(done) < MOST_LOOPS
+        and abs(step) > NARROWEST * abs(end)
+        and abs(here.angle) < 2 * abs(end) + 0.1
+    ):
         found = _next(facing, crossings, here, here.angle + step, window, abs(step / end), end)
         if found is None:
             step /= 2
@@ -127,6 +132,7 @@ def _next(
 ) -> tuple[Loop, Seam] | None:
     """Loop at `angle` that can be joined to the one `here`; further behind the walls only where the step is a small `share`."""
     pieces = _pieces(facing, angle, window, shapely.Polygon(here.at))
+    some: Iterable[Loop | None]
     if not len(pieces):
         some = (p for k in BEYOND for p in _ends(crossings, here, angle + k * whole))
     else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numba import njit
@@ -30,7 +31,7 @@ class Loop:
 
 @dataclass(frozen=True, eq=False)
 class Seam:
-    """Tracks (k + 1, 2): corners of the first loop and of the second; the last is the first again. Chords (k, 2) of A and B between them."""
+    """Tracks (k + 1, 2): corners of both loops, the last is the first again. Chords (k, 2) of A and B between them."""
 
     tracks: Ints
     chords: Ints
@@ -166,8 +167,8 @@ def zipped(crossings: Crossings, one: Loop, two: Loop) -> Seam | None:
     if steps is None:
         return None
     m, n = len(one.at), len(two.at)
-    tracks = np.array(steps) % (m, n)
-    pairs = [int(np.argmax(holds[i, j] & holds[k, l])) for (i, j), (k, l) in zip(tracks, tracks[1:], strict=False)]
+    tracks: Ints = np.array(steps) % np.array([m, n])
+    pairs = [int(np.argmax(holds[tuple(here_at)] & holds[tuple(next_at)])) for here_at, next_at in pairwise(tracks)]
     return Seam(tracks, np.column_stack([here.i[some][pairs], here.j[some][pairs]]))
 
 
@@ -190,10 +191,8 @@ def _tracks(depths: Depths, first: Floats, second: Floats, one: Loop, two: Loop)
     bend = width * width / 8
     holds = np.ones((len(one.at), len(two.at), len(on)), dtype=bool)
     for k in range(4):
-        if k < 2:
-            short = bend * arm[:, k][None, None]
-        else:
-            short = bend * far[:, k - 2] + width / 4 * (slide + width * long[..., None])
+        slip = width / 4 * (slide + width * long[..., None]) if k >= 2 else 0.0
+        short = slip + bend * (far[:, k - 2] if k >= 2 else arm[:, k])
         holds &= np.minimum(first[:, None, :, k], second[None, :, :, k]) > 1.001 * short + 1e-13 * far.max()
     return holds
 
@@ -202,7 +201,7 @@ def _walk(holds: Bools, one: Loop, two: Loop) -> list[tuple[int, int]] | None:
     """Steps from track to track once round both loops."""
     m, n, _ = holds.shape
     packed = np.packbits(holds, axis=2)
-    good = packed.any(2)
+    good: Bools = np.asarray(packed.any(2))
     away = np.hypot(*(two.at[None] - one.at[:, None]).transpose(2, 0, 1))
     for j0 in np.argsort(away[0])[:4]:
         if good[0, j0]:
@@ -217,7 +216,7 @@ def _walk(holds: Bools, one: Loop, two: Loop) -> list[tuple[int, int]] | None:
 
 
 @njit(cache=True)
-def _cheapest(packed, good, away, j0):
+def _cheapest(packed: NDArray[np.uint8], good: Bools, away: Floats, j0: int) -> Ints:
     """How each track was reached on the shortest way: by a step on the first loop (0), the second (1) or both (2); -1 where it was not."""
     m, n, size = packed.shape
     cost = np.full((m + 1, n + 1), np.inf)

@@ -11,6 +11,7 @@ middle angle; it errs by at most |tau - mid| 2 sin(half width / 2).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from scipy.sparse.csgraph import dijkstra
 from wiggleroom.freespace.outer import Outer
 from wiggleroom.freespace.outer_facets import Facets, facets
 from wiggleroom.freespace.relative import turn
+from wiggleroom.freespace.skin import Skin
 from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program.envelope import envelope
 from wiggleroom.program.objectives import PointMotion
@@ -118,7 +120,7 @@ class Linear:
     cut: dict[int, Facets]
 
 
-def first_ranges(bodies: Bodies, links: Links, regions: list[Outer]) -> Ranges:
+def first_ranges(bodies: Bodies, links: Links, regions: Sequence[Outer | Skin]) -> Ranges:
     """Turns and shifts add up along ways to fixed bodies; the shortest way counts."""
     n = len(bodies.fixed)
     root = np.flatnonzero(bodies.fixed)
@@ -146,7 +148,13 @@ def _shortest(n: int, links: Links, forth: Floats, back: Floats, root: Ints) -> 
 
 
 def relaxation(
-    bodies: Bodies, links: Links, regions: list[Outer], ranges: Ranges, goal: PointMotion, unit: float, size: float
+    bodies: Bodies,
+    links: Links,
+    regions: Sequence[Outer | Skin],
+    ranges: Ranges,
+    goal: PointMotion,
+    unit: float,
+    size: float,
 ) -> Linear:
     """Put regions, envelopes and the goal into one linear program.
 
@@ -169,7 +177,7 @@ class _Builder:
     """Rows as they are collected; columns of a body are x, y, t, C, S, those of a pair follow."""
 
     def __init__(
-        self, bodies: Bodies, links: Links, regions: list[Outer], ranges: Ranges, unit: float, size: float
+        self, bodies: Bodies, links: Links, regions: Sequence[Outer | Skin], ranges: Ranges, unit: float, size: float
     ) -> None:
         self.links, self.regions, self.ranges = links, regions, ranges
         self.pad = PAD * size

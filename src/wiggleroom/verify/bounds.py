@@ -9,8 +9,8 @@ So for any forces w of pairs, any weights u >= 0 of facets n . tau + c (t_b - t_
 
     what is asked <= what is asked - sum of w . E + sum of u (d - n . tau - c (t_b - t_a)) + g (goal - worth),
 
-and the right side falls into a part for each body, a function alpha cos t + beta sin t + gamma t whose largest value over a range of
-turns is known, and a part for each pair, in which tau differs from the middle of its region by at most its reach. Bad numbers give a bad bound,
+and the right side falls into a part for each body, a function alpha cos t + beta sin t + gamma t whose largest value over a
+range of turns is known, and a part for each pair, in which tau differs from the middle of its region by at most its reach. Bad numbers give a bad bound,
 never a wrong one.
 """
 
@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from wiggleroom.verify.skins import Point, Refused, exact, less, need, size, turned
+from wiggleroom.verify.skins import Point, exact, less, need, size, turned
 
 ROUNDED = 1e-12
 """Largest values over corners are found in double precision and made larger by this share of their terms, a thousand times their error."""
@@ -38,7 +38,11 @@ class Room:
 
     def between(self, low: float, high: float) -> np.ndarray:
         """Corners (k, 3) of all that the skin encloses between two turns: corners of loops, and tracks where they are cut."""
-        found = [np.column_stack([at, np.full(len(at), t)]) for t, at in zip(self.angles, self.loops, strict=True) if low <= t <= high]
+        found = [
+            np.column_stack([at, np.full(len(at), t)])
+            for t, at in zip(self.angles, self.loops, strict=True)
+            if low <= t <= high
+        ]
         for level in (low, high):
             for k, tracks in enumerate(self.tracks):
                 one, two = self.angles[k], self.angles[k + 1]
@@ -90,13 +94,18 @@ class Case:
                 up[b], down[b] = min(up[b], up[a] + high), min(down[b], down[a] - low)
                 up[a], down[a] = min(up[a], up[b] - low), min(down[a], down[b] + high)
                 arms = [np.hypot(x - float(o[0]), y - float(o[1])) for o in (self.origin[a], self.origin[b])]
-                swing = sum(arm * 2 * np.sin(min(max(up[k], down[k]), np.pi) / 2) for arm, k in zip(arms, (a, b), strict=True))
+                swing = sum(
+                    arm * 2 * np.sin(min(max(up[k], down[k]), np.pi) / 2) for arm, k in zip(arms, (a, b), strict=True)
+                )
                 step = room.far + swing
                 far[a], far[b] = min(far[a], far[b] + step), min(far[b], far[a] + step)
         for k, body in enumerate(self.bodies):
             if body["low"] is not None:
                 fits = -body["low"] >= down[k] * (1 + ROUNDED) and body["high"] >= up[k] * (1 + ROUNDED)
-                need(fits and body["far"] >= far[k] * (1 + ROUNDED), f"nothing shows that {body['parts'][0]} stays within its first range")
+                need(
+                    fits and body["far"] >= far[k] * (1 + ROUNDED),
+                    f"nothing shows that {body['parts'][0]} stays within its first range",
+                )
         return Ranges(*([body[k] for body in self.bodies] for k in ("low", "high", "far")))
 
     def most(self, ranges: Ranges, facets: list, multipliers: list, asked: tuple[int, int] | None) -> arb:
@@ -124,7 +133,11 @@ class Case:
             if self.fixed[k] or all(v == 0 for v in (x, y, c, s, t)):
                 continue
             need(ranges.far[k] is not None, "a body counts that nothing holds")
-            total += (abs(x) + abs(y)) * exact(ranges.far[k]) + highest(c, s, t, exact(ranges.low[k]), exact(ranges.high[k])) - c
+            total += (
+                (abs(x) + abs(y)) * exact(ranges.far[k])
+                + highest(c, s, t, exact(ranges.low[k]), exact(ranges.high[k]))
+                - c
+            )
         return total
 
     def _pair(self, p: int, ranges: Ranges, force: Point, facets: list, parts: list) -> arb:
@@ -133,7 +146,9 @@ class Case:
         corners = self.rooms[kind].between(*ranges.pair(a, b))
         need(len(corners) > 0, "a pair is left no turn")
         middle = (corners[:, :2].min(0) + corners[:, :2].max(0)) / 2
-        reach = exact(float(np.hypot(*(corners[:, :2] - middle).T).max()) * (1 + ROUNDED) + ROUNDED * float(np.abs(corners).max()))
+        reach = exact(
+            float(np.hypot(*(corners[:, :2] - middle).T).max()) * (1 + ROUNDED) + ROUNDED * float(np.abs(corners).max())
+        )
         mid = turned((exact(middle[0]), exact(middle[1])), exact(axes))  # the region in the world's axes
         pivot = exact(x), exact(y)
         _add(parts[b], (-force[0], -force[1]), less(pivot, self.origin[b]))

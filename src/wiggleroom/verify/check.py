@@ -1,7 +1,7 @@
 """Whether a certificate proves what it says.
 
-Read this file, then `skins` and `bounds`: that is all. What they rest on: python-flint (ball arithmetic), that coordinates are as given in the
-file, and that parts are rigid. Nothing is shared with the code that found the proof.
+Read this file, then `skins` and `bounds`: that is all. What they rest on: python-flint (ball arithmetic), that coordinates
+are as given in the file, and that parts are rigid. Nothing is shared with the code that found the proof.
 """
 
 from __future__ import annotations
@@ -85,7 +85,10 @@ def _verify(content: dict[str, Any]) -> Verified:
     bound = _bound(case, content["proof"], case.first(), counted)
     worked_out, stated = bound.max(case.worth), exact(content["at_most"])
     slack = TIGHT * (1 + abs(stated))
-    need(bool(worked_out <= stated + slack * 1e-3), f"the multipliers prove {float(worked_out):.9g} only, not {float(stated):.9g}")
+    need(
+        bool(worked_out <= stated + slack * 1e-3),
+        f"the multipliers prove {float(worked_out):.9g} only, not {float(stated):.9g}",
+    )
     return Verified(True, "", float(stated), len(bodies), len(pairs), chords, counted[0])
 
 

@@ -13,6 +13,7 @@ its loop at turn 0, all that can be reached does: its corners bound every motion
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 from flint import arb, fmpq
@@ -88,7 +89,7 @@ def _check_seam(one: tuple[arb, list[Point]], two: tuple[arb, list[Point]], trac
     (low, start), (high, end) = one, two
     need(len(tracks) == len(chords) + 1 and tracks[0] == tracks[-1], "a seam is not closed")
     gone = [0, 0]
-    for before, after in zip(tracks, tracks[1:], strict=False):
+    for before, after in itertools.pairwise(tracks):
         for k, corners in enumerate((start, end)):
             _place(after[k], corners)
             step = (after[k] - before[k]) % len(corners)
@@ -100,7 +101,7 @@ def _check_seam(one: tuple[arb, list[Point]], two: tuple[arb, list[Point]], trac
         need(gone[k] == (0 if len(corners) == 1 else len(corners)), "a seam does not go once round")
     width = high - low
     seen: dict[tuple, tuple] = {}
-    for (before, after), (p, q) in zip(zip(tracks, tracks[1:], strict=False), chords, strict=True):
+    for (before, after), (p, q) in zip(itertools.pairwise(tracks), chords, strict=True):
         key = (p, q)
         if key not in seen:
             seen[key] = ([turned(v, low) for v in q], [turned(v, high) for v in q])
@@ -111,7 +112,14 @@ def _check_seam(one: tuple[arb, list[Point]], two: tuple[arb, list[Point]], trac
 
 
 def _check_track(
-    a: tuple[Point, Point], b: tuple[Point, Point], low: list, high: list, start: Point, end: Point, width: arb, way: Any
+    a: tuple[Point, Point],
+    b: tuple[Point, Point],
+    low: list,
+    high: list,
+    start: Point,
+    end: Point,
+    width: arb,
+    way: Any,
 ) -> int:
     """Chords cross all along a track; which way they cross must be the same on both tracks."""
     first, second = _crossing(a, low, start), _crossing(a, high, end)
@@ -179,7 +187,9 @@ def check_inside(chord: tuple[Point, Point], polygons: list[list[list[Point]]]) 
         for ring in rings:
             for v, w in zip(ring, ring[1:] + ring[:1], strict=True):
                 edge, seen, then = less(w, v), less(v, p), less(w, p)
-                clear &= _same(cross(along, seen), cross(along, then)) or _same(cross(edge, seen), cross(edge, less(v, q)))
+                clear &= _same(cross(along, seen), cross(along, then)) or _same(
+                    cross(edge, seen), cross(edge, less(v, q))
+                )
                 if not _same(cross(AWRY, seen), cross(AWRY, then)):
                     need(_same(cross(AWRY, seen), cross(then, AWRY)), "a chord's place is not certain")
                     odd ^= _same(cross(seen, edge), cross(AWRY, edge))
