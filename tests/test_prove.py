@@ -309,7 +309,10 @@ def test_words_round_outwards():
     assert said == "between 1.3723 and 1.3791 mm, proven"
 
 
-@pytest.mark.parametrize(("file", "play", "made", "published"), [("fixed", 1.5, (48.5, 51.5), (47, 53)), ("floating", 2.0, (48, 52), (46, 54))])
+@pytest.mark.parametrize(
+    ("file", "play", "made", "published"),
+    [("fixed", 1.5, (48.5, 51.5), (47, 53)), ("floating", 2.0, (48, 52), (46, 54))],
+)
 def test_published_fasteners(file, play, made, published):
     """Float of fasteners in clearance holes: the extremes that are published hold, proven."""
     answer = wr.prove(wr.flex(wr.read(f"examples/22_fasteners/{file}.json")), 0.01, seconds=60)

@@ -10,7 +10,8 @@ So for any forces w of pairs, any weights u >= 0 of facets n . tau + c (t_b - t_
     what is asked <= what is asked - sum of w . E + sum of u (d - n . tau - c (t_b - t_a)) + g (goal - worth),
 
 and the right side falls into a part for each body, a function alpha cos t + beta sin t + gamma t whose largest value over a
-range of turns is known, and a part for each pair, in which tau differs from the middle of its region by at most its reach. Bad numbers give a bad bound,
+range of turns is known, and a part for each pair, in which tau differs from the middle of its region by at most its
+reach. Bad numbers give a bad bound,
 never a wrong one.
 """
 
