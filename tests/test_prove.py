@@ -320,3 +320,12 @@ def test_published_fasteners(file, play, made, published):
     assert play - 1e-6 <= answer.at_most <= 1.0101 * play
     low, high = made[0] - answer.objective, made[1] + answer.objective
     assert (low, high) == pytest.approx(published, abs=1e-5)
+
+
+@pytest.mark.parametrize(("joint", "n", "gap"), [("swallowtail", 12, 0.03), ("revolute", 8, 0.05)])
+def test_chains_that_turn_beyond_a_quarter(joint, n, gap):
+    made = wr.patterns.chain(n, joint=joint, gap=gap)
+    answer = wr.flex(made, wr.Turn(made.names[-1], "ccw"))
+    assert answer.objective > math.pi / 2
+    proven = wr.prove(answer, 0.02, seconds=60)
+    assert answer.objective <= proven.at_most <= 1.0201 * answer.objective

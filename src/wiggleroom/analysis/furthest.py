@@ -15,7 +15,8 @@ from wiggleroom.solve.newton import Stop
 def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> float | None:
     """A distance [mm] that no point of any part exceeds in any motion that starts at rest; None where none was found in time.
 
-    It needs joints that close round each other. Along ways to what is fixed, turns add up, and so do shifts of the joints' pivots and the swing of the arms between them.
+    It needs joints that close round each other. Along ways to what is fixed, turns add up, and so do shifts of the joints' pivots
+    and the swing of the arms between them.
 
     Examples
     --------
