@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import Outputs, tell
+from wiggleroom.cli.outputs import Outputs, check, tell
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer
@@ -82,6 +82,7 @@ def flex(
 
         check_proof(prove, time, model)
     outputs.check(file)
+    check(file, {"--certificate": (certificate, ())})
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     wanted = Hull(**settings) if model == "hull" else model
     answer = replace(_answer(file, asked, wanted, solver, prove, time, certificate is not None), command=command)

@@ -117,6 +117,7 @@ def _bound(case: Case, step: dict[str, Any], ranges: Ranges, counted: list[int])
     parts = [(low, high)]
     if "split" in step:
         body, middle = step["split"]
+        need(isinstance(body, int) and body >= 0, "a split names nothing")
         parts = [(low, [*high[:body], middle, *high[body + 1 :]]), ([*low[:body], middle, *low[body + 1 :]], high)]
     need(len(step["then"]) == len(parts), "a split is not followed up on both sides")
     bounds = [_bound(case, then, ranges.cut(*part), counted) for then, part in zip(step["then"], parts, strict=True)]
