@@ -21,9 +21,8 @@ from wiggleroom.analysis.shot import Mode, Shot
 from wiggleroom.analysis.starts import pulls
 from wiggleroom.analysis.warm import State, Until, Warm, at_rest, pushed, warm
 from wiggleroom.analysis.wiggle import modes
-from wiggleroom.assembly.findings import role_findings
+from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.assembly.statements import statement_findings
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import InputError
 from wiggleroom.program.gaps import carried
@@ -275,8 +274,7 @@ class Live:
         its = self.assembly
         said = self._designs.drawing.goals
         asked = said if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
-        drawing = replace(its.drawing, goals=asked)
-        findings = (*role_findings(drawing), *statement_findings(drawing))
+        findings = question_findings(replace(its.drawing, goals=asked))
         if findings:
             raise InputError(findings)
         return asked
