@@ -443,3 +443,17 @@ def test_joints_in_a_loop_are_not_offered_other_ends() -> None:
     ready = wr.prepare(wr.patterns.grid(2, 2, joint="tee", gap=0.01))
     shaken = np.random.default_rng(0).normal(0, 0.01, (4, 3))
     assert twins(ready.bodies, ready.cells, shaken, 0.01) == []
+
+
+@pytest.mark.parametrize(
+    "goal",
+    [
+        Pull("b3", (math.nan, 0.0)),
+        Pull("b3", (0.0, 1.0), point=(math.inf, 0.0)),
+        Turn("b3", math.nan),
+        Pull("nobody", (0, 1)),
+    ],
+)
+def test_goals_that_make_no_sense_are_refused_by_name(goal) -> None:
+    with pytest.raises(wr.InputError, match=f"{goal.part}"):
+        wr.flex(chain("tee"), goal)

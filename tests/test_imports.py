@@ -19,6 +19,7 @@ ORDER = [
     "solve",
     "analysis",
     "report",
+    "verify",
     "bench",
     "app",
     "cli",

@@ -18,6 +18,7 @@ from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.cli import main
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.passage import passage
+from wiggleroom.report.apart import check_record, further, why
 
 HERE = Path(__file__).parents[1] / "examples" / "17_does_it_come_apart"
 TRUTH = json.loads((HERE / "truth.json").read_text())
@@ -284,3 +285,24 @@ def test_a_jigsaw_near_the_gap_at_which_it_comes_apart(gap, verdict):
     assert found.verdict == verdict
     assert found.certainty == "proven"
     assert deepest(assembly, found, 4) < 1e-9 * assembly.size**2
+
+
+@pytest.mark.parametrize("joint", ["swallowtail", "tee"])
+def test_interlocked_says_how_far_at_most(joint):
+    """The distance that is stated lies above every motion that is found, in any direction and at any corner."""
+    made = wr.patterns.chain(4, joint=joint, gap=0.02)
+    found = wr.check(made)
+    assert (found.verdict, found.certainty) == ("interlocked", "proven")
+    for direction in ((0, 1), (1, 0), (-1, 1)):
+        for corner in ((3.5, 0.5), (3.5, -0.5)):
+            answer = wr.flex(made, wr.Pull("b4", direction, point=corner))
+            assert answer.objective <= found.at_most
+    assert found.at_most < 1.0
+    assert check_record(found)["at_most"] == found.at_most
+    assert f"no part gets further than {further(found.at_most)} mm" in why(found)
+    assert float(further(found.at_most)) >= found.at_most
+
+
+def test_what_comes_apart_gets_anywhere():
+    found = wr.check(wr.patterns.chain(2, joint="finger", gap=0.02))
+    assert found.at_most is None

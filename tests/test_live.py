@@ -151,7 +151,7 @@ def test_there_and_back(joint):
     assert again.distance == pytest.approx(far.distance, rel=1e-2)
 
 
-@pytest.mark.parametrize(("seconds", "moves"), [(0.0, 40), (0.02, 40), (30.0, 25)])
+@pytest.mark.parametrize(("seconds", "moves"), [(0.0, 40), (0.02, 40), pytest.param(30.0, 25, marks=pytest.mark.slow)])
 def test_no_motion_overlaps_whatever_the_time(seconds, moves):
     assembly = wr.read(JIGSAW, gap=1.0, fix=["p1"])
     live, random = wr.Live(assembly), np.random.default_rng(int(100 * seconds))
@@ -189,6 +189,7 @@ def test_a_stop_leaves_everything_where_it_was_or_further():
     assert not live.flex(wr.Pull("b6-6", (1, 0)), stop=Now()).settled
 
 
+@pytest.mark.slow
 def test_many_drags_keep_memory_flat():
     assembly = wr.patterns.grid(3, 3, joint="tee", gap=0.02)
     live, random = wr.Live(assembly), np.random.default_rng(0)

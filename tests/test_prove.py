@@ -307,3 +307,25 @@ def test_words_round_outwards():
     assert proven(answer) == ""
     said = proven(replace(answer, objective=1.37238, at_most=1.37901))
     assert said == "between 1.3723 and 1.3791 mm, proven"
+
+
+@pytest.mark.parametrize(
+    ("file", "play", "made", "published"),
+    [("fixed", 1.5, (48.5, 51.5), (47, 53)), ("floating", 2.0, (48, 52), (46, 54))],
+)
+def test_published_fasteners(file, play, made, published):
+    """Float of fasteners in clearance holes: the extremes that are published hold, proven."""
+    answer = wr.prove(wr.flex(wr.read(f"examples/22_fasteners/{file}.json")), 0.01, seconds=60)
+    assert answer.objective == pytest.approx(play, abs=1e-6)
+    assert play - 1e-6 <= answer.at_most <= 1.0101 * play
+    low, high = made[0] - answer.objective, made[1] + answer.objective
+    assert (low, high) == pytest.approx(published, abs=1e-5)
+
+
+@pytest.mark.parametrize(("joint", "n", "gap"), [("swallowtail", 12, 0.03), ("revolute", 8, 0.05)])
+def test_chains_that_turn_beyond_a_quarter(joint, n, gap):
+    made = wr.patterns.chain(n, joint=joint, gap=gap)
+    answer = wr.flex(made, wr.Turn(made.names[-1], "ccw"))
+    assert answer.objective > math.pi / 2
+    proven = wr.prove(answer, 0.02, seconds=60)
+    assert answer.objective <= proven.at_most <= 1.0201 * answer.objective

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,12 +48,15 @@ class Bound:
         What it took.
     why : str
         Why nothing was proven; empty where something was.
+    certificate : dict, optional
+        All that somebody else needs to check it, where that was asked for.
     """
 
     at_most: float | None
     within: float | None
     seconds: float
     why: str = ""
+    certificate: dict[str, Any] | None = None
 
 
 @dataclass(frozen=True, eq=False)

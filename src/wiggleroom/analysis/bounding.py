@@ -18,8 +18,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.prepare import Survey
+from wiggleroom.analysis.steps import Step
 from wiggleroom.freespace.outer import Outer, refined
 from wiggleroom.freespace.outer_facets import holding
+from wiggleroom.freespace.skin import Skin
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.program.relax import Linear, Links, NothingLeft, Ranges, narrowed, relaxation
 from wiggleroom.solve.bounds import LinearBounds
@@ -36,6 +38,8 @@ ASIDE = 1e-4
 """Ranges stay wider by this share, so that facets, which can be refined, hold the program up and not the ranges themselves."""
 STALLED = 0.1
 """A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to a split."""
+DEEPEST = 200
+"""So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
 
 
 @dataclass(eq=False)
@@ -62,50 +66,65 @@ class Bounding:
 
     ground: Survey
     links: Links
-    regions: list[Outer]
+    regions: list[Outer | Skin]
     goal: PointMotion
     cut: float
     clock: Clock
     tell: Callable[[float], None]
+    proof: Step | None = None
 
     def run(self, ranges: Ranges, enough: float) -> float:
         """Value that no motion within `ranges` exceeds; ends where that is at most `enough`."""
         number = itertools.count()
         best = np.inf
-        todo = [(-np.inf, next(number), ranges, np.inf)]
+        todo = [(-np.inf, next(number), ranges, np.inf, self.proof)]
         while todo:
             value = min(best, -todo[0][0])
             best = max(value, self.cut)
             self.tell(best)
             if best <= enough or self.clock.over():
                 return best
-            _, _, ranges, before = heapq.heappop(todo)
-            for part, most in self._worked(ranges, before):
-                heapq.heappush(todo, (-min(most, value), next(number), part, min(most, value)))
+            _, _, ranges, before, step = heapq.heappop(todo)
+            if step is not None and step.depth > DEEPEST:
+                return best
+            for part, most in self._worked(ranges, before, step):
+                heapq.heappush(todo, (-min(most, value), next(number), part, min(most, value), step and step.follow()))
         return self.cut
 
-    def _worked(self, ranges: Ranges, before: float) -> list[tuple[Ranges, float]]:
+    def _worked(self, ranges: Ranges, before: float, step: Step | None) -> list[tuple[Ranges, float]]:
         """What is left of `ranges`, in one or two pieces, and what motions in them are worth at most."""
         ground, unit = self.ground, self.ground.clearance
         try:
             linear = relaxation(ground.bodies, self.links, self.regions, ranges, self.goal, unit, ground.size)
-        except NothingLeft:
+        except NothingLeft as nothing:
+            if step is not None:
+                step.empty = nothing.pair
             return []
         solver, scale = _asked(linear, self.clock.seconds - self.clock.spent)
-        value = min(before, solver.most_of(linear.cost))
+        most = solver.most_of(linear.cost)
+        value = min(before, most)
+        if step is not None:
+            step.ask(linear, solver.y, most)
         if value <= self.cut:
             return []
         x, y = solver.x, solver.y
         solver.change_row(len(linear.low), self.cut * scale, np.inf)
-        cut, gained = self._tightened(linear, solver, ranges)
+        cut, gained = self._tightened(linear, solver, ranges, scale, step)
         if np.any(cut.low > cut.high):
+            if step is not None:
+                step.nothing_left = True
             return []
         gain = (before - value) / (before - self.cut) if np.isfinite(before) else np.inf
         if max(gain, gained) > STALLED or self.clock.over() or self._sharpen(linear, y):
             return [(cut, value)]
-        return [(part, value) for part in self._halves(linear, x, cut)]
+        body, middle, halves = self._halves(linear, x, cut)
+        if step is not None:
+            step.split = body, middle
+        return [(part, value) for part in halves]
 
-    def _tightened(self, linear: Linear, solver: LinearBounds, ranges: Ranges) -> tuple[Ranges, float]:
+    def _tightened(
+        self, linear: Linear, solver: LinearBounds, ranges: Ranges, scale: float, step: Step | None
+    ) -> tuple[Ranges, float]:
         """Cut every body's turn to what the program leaves it; also the largest share that was cut off."""
         low, high = ranges.low.copy(), ranges.high.copy()
         held = np.flatnonzero(linear.turn >= 0)
@@ -117,6 +136,8 @@ class Bounding:
                 cost[linear.turn[body]] = sign
                 most = solver.most_of(cost) * linear.unit[linear.turn[body]]
                 end[body] = sign * (most + 1e-12 + ASIDE * (ranges.high[body] - ranges.low[body]))
+                if step is not None:
+                    step.cut(linear, solver.y, scale, int(body), sign, float(end[body]), ranges)
         cut = narrowed(ranges, low, high)
         share = (cut.high - cut.low)[held] / np.maximum((ranges.high - ranges.low)[held], 1e-300)
         return cut, float((1 - share).max(initial=0.0))
@@ -129,28 +150,32 @@ class Bounding:
         for p in np.unique(linear.facet[active, 0]):
             which = linear.facet[active[linear.facet[active, 0] == p], 1]
             kind = int(self.links.kind[p])
-            accuracy = LEAST * self.regions[kind].facing.clearance
-            wanted.setdefault(kind, []).append(holding(self.regions[kind], linear.cut[int(p)], which, accuracy))
+            region = self.regions[kind]
+            if isinstance(region, Skin):  # sharp from the start
+                continue
+            accuracy = LEAST * region.facing.clearance
+            wanted.setdefault(kind, []).append(holding(region, linear.cut[int(p)], which, accuracy))
         done = False
         for kind, found in wanted.items():
             these = np.unique(np.concatenate(found))
-            if len(these) and not self.clock.over():
-                self.regions[kind] = refined(self.regions[kind], these)
+            region = self.regions[kind]
+            if len(these) and isinstance(region, Outer) and not self.clock.over():
+                self.regions[kind] = refined(region, these)
                 done = True
         return done
 
-    def _halves(self, linear: Linear, x: Floats, ranges: Ranges) -> list[Ranges]:
-        """Both halves of the turn that the linear program, at its best point, gets most wrong for its width."""
+    def _halves(self, linear: Linear, x: Floats, ranges: Ranges) -> tuple[int, float, list[Ranges]]:
+        """Body, angle, and both halves of the turn that the linear program, at its best point, gets most wrong for its width."""
         held = np.flatnonzero(linear.turn >= 0)
         column = linear.turn[held]
         t, c, s = (x[column + k] * linear.unit[column + k] for k in range(3))
         wrong = np.hypot(c - (np.cos(t) - 1), s - np.sin(t)) * self.ground.bodies.radius[held]
         width = (ranges.high - ranges.low)[held]
         body = int(held[np.argmax((wrong + 1e-3 * width * self.ground.bodies.radius[held]) * width)])
-        middle = (ranges.low[body] + ranges.high[body]) / 2
+        middle = float(ranges.low[body] + ranges.high[body]) / 2
         low, high = ranges.low.copy(), ranges.high.copy()
         low[body] = high[body] = middle
-        return [narrowed(ranges, ranges.low, high), narrowed(ranges, low, ranges.high)]
+        return body, middle, [narrowed(ranges, ranges.low, high), narrowed(ranges, low, ranges.high)]
 
 
 def _asked(linear: Linear, limit: float) -> tuple[LinearBounds, float]:

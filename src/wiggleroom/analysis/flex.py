@@ -16,7 +16,7 @@ from wiggleroom.analysis.flex_hull import flex_hull
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Found, Progress, Search
 from wiggleroom.analysis.starts import pulls
-from wiggleroom.assembly.findings import role_findings
+from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
@@ -94,7 +94,7 @@ def flex(
     tell = progress or _silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
     asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
-    findings = role_findings(replace(its.drawing, goals=asked))
+    findings = question_findings(replace(its.drawing, goals=asked))
     if findings:
         raise InputError(findings)
     wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")

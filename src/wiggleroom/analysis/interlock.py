@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.escape import ONLY, Certainty, Says, next_stage
 from wiggleroom.analysis.finish import part_motions
 from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.furthest import furthest
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Progress
 from wiggleroom.analysis.shown import Shown
@@ -30,6 +31,8 @@ Ints = NDArray[np.int64]
 
 LITTLE = 1e-4
 """Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
+BRIEF = 1.0
+"""A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +72,9 @@ class Interlock(Shown):
         Largest motions that were searched.
     tight : bool
         True where parts touch at rest and the first-order test says that they are locked.
+    at_most : float or None [mm]
+        A distance that no point of any part exceeds in any motion that starts at rest, proven; None where none was found as quickly as the
+        verdict.
     """
 
     assembly: Assembly
@@ -80,6 +86,7 @@ class Interlock(Shown):
     questions: int = 0
     seconds: float = 0.0
     tight: bool = False
+    at_most: float | None = None
 
 
 def check(
@@ -158,15 +165,18 @@ def check(
             break
     spins = _spins(ready, stage.held, stop) if stage.way is None else ()
     verdict: Says = "comes apart" if escapes else stage.ended
+    spent = time.perf_counter() - began
+    at_most = furthest(left, max(spent, BRIEF), stop) if verdict == "interlocked" and every else None
     return Interlock(
         assembly,
         verdict,
-        "proven" if escapes else stage.certainty,
+        "proven" if escapes or at_most is not None else stage.certainty,
         tuple(escapes),
         spins,
         tuple(names[alive]) if stage.ended == "interlocked" else (),
         questions,
         time.perf_counter() - began,
+        at_most=at_most,
     )
 
 

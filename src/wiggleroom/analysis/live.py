@@ -21,9 +21,8 @@ from wiggleroom.analysis.shot import Mode, Shot
 from wiggleroom.analysis.starts import pulls
 from wiggleroom.analysis.warm import State, Until, Warm, at_rest, pushed, warm
 from wiggleroom.analysis.wiggle import modes
-from wiggleroom.assembly.findings import role_findings
+from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.assembly.statements import statement_findings
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import InputError
 from wiggleroom.program.gaps import carried
@@ -39,6 +38,8 @@ FARTHEST = 3.0
 """A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
 CLOSE = 0.1
 """A largest motion is followed to parts larger by up to this share of the clearance."""
+ASIDE = (0.01, 0.05, 0.15)
+"""Shares of its motion that it is taken back by besides, one after the other: into the room of all joints."""
 MOST_TRIED = 3
 MOST_ENDS = 16
 """So many ends of largest motions are kept, for others to begin at."""
@@ -273,8 +274,7 @@ class Live:
         its = self.assembly
         said = self._designs.drawing.goals
         asked = said if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
-        drawing = replace(its.drawing, goals=asked)
-        findings = (*role_findings(drawing), *statement_findings(drawing))
+        findings = question_findings(replace(its.drawing, goals=asked))
         if findings:
             raise InputError(findings)
         return asked
@@ -313,10 +313,17 @@ def _kept(state: State | None, old: Design | None, new: Design) -> State | None:
     return _in_design(state, old, new)
 
 
-def _followed(state: State, old: Design, new: Design) -> State | None:
+def _followed(end: State, old: Design, new: Design) -> State | None:
     """The state in a design where some parts are a little larger; None where they do not fit there."""
-    there = _in_design(state, old, new)
-    return None if there is None else pushed(new.ready, replace(there, linked=False))
+    there = _in_design(end, old, new)
+    if there is None:
+        return None
+    less = 2 * float((old.inward - new.inward).max()) / old.ready.clearance  # motions shrink like the gap
+    for aside in ASIDE:
+        state = pushed(new.ready, replace(there, inner=max(1 - less - aside, 0.0) * there.inner, linked=False))
+        if state is not None:
+            return state
+    return None
 
 
 def _in_design(state: State, old: Design, new: Design) -> State | None:

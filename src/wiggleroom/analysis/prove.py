@@ -10,10 +10,14 @@ import numpy as np
 
 from wiggleroom.analysis.answer import Answer, Bound
 from wiggleroom.analysis.bounding import Bounding, Clock
+from wiggleroom.analysis.certificate import certificate, skins
 from wiggleroom.analysis.prepare import survey
 from wiggleroom.analysis.regions import outer_regions
 from wiggleroom.analysis.search import Progress
+from wiggleroom.analysis.steps import Step
 from wiggleroom.errors import InputError, WiggleroomError
+from wiggleroom.freespace.outer import Outer
+from wiggleroom.freespace.skin import Skin
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.program.relax import first_ranges
 from wiggleroom.solve.newton import Stop
@@ -27,6 +31,7 @@ def prove(
     within: float = 0.01,
     *,
     seconds: float = 60.0,
+    certify: bool = False,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
@@ -40,6 +45,8 @@ def prove(
         Share of the answer's objective that the bound may lie above it, more than 0. Less takes longer.
     seconds : float
         The best bound that was found in this time is given, also where it is further away.
+    certify : bool
+        Prove it so that anybody can check it: `bound.certificate` is what `wiggleroom verify` reads. Takes longer.
     stop : optional
         Anything with `is_set()`; ends it like the time.
     progress : callable, optional
@@ -86,14 +93,24 @@ def prove(
             progress(Progress(stage, 0, 0, most))
 
     tell("outer regions", math.nan)
-    links, regions = outer_regions(ground, clock.over)
+    links, outer = outer_regions(ground, clock.over)
+    regions: list[Outer | Skin] = [*outer]
+    found: list[Skin] = []
+    if certify:
+        tell("skins", math.nan)
+        links, found = skins(links, outer, clock.over)
+        regions = [*found]
     ranges = first_ranges(ground.bodies, links, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
     if not (ground.bodies.fixed[asked] | np.isfinite(ranges.far[asked])).all():
         late = "there was no time to look at all joints"
-        why = late if clock.over() else "no chain of joints that close round each other holds what is pulled"
+        loose = "no chain of joints that close round each other holds what is pulled"
+        why = late if clock.over() else loose + (", or no skin was found round one of them" if certify else "")
         return replace(answer, bound=Bound(None, None, clock.spent, why))
-    bounding = Bounding(ground, links, regions, goal, witness + CUT * aim, clock, lambda most: tell("prove", most))
+    proof = Step() if certify else None
+    bounding = Bounding(
+        ground, links, regions, goal, witness + CUT * aim, clock, lambda most: tell("prove", most), proof
+    )
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
         return replace(answer, bound=Bound(None, None, clock.spent, "no bound was found in the time given"))
@@ -101,7 +118,12 @@ def prove(
         wrong = f"the bound {most} lies below the motion found, {witness}: a mistake in wiggleroom; please report it"
         raise WiggleroomError(wrong)
     share = (most - witness) / abs(witness) if witness else None
-    return replace(answer, at_most=float(most), bound=Bound(float(most), share, clock.spent))
+    paper = None
+    if proof is not None:
+        paper = certificate(
+            ground, answer.assembly.names, answer.assembly.gap, links, found, goal, ranges, bounding.cut, proof
+        )
+    return replace(answer, at_most=float(most), bound=Bound(float(most), share, clock.spent, certificate=paper))
 
 
 def check_request(within: float, seconds: float, names: tuple[str, str] = ("within", "seconds")) -> None:

@@ -18,7 +18,7 @@ from wiggleroom.analysis.search import Progress, Search
 from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.vary import ended
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.findings import role_findings
+from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
@@ -122,7 +122,7 @@ def sweep(
     [0.0261, 0.0539]
     """
     asked = assembly.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
-    wrong = list(role_findings(replace(assembly.drawing, goals=asked)))
+    wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
     sizes = _gaps(assembly, gaps, wrong)
     if wrong:
         raise InputError(wrong)

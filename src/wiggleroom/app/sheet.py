@@ -12,9 +12,8 @@ from wiggleroom.app.designs import Designs, Recent
 from wiggleroom.app.messages import Design
 from wiggleroom.app.opening import File
 from wiggleroom.app.out import Out
-from wiggleroom.assembly.findings import role_findings
+from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.assembly.statements import statement_findings
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 
@@ -52,7 +51,7 @@ class Sheet:
     def asked(self, design: Design) -> tuple[Goal, ...]:
         """What a design asks; raises InputError where a question about motion lacks something."""
         drawing = self.designs.drawing(design)
-        wrong = statement_findings(drawing) or list(role_findings(drawing))
+        wrong = question_findings(drawing)
         if wrong:
             raise InputError(wrong)
         return drawing.goals

@@ -73,6 +73,18 @@ def role_findings(drawing: Drawing) -> tuple[str, ...]:
     return _located(drawing, found)
 
 
+def question_findings(drawing: Drawing) -> tuple[str, ...]:
+    """Everything that is wrong with a question about motion: what it lacks, and names and numbers that make no sense.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Pull
+    >>> print(question_findings(Drawing((), goals=(Pull("a", (0.0, 1.0)),)))[-1])
+    nothing is fixed: name the parts that stand with --fix NAME
+    """
+    return (*_located(drawing, statement_findings(drawing)), *role_findings(drawing))
+
+
 def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
     """One line per pair that overlaps at rest and may not."""
     group = glue_groups(drawing)

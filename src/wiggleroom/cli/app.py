@@ -20,6 +20,7 @@ from wiggleroom.cli.serve import serve
 from wiggleroom.cli.space import space
 from wiggleroom.cli.sweep import sweep
 from wiggleroom.cli.tighten import tighten
+from wiggleroom.cli.verify import verify
 
 _HELP = """How far loose interlocking flat parts can move.
 
@@ -49,7 +50,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, rank, tighten, sweep, sample, space, serve, draw, convert, maker, coupon, bench
+        flex, check, rank, tighten, sweep, sample, space, serve, draw, convert, maker, coupon, verify, bench
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import Outputs, tell
+from wiggleroom.cli.outputs import Outputs, check, tell
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.answer import Answer
@@ -28,6 +29,7 @@ def flex(
     solver: Literal["interior-point", "ipopt"] = "interior-point",
     prove: float | None = None,
     time: float | None = None,
+    certificate: Path | None = None,
 ) -> int:
     """Find the largest motion of the pulled parts.
 
@@ -56,6 +58,8 @@ def flex(
         extra wiggleroom[prove].
     time
         For --prove: seconds that the proof may take; then the best bound so far is given. By default 60.
+    certificate
+        For --prove: file for the proof, which wiggleroom verify checks.
     """
     import shlex
     from dataclasses import replace
@@ -71,23 +75,36 @@ def flex(
         raise InputError(wrong)
     if time is not None and prove is None:
         raise InputError("--time is for --prove only")
+    if certificate is not None and prove is None:
+        raise InputError("--certificate is for --prove only")
     if prove is not None:
         from wiggleroom.cli.proving import check_proof
 
         check_proof(prove, time, model)
     outputs.check(file)
+    check(file, {"--certificate": (certificate, ())})
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     wanted = Hull(**settings) if model == "hull" else model
-    answer = replace(_answer(file, asked, wanted, solver, prove, time), command=command)
+    answer = replace(_answer(file, asked, wanted, solver, prove, time, certificate is not None), command=command)
     from wiggleroom.report.records import flex_record
     from wiggleroom.report.table import table
 
+    if certificate is not None:
+        from wiggleroom.cli.proving import write_certificate
+
+        write_certificate(answer, certificate)
     tell(outputs, flex_record(answer), lambda: table(answer), answer, command)
     return 3 if answer.verdict == "stopped" else 0
 
 
 def _answer(
-    file: str, asked: Asked, model: str | PairModel, solver: str, prove: float | None, seconds: float | None
+    file: str,
+    asked: Asked,
+    model: str | PairModel,
+    solver: str,
+    prove: float | None,
+    seconds: float | None,
+    certify: bool,
 ) -> Answer:
     """Read, solve and measure; Ctrl-C and progress are looked after."""
     import time
@@ -111,5 +128,5 @@ def _answer(
         if prove is not None and not stop.is_set():
             from wiggleroom.cli.proving import proven
 
-            answer = proven(answer, prove, seconds, stop, show)
+            answer = proven(answer, prove, seconds, certify, stop, show)
     return replace(answer, seconds={"read": spent} | answer.seconds | {"total": time.perf_counter() - begin})

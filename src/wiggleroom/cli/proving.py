@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from threading import Event
 from typing import TYPE_CHECKING, Any
 
@@ -34,7 +35,12 @@ def check_proof(share: float, seconds: float | None, model: str) -> None:
 
 
 def proven(
-    answer: Answer, share: float, seconds: float | None, stop: Event, show: Callable[[Any], None] | None
+    answer: Answer,
+    share: float,
+    seconds: float | None,
+    certify: bool,
+    stop: Event,
+    show: Callable[[Any], None] | None,
 ) -> Answer:
     """Answer with a bound, or as it was, with a line on stderr that says why there is none."""
     from dataclasses import replace
@@ -42,7 +48,8 @@ def proven(
     from wiggleroom.analysis.prove import prove
     from wiggleroom.cli.say import note
 
-    done = prove(answer, share, seconds=SECONDS if seconds is None else seconds, stop=stop, progress=show)
+    limit = SECONDS if seconds is None else seconds
+    done = prove(answer, share, seconds=limit, certify=certify, stop=stop, progress=show)
     if done.bound is None:
         return done
     if done.bound.why:
@@ -50,3 +57,16 @@ def proven(
     elif done.bound.within is not None and done.bound.within > share:
         note(f"bound: within {done.bound.within:.2%} of the answer; more --time may bring it nearer")
     return replace(done, seconds={**done.seconds, "prove": done.bound.seconds})
+
+
+def write_certificate(answer: Answer, path: Path) -> None:
+    """Write what was proven for `wiggleroom verify`; nothing is written where nothing was proven, which is said."""
+    import json
+
+    from wiggleroom.cli.say import note
+    from wiggleroom.files import write_whole
+
+    if answer.bound is None or answer.bound.certificate is None:
+        note(f"no certificate: nothing was proven, {path} is not written")
+    else:
+        write_whole(path, json.dumps(answer.bound.certificate) + "\n")

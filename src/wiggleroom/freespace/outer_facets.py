@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from wiggleroom.freespace.outer import Outer
+from wiggleroom.freespace.skin import Skin
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,7 +41,7 @@ class Facets:
     high: float
 
 
-def facets(outer: Outer, low: float, high: float) -> Facets | None:
+def facets(outer: Outer | Skin, low: float, high: float) -> Facets | None:
     """Few facets round all that can be reached at turns between `low` and `high`; None where nothing can.
 
     Normals are those of a convex hull of extreme corners, alike ones merged. Offsets are the largest values at all

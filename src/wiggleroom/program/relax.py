@@ -11,6 +11,7 @@ middle angle; it errs by at most |tau - mid| 2 sin(half width / 2).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from scipy.sparse.csgraph import dijkstra
 from wiggleroom.freespace.outer import Outer
 from wiggleroom.freespace.outer_facets import Facets, facets
 from wiggleroom.freespace.relative import turn
+from wiggleroom.freespace.skin import Skin
 from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program.envelope import envelope
 from wiggleroom.program.objectives import PointMotion
@@ -75,7 +77,11 @@ class Ranges:
 
 
 class NothingLeft(Exception):  # noqa: N818
-    """No motion lies in the given ranges."""
+    """No motion lies in the given ranges: they leave this pair no turn."""
+
+    def __init__(self, pair: int) -> None:
+        super().__init__(pair)
+        self.pair = pair
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +97,8 @@ class Linear:
     cost : (n,) float64
     unit : (n,) float64
         A variable times its unit is [mm] or [rad].
+    scale : (m,) float64
+        Factor of each row.
     turn : (bodies,) int64
         Column of each body's turn, -1 where it has none.
     facet : (R, 2) int64
@@ -106,12 +114,13 @@ class Linear:
     most: Floats
     cost: Floats
     unit: Floats
+    scale: Floats
     turn: Ints
     facet: Ints
     cut: dict[int, Facets]
 
 
-def first_ranges(bodies: Bodies, links: Links, regions: list[Outer]) -> Ranges:
+def first_ranges(bodies: Bodies, links: Links, regions: Sequence[Outer | Skin]) -> Ranges:
     """Turns and shifts add up along ways to fixed bodies; the shortest way counts."""
     n = len(bodies.fixed)
     root = np.flatnonzero(bodies.fixed)
@@ -139,7 +148,13 @@ def _shortest(n: int, links: Links, forth: Floats, back: Floats, root: Ints) -> 
 
 
 def relaxation(
-    bodies: Bodies, links: Links, regions: list[Outer], ranges: Ranges, goal: PointMotion, unit: float, size: float
+    bodies: Bodies,
+    links: Links,
+    regions: Sequence[Outer | Skin],
+    ranges: Ranges,
+    goal: PointMotion,
+    unit: float,
+    size: float,
 ) -> Linear:
     """Put regions, envelopes and the goal into one linear program.
 
@@ -162,7 +177,7 @@ class _Builder:
     """Rows as they are collected; columns of a body are x, y, t, C, S, those of a pair follow."""
 
     def __init__(
-        self, bodies: Bodies, links: Links, regions: list[Outer], ranges: Ranges, unit: float, size: float
+        self, bodies: Bodies, links: Links, regions: Sequence[Outer | Skin], ranges: Ranges, unit: float, size: float
     ) -> None:
         self.links, self.regions, self.ranges = links, regions, ranges
         self.pad = PAD * size
@@ -208,6 +223,7 @@ class _Builder:
             most / unit,
             self._cost(goal, len(least)) * unit,
             unit,
+            scale,
             turns,
             facet,
             self.cut,
@@ -272,7 +288,7 @@ class _Builder:
         """Facets of a pair in the world's axes at rest."""
         found = facets(self.regions[self.links.kind[p]], low, high)
         if found is None:
-            raise NothingLeft
+            raise NothingLeft(p)
         self.cut[p] = found
         angle = np.full(1, self.links.axes[p])
         normal = np.column_stack([turn(found.normal[:, :2], angle), found.normal[:, 2]])

@@ -43,6 +43,7 @@ def _state(found: Interlock) -> Record:
     return {
         "verdict": found.verdict,
         "certainty": found.certainty,
+        "at_most": found.at_most,
         "escapes": [{"parts": list(e.parts), "path": _steps(names, e)} for e in found.escapes],
         "spins": list(found.spins),
         "remains": list(found.remains),
@@ -92,9 +93,21 @@ def why(found: Interlock) -> str:
         )
     if found.verdict == "unknown":
         return "the search was cut short, or some questions were not answered"
+    if found.at_most is not None:
+        return f"proven, no part gets further than {further(found.at_most)} mm"
     if found.certainty == "proven":
         return "proven, free spaces are closed"
     return "searched, every planned question was answered and no way was found"
+
+
+def further(distance: float) -> str:
+    """A distance in three digits, rounded up.
+
+    >>> further(0.12341)
+    '0.124'
+    """
+    unit = 10.0 ** (math.floor(math.log10(distance)) - 2)
+    return number(math.ceil(distance / unit) * unit)
 
 
 def along(found: Interlock, escape: Escape) -> str:

@@ -1,0 +1,1 @@
+"""Checking a certificate: nothing here is shared with what found it."""

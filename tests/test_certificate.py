@@ -1,0 +1,234 @@
+"""Certificates: what is written verifies, what is changed does not, and what still does is true."""
+
+from __future__ import annotations
+
+import copy
+import hashlib
+import json
+import random
+
+import numpy as np
+import pytest
+
+import wiggleroom as wr
+from tests.flexing import row_of
+from tests.oracle import blocks, chain
+from wiggleroom.assembly.build import assemble
+
+pytest.importorskip("highspy")
+pytest.importorskip("flint")
+import flint
+
+from wiggleroom.verify.bounds import highest
+from wiggleroom.verify.check import verify
+from wiggleroom.verify.skins import Refused, check_inside, check_skin, point
+
+
+def sealed(content):
+    """A changed certificate that says it was not changed."""
+    rest = {k: v for k, v in content.items() if k != "sha256"}
+    return rest | {"sha256": hashlib.sha256(json.dumps(rest).encode()).hexdigest()}
+
+
+@pytest.fixture(scope="module")
+def proven():
+    """A chain of three swallowtails, its answer with a proof, and the certificate as read from a file."""
+    answer = wr.prove(wr.flex(assemble(row_of([blocks.block("swallowtail", 0.02)] * 3), gap=0.0)), 0.02, certify=True)
+    return answer, json.loads(json.dumps(answer.bound.certificate))
+
+
+@pytest.mark.parametrize(("joint", "n"), [("swallowtail", 10), ("tee", 3)])
+def test_chains_verify_and_hold_the_true_optimum(joint, n):
+    assembly = assemble(row_of([blocks.block(joint, 0.03)] * n), gap=0.0)
+    answer = wr.prove(wr.flex(assembly), 0.01, certify=True)
+    content = json.loads(json.dumps(answer.bound.certificate))
+    found = verify(content)
+    assert found.proven, found.why
+    assert found.at_most == pytest.approx(answer.at_most, rel=1e-12)
+    assert answer.at_most <= 1.01 * answer.objective
+    if n == 10:
+        value, accuracy = chain.stored(joint, 0.03, n)
+        assert found.at_most >= value - accuracy
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["grid", "arrow", "hook"])
+def test_more_certificates_verify(kind):
+    if kind == "grid":
+        made = wr.patterns.grid(3, 3, joint="tee", gap=0.01)
+        assembly = assemble(made.drawing, goals=[wr.Pull(made.names[-1], (0, 1))])
+    else:
+        assembly = assemble(row_of([blocks.block(kind, 0.03)] * 4), gap=0.0)
+    answer = wr.prove(wr.flex(assembly), 0.01, certify=True)
+    found = verify(answer.bound.certificate)
+    assert found.proven, found.why
+    assert answer.at_most <= 1.011 * answer.objective
+
+
+@pytest.mark.parametrize("count", [10, pytest.param(300, marks=pytest.mark.slow)])
+def test_one_digit_changed_anywhere_is_refused(proven, count):
+    text = json.dumps(proven[1])
+    rng = random.Random(0)
+    digits = [k for k, c in enumerate(text) if c.isdigit()]
+    for k in rng.sample(digits, count):
+        other = rng.choice([d for d in "0123456789" if d != text[k]])
+        try:
+            changed = json.loads(text[:k] + other + text[k + 1 :])
+        except ValueError:
+            continue
+        assert not verify(changed).proven
+
+
+def numbers(node, path=()):
+    """Ways to all numbers of a certificate."""
+    if isinstance(node, dict):
+        return [p for k, v in node.items() for p in numbers(v, (*path, k))]
+    if isinstance(node, list):
+        return [p for k, v in enumerate(node) for p in numbers(v, (*path, k))]
+    return [path] if isinstance(node, int | float) and not isinstance(node, bool) else []
+
+
+def changed(content, path, value):
+    made = copy.deepcopy(content)
+    node = made
+    for key in path[:-1]:
+        node = node[key]
+    node[path[-1]] = value
+    return sealed(made)
+
+
+STATEMENT = ("bodies", "goal", "gap")
+"""What the statement is about: another outline or goal is another question, which only the drawing can tell apart."""
+
+
+@pytest.mark.parametrize("count", [8, pytest.param(200, marks=pytest.mark.slow)])
+def test_a_changed_proof_says_nothing_false(proven, count):
+    """Numbers of regions, pairs and multipliers, changed and sealed again: whatever verifies is not below the truth."""
+    answer, content = proven
+    rng = random.Random(1)
+    ways = [p for p in numbers(content) if p[0] not in STATEMENT]
+    truth = answer.objective
+    refused = 0
+    for path in rng.sample(ways, count):
+        node = content
+        for key in path:
+            node = node[key]
+        if isinstance(node, int):
+            value = node + rng.choice([-1, 1])
+        else:
+            value = node * rng.choice([-1.0, 0.5, 0.99, 1.01, 2.0]) + rng.choice([0.0, 1e-3])
+        found = verify(changed(content, path, value))
+        refused += not found.proven
+        assert not found.proven or found.at_most >= truth
+    assert refused > count / 3
+
+
+@pytest.mark.parametrize("share", [0.5, 0.9, 0.999])
+def test_less_than_was_proven_is_refused(proven, share):
+    answer, content = proven
+    assert not verify(changed(content, ("at_most",), share * answer.objective)).proven
+    low = changed(content, ("at_most",), share * answer.objective)
+    assert not verify(changed(low, ("worth",), share * answer.objective)).proven
+
+
+def test_multipliers_count(proven):
+    """All multipliers halved: the bound that they prove is another."""
+    content = copy.deepcopy(proven[1])
+
+    def halve(step):
+        for row in [step["best"]] if "best" in step else [cut[3] for cut in step["cuts"]]:
+            row[1] = [[p, x / 2, y / 2] for p, x, y in row[1]]
+        for then in step.get("then", []):
+            halve(then)
+
+    halve(content["proof"])
+    assert not verify(sealed(content)).proven
+
+
+def test_a_skin_with_a_hole_is_refused(proven):
+    region = proven[1]["regions"][0]
+    check_skin(region)
+    middle = len(region["loops"]) // 2
+    for share in (0.9, -1.0):  # inside the walls
+        bad = copy.deepcopy(region)
+        bad["loops"][middle][1][0] = [share * v for v in bad["loops"][middle][1][0]]
+        with pytest.raises(Refused):
+            check_skin(bad)
+    bad = copy.deepcopy(region)
+    del bad["loops"][middle], bad["seams"][middle]
+    with pytest.raises(Refused):
+        check_skin(bad)
+    bad = copy.deepcopy(region)  # moved away from rest as a whole
+    for loop in bad["loops"]:
+        loop[1] = [[x + 1, y] for x, y in loop[1]]
+    with pytest.raises(Refused):
+        check_skin(bad)
+
+
+def test_smaller_parts_are_refused(proven):
+    """Chords that stick out of the outlines prove nothing."""
+    content = copy.deepcopy(proven[1])
+    body = content["bodies"][1]
+    middle = np.mean(body["polygons"][0][0], axis=0)
+    body["polygons"] = [
+        [(middle + 0.99 * (np.array(ring) - middle)).tolist() for ring in rings] for rings in body["polygons"]
+    ]
+    assert not verify(sealed(content)).proven
+
+
+def test_chords_lie_inside():
+    square = [
+        [[point(p) for p in ([0, 0], [4, 0], [4, 4], [0, 4])], [point(p) for p in ([1, 1], [1, 2], [2, 2], [2, 1])]]
+    ]
+    check_inside((point([0.5, 0.5]), point([3.5, 0.5])), square)
+    for start, end in (
+        ([0.5, 0.5], [4.5, 0.5]),
+        ([0.5, 1.5], [3, 1.5]),
+        ([1.2, 1.2], [1.7, 1.7]),
+        ([5, 5], [6, 6]),
+        ([0, 0], [4, 0]),
+    ):
+        with pytest.raises(Refused):
+            check_inside((point(start), point(end)), square)
+
+
+def test_highest_is_above_all_samples():
+    rng = np.random.default_rng(0)
+    for _ in range(300):
+        a, b, c = rng.standard_normal(3) * rng.choice([0.0, 1e-3, 1.0, 10.0], 3)
+        low = rng.uniform(-7, 7)
+        high = low + rng.choice([0.0, 1e-6, 0.3, 2.0, 8.0])
+        t = np.linspace(low, high, 4001)
+        seen = (a * np.cos(t) + b * np.sin(t) + c * t).max()
+        top = highest(*(flint.arb(float(v)) for v in (a, b, c, low, high)))
+        assert float(top.upper()) >= seen - 1e-12
+        assert float(top.upper()) <= seen + 1e-4
+
+
+def test_nonsense_is_refused_and_not_a_fault(proven):
+    for bad in ({}, {"format": 1}, sealed({"format": "wiggleroom.certificate/1"}), sealed(proven[1] | {"pairs": None})):
+        assert not verify(bad).proven
+
+
+def test_commands(tmp_path, capsys, monkeypatch):
+    from wiggleroom.cli import main
+
+    def run(*words):
+        monkeypatch.setattr("sys.argv", ["wiggleroom", *map(str, words)])
+        return main()
+
+    file, proof, other = (tmp_path / name for name in ("chain.json", "proof.json", "other.json"))
+    assert run("make", "chain", "3", "--joint", "swallowtail", "--gap", "0.02", "-o", file) == 0
+    assert run("flex", file, "--prove", "0.02", "--certificate", proof) == 0
+    assert run("verify", proof, file) == 0
+    assert "verified: no motion of b3" in capsys.readouterr().out
+    assert run("make", "chain", "3", "--joint", "swallowtail", "--gap", "0.03", "-o", other) == 0
+    assert run("verify", proof, other) == 1
+    assert "other outlines" in capsys.readouterr().out
+    text = proof.read_text()
+    proof.write_text(text.replace('"worth": 0.', '"worth": 0.0', 1))
+    assert run("verify", proof) == 1
+    for wrong in (["verify", file], ["verify", tmp_path / "none"], ["flex", file, "--certificate", other]):
+        assert run(*wrong) == 2
+    proof.write_text(text[:1000])
+    assert run("verify", proof) == 2
