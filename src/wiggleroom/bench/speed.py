@@ -99,7 +99,7 @@ def speed(
         "Walls: interior point, all rounds, the check of the end and of the way "
         "from rest included. Hull: about the joint, three slices, one round. Half-planes: step by step, linear "
         f"programs by {linear_solver()}. Peak: memory of the whole process.",
-        "Ended: what the method itself says; a time with > is where it was stopped at its limit, and its motion "
+        "Ended: what the method itself says; a time with > (in the picture an arrow) is where it was stopped at its limit, and its motion "
         "the best until then. A star, overlap: parts lie that deep in each other in its answer.",
         "† Published in Mind the Gap, Table 2 and Fig. 8, on their machine; PuzzleFlex (Julia) as timed there.",
     )
