@@ -154,11 +154,13 @@ def _in_processes(
                     process = _Process(greeting)
                     living.add(process)
                 good, result = process.ask(tasks[k])
-            except (OSError, EOFError, pickle.UnpicklingError):
+            except (OSError, EOFError, ValueError, pickle.UnpicklingError):  # also where its pipe was closed while reading
                 if process is not None:
                     living.discard(process)
                     process.end()
                     process = None
+                if ending.is_set():
+                    return
                 losses[k] = losses.get(k, 0) + 1
                 if losses[k] <= MOST_LOSSES:
                     continue  # the same task again, in a new process
