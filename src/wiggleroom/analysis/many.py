@@ -154,7 +154,7 @@ def _in_processes(
                     process = _Process(greeting)
                     living.add(process)
                 good, result = process.ask(tasks[k])
-            except (OSError, EOFError, ValueError, pickle.UnpicklingError):  # also where its pipe was closed while reading
+            except (OSError, EOFError, ValueError, pickle.UnpicklingError):  # its pipe was closed while it was read
                 if process is not None:
                     living.discard(process)
                     process.end()
