@@ -239,7 +239,9 @@ class Live:
             self._remember(_End(asked, self._design, state))
         return answer
 
-    def wiggle(self, part: str | None = None, *, count: int = 4, stop: Stop | None = None) -> tuple[Mode, ...]:
+    def wiggle(
+        self, part: str | None = None, *, count: int = 4, seconds: float = 8.0, stop: Stop | None = None
+    ) -> tuple[Mode, ...]:
         """Return the loosest freedoms at rest, each followed to its end both ways.
 
         Parameters
@@ -248,8 +250,10 @@ class Live:
             Freedoms that move this part most; by default of the whole assembly.
         count : int
             At most so many.
+        seconds : float
+            After that time those that were found are returned.
         stop : optional
-            Asked every iteration; what was found by then is returned.
+            Anything with `is_set()`, asked every iteration; it ends the search like the time.
 
         Raises
         ------
@@ -260,7 +264,7 @@ class Live:
         if part is not None:
             self._asked(Towards(part, (0.0, 0.0)))
             body = int(self.ready.bodies.body_of[self.assembly.names.index(part)])
-        return modes(self.ready, body, count, stop)
+        return modes(self.ready, body, count, Until(seconds, stop))
 
     @property
     def _design(self) -> Design:
