@@ -1,4 +1,4 @@
-"""A browser for the tests of pages, and the known limits of the search."""
+"""A server and a browser for the tests of pages, and the known limits of the search."""
 
 from __future__ import annotations
 
@@ -23,6 +23,23 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         reason = KNOWN.get(item.name)
         if reason:
             item.add_marker(pytest.mark.xfail(reason=reason, strict=False))
+
+
+@pytest.fixture(scope="module")
+def served() -> Iterator[Any]:
+    """The server of the page, on a port of its own."""
+    from tests.app_client import Served  # only these tests need what the page needs
+
+    one = Served()
+    yield one
+    one.close()
+
+
+@pytest.fixture(scope="module")
+def page(served: Any) -> Iterator[Any]:
+    """A page without a browser."""
+    with served.visit() as one:
+        yield one
 
 
 @pytest.fixture(scope="session")

@@ -7,7 +7,6 @@ import json
 import re
 import shlex
 import time
-from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,7 +16,7 @@ import shapely
 import shapely.affinity
 
 import wiggleroom as wr
-from tests.app_client import Served, Visit
+from tests.app_client import Visit
 from wiggleroom.app import moving
 from wiggleroom.cli import main
 from wiggleroom.drawing.assembly_writer import write_assembly
@@ -32,19 +31,6 @@ PEG = (
 
 def chain(gap: float = 0.02) -> bytes:
     return write_assembly(wr.patterns.chain(3, joint="tee", gap=gap).drawing).encode()
-
-
-@pytest.fixture(scope="module")
-def served() -> Iterator[Served]:
-    one = Served()
-    yield one
-    one.close()
-
-
-@pytest.fixture(scope="module")
-def page(served: Served) -> Iterator[Visit]:
-    with served.visit() as one:
-        yield one
 
 
 def test_a_dropped_file_is_told_as_it_is_drawn_and_asked(page: Visit) -> None:

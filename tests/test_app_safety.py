@@ -13,7 +13,6 @@ import socket
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
 from dataclasses import dataclass
 from email.message import Message
 from pathlib import Path
@@ -27,19 +26,6 @@ from wiggleroom.app import patient
 from wiggleroom.drawing.assembly_writer import write_assembly
 
 CHAIN = write_assembly(wr.patterns.chain(2, joint="tee", gap=0.02).drawing).encode()
-
-
-@pytest.fixture(scope="module")
-def served() -> Iterator[Served]:
-    one = Served()
-    yield one
-    one.close()
-
-
-@pytest.fixture(scope="module")
-def page(served: Served) -> Iterator[Visit]:
-    with served.visit() as one:
-        yield one
 
 
 @dataclass

@@ -25,13 +25,6 @@ def text(assembly: wr.Assembly) -> bytes:
     return write_assembly(assembly.drawing).encode()
 
 
-@pytest.fixture(scope="module")
-def served() -> Iterator[Served]:
-    one = Served()
-    yield one
-    one.close()
-
-
 @pytest.fixture
 def page(served: Served) -> Iterator[Visit]:
     with served.visit() as one:
