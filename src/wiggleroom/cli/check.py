@@ -55,5 +55,5 @@ def check(
     from wiggleroom.report.apart_page import Checked
 
     shown = Checked(found, border)
-    tell(outputs, check_record(found, border, command), lambda: check_table(found, border), shown, command)
+    tell(outputs, lambda: check_record(found, border, command), lambda: check_table(found, border), shown, command)
     return CODES[found.verdict]

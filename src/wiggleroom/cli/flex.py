@@ -93,7 +93,7 @@ def flex(
         from wiggleroom.cli.proving import write_certificate
 
         write_certificate(answer, certificate)
-    tell(outputs, flex_record(answer), lambda: table(answer), answer, command)
+    tell(outputs, lambda: flex_record(answer), lambda: table(answer), answer, command)
     return 3 if answer.verdict == "stopped" else 0
 
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from cyclopts import Parameter
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from wiggleroom.analysis.answer import Answer
-    from wiggleroom.report.draw import Study
+    from wiggleroom.report.draw_study import Study
 
 _Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 
@@ -36,17 +36,18 @@ class Outputs:
         Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
     """
 
+    ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
     json: _Text = None
     picture: Path | None = None
 
-    def check(self, source: str) -> None:
+    def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
         """See that everything asked for can be written; see the function `check`."""
-        check(source, {"--json": (self.json, ()), "--picture": (self.picture, ANSWERS)})
+        check(source, {"--json": (self.json, ()), "--picture": (self.picture, self.ENDINGS)} | more)
 
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
-class StudyOutputs:
+class StudyOutputs(Outputs):
     """Where what was found goes besides the terminal.
 
     Parameters
@@ -57,12 +58,9 @@ class StudyOutputs:
         Show what was found in this file: .svg or .png a picture, .html a report with all.
     """
 
+    ENDINGS: ClassVar[tuple[str, ...]] = STUDIES
     json: _Text = None
     picture: Path | None = None
-
-    def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
-        """See that everything asked for can be written; see the function `check`."""
-        check(source, {"--json": (self.json, ()), "--picture": (self.picture, STUDIES)} | more)
 
 
 def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...]]]) -> None:
@@ -117,15 +115,15 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
 
 
 def tell(
-    outputs: Outputs | StudyOutputs,
-    record: dict[str, Any],
+    outputs: Outputs,
+    record: Callable[[], dict[str, Any]],
     page: Callable[[], RenderableType],
     found: Answer | Study,
     command: str,
 ) -> None:
     """What was found as JSON, as a page on stdout (unless the JSON goes there), and as a picture."""
     if outputs.json is not None:
-        write_record(record, outputs.json)
+        write_record(record(), outputs.json)
     if outputs.json != "-":
         from wiggleroom.cli.say import show
 

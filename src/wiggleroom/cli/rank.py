@@ -54,5 +54,5 @@ def rank(
         ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
     from wiggleroom.report.ranking import rank_record, rank_table
 
-    tell(outputs, rank_record(ranking, command), lambda: rank_table(ranking), ranking, command)
+    tell(outputs, lambda: rank_record(ranking, command), lambda: rank_table(ranking), ranking, command)
     return 0

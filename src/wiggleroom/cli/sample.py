@@ -75,5 +75,5 @@ def sample(
         found = work_out(assembly, lot, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options)
     from wiggleroom.report.studies import sample_record, sample_table
 
-    tell(outputs, sample_record(found, command), lambda: sample_table(found), found, command)
+    tell(outputs, lambda: sample_record(found, command), lambda: sample_table(found), found, command)
     return 3 if len(found.value) < draws else 0

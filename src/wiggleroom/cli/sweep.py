@@ -64,7 +64,7 @@ def sweep(
     from wiggleroom.report.studies import sweep_csv, sweep_record, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
-    tell(shown, sweep_record(found, command), lambda: sweep_table(found), found, command)
+    tell(shown, lambda: sweep_record(found, command), lambda: sweep_table(found), found, command)
     if csv is not None:
         from wiggleroom.files import write_whole
 

@@ -69,5 +69,5 @@ def tighten(
         cut = stop.is_set()
     from wiggleroom.report.studies import tighten_record, tighten_table
 
-    tell(outputs, tighten_record(found, command), lambda: tighten_table(found), found, command)
+    tell(outputs, lambda: tighten_record(found, command), lambda: tighten_table(found), found, command)
     return 0 if found.reached and not cut else 3

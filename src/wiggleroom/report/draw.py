@@ -5,19 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.interlock import Interlock
-from wiggleroom.analysis.rank import Ranking
-from wiggleroom.analysis.sample import Sample
-from wiggleroom.analysis.sweep import Sweep
-from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
-from wiggleroom.report.apart_page import Checked, film_of_check, page_of_check, picture_of_check
-from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STILLS, STUDIES, ending, unlike
+from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STILLS, ending, unlike
 
-Study = Ranking | Tightening | Sweep | Sample | Checked
+if TYPE_CHECKING:
+    from wiggleroom.analysis.interlock import Interlock
+    from wiggleroom.report.draw_study import Study
 
 
 def draw(
@@ -44,56 +41,25 @@ def draw(
         If a film needs a library that is not installed.
     """
     path = Path(path)
-    if isinstance(found, Interlock):
-        found = Checked(found)
-    see(path, ANSWERS if isinstance(found, Answer | Checked) else STUDIES)
+    if not isinstance(found, Answer):
+        from wiggleroom.report.draw_study import draw_study
+
+        draw_study(found, path, command, progress)
+        return
+    see(path, ANSWERS)
     kind = ending(path)
-    if kind in FILMS and isinstance(found, Answer):
+    if kind in FILMS:
         from wiggleroom.report.film import film_of_answer
 
         film_of_answer(found, path, progress=progress)
-    elif kind in FILMS and isinstance(found, Checked):
-        film_of_check(found, path, command=command, progress=progress)
     elif kind == PAGE:
-        write_whole(path, _page(found, command))
+        from wiggleroom.report.html import report
+
+        write_whole(path, report(found))
     else:
-        write_svg(_picture(found, command), path)
+        from wiggleroom.report.picture import picture
 
-
-def _picture(found: Answer | Study, command: str) -> str:
-    from wiggleroom.report import blame, picture, study_plots
-
-    match found:
-        case Answer():
-            return picture.picture(found)
-        case Checked():
-            return picture_of_check(found, command=command)
-        case Ranking():
-            return blame.picture_of_ranking(found, command=command)
-        case Tightening():
-            return blame.picture_of_tightening(found, command=command)
-        case Sweep():
-            return study_plots.picture_of_sweep(found, command=command)
-        case Sample():
-            return study_plots.picture_of_sample(found, command=command)
-
-
-def _page(found: Answer | Study, command: str) -> str:
-    from wiggleroom.report import html, study_pages
-
-    match found:
-        case Answer():
-            return html.report(found)
-        case Checked():
-            return page_of_check(found, command=command)
-        case Ranking():
-            return study_pages.page_of_ranking(found, command=command)
-        case Tightening():
-            return study_pages.page_of_tightening(found, command=command)
-        case Sweep():
-            return study_pages.page_of_sweep(found, command=command)
-        case Sample():
-            return study_pages.page_of_sample(found, command=command)
+        write_svg(picture(found), path)
 
 
 def see(path: Path, endings: tuple[str, ...]) -> None:

@@ -50,6 +50,7 @@ def page(title: str, facts: Sequence[str], sections: Sequence[Section], command:
     body = "".join(
         f"<section{' class=wide' if s.wide else ''}><h2>{escape(s.heading)}</h2>{s.body}</section>" for s in sections
     )
+    solid = SOLID if 'class="solid"' in body else ""
     made = f"<footer>Made by<pre><code>{escape(command)}</code></pre></footer>" if command else ""
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
@@ -58,7 +59,7 @@ def page(title: str, facts: Sequence[str], sections: Sequence[Section], command:
         "script-src 'unsafe-inline'; img-src data:\">"
         f'<link rel="icon" href="data:,"><title>{escape(title)}</title><style>{_STYLE}</style></head>\n'
         f"<body><header><h1>{escape(title)}</h1><ul>{chips}</ul></header>\n<main>{body}</main>\n{made}"
-        f"<script>{PLAYER}{SOLID}{_SORTING}</script></body></html>\n"
+        f"<script>{PLAYER}{solid}{_SORTING}</script></body></html>\n"
     )
 
 

@@ -1,0 +1,63 @@
+"""Studies and checks into files; apart from answers, because they need all that works them out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from wiggleroom.analysis.interlock import Interlock
+from wiggleroom.analysis.rank import Ranking
+from wiggleroom.analysis.sample import Sample
+from wiggleroom.analysis.sweep import Sweep
+from wiggleroom.analysis.tighten import Tightening
+from wiggleroom.files import write_whole
+from wiggleroom.report import blame, study_pages, study_plots
+from wiggleroom.report.apart_page import Checked, film_of_check, page_of_check, picture_of_check
+from wiggleroom.report.draw import see, write_svg
+from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STUDIES, ending
+
+Study = Ranking | Tightening | Sweep | Sample | Checked
+
+
+def draw_study(
+    found: Interlock | Study, path: Path, command: str, progress: Callable[[int, int], None] | None = None
+) -> None:
+    """Write what was found, as `wiggleroom.report.draw.draw` does."""
+    if isinstance(found, Interlock):
+        found = Checked(found)
+    see(path, ANSWERS if isinstance(found, Checked) else STUDIES)
+    kind = ending(path)
+    if kind in FILMS and isinstance(found, Checked):
+        film_of_check(found, path, command=command, progress=progress)
+    elif kind == PAGE:
+        write_whole(path, _page(found, command))
+    else:
+        write_svg(_picture(found, command), path)
+
+
+def _picture(found: Study, command: str) -> str:
+    match found:
+        case Checked():
+            return picture_of_check(found, command=command)
+        case Ranking():
+            return blame.picture_of_ranking(found, command=command)
+        case Tightening():
+            return blame.picture_of_tightening(found, command=command)
+        case Sweep():
+            return study_plots.picture_of_sweep(found, command=command)
+        case Sample():
+            return study_plots.picture_of_sample(found, command=command)
+
+
+def _page(found: Study, command: str) -> str:
+    match found:
+        case Checked():
+            return page_of_check(found, command=command)
+        case Ranking():
+            return study_pages.page_of_ranking(found, command=command)
+        case Tightening():
+            return study_pages.page_of_tightening(found, command=command)
+        case Sweep():
+            return study_pages.page_of_sweep(found, command=command)
+        case Sample():
+            return study_pages.page_of_sample(found, command=command)
