@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from wiggleroom.analysis.overlap import overlaps
 from wiggleroom.analysis.prepare import Prepared, cells_at, prepare
@@ -108,11 +107,11 @@ class Designs:
         wrong = [f"{what}: {unknown(n, names)}" for what, some in named.items() for n in some if n not in names]
         if wrong:
             raise InputError(wrong)
-        drawing = replace(
-            self.drawing, goals=()
-        )  # what is asked comes with the question: a pulled part may be fixed now
+        drawing = replace(self.drawing, goals=())  # they come with the question: a pulled part may be fixed now
         if fixed is not None:
-            drawing = replace(drawing, parts=tuple(replace(p, fixed=p.name in fixed) for p in drawing.parts))
+            stand = set(fixed)
+            parts = (p if p.fixed == (p.name in stand) else replace(p, fixed=not p.fixed) for p in drawing.parts)
+            drawing = replace(drawing, parts=tuple(parts))
         return drawing if glue is None else replace(drawing, glue=tuple(tuple(group) for group in glue))
 
     def _carried(self, roles: tuple[object, ...], inward: Floats, made: Assembly) -> Prepared | None:
@@ -141,6 +140,8 @@ class Designs:
 
 def _same(bodies: Bodies, made: Assembly, least: float) -> bool:
     """True where the corners of the bodies are those of the assembly's outlines, to less than `least` [mm]."""
+    from scipy.spatial import cKDTree  # slow to load
+
     rings = [place(ring, p.at) for p in made.parts for r in p.regions for ring in (r.outer, *r.holes)]
     there, here = np.vstack(rings), corners(bodies)[1]
     if len(there) != len(here):

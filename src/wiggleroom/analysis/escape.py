@@ -136,12 +136,11 @@ def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
     bodies, who = ready.bodies, found.who
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
 
-    def along(b: int, motion: Floats) -> Floats:
-        only = placed(bodies, motion, np.array([b]))[b]
-        return np.asarray(shapely.get_coordinates(only) @ found.direction)
+    def along(some: Ints, motion: Floats) -> Floats:
+        return np.asarray(shapely.get_coordinates(placed(bodies, motion, some)[some]) @ found.direction)
 
     # beyond where the others are now, and wherever they pass on their way back
-    length = max(along(b, m).max() for m in way for b in others) - min(along(b, way[-1]).min() for b in who)
+    length = max(along(others, m).max() for m in way) - along(who, way[-1]).min()
     length += BEYOND * ready.size
     out = way[-1].copy()
     out[who, :2] += max(length, BEYOND * ready.size) * found.direction

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.analysis.contacts import contacts
+from wiggleroom.analysis.motions import about
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.search import FAR, ROUND, Found, Progress, Search
 from wiggleroom.assembly.model import Assembly
@@ -78,16 +79,8 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
 
 def part_motions(assembly: Assembly, bodies: Bodies, motions: Floats) -> Floats:
     """Motions (k, parts, 3) of the parts about their reference points, from those of the bodies (k, n, 3)."""
-    rest, who = assembly.rest, bodies.body_of
-    motion = motions[:, who]
-    arm = rest[:, :2] - bodies.rest[who, :2]
-    half = motion[:, :, 2] / 2
-    c, s = np.cos(half), np.sin(half)
-    x, y = arm.T
-    out = motion.copy()
-    out[:, :, 0] += 2 * s * (-s * x - c * y)
-    out[:, :, 1] += 2 * s * (c * x - s * y)
-    return out
+    who = bodies.body_of
+    return about(motions[:, who], assembly.rest[:, :2] - bodies.rest[who, :2])
 
 
 def _safe_part(search: Search, motions: Floats, safe: float) -> tuple[Floats, float]:

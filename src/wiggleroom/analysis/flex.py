@@ -14,7 +14,7 @@ from wiggleroom.analysis.finish import answer_of
 from wiggleroom.analysis.flex_halfplane import flex_half_planes
 from wiggleroom.analysis.flex_hull import flex_hull
 from wiggleroom.analysis.prepare import Prepared, prepare
-from wiggleroom.analysis.search import Found, Progress, Search
+from wiggleroom.analysis.search import Found, Progress, Search, silent
 from wiggleroom.analysis.starts import pulls
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
@@ -91,7 +91,7 @@ def flex(
         answer = flex(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
         return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)
     began = time.perf_counter()
-    tell = progress or _silent
+    tell = progress or silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
     asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
     findings = question_findings(replace(its.drawing, goals=asked))
@@ -172,7 +172,3 @@ def _trail(start: Answer, ready: Prepared) -> Found:
         finding = "start: the earlier answer belongs to another prepared assembly; ask the same one, from prepare()"
         raise InputError(finding)
     return start.trail
-
-
-def _silent(_: Progress) -> None:
-    """Tell nobody."""

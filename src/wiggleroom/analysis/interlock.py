@@ -16,7 +16,7 @@ from wiggleroom.analysis.finish import part_motions
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.furthest import furthest
 from wiggleroom.analysis.prepare import Prepared, prepare
-from wiggleroom.analysis.search import Progress
+from wiggleroom.analysis.search import Progress, silent
 from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.tight import tight_verdict
 from wiggleroom.assembly.build import assemble
@@ -133,7 +133,7 @@ def check(
     ('interlocked', 'proven')
     """
     began = time.perf_counter()
-    tell = progress or _silent
+    tell = progress or silent
     left = _standing(assembly)
     names = np.array(assembly.names, dtype=object)
     alive = np.arange(len(names))
@@ -246,7 +246,3 @@ def _without(assembly: Assembly, who: Ints) -> Assembly:
         goals=(),
     )
     return Assembly(parts, drawing)
-
-
-def _silent(_: Progress) -> None:
-    """Tell nobody."""

@@ -342,8 +342,8 @@ class Search:
         for leg in (*best.legs, best.leg(best.solution.inner)):
             cells = leg.program.cells
             program = build(bodies, exchanged(bodies, cells, twin), self.objective, length=self.ready.clearance)
-            points = [followed(bodies, cells, twin, leg.program.motion(point)) for point in leg.points]
-            legs.append(Leg(program, tuple(program.variables(point) for point in points)))
+            ways = followed(bodies, cells, twin, np.array([leg.program.motion(point) for point in leg.points]))
+            legs.append(Leg(program, tuple(program.variables(motion) for motion in ways)))
         self.legs, self.cells = tuple(legs), legs[-1].program.cells
         self.inner = legs[-1].program.motion(legs[-1].points[-1])
 
@@ -364,6 +364,10 @@ class Search:
         small = len(best.motion) <= FEW[1] and whole
         joints = twins(self.ready.bodies, cells, best.motion, self.ready.clearance) if small else []
         return [*reversed(joints), *sides]
+
+
+def silent(_: Progress) -> None:
+    """Tell nobody."""
 
 
 def nudged(program: Program, u: Floats) -> Floats:

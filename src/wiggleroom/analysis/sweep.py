@@ -14,7 +14,7 @@ from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.finish import answer_of
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.prepare import Prepared, prepare
-from wiggleroom.analysis.search import Progress, Search
+from wiggleroom.analysis.search import Search, silent
 from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.vary import ended
 from wiggleroom.assembly.build import assemble
@@ -222,15 +222,11 @@ def _from(last: _State, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | N
     """Answer for a larger gap, begun where a smaller one ended."""
     began = time.perf_counter()
     found = ended(last.answer)
-    search = Search(ready, objective(ready.assembly, ready.bodies, goals), solve, stop, _silent)
+    search = Search(ready, objective(ready.assembly, ready.bodies, goals), solve, stop, silent)
     search.cells = carried(found.program.cells, found.program.bodies, ready.bodies)
     search.inner = found.motion
     search.run()
     return answer_of(search, goals, "interior-point", began)
-
-
-def _silent(_: Progress) -> None:
-    """Tell nobody."""
 
 
 def _lost(

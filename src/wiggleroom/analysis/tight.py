@@ -17,7 +17,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.optimize import linprog
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import eigsh, splu
 
@@ -225,6 +224,8 @@ def cone(B: sparse.csr_array) -> tuple[Floats | None, Floats | None]:
     >>> y.round(6).tolist(), f
     ([0.0, 1.0], None)
     """
+    from scipy.optimize import linprog  # slow to load
+
     k, d = B.shape
     if k == 0 or len(np.unique(B.indices)) < d:
         y = np.zeros(d)

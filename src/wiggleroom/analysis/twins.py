@@ -8,12 +8,13 @@ other pair notices.
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells import Cells, replaced, select
+from wiggleroom.freespace.relative import turn
 from wiggleroom.pairs.neighbours import classes, relative_rest
 from wiggleroom.pairs.shapes import Bodies
 
@@ -66,43 +67,35 @@ def exchanged(bodies: Bodies, cells: Cells, twin: Twin) -> Cells:
     theirs = select(cells, np.full(len(twin.who), twin.like))
     turns = rest[twin.who] - rest[twin.like]
     turns[:, :2] = 0.0  # congruent, up to whole turns
-    mine = Cells(
-        cells.a[twin.who],
-        cells.b[twin.who],
-        theirs.row,
-        theirs.kind,
-        theirs.edge,
-        theirs.corner,
-        theirs.ends + turns[:, 2:],
-        theirs.seed + turns,
+    mine = replace(
+        theirs,
+        a=cells.a[twin.who],
+        b=cells.b[twin.who],
+        ends=theirs.ends + turns[:, 2:],
+        seed=theirs.seed + turns,
     )
     return replaced(cells, twin.who, mine)
 
 
-def followed(bodies: Bodies, cells: Cells, twin: Twin, motion: Floats) -> Floats:
-    """The motion (n, 3) [mm, mm, rad] in which `twin.who` are where `twin.like` is, and all other pairs where they were."""
-    if not motion.any():  # rest stays rest, to the last digit
-        return motion
-    rest, now = relative_rest(bodies, cells.a, cells.b), relative_rest(bodies, cells.a, cells.b, motion)
-    now[twin.who] = rest[twin.who] + (now[twin.like] - rest[twin.like])
-    pose, out = bodies.rest + motion, motion.copy()
+def followed(bodies: Bodies, cells: Cells, twin: Twin, motions: Floats) -> Floats:
+    """The motions (k, n, 3) [mm, mm, rad] in which `twin.who` are where `twin.like` is, and all other pairs where they were."""
+    rest = relative_rest(bodies, cells.a, cells.b)
+    now = np.stack([relative_rest(bodies, cells.a, cells.b, motion) for motion in motions], axis=1)
+    now[twin.who] = rest[twin.who, None] + (now[twin.like] - rest[twin.like])
+    pose, out = bodies.rest + motions, motions.copy()
     for pair, forward in _outwards(bodies, cells):
         a, b = int(cells.a[pair]), int(cells.b[pair])
-        x, y, turn = now[pair]
         if forward:
-            pose[b, 2] = pose[a, 2] + turn
-            pose[b, :2] = pose[a, :2] + _turned(pose[a, 2], x, y)
+            pose[:, b, 2] = pose[:, a, 2] + now[pair, :, 2]
+            pose[:, b, :2] = pose[:, a, :2] + turn(now[pair, :, :2], pose[:, a, 2])
         else:
-            pose[a, 2] = pose[b, 2] - turn
-            pose[a, :2] = pose[b, :2] - _turned(pose[a, 2], x, y)
+            pose[:, a, 2] = pose[:, b, 2] - now[pair, :, 2]
+            pose[:, a, :2] = pose[:, b, :2] - turn(now[pair, :, :2], pose[:, a, 2])
         moved = b if forward else a
-        out[moved] = pose[moved] - bodies.rest[moved]
+        out[:, moved] = pose[:, moved] - bodies.rest[moved]
+    still = ~motions.any(axis=(1, 2))  # rest stays rest, to the last digit
+    out[still] = 0.0
     return out
-
-
-def _turned(angle: float, x: float, y: float) -> tuple[float, float]:
-    c, s = np.cos(angle), np.sin(angle)
-    return c * x - s * y, s * x + c * y
 
 
 def _is_tree(bodies: Bodies, cells: Cells) -> bool:

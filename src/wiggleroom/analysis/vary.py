@@ -17,7 +17,7 @@ from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.flex import flex
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared
-from wiggleroom.analysis.search import Found, Progress, Search
+from wiggleroom.analysis.search import Found, Search, silent
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
@@ -133,7 +133,7 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
         return Varied(np.nan, "touching")
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
-    finder = Search(varied, objective, solve, None, _silent, thorough=False)
+    finder = Search(varied, objective, solve, None, silent, thorough=False)
     finder.run()
     found = finder.best
     if found is None or finder.unlimited or found.solution.status != "converged":
@@ -153,7 +153,3 @@ def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> Varie
     if answer.objective is None:
         return Varied(np.inf, "unbounded")
     return Varied(answer.objective, "cut short" if answer.verdict is Verdict.STOPPED else "bounded")
-
-
-def _silent(_: Progress) -> None:
-    """Tell nobody."""

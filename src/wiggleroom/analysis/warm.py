@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
-from wiggleroom.analysis.search import AGAIN, FINE, ROUGH, Found, Progress, Search
+from wiggleroom.analysis.search import AGAIN, FINE, ROUGH, Found, Search, silent
 from wiggleroom.analysis.way import strangers
 from wiggleroom.freespace.cells import Cells, select
 from wiggleroom.program.build import build
@@ -224,7 +224,7 @@ class Warm(Search):
 def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None, enough: float | None = None) -> Warm:
     """Return a search that begins at a state; a drag, where it ends once the objective is worth `enough`."""
     solver = solve if enough is None else partial(solve, enough=enough)
-    return Warm(ready, objective, solver, stop, _silent, thorough=False, state=state, precise=enough is not None)
+    return Warm(ready, objective, solver, stop, silent, thorough=False, state=state, precise=enough is not None)
 
 
 def pushed(ready: Prepared, state: State) -> State | None:
@@ -242,7 +242,3 @@ def pushed(ready: Prepared, state: State) -> State | None:
             shift *= 100
         u = u + matrix.solve(at.against(short))
     return None
-
-
-def _silent(_: Progress) -> None:
-    """Tell nobody."""

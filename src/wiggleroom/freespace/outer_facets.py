@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from wiggleroom.freespace.outer import Outer
 from wiggleroom.freespace.skin import Skin
@@ -47,6 +46,8 @@ def facets(outer: Outer | Skin, low: float, high: float) -> Facets | None:
     Normals are those of a convex hull of extreme corners, alike ones merged. Offsets are the largest values at all
     corners of the polyhedra, so whatever the normals, nothing is cut off.
     """
+    from scipy.spatial import ConvexHull, QhullError  # slow to load
+
     points, _ = outer.points(low, high)
     if not len(points):
         return None

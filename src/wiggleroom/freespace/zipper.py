@@ -8,7 +8,6 @@ from itertools import pairwise
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
-from scipy.optimize import linprog
 
 from wiggleroom.freespace.relative import turn
 
@@ -133,6 +132,8 @@ def _breaks(enter: Floats, leave: Floats) -> Floats | None:
 
 def deepest(crossings: Crossings, loop: Loop, angle: float) -> Floats | None:
     """Translation (2,) [mm] at which, at another angle, the pairs that cross along a loop all cross as deep as they can."""
+    from scipy.optimize import linprog  # slow to load
+
     low, high = loop.at.min(0), loop.at.max(0)
     here, there = crossings.at(loop.angle, low, high), crossings.at(angle, low, high)
     count = len(crossings.b)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.analysis.motions import about
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.errors import InputError
 from wiggleroom.pairs.shapes import Bodies, bodies
@@ -41,7 +42,7 @@ class Way:
         points = way_points(assembly, points)
         them = bodies(assembly)
         self._arm = them.rest[them.body_of, :2] - assembly.rest[:, :2]
-        self._centred = _about(points, self._arm)
+        self._centred = about(points, self._arm)
         self._passed = np.concatenate([[0.0], np.cumsum(_lengths(self._centred, them))])
 
     @property
@@ -52,12 +53,12 @@ class Way:
     def at(self, lengths: Floats) -> Floats:
         """Motions (m, n, 3) [mm, mm, rad] after some lengths (m,) [mm] of the way."""
         if len(self._centred) == 1:
-            return np.repeat(_about(self._centred, -self._arm), len(lengths), axis=0)
+            return np.repeat(about(self._centred, -self._arm), len(lengths), axis=0)
         piece = np.clip(np.searchsorted(self._passed, lengths, side="right") - 1, 0, len(self._passed) - 2)
         span = np.diff(self._passed)[piece]
         share = np.divide(lengths - self._passed[piece], span, out=np.zeros(len(lengths)), where=span > 0)
         share = np.clip(share, 0.0, 1.0)[:, None, None]
-        return _about((1 - share) * self._centred[piece] + share * self._centred[piece + 1], -self._arm)
+        return about((1 - share) * self._centred[piece] + share * self._centred[piece + 1], -self._arm)
 
 
 def way_points(assembly: Assembly, points: Floats) -> Floats:
@@ -84,17 +85,6 @@ def eased(count: int) -> Floats:
     [0.0, 0.5, 1.0]
     """
     return (1.0 - np.cos(np.linspace(0.0, np.pi, count))) / 2
-
-
-def _about(motion: Floats, arm: Floats) -> Floats:
-    """Motions (k, n, 3) of the points that lie `arm` (n, 2) [mm] from those that `motion` is of."""
-    half = motion[:, :, 2] / 2
-    c, s = np.cos(half), np.sin(half)
-    x, y = arm.T
-    found = motion.copy()
-    found[:, :, 0] += 2 * s * (-s * x - c * y)  # (R - 1) arm, also exact for small turns
-    found[:, :, 1] += 2 * s * (c * x - s * y)
-    return found
 
 
 def _lengths(centred: Floats, them: Bodies) -> Floats:
