@@ -96,7 +96,7 @@ def explore(
                 continue
             open_questions += answer.verdict is Verdict.STOPPED
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
-            found = _way_out(ready, ground, group, motions)
+            found = way_out(ready, ground, group, motions, LOOKS)
             if found is not None:
                 return Explored(*found, True, questions)
             place = relative_rest(bodies, near.a, near.b, motions[-1])
@@ -114,9 +114,12 @@ def _ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: S
         return None
 
 
-def _way_out(ready: Prepared, ground: int, group: Ints, motions: Floats) -> tuple[Floats, Exit] | None:
-    """The way up to the first of some way-points from where bodies leave straight."""
-    for k in np.unique(np.linspace(len(motions) - 1, 1, LOOKS).round().astype(int)):
+def way_out(
+    ready: Prepared, ground: int, group: Ints, motions: Floats, looks: int | None = None
+) -> tuple[Floats, Exit] | None:
+    """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its way-points are looked at, or all."""
+    last = len(motions) - 1
+    for k in np.unique(np.linspace(last, 1, looks or last).round().astype(int)):
         found = straight_exit(ready.bodies, motions[k], ground, ready.barred, ready.size, group)
         if found is not None:
             return motions[: k + 1], found
