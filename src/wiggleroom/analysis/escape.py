@@ -63,7 +63,9 @@ class Stage:
     questions: int
 
 
-def next_stage(ready: Prepared, boxes: int, stop: Stop | None, tell: Callable[[Progress], None]) -> Stage:
+def next_stage(
+    ready: Prepared, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
+) -> Stage:
     """The next parts that leave, the cheapest ways of finding them first."""
     bodies, n = ready.bodies, len(ready.bodies.fixed)
     stands = np.flatnonzero(bodies.fixed)
@@ -90,7 +92,7 @@ def next_stage(ready: Prepared, boxes: int, stop: Stop | None, tell: Callable[[P
     known = surer(ready, known, stop)
     if known.all_tied:
         return Stage("interlocked", "proven", none, None, known.held, 0)
-    searched = explore(ready, ground, known.group, nearly, stop, tell)
+    searched = explore(ready, ground, known.group, nearly, stop, tell, questions)
     if searched.way is not None and searched.exit is not None:
         return replace(_leave(ready, searched.way, searched.exit), questions=searched.questions)
     ended: Says = "interlocked" if searched.whole else "unknown"
