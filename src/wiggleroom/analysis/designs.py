@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.overlap import overlaps
 from wiggleroom.analysis.prepare import Prepared, cells_at, prepare
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.assembly.model import Assembly, rings_at
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
@@ -142,7 +142,7 @@ def _same(bodies: Bodies, made: Assembly, least: float) -> bool:
     """True where the corners of the bodies are those of the assembly's outlines, to less than `least` [mm]."""
     from scipy.spatial import cKDTree  # slow to load
 
-    rings = [place(ring, p.at) for p in made.parts for r in p.regions for ring in (r.outer, *r.holes)]
+    rings = [ring for part in made.parts for ring in rings_at(part)]
     there, here = np.vstack(rings), corners(bodies)[1]
     if len(there) != len(here):
         return False

@@ -13,7 +13,7 @@ from wiggleroom.app.messages import Save
 from wiggleroom.app.out import Out
 from wiggleroom.drawing import write_drawing
 from wiggleroom.report.apart import check_record
-from wiggleroom.report.apart_page import Checked
+from wiggleroom.report.apart_picture import Checked
 from wiggleroom.report.draw import draw
 from wiggleroom.report.records import flex_record, to_json
 

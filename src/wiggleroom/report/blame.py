@@ -12,7 +12,7 @@ from wiggleroom.analysis.rank import Ranking
 from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report import frame, palette
 from wiggleroom.report.picture import Tints, picture
-from wiggleroom.report.words import number, short, unit
+from wiggleroom.report.words import number, per_gap, short, unit
 
 
 def picture_of_ranking(ranking: Ranking, *, command: str = "", framed: bool = True) -> str:
@@ -24,17 +24,16 @@ def picture_of_ranking(ranking: Ranking, *, command: str = "", framed: bool = Tr
         False: without title, facts and command, for a page that says them itself; here and in the other pictures.
     """
     answer = ranking.answer
-    per = f"{unit(answer.goals)} per mm of gap".strip()
-    tints = tinted(answer, ranking.looser, per)
+    tints = tinted(answer, ranking.looser, per_gap(answer.goals))
     return picture(replace(answer, command=command), tints=tints, said=ranking_facts(ranking), framed=framed)
 
 
 def ranking_facts(ranking: Ranking) -> list[str]:
     """Facts under the headline of a ranking."""
     answer, first = ranking.answer, ranking.order[0]
-    value = f"{number(max(float(ranking.looser[first]), 0.0), 3)} {unit(answer.goals)} per mm of gap"
+    value = f"{number(max(float(ranking.looser[first]), 0.0), 3)} {per_gap(answer.goals)}"
     return [
-        f"{short(answer.assembly.names[first])} matters most: {' '.join(value.split())}, {ranking.percent[first]:.0f} % of all",
+        f"{short(answer.assembly.names[first])} matters most: {value}, {ranking.percent[first]:.0f} % of all",
         f"{answer.verdict}, gap {number(answer.assembly.gap)} mm",
     ]
 
