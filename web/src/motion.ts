@@ -6,7 +6,7 @@ import type { Frames } from "./protocol.ts";
 export type What = "rest" | "answer" | "between" | "drag" | "mode" | "escape";
 export interface Shown { what: What; frames: Frames | null; label: string; back: boolean }
 
-const REST: Shown = { what: "rest", frames: null, label: "", back: false };
+export const REST: Shown = { what: "rest", frames: null, label: "", back: false };
 const BLEND = 170;
 const PAUSE = 700;
 
@@ -87,6 +87,9 @@ export function show(next: Shown, soft = true): void {
   shown.value = next;
   place.value = 1;
 }
+
+/** Shows the parts at rest. */
+export const showRest = (soft = true): void => show(REST, soft);
 
 /** Shows the way of an answer at its end; where parts leave it plays, for at the end they are gone. */
 export function showAnswer(frames: Frames, leaves: boolean, soft = true): void {

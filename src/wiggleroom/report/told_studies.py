@@ -35,7 +35,7 @@ def ranking_told(ranking: Ranking, command: str) -> Json:
         ],
         "per": per_gap(ranking.answer.goals),
         "unique": bool(ranking.unique.all()),
-        "note": "; ".join(line for _, line in ranking_sure(ranking)),
+        "note": "by " + "; ".join(line for _, line in ranking_sure(ranking)),
         "command": command,
     }
 

@@ -50,7 +50,7 @@ export function namePlace(shape: Shape): Point {
 /** Where a part is: reference point in the world and turn, its motion times the magnification. */
 export interface Placed { x: number; y: number; cos: number; sin: number }
 
-export function placed(shape: Shape, motion: Float32Array, i: number, factor: number): Placed {
+export function placed(shape: Pick<Shape, "at">, motion: Float32Array, i: number, factor: number): Placed {
   const turn = (motion[3 * i + 2] ?? 0) * factor;
   return {
     x: shape.at[0] + (motion[3 * i] ?? 0) * factor,
@@ -73,6 +73,9 @@ export function around(all: readonly Shape[], rest: Box, motion: Float32Array | 
   });
   return [Math.max(x0, rest[0] - far), Math.max(y0, rest[1] - far), Math.min(x1, rest[2] + far), Math.min(y1, rest[3] + far)];
 }
+
+/** A vector turned by an angle [rad]. */
+export const turned = ([x, y]: Point, angle: number): Point => [Math.cos(angle) * x - Math.sin(angle) * y, Math.sin(angle) * x + Math.cos(angle) * y];
 
 /** World point as seen from the part, about its reference point. */
 export const into = (p: Placed, [x, y]: Point): Point => [
