@@ -4,17 +4,20 @@ import { effect } from "@preact/signals";
 import { begin, design } from "./design.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { calm, end, showAnswer, showRest } from "./motion.ts";
-import { type CheckReply, type FlexReply, type Frames, fromBase64, type Opened, type RankReply, type SpaceReply, type Step } from "./protocol.ts";
+import { type CheckReply, type FlexReply, type Frames, fromBase64, type Opened, type RankReply, type Ring, type SpaceReply, type Step } from "./protocol.ts";
 import { showEscape } from "./session.ts";
+import { outOf, posed } from "./stage/shapes.ts";
 import { nearestBy } from "./words.ts";
 import * as state from "./state.ts";
 
 interface Packed { k: number; n: number; data: string }
+/** Outlines about reference points, each shape once, and which of them each part has. */
+interface Outlines { shapes: Ring[][]; of: number[] }
 interface Baked extends Partial<state.Told> {
-  opened: Opened;
+  opened: Opened & { outlines: Outlines };
   begin?: number;
   tab?: state.Tab;
-  answers?: { gap: number; flex: FlexReply; way: Packed }[];
+  answers?: { gap: number; flex: FlexReply; way: Packed; outlines?: Outlines }[];
   steps?: Step[];
   lost?: [number, number] | null;
   rank?: RankReply;
@@ -27,6 +30,12 @@ export function unpack(): boolean {
   const text = document.getElementById("baked")?.textContent;
   if (!text) return false;
   const { opened, answers = [], said = null, study = null, tints = null, ...told } = JSON.parse(text) as Baked;
+  const standing = ({ shapes, of }: Outlines): Ring[][] => opened.parts.map(({ at: [x, y, degrees] }, i) => {
+    const pose = posed(x, y, (degrees * Math.PI) / 180);
+    return shapes[of[i]!]!.map((ring) => ring.map((point) => outOf(pose, point)));
+  });
+  const rest = standing(opened.outlines);
+  opened.parts.forEach((part, i) => (part.rings = rest[i]!));
   state.baked.value = { said, study, tints };
   state.line.value = "open";
   state.drawing.value = opened;
@@ -37,25 +46,25 @@ export function unpack(): boolean {
   if (told.rank) state.ranking.value = about(told.rank, []);
   if (told.check) state.checked.value = about(told.check.reply, told.check.ways.map(frames));
   if (told.space) state.space.value = about(told.space, []);
-  const known = answers.map(({ gap, flex, way }) => ({ gap, flex, way: frames(way) }));
+  const known = answers.map(({ gap, flex, way, outlines }) => ({ gap, flex, way: frames(way), outlines }));
   const steps = told.steps ?? known.map(({ gap, flex: { objective, verdict } }) => ({ gap, objective, verdict }));
   state.solved.value = steps.map(({ gap, objective, verdict }) => {
     const one = known.find((other) => other.gap === gap);
     return { gap, objective, verdict, end: one && objective !== null ? end(one.way) : null };
   });
-  state.rings.value = opened.parts.map((part) => part.rings);
+  state.rings.value = rest;
   if (known.length === 0) {
     showRest(false);
     if (!calm()) showEscape(0);
   }
   else effect(() => {
     const { gap } = design.value;
-    const { flex, way, ...one } = nearestBy(known, (other) => other.gap, gap)!;
+    const { flex, way, outlines, ...one } = nearestBy(known, (other) => other.gap, gap)!;
     if (Math.abs(one.gap - gap) > 1e-5 * gap) { // a gap of the curve without an answer
       state.answer.value = null;
       return showRest();
     }
-    state.rings.value = flex.rings ?? opened.parts.map((part) => part.rings);
+    state.rings.value = outlines ? standing(outlines) : rest;
     state.answer.value = about(flex, [way]);
     magnify(reachOf(way));
     showAnswer(way, flex.leaves.length > 0);

@@ -38,12 +38,12 @@ function Page() {
   );
 }
 
+if (!unpack()) start();
 effect(() => {
   document.documentElement.dataset["theme"] = isDark() ? "dark" : "light";
 });
 effect(() => {
   if (!baked.value) document.title = drawing.value ? `${drawing.value.name} · wiggleroom` : "wiggleroom";
 });
-if (!unpack()) start();
 listen();
 render(<Page />, document.getElementById("page")!);

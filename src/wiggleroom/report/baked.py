@@ -18,7 +18,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.text import escape
-from wiggleroom.report.told import Json, answer_told, drawing_told, rings_told
+from wiggleroom.report.told import Json, answer_told, digits_of, drawing_told
 from wiggleroom.report.ways import way_frames
 
 
@@ -55,7 +55,23 @@ def opened(assembly: Assembly, goals: tuple[Goal, ...] = ()) -> Json:
     """The drawing as it is shown at rest, and what is asked of it."""
     drawing = replace(assembly.drawing, goals=goals)
     told = drawing_told(drawing, assembly.parts, PurePath(drawing.source).name)
-    return {"kind": "opened", "id": 0} | told | {"notes": []}
+    parts = [{"name": part["name"], "at": part["at"]} for part in told["parts"]]
+    return {"kind": "opened", "id": 0} | told | {"notes": [], "parts": parts, "outlines": outlines(assembly)}
+
+
+def outlines(assembly: Assembly) -> Json:
+    """Outlines of parts about their reference points [mm]: each `shape` once, and which one a part has."""
+    digits = digits_of(assembly.size)
+    found: dict[tuple[bytes, ...], int] = {}
+    shapes, of = [], []
+    for part in assembly.parts:
+        rings = [ring.round(digits) for region in part.regions for ring in (region.outer, *region.holes)]
+        key = tuple(ring.tobytes() for ring in rings)
+        if key not in found:
+            found[key] = len(shapes)
+            shapes.append([ring.tolist() for ring in rings])
+        of.append(found[key])
+    return {"shapes": shapes, "of": of}
 
 
 def answered(answers: Mapping[float, Answer], command: str) -> list[Json]:
@@ -63,12 +79,11 @@ def answered(answers: Mapping[float, Answer], command: str) -> list[Json]:
     found: list[Json] = []
     first = None
     for gap, answer in answers.items():
-        rings = rings_told(answer.assembly.parts)
-        first = first or rings
+        made = outlines(answer.assembly)
+        first = first or made
         flex = {"kind": "flex", "id": 0, "settled": True} | answer_told(answer, command)
-        if rings != first:
-            flex["rings"] = rings
-        found.append({"gap": gap, "flex": flex, "way": way(answer.assembly, answer.waypoints)})
+        one = {"gap": gap, "flex": flex, "way": way(answer.assembly, answer.waypoints)}
+        found.append(one if made == first else one | {"outlines": made})
     return found
 
 

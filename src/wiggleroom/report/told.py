@@ -52,8 +52,13 @@ def rings_told(parts: Sequence[Part]) -> list[list[list[list[float]]]]:
     """Outlines and holes of all parts at rest, in world coordinates [mm]."""
     rings = [rings_at(part) for part in parts]
     size = float(np.ptp(np.vstack([ring for one in rings for ring in one]), axis=0).max())
-    digits = max(0, DIGITS - math.floor(math.log10(size)))
+    digits = digits_of(size)
     return [[ring.round(digits).tolist() for ring in one] for one in rings]
+
+
+def digits_of(size: float) -> int:
+    """Digits after the point with which lengths in a drawing of this size [mm] are told."""
+    return max(0, DIGITS - math.floor(math.log10(size)))
 
 
 def answer_told(answer: Answer, command: str) -> Json:

@@ -3,7 +3,7 @@
 import { effect, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
-import { end, factor, place, pose, shown } from "../motion.ts";
+import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { askDrag, release } from "../session.ts";
 import * as state from "../state.ts";
@@ -72,7 +72,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
   });
   const stop = effect(() => {
     void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), state.selected.value];
-    void [state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
+    void [playing.value, state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
     invalidate();
   });
   return () => {

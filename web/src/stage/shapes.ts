@@ -51,14 +51,12 @@ export function namePlace(shape: Shape): Point {
 export interface Placed { x: number; y: number; cos: number; sin: number }
 
 export function placed(shape: Pick<Shape, "at">, motion: Float32Array, i: number, factor: number): Placed {
-  const turn = (motion[3 * i + 2] ?? 0) * factor;
-  return {
-    x: shape.at[0] + (motion[3 * i] ?? 0) * factor,
-    y: shape.at[1] + (motion[3 * i + 1] ?? 0) * factor,
-    cos: Math.cos(turn),
-    sin: Math.sin(turn),
-  };
+  return posed(
+    shape.at[0] + (motion[3 * i] ?? 0) * factor, shape.at[1] + (motion[3 * i + 1] ?? 0) * factor, (motion[3 * i + 2] ?? 0) * factor,
+  );
 }
+
+export const posed = (x: number, y: number, turn: number): Placed => ({ x, y, cos: Math.cos(turn), sin: Math.sin(turn) });
 
 /** Box around parts at rest and moved; on each side no farther out than `most` times the longer side. */
 export function around(all: readonly Shape[], rest: Box, motion: Float32Array | null, factor: number, most = 0.8): Box {
