@@ -100,7 +100,7 @@ def page_of_tightening(found: Tightening, *, command: str = "") -> str:
     after, before = found.after, found.before
     moved = [dict(zip(a.assembly.names, np.hypot(*a.motion[:, :2].T).tolist(), strict=True)) for a in (before, after)]
     rows = [(k + 1, name, moved[0][name], moved[1][name]) for k, name in enumerate(found.chosen)]
-    heads = ["", "part", "moved mm before", "after"]
+    heads = ["order", "part", "moved mm before", "after"]
     sections = [section("Make these tighter, in this order", "They are coloured.", columns=heads, rows=rows)]
     if len(found.random):
         marks = [
@@ -141,7 +141,7 @@ def page_of_sample(found: Sample, *, command: str = "") -> str:
             "tab": "Draws",
             "sections": [
                 section("Motions of the draws", svg=study_plots.picture_of_sample(found, framed=False)),
-                section("In numbers", columns=["", f"motion {what}".rstrip()], rows=numbers),
+                section("In numbers", columns=["what", f"motion {what}".rstrip()], rows=numbers),
                 section("Parts", columns=["part", "contributes %", "extra gap mm in the worst draw"], rows=parts),
                 section("How sure are the draws", terms=sample_sure(found)),
             ],
