@@ -44,7 +44,7 @@ export interface RankReply {
   joints: { parts: [string, string]; mm_per_mm: number; percent: number }[]; per: string; unique: boolean; note: string; command: string;
 }
 export interface CheckReply {
-  kind: "check"; id: number; verdict: string; certainty: string; words: string; title: string; sure: [string, string][];
+  kind: "check"; id: number; verdict: string; certainty: string; words: string; sure: [string, string][];
   escapes: { parts: string[]; words: string }[]; spins: string[]; remains: string[]; border: string | null; command: string;
 }
 export interface Step { kind: "step"; id: number; gap: number; objective: number | null; verdict: string }

@@ -41,6 +41,11 @@ class Design(Struct, forbid_unknown_fields=True):
     glue: list[list[str]] = []
     goals: list[PullEntry] | Literal["translation", "closer"] = []
 
+    def __post_init__(self) -> None:
+        """Leave out what says nothing: no extra gap, and glue of a part alone."""
+        self.extra = {name: value for name, value in self.extra.items() if value}
+        self.glue = [group for group in self.glue if len(group) > 1]
+
 
 class Request(Struct, tag_field="kind", tag=str.lower, forbid_unknown_fields=True, kw_only=True):
     """Base of all requests; numbers grow."""

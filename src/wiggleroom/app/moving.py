@@ -62,8 +62,7 @@ class Moves:
 
     def at(self, design: Design) -> Live:
         """The engine, its design set."""
-        extra = {name: value for name, value in design.extra.items() if value}
-        self._live.design(self._sheet.designs.gap(design), extra, design.fixed, [g for g in design.glue if len(g) > 1])
+        self._live.design(self._sheet.designs.gap(design), design.extra, design.fixed, design.glue)
         return self._live
 
     def flex(self, request: Flex, out: Out) -> bool:

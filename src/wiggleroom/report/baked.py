@@ -63,7 +63,8 @@ def outlines(assembly: Assembly) -> Json:
     """Outlines of parts about their reference points [mm]: each `shape` once, and which one a part has."""
     digits = digits_of(assembly.size)
     found: dict[tuple[bytes, ...], int] = {}
-    shapes, of = [], []
+    shapes: list[list[list[list[float]]]] = []
+    of = []
     for part in assembly.parts:
         rings = [ring.round(digits) for region in part.regions for ring in (region.outer, *region.holes)]
         key = tuple(ring.tobytes() for ring in rings)

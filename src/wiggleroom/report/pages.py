@@ -6,6 +6,7 @@ import numpy as np
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.audit import Audit
+from wiggleroom.analysis.interlock import Interlock
 from wiggleroom.analysis.rank import Ranking, rank_at_once
 from wiggleroom.analysis.sample import Sample
 from wiggleroom.analysis.sweep import Sweep
@@ -15,7 +16,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.space import FreeSpace
 from wiggleroom.report import study_plots
-from wiggleroom.report.apart import check_title
+from wiggleroom.report.apart import check_facts, check_title
 from wiggleroom.report.apart_picture import Checked
 from wiggleroom.report.baked import answered, baked, opened, section, way
 from wiggleroom.report.blame import ranking_facts, tightening_facts
@@ -29,12 +30,17 @@ from wiggleroom.report.told_studies import check_told, ranking_told, step_told
 from wiggleroom.report.words import headline, number, unit
 
 
-def page_of_answer(answer: Answer) -> str:
+def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
     """Answer as one HTML page: drawing, film, contacts, parts, how sure it is, and the command.
 
     Whose gap matters is said too where the motion ends at walls, from the forces of the answer itself.
+
+    Parameters
+    ----------
+    found : Interlock, optional
+        Whether the same assembly comes apart, where that is known.
     """
-    told = _about(answer, answer.command)
+    told = _about(answer, answer.command) | ({} if found is None else _check(Checked(found), ""))
     if answer.model == "walls" and can_be_ranked(answer):
         told["rank"] = ranking_told(rank_at_once(answer), answer.command)
     return baked(headline(answer), told)
@@ -49,15 +55,9 @@ def page_of_ranking(ranking: Ranking, *, command: str = "") -> str:
 
 def page_of_check(checked: Checked, *, command: str = "") -> str:
     """Check as one HTML page: the verdict, who leaves in which order and how as films, and how sure it is."""
-    found = checked.found
-    reply = {"kind": "check", "id": 0} | check_told(found, command, checked.border)
-    told = {
-        "opened": opened(found.assembly),
-        "said": {"title": reply["title"], "facts": reply["facts"]},
-        "tab": "apart",
-        "check": {"reply": reply, "ways": [way(found.assembly, escape.path) for escape in found.escapes]},
-    }
-    return baked(check_title(found), told)
+    found, title = checked.found, check_title(checked.found)
+    said = {"title": title, "facts": check_facts(found, checked.border)}
+    return baked(title, {"opened": opened(found.assembly), "said": said, "tab": "apart"} | _check(checked, command))
 
 
 def page_of_sweep(found: Sweep, *, command: str = "") -> str:
@@ -171,6 +171,13 @@ def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = N
         "study": {"tab": "Slices and cells", "sections": sections},
     }
     return baked(space_headline(space), told)
+
+
+def _check(checked: Checked, command: str) -> Json:
+    """A verdict with the ways of those that leave."""
+    found = checked.found
+    reply = {"kind": "check", "id": 0} | check_told(found, command, checked.border)
+    return {"check": {"reply": reply, "ways": [way(found.assembly, escape.path) for escape in found.escapes]}}
 
 
 def _about(answer: Answer, command: str) -> Json:

@@ -6,7 +6,7 @@ from wiggleroom.analysis.interlock import Interlock
 from wiggleroom.analysis.largest_gap import LargestGap
 from wiggleroom.analysis.rank import Ranking
 from wiggleroom.analysis.sweep import Step
-from wiggleroom.report.apart import border_sentence, check_facts, check_sure, check_title, leaves, why
+from wiggleroom.report.apart import border_sentence, check_sure, leaves, why
 from wiggleroom.report.ranking import ranking_sure
 from wiggleroom.report.told import Json
 from wiggleroom.report.words import per_gap
@@ -46,8 +46,6 @@ def check_told(found: Interlock, command: str, border: LargestGap | None = None)
         "verdict": found.verdict,
         "certainty": found.certainty,
         "words": f"{found.verdict}: {why(found)}",
-        "title": check_title(found),
-        "facts": check_facts(found, border),
         "sure": check_sure(found),
         "escapes": [{"parts": list(e.parts), "words": leaves(found, e)} for e in found.escapes],
         "spins": list(found.spins),
