@@ -26,13 +26,11 @@ def verify(certificate: Path, file: str | None = None, /, *, gap: float | None =
     """
     import json
 
-    from wiggleroom.errors import InputError, MissingExtraError
+    from wiggleroom.errors import InputError, see_extra
 
-    try:
-        from wiggleroom.verify.check import verify as check
-    except ImportError as error:
-        wrong = "verify needs python-flint: pip install 'wiggleroom[verify]'"
-        raise MissingExtraError(wrong) from error
+    see_extra("verify", "verify needs python-flint", "flint")
+    from wiggleroom.verify.check import verify as check
+
     try:
         content = json.loads(certificate.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as problem:

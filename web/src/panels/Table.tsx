@@ -63,7 +63,7 @@ export function Table({ columns, rows, bar, first = 12, onHover }: Asked) {
               <tr key={i} aria-selected={[rows[i]![0]!].flat().includes(selected.value ?? "\n")} onPointerEnter={() => onHover?.(i)} onPointerLeave={() => onHover?.(null)}>
                 {rows[i]!.map((one, k) => (
                   <td key={k} class={numeric[k] ? "n" : ""}>
-                    {k === bar && <meter min={0} max={largest} value={Math.abs(value(one))} aria-hidden="true" />}
+                    {k === bar && <meter min={0} max={largest} value={Math.abs(value(one))} aria-label={columns[k]} />}
                     {cell(one, k)}
                   </td>
                 ))}
