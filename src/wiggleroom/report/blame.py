@@ -15,17 +15,11 @@ from wiggleroom.report.picture import Tints, picture
 from wiggleroom.report.words import number, per_gap, short, unit
 
 
-def picture_of_ranking(ranking: Ranking, *, command: str = "", framed: bool = True) -> str:
-    """Answer as an SVG picture, its parts coloured by how much their gap matters.
-
-    Parameters
-    ----------
-    framed : bool
-        False: without title, facts and command, for a page that says them itself; here and in the other pictures.
-    """
+def picture_of_ranking(ranking: Ranking, *, command: str = "") -> str:
+    """Answer as an SVG picture, its parts coloured by how much their gap matters."""
     answer = ranking.answer
     tints = tinted(answer, ranking.looser, per_gap(answer.goals))
-    return picture(replace(answer, command=command), tints=tints, said=ranking_facts(ranking), framed=framed)
+    return picture(replace(answer, command=command), tints=tints, said=ranking_facts(ranking))
 
 
 def ranking_facts(ranking: Ranking) -> list[str]:
@@ -77,13 +71,13 @@ def shade(share: float) -> str:
     return "#" + "".join(f"{v:02x}" for v in mixed)
 
 
-def picture_of_tightening(found: Tightening, *, command: str = "", framed: bool = True) -> str:
+def picture_of_tightening(found: Tightening, *, command: str = "") -> str:
     """The motion that is left, the tightened parts coloured."""
     answer = found.after
     fill = dict.fromkeys(answer.assembly.names, palette.NEUTRAL[0]) | dict.fromkeys(found.chosen, palette.CHOSEN)
     legend = ((frame.swatch(palette.CHOSEN, palette.NEUTRAL[1]), "made tighter"),)
     tints = Tints(fill, legend)
-    return picture(replace(answer, command=command), tints=tints, said=tightening_facts(found), framed=framed)
+    return picture(replace(answer, command=command), tints=tints, said=tightening_facts(found))
 
 
 def tightening_facts(found: Tightening) -> list[str]:

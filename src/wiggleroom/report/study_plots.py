@@ -35,7 +35,7 @@ def sweep_facts(found: Sweep) -> list[str]:
     ]
 
 
-def picture_of_sweep(found: Sweep, *, command: str = "", framed: bool = True) -> str:
+def picture_of_sweep(found: Sweep, *, command: str = "") -> str:
     """Motion against gap as an SVG curve, with the gap at which the motion loses its end.
 
     Raises
@@ -57,7 +57,6 @@ def picture_of_sweep(found: Sweep, *, command: str = "", framed: bool = True) ->
         facts=sweep_facts(found),
         marks=marks,
         command=command,
-        framed=framed,
     )
 
 

@@ -111,7 +111,7 @@ function Held() {
 /** How far every part goes in the answer, the farthest first. */
 function Moved() {
   const way = answer.value?.ways[0];
-  if (!way || way.n !== names.value.length) return null;
+  if (!way || way.n !== names.value.length || shown.value.what === "drag") return null;
   const motion = end(way);
   const rows = names.value.map((name, i): [string, number, number, number, number] => {
     const [x, y, turn] = motion.subarray(3 * i, 3 * i + 3) as unknown as [number, number, number];
