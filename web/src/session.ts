@@ -245,7 +245,8 @@ export function showEscape(which: number): void {
   if (!frames) return;
   const count = state.checked.peek()!.ways.length;
   autoFactor.value = 1;
-  show({ what: "escape", frames, label: count > 1 ? `way out, step ${which + 1} of ${count}` : "way out", back: false }, false);
+  const next = count > 1 ? () => showEscape((which + 1) % count) : undefined; // all that leave, one after the other
+  show({ what: "escape", frames, label: count > 1 ? `way out, step ${which + 1} of ${count}` : "way out", back: false, next }, false);
   play(true);
 }
 
