@@ -12,7 +12,7 @@ from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.assembly.model import rings_at
 from wiggleroom.drawing.assembly_writer import goal_entries
 from wiggleroom.drawing.model import Drawing, Part
-from wiggleroom.report.words import answer_sure, facts, headline
+from wiggleroom.report.words import answer_sure, facts, headline, holding
 
 Json = dict[str, Any]
 
@@ -82,5 +82,6 @@ def answer_told(answer: Answer, command: str) -> Json:
 
 def contacts_told(contacts: Iterable[Contact]) -> list[Json]:
     """Contacts with a force, the strongest first."""
-    held = sorted((c for c in contacts if c.force > 0), key=lambda c: -c.force)
-    return [{"parts": c.parts, "point": c.point, "normal": c.normal, "force": float(c.force)} for c in held]
+    return [
+        {"parts": c.parts, "point": c.point, "normal": c.normal, "force": float(c.force)} for c in holding(contacts)
+    ]

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
 from wiggleroom.solve.verdict import Verdict
 
@@ -165,6 +165,11 @@ def answer_sure(answer: Answer) -> list[tuple[str, str]]:
         ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
     ]
+
+
+def holding(contacts: Iterable[Contact]) -> list[Contact]:
+    """Contacts with a force, the strongest first; equal ones in an order that does not change."""
+    return sorted((c for c in contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
 
 
 def certainty(answer: Answer) -> str:
