@@ -40,6 +40,7 @@ export function unpack(): boolean {
   state.line.value = "open";
   state.drawing.value = opened;
   state.tab.value = told.tab ?? "answer";
+  state.sheetOpen.value = told.tab === "space" || told.tab === "study"; // on a phone: what the page is about
   state.lost.value = told.lost ?? null;
   begin({ ...opened.design, gap: told.begin ?? opened.gap });
   const about = <T>(reply: T, ways: Frames[]) => ({ reply, design: design.peek(), ways });
