@@ -345,8 +345,7 @@ def _held(ready: Prepared, search: Warm, unit: float) -> tuple[Contact, ...]:
     found = search.best
     if found is None or found.solution.status != "converged":
         return ()
-    some = contacts(ready.assembly, found.program, found.solution.u, found.touch)
-    return tuple(replace(c, force=c.force / unit) for c in some)
+    return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)
 
 
 def _moved(ready: Prepared, part: str, grip: Spot, motion: Floats) -> Spot:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.grow import grow
 from wiggleroom.freespace.hide import SEED
+from wiggleroom.freespace.outlines import outlines
 from wiggleroom.pairs.shapes import Bodies, Shapes
 
 Floats = NDArray[np.float64]
@@ -20,8 +21,6 @@ SPAN = 0.5
 """A cell reaches at most this far [rad] from its seed; beyond, it is rebuilt."""
 FINEST = 1e-8
 """Share of the first step of the march at which it gives up, where the end of the turn matters."""
-ROOM = 48
-"""Walls per cell that the first try has room for."""
 ALONE = 2000
 """Up to so many corners of all pairs together one thread is as quick as two."""
 
@@ -119,24 +118,15 @@ def grow_cells(
     finest = 1 / 64 if to_the_end is None else np.where(to_the_end, FINEST, 1 / 64)
     seeds["step"], seeds["least"], seeds["span"] = step, step * finest, span
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
-    walls = np.zeros((count, ROOM, 3), dtype=np.int64)
-    corners = np.diff(shapes.first)
+    table, corners = outlines(shapes), np.diff(shapes.first)
     if count < 2 or corners[seeds["a"]].sum() + corners[seeds["b"]].sum() < ALONE:
-        grow(shapes, seeds, keeps, walls)
+        walls = grow(table, seeds, keeps)
     else:
         cuts = np.linspace(0, count, min(count, 8) + 1).astype(int)
         parts = [slice(one, other) for one, other in pairwise(cuts)]
         with ThreadPoolExecutor(max_workers=2) as pool:
-            list(pool.map(lambda part: grow(shapes, seeds[part], keeps[part], walls[part]), parts))
-    many = np.flatnonzero(seeds["number"] > ROOM)
-    if len(many):  # curved outlines need more walls than most: once more, with room for them
-        room = int(seeds["number"].max())
-        walls = np.pad(walls, ((0, 0), (0, room - ROOM), (0, 0)))
-        again = np.zeros((len(many), room, 3), dtype=np.int64)
-        grow(shapes, seeds[many], keeps[many], again)
-        walls[many] = again
-    used = np.arange(walls.shape[1]) < seeds["number"][:, None]
-    return _packed(a, b, seed, seeds["ends"].copy(), used, *np.moveaxis(walls, 2, 0)), seeds["grown"] > 0
+            walls = np.concatenate(list(pool.map(lambda part: grow(table, seeds[part], keeps[part]), parts)))
+    return _packed(a, b, seed, seeds["ends"].copy(), seeds["number"], walls), seeds["grown"] > 0
 
 
 def _rows_of_lines(shapes: Shapes, a: Ints, b: Ints, lines: Ints) -> Ints:
@@ -147,16 +137,13 @@ def _rows_of_lines(shapes: Shapes, a: Ints, b: Ints, lines: Ints) -> Ints:
     return np.where(kind < 0, -1, rows)
 
 
-def _packed(
-    a: Ints, b: Ints, seed: Floats, ends: Floats, used: NDArray[np.bool_], kind: Ints, edge: Ints, corner: Ints
-) -> Cells:
+def _packed(a: Ints, b: Ints, seed: Floats, ends: Floats, number: Ints, walls: Ints) -> Cells:
     """Rows of all cells one after another, the two rows of the interval last in each."""
-    guard = np.tile([2, 3], (len(a), 1))
-    zero = np.zeros((len(a), 2), dtype=np.int64)
-    keep = np.hstack([used, np.ones((len(a), 2), dtype=bool)])
-    row = np.concatenate([[0], np.cumsum(keep.sum(1))])
-    pick = lambda table, last: np.hstack([table, last])[keep]  # noqa: E731
-    return Cells(a, b, row, pick(kind, guard), pick(edge, zero), pick(corner, zero), ends, seed)
+    row = np.concatenate([[0], np.cumsum(number + 2)])
+    rows = np.zeros((row[-1], 3), dtype=np.int64)
+    rows[np.arange(len(walls)) + np.repeat(2 * np.arange(len(a)), number)] = walls
+    rows[row[1:] - 2, 0], rows[row[1:] - 1, 0] = 2, 3
+    return Cells(a, b, row, *np.ascontiguousarray(rows.T), ends, seed)
 
 
 def select(cells: Cells, rows: Ints) -> Cells:
