@@ -25,6 +25,7 @@ from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import InputError
+from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.gaps import carried
 from wiggleroom.program.objectives import Approach, Objective, objective
 from wiggleroom.solve.newton import Stop
@@ -235,7 +236,9 @@ class Live:
         answer = flex(self.ready, asked, stop=stop, progress=progress)
         found = answer.trail
         if isinstance(found, Found) and answer.objective is not None and answer.collision_free:
-            state = State(found.program.cells, found.program.motion(found.solution.inner), found.motion)
+            cells = found.program.cells
+            ended = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion)
+            state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
             self._remember(_End(asked, self._design, state))
         return answer
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -14,6 +14,7 @@ from wiggleroom.analysis.prepare import REACH, Prepared
 from wiggleroom.analysis.search import AGAIN, FINE, ROUGH, Found, Search, silent
 from wiggleroom.analysis.way import strangers
 from wiggleroom.freespace.cells import Cells, select
+from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.build import build
 from wiggleroom.program.objectives import NOTHING, Objective
 from wiggleroom.solve.factor import factor
@@ -35,6 +36,8 @@ SOME = 8
 """So many of a way's points show where it leads: the solver's steps wander."""
 ROOM, LEAST_ROOM, SOFTER, MOST_PUSHES = 2e-3, 1e-6, 1e-6, 8
 """Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
+SHARP = 1e-6
+"""Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
 ENDED = ("converged", "enough")
 LEAST_ASKED = 8
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
@@ -60,6 +63,8 @@ class State:
         True where the end cannot be far: no rough rounds are needed.
     linked : bool
         False where that chain is not known: the motion was followed from a larger gap, whose parts may pass where these do not.
+    ended : (P, 3) float64 [mm, mm, rad], optional
+        Where the pairs were seen when a search for the same goals came to its end: new cells brought nothing there.
     """
 
     cells: Cells
@@ -68,6 +73,7 @@ class State:
     mu: float = FIRST_MU
     near: bool = False
     linked: bool = True
+    ended: Floats | None = None
 
 
 def at_rest(ready: Prepared) -> State:
@@ -98,7 +104,7 @@ class Until:
 class Warm(Search):
     """The search from a state. Other sides of corner contacts are not tried; the way from the state is looked at by `reach`."""
 
-    state: State | None = None
+    state: State = field(kw_only=True)
     precise: bool = False
     last: Found | None = None
     near: bool = False
@@ -106,13 +112,12 @@ class Warm(Search):
 
     def begin(self) -> None:
         """Begin at the state, knowing of no way before it."""
-        state = self.state or at_rest(self.ready)
-        self.cells, self.inner, self.first_mu = state.cells, state.inner, state.mu
+        self.cells, self.inner, self.first_mu = self.state.cells, self.state.inner, self.state.mu
         self.legs, self.best, self.last = (), None, None
 
     def run(self) -> None:
         """Go through the rounds: roughly while that brings something, then as well as a picture needs."""
-        self.near, mu, self.done = self.state is not None and self.state.near, self.first_mu, False
+        self.near, mu, self.done = self.state.near, self.first_mu, False
         while self.rounds < MOST_ROUNDS:
             self.last = found = self._round(self._tolerance if self.near else ROUGH, mu)
             if found.solution.status == "stopped":
@@ -145,10 +150,21 @@ class Warm(Search):
         touch, pairs = found.touch, super()._stale(found)
         if found.solution.status == "failed" or not len(pairs):
             return pairs
-        held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs]
+        held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs] * self._room(found)[pairs]
         order = np.argsort(held)
         least = LEFT * found.tolerance * max(abs(found.value), self.ready.clearance * float(touch.force.max()))
-        return pairs[np.sort(order[np.cumsum(held[order]) * self.ready.clearance > least])]
+        return pairs[np.sort(order[np.cumsum(held[order]) > least])]
+
+    def _room(self, found: Found) -> Floats:
+        """By how much (P,) [mm] the virtual walls of each pair may give way: a clearance, or as far as it has come since they gave nothing."""
+        bodies, cells, clearance = self.ready.bodies, found.program.cells, self.ready.clearance
+        room, ended = np.full(len(cells.a), clearance), self.state.ended
+        if ended is not None and self.state.near and not self.precise:
+            a, b = cells.a[: len(ended)], cells.b[: len(ended)]
+            come = np.abs(relative_rest(bodies, a, b, found.motion) - ended)
+            come[:, 2] *= np.minimum(bodies.radius[a], bodies.radius[b])
+            room[: len(ended)] = np.minimum(come.sum(axis=1), clearance)
+        return room
 
     def reach(self) -> tuple[State, bool]:
         """Search, and return the state that was reached, and whether the search came to its end.
@@ -156,7 +172,7 @@ class Warm(Search):
         The motion of the new state is free of overlap and no pair outside the program can have met on the way to it; where none was
         found that is better, it is that of the old state.
         """
-        before = self.state or at_rest(self.ready)
+        before = self.state
         for _ in range(MOST_TRIES):
             self.run()
             found = self.best
@@ -210,20 +226,23 @@ class Warm(Search):
             inner = last.program.motion(last.solution.inner)
             mu = last.solution.inner_mu if last.solution.status == "stopped" else AGAIN * last.solution.inner_mu
         cells, first = self.cells, len(self.ready.cells.a)
+        ended = relative_rest(self.ready.bodies, cells.a, cells.b, motion) if self.done else None
+        if before.ended is not None and self.rounds == 1:  # nothing was grown: how far it has come adds up
+            ended = before.ended
         late = np.arange(len(cells.a)) >= first
         place, radius = (self.ready.bodies.rest + motion)[:, :2], self.ready.bodies.radius
         apart = np.hypot(*(place[cells.b] - place[cells.a]).T) - radius[cells.a] - radius[cells.b]
         far = late & (apart > REACH * self.ready.clearance)
         if far.any():
-            cells = select(cells, np.flatnonzero(~far))
+            cells, ended = select(cells, np.flatnonzero(~far)), ended if ended is None else ended[~far[: len(ended)]]
         return State(
-            cells, inner, motion, mu if not self.done else max(mu, FIRST), self.near and not self.done, before.linked
+            cells, inner, motion, mu if not self.done else max(mu, FIRST), self.near and not self.done, before.linked, ended
         )
 
 
 def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None, enough: float | None = None) -> Warm:
     """Return a search that begins at a state; a drag, where it ends once the objective is worth `enough`."""
-    solver = solve if enough is None else partial(solve, enough=enough)
+    solver = partial(solve, enough=np.inf if enough is None else enough, exact=SHARP)
     return Warm(ready, objective, solver, stop, silent, thorough=False, state=state, precise=enough is not None)
 
 
