@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.overlap import SAFE, overlaps
+from wiggleroom.analysis.overlap import SAFE, Overlaps, overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
 from wiggleroom.analysis.search import AGAIN, FINE, ROUGH, Found, Search, silent
 from wiggleroom.analysis.way import strangers
@@ -109,6 +109,7 @@ class Warm(Search):
     last: Found | None = None
     near: bool = False
     done: bool = False
+    seen: tuple[Floats, Overlaps] | None = None
 
     def begin(self) -> None:
         """Begin at the state, knowing of no way before it."""
@@ -156,7 +157,7 @@ class Warm(Search):
         return pairs[np.sort(order[np.cumsum(held[order]) > least])]
 
     def _room(self, found: Found) -> Floats:
-        """By how much (P,) [mm] the virtual walls of each pair may give way: a clearance, or as far as it has come since they gave nothing."""
+        """By how much (P,) [mm] each pair's virtual walls may give way: a clearance, or as far as it has come since they gave nothing."""
         bodies, cells, clearance = self.ready.bodies, found.program.cells, self.ready.clearance
         room, ended = np.full(len(cells.a), clearance), self.state.ended
         if ended is not None and self.state.near and not self.precise:
@@ -197,12 +198,22 @@ class Warm(Search):
         motion = found.motion
         if found.solution.status not in ENDED:  # the last iterate may be on its way through a wall; these are not
             motion = found.program.motion(found.solution.way[-1])
-        bodies = self.ready.bodies
-        if overlaps(bodies, motion, self.ready.barred).deepest > SAFE * self.ready.size:
+        if self._overlaps(motion).deepest > SAFE * self.ready.size:
             self.begin()
             self._add_missed(found)
             return None
         return None if self._meets_strangers(found) else motion
+
+    def _missed(self, found: Found, known: Ints) -> Overlaps:
+        all_pairs = self._overlaps(found.motion)
+        new = ~np.isin(all_pairs.a * len(found.motion) + all_pairs.b, known)
+        return Overlaps(all_pairs.a[new], all_pairs.b[new], all_pairs.depth[new])
+
+    def _overlaps(self, motion: Floats) -> Overlaps:
+        """Everything that overlaps at a motion; asked for twice where a search ends, worked out once."""
+        if self.seen is None or self.seen[0] is not motion:
+            self.seen = motion, overlaps(self.ready.bodies, motion, self.ready.barred)
+        return self.seen[1]
 
     def _meets_strangers(self, found: Found) -> bool:
         """Begin again with the pairs that were not in the program and may meet on the way; True where there were any."""
