@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.overlap import SAFE, Overlaps, overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
-from wiggleroom.analysis.search import AGAIN, FINE, ROUGH, Found, Search, silent
+from wiggleroom.analysis.search import AGAIN, FINE, Found, Search, silent
 from wiggleroom.analysis.way import strangers
 from wiggleroom.freespace.cells import Cells, select
 from wiggleroom.pairs.neighbours import relative_rest
@@ -26,6 +26,8 @@ Ints = NDArray[np.int64]
 
 NEAR = 1e-3
 """Share of the objective that a live answer may leave on the table."""
+SKETCH = 0.1
+"""Tolerance of the first rounds: they only show which cells are left."""
 SEEN = 5e-3
 """A drag ends within this share of the clearance of where it could."""
 LEFT = 0.5
@@ -120,7 +122,7 @@ class Warm(Search):
         """Go through the rounds: roughly while that brings something, then as well as a picture needs."""
         self.near, mu, self.done = self.state.near, self.first_mu, False
         while self.rounds < MOST_ROUNDS:
-            self.last = found = self._round(self._tolerance if self.near else ROUGH, mu)
+            self.last = found = self._round(self._tolerance if self.near else SKETCH, mu)
             if found.solution.status == "stopped":
                 self._keep(found)
                 return
