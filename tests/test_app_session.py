@@ -76,6 +76,18 @@ def test_long_work_gives_way_to_the_hand_and_begins_again(page: Visit) -> None:
     assert reply["verdict"] == wr.check(GRID).verdict
 
 
+def test_letting_go_of_a_part_holds_no_long_work_up(page: Visit) -> None:
+    page.open("grid.json", text(GRID))
+    page.ask("flex")
+    long = page.send("check")
+    while page.next()["kind"] != "progress":
+        pass
+    letting_go = page.send("release")
+    page.told.clear()
+    page.until(letting_go, "release", seconds=100)
+    assert [r["id"] for r in page.told if r["kind"] in ("check", "release")] == [long, letting_go]
+
+
 def test_a_process_that_is_killed_costs_only_time(served: Served, page: Visit) -> None:
     page.open("grid.json", text(GRID))
     number = page.send("check")

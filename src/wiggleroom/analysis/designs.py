@@ -16,7 +16,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.cells import replaced
 from wiggleroom.pairs.moved import moved
 from wiggleroom.pairs.shapes import Bodies, corners
@@ -103,11 +103,11 @@ class Designs:
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    def prove(self, design: Design) -> Design:
-        """Return the same design with cells grown for its very outlines."""
+    def prove(self, design: Design, stop: Stop | None = None) -> Design:
+        """Return the same design with cells grown for its very outlines; raises StoppedError where it is asked to stop."""
         if design.proven:
             return design
-        proven = replace(design, ready=prepare(design.assembly), proven=True)
+        proven = replace(design, ready=prepare(design.assembly, stop=stop), proven=True)
         for key, kept in self._kept.items():
             if kept is design:
                 self._kept[key] = proven

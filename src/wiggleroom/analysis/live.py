@@ -228,9 +228,15 @@ class Live:
         stop: Stop | None = None,
         progress: Callable[[Progress], None] | None = None,
     ) -> Answer:
-        """Return the answer of `wiggleroom.flex` for the present design; later quick ones begin near it."""
+        """Return the answer of `wiggleroom.flex` for the present design; later quick ones begin near it.
+
+        Raises
+        ------
+        StoppedError
+            If it was asked to stop before there was anything to say.
+        """
         asked = self._asked(goals)
-        old, self._now = self._design, self._designs.prove(self._design)
+        old, self._now = self._design, self._designs.prove(self._design, stop)
         if self._now is not old:
             self._state = None
         answer = flex(self.ready, asked, stop=stop, progress=progress)

@@ -249,7 +249,13 @@ class Warm(Search):
         if far.any():
             cells, ended = select(cells, np.flatnonzero(~far)), ended if ended is None else ended[~far[: len(ended)]]
         return State(
-            cells, inner, motion, mu if not self.done else max(mu, FIRST), self.near and not self.done, before.linked, ended
+            cells,
+            inner,
+            motion,
+            mu if not self.done else max(mu, FIRST),
+            self.near and not self.done,
+            before.linked,
+            ended,
         )
 
 

@@ -9,11 +9,11 @@ from importlib import import_module
 
 from wiggleroom.app.designs import Designs
 from wiggleroom.app.link import Start
-from wiggleroom.app.messages import AnyRequest, Flex, Open, decode
+from wiggleroom.app.messages import AnyRequest, Flex, Open, decode, kind_of
 from wiggleroom.app.opening import opened, told
-from wiggleroom.app.out import Out, StoppedError
+from wiggleroom.app.out import Out
 from wiggleroom.app.sheet import Sheet
-from wiggleroom.errors import InputError, WiggleroomError
+from wiggleroom.errors import InputError, StoppedError, WiggleroomError
 
 ANSWERS = {
     "shape": "moving",
@@ -82,11 +82,6 @@ class Desk:
         kind = kind_of(request)
         getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._sheet, request, out)
         return False
-
-
-def kind_of(request: AnyRequest) -> str:
-    """Kind of a request, as in its message."""
-    return str(request.__struct_config__.tag)
 
 
 def _line(problem: BaseException) -> str:

@@ -32,7 +32,7 @@ MOST_TILES = 33
 def space(sheet: Sheet, request: Space, out: Out) -> None:
     """How one part can move against another."""
     assembly = sheet.assembly(request.design)
-    found = free_space(assembly, request.a, request.b)
+    found = free_space(assembly, request.a, request.b, stop=out.stop)
     out.check()
     content = solid(found)
     if not found.closed:

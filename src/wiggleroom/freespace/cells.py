@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.grow import grow
 from wiggleroom.freespace.hide import SEED
 from wiggleroom.freespace.outlines import outlines
@@ -23,6 +24,8 @@ FINEST = 1e-8
 """Share of the first step of the march at which it gives up, where the end of the turn matters."""
 ALONE = 2000
 """Up to so many corners of all pairs together one thread is as quick as two."""
+AT_ONCE = 20_000
+"""After so many, whether to stop is asked again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +76,7 @@ def grow_cells(
     wish: Floats | None = None,
     to_the_end: NDArray[np.bool_] | None = None,
     span: float = SPAN,
+    stop: Stop | None = None,
 ) -> tuple[Cells, NDArray[np.bool_]]:
     """Grow one cell round each seed, all in one batch.
 
@@ -95,6 +99,13 @@ def grow_cells(
         Where the cell should reach the end of the turn as nearly as can be; elsewhere the march stops a little before.
     span : float [rad]
         Furthest turn from the seed.
+    stop : optional
+        Anything with `is_set()`, asked now and then.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop.
 
     Returns
     -------
@@ -119,13 +130,18 @@ def grow_cells(
     seeds["step"], seeds["least"], seeds["span"] = step, step * finest, span
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
     table, corners = outlines(shapes), np.diff(shapes.first)
-    if count < 2 or corners[seeds["a"]].sum() + corners[seeds["b"]].sum() < ALONE:
+    work = int(corners[seeds["a"]].sum() + corners[seeds["b"]].sum())
+    if count < 2 or work < ALONE:
         walls = grow(table, seeds, keeps)
     else:
-        cuts = np.linspace(0, count, min(count, 8) + 1).astype(int)
-        parts = [slice(one, other) for one, other in pairwise(cuts)]
+        cuts = np.linspace(0, count, min(count, max(8, work // AT_ONCE)) + 1).astype(int)
+
+        def grown(part: slice) -> Ints:
+            go_on(stop)
+            return grow(table, seeds[part], keeps[part])
+
         with ThreadPoolExecutor(max_workers=2) as pool:
-            walls = np.concatenate(list(pool.map(lambda part: grow(table, seeds[part], keeps[part]), parts)))
+            walls = np.concatenate(list(pool.map(grown, [slice(one, other) for one, other in pairwise(cuts)])))
     return _packed(a, b, seed, seeds["ends"].copy(), seeds["number"], walls), seeds["grown"] > 0
 
 
@@ -143,7 +159,8 @@ def _packed(a: Ints, b: Ints, seed: Floats, ends: Floats, number: Ints, walls: I
     rows = np.zeros((row[-1], 3), dtype=np.int64)
     rows[np.arange(len(walls)) + np.repeat(2 * np.arange(len(a)), number)] = walls
     rows[row[1:] - 2, 0], rows[row[1:] - 1, 0] = 2, 3
-    return Cells(a, b, row, *np.ascontiguousarray(rows.T), ends, seed)
+    kind, edge, corner = np.ascontiguousarray(rows.T)
+    return Cells(a, b, row, kind, edge, corner, ends, seed)
 
 
 def select(cells: Cells, rows: Ints) -> Cells:
