@@ -21,13 +21,12 @@ from wiggleroom.analysis.shot import Mode, Shot
 from wiggleroom.analysis.starts import pulls
 from wiggleroom.analysis.warm import State, Until, Warm, at_rest, pushed, warm
 from wiggleroom.analysis.wiggle import modes
-from wiggleroom.assembly.findings import question_findings
+from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
-from wiggleroom.errors import InputError
 from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.gaps import carried
-from wiggleroom.program.objectives import Approach, Objective, objective
+from wiggleroom.program.objectives import Approach
 from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
@@ -170,14 +169,15 @@ class Live:
             away = away * (FARTHEST * ready.size / far)
         aim = np.add(grip, away)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
-        term = cast(Approach, self._objective((goal,)))
+        term = cast(Approach, ready.objective(self._asked(goal)))
         state = self._state if self._state is not None and start == "here" else at_rest(ready)
         here = term.value(state.inner)  # what counts is what is gained from there
         enough = float(away @ away) - here - (THERE * ready.clearance) ** 2
         search = warm(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
         self._state, settled = search.reach()
         motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
-        reached = _moved(ready, part, grip, self._state.motion)
+        x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
+        reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
         left = float(np.hypot(*np.subtract(aim, reached)))
         held = _held(ready, search, 2 * left) if settled and left > THERE * ready.clearance else ()
@@ -204,7 +204,7 @@ class Live:
         """
         began, ready = time.perf_counter(), self.ready
         asked = self._asked(goals)
-        term, until = self._objective(asked), Until(seconds, stop)
+        term, until = ready.objective(asked), Until(seconds, stop)
         state = self._nearby(asked)
         if state is None:
             state = at_rest(ready)
@@ -283,20 +283,8 @@ class Live:
         return self._now
 
     def _asked(self, goals: Goal | Sequence[Goal] | None) -> tuple[Goal, ...]:
-        """Goals, once it is sure that they make sense."""
-        its = self.assembly
-        said = self._designs.drawing.goals
-        asked = said if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
-        findings = question_findings(replace(its.drawing, goals=asked))
-        if findings:
-            raise InputError(findings)
-        return asked
-
-    def _objective(self, goals: tuple[Goal, ...]) -> Objective:
-        ready, asked = self.ready, self._asked(goals)
-        n = len(ready.bodies.fixed)
-        near = np.union1d(ready.cells.a * n + ready.cells.b, ready.corners)
-        return objective(ready.assembly, ready.bodies, asked, (near // n, near % n))
+        """Goals, by default what the drawing asks for, once it is sure that they make sense."""
+        return asked_goals(self.assembly.drawing, self._designs.drawing.goals if goals is None else goals)
 
     def _remember(self, end: _End) -> None:
         """Keep an end, in place of an older one of the same design and goals."""
@@ -355,12 +343,3 @@ def _held(ready: Prepared, search: Warm, unit: float) -> tuple[Contact, ...]:
     if found is None or found.solution.status != "converged":
         return ()
     return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)
-
-
-def _moved(ready: Prepared, part: str, grip: Spot, motion: Floats) -> Spot:
-    """Where a point of a part is after a motion of the bodies."""
-    body = int(ready.bodies.body_of[ready.assembly.names.index(part)])
-    x, y = np.subtract(grip, ready.bodies.rest[body, :2])
-    c, s = np.cos(motion[body, 2]), np.sin(motion[body, 2])
-    at = ready.bodies.rest[body, :2] + motion[body, :2]
-    return float(at[0] + c * x - s * y), float(at[1] + s * x + c * y)

@@ -18,6 +18,7 @@ from wiggleroom.freespace.cells import Cells, grow_cells, select
 from wiggleroom.freespace.models import PairModel, Walls, model_named
 from wiggleroom.pairs.neighbours import Pairs, classes, neighbours, placed, relative_rest
 from wiggleroom.pairs.shapes import Bodies, bodies
+from wiggleroom.program.objectives import Objective, objective
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.approximate import Approximation
@@ -67,6 +68,12 @@ class Prepared:
     def arm(self) -> Floats:
         """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
         return arms(self.assembly, self.bodies)
+
+    def objective(self, goals: tuple[Goal, ...]) -> Objective:
+        """What the program maximises for some goals."""
+        n = len(self.bodies.fixed)
+        near = np.union1d(self.cells.a * n + self.cells.b, self.corners)
+        return objective(self.assembly, self.bodies, goals, (near // n, near % n))
 
     def flex(self, goals: Goal | Sequence[Goal] | None = None, **options: Any) -> Answer:
         """How far it can move; see `wiggleroom.flex`, whose other arguments this takes too."""

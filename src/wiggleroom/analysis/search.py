@@ -300,12 +300,16 @@ class Search:
         again = len(a) > 0 and self.restarts < MOST_RESTARTS
         if again:
             self.restarts += 1
-            known = np.concatenate([cells.a * n + cells.b, a * n + b])
-            self.begin()
-            extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
-            self.add(extra // n, extra % n, found.motion)
+            self._begin_with(np.concatenate([cells.a * n + cells.b, a * n + b]), found.motion)
         self.seconds["check"] += time.perf_counter() - began
         return again
+
+    def _begin_with(self, known: Ints, wanted: Floats) -> None:
+        """Begin again with the pairs of known keys a * n + b, those that are new with room towards a motion (n, 3)."""
+        n = len(wanted)
+        self.begin()
+        extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
+        self.add(extra // n, extra % n, wanted)
 
     def add(self, a: Ints, b: Ints, wanted: Floats) -> None:
         """Put more pairs into the program: cells grown where the coming round begins, with room towards the motion `wanted` (n, 3)."""

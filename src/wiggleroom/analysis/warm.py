@@ -226,10 +226,7 @@ class Warm(Search):
         motions = np.array([points[k][0].motion(points[k][1]) for k in some])
         a, b = strangers(ready.bodies, ready.arm, motions, cells.a * n + cells.b, ready.barred)
         if len(a):
-            self.begin()
-            known = np.concatenate([cells.a * n + cells.b, a * n + b])
-            extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
-            self.add(extra // n, extra % n, found.motion)
+            self._begin_with(np.concatenate([cells.a * n + cells.b, a * n + b]), found.motion)
         return len(a) > 0
 
     def _state(self, motion: Floats, before: State) -> State:

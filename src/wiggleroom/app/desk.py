@@ -7,7 +7,6 @@ import threading
 from collections.abc import Callable
 from importlib import import_module
 
-from wiggleroom.app.designs import Designs
 from wiggleroom.app.link import Start
 from wiggleroom.app.messages import AnyRequest, Flex, Open, decode, kind_of
 from wiggleroom.app.opening import opened, told
@@ -38,14 +37,12 @@ class Desk:
 
     def open(self, request: Open, out: Out) -> None:
         """Read a drawing and tell the page; where that fails the one before stays."""
-        file = opened(request)
-        design = request.design
-        drawing = file.drawing if design is None else Designs(file.drawing).drawing(design)
-        content = told(file, drawing)
+        sheet, design = Sheet(opened(request)), request.design
+        content = told(sheet.file, sheet.file.drawing if design is None else sheet.designs.drawing(design))
         if design is not None:
             content["design"]["extra"] = design.extra
         out.check()
-        self._sheet = Sheet(file)
+        self._sheet = sheet
         out.reply(content, kind="opened")
 
     def work(self, order: Start, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.app.limits import UPLOAD_MB
 from wiggleroom.app.messages import Design, Json, Open
 from wiggleroom.assembly.model import place
 from wiggleroom.drawing.assembly_writer import goal_entry
@@ -18,7 +19,7 @@ from wiggleroom.drawing.model import WHOLE, Drawing, Part, Pull, Turn, W
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
 
-MOST_BYTES = 20_000_000
+MOST_BYTES = UPLOAD_MB * 1_000_000
 FINE = 1e-4
 """Chord error of curves as a share of the median part size, where there is no gap to tell."""
 
