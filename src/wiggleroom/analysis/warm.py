@@ -24,9 +24,9 @@ from wiggleroom.solve.newton import Stop
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NEAR = 1e-3
-"""Share of the objective that a live answer may leave on the table."""
-SKETCH = 0.1
+NEAR, NEARER = 1e-3, 2e-4
+"""Share of the objective that a live answer may leave on the table, and a drag, where motion sideways to the target gains little."""
+SKETCH = 0.03
 """Tolerance of the first rounds: they only show which cells are left."""
 SEEN = 5e-3
 """A drag ends within this share of the clearance of where it could."""
@@ -132,7 +132,8 @@ class Warm(Search):
             best = self.best or found
             stale, mu = self._stale(best), AGAIN * best.solution.inner_mu
             again = gained and len(stale) > 0
-            if self.unlimited or found.solution.status == "enough" or (self.near and not again):
+            fine = found.tolerance <= 2 * self._tolerance  # a first round does not know yet how much there is to gain
+            if self.unlimited or found.solution.status == "enough" or (self.near and not again and fine):
                 break
             self.near = self.near or not again
             self._rebuild(best, stale)
@@ -143,10 +144,12 @@ class Warm(Search):
     @property
     def _tolerance(self) -> float:
         """Of the last rounds: a drag that gained much may still have little left to gain, which should be seen."""
-        if not self.precise or self.best is None or self.best.value <= 0:
+        if not self.precise:
             return NEAR
+        if self.best is None or self.best.value <= 0:
+            return NEARER
         pull = float(np.abs(self.objective.gradient(self.best.motion)[:, :2]).max())
-        return float(np.clip(SEEN * self.ready.clearance * pull / self.best.value, FINE, NEAR))
+        return float(np.clip(SEEN * self.ready.clearance * pull / self.best.value, FINE, NEARER))
 
     def _stale(self, found: Found) -> Ints:
         """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
@@ -199,7 +202,7 @@ class Warm(Search):
         """Safe motion at the end of a search; None where there is none, and the pairs that were missed are in the program."""
         motion = found.motion
         if found.solution.status not in ENDED:  # the last iterate may be on its way through a wall; these are not
-            motion = found.program.motion(found.solution.way[-1])
+            motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
         if self._overlaps(motion).deepest > SAFE * self.ready.size:
             self.begin()
             self._add_missed(found)
