@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from importlib.util import find_spec
+from typing import Protocol
 
 
 class WiggleroomError(Exception):
@@ -31,6 +32,23 @@ class TouchingError(InputError):
         super().__init__(finding)
         self.parts = parts
         self.clearance = clearance
+
+
+class Stop(Protocol):
+    """Anything with `is_set`, asked now and then while long work runs; True to stop."""
+
+    def is_set(self) -> bool:
+        """True to stop."""
+
+
+class StoppedError(WiggleroomError):
+    """Work was asked to stop before there was anything to say."""
+
+
+def go_on(stop: Stop | None) -> None:
+    """Raise StoppedError where the work was asked to stop."""
+    if stop is not None and stop.is_set():
+        raise StoppedError("asked to stop")
 
 
 class MissingExtraError(WiggleroomError):

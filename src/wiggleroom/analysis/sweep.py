@@ -21,7 +21,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.pairs.moved import moved
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import bodies
@@ -195,8 +195,10 @@ def _step(
             if answer.objective is not None and answer.objective < (last.answer.objective or 0.0):
                 answer = last.answer  # what was free for larger parts still is
         else:
-            ready, checked = prepare(made), True
+            ready, checked = prepare(made, stop=stop), True
             answer = flex(ready, goals, stop=stop)
+    except StoppedError:
+        return Step(gap, None, str(Verdict.STOPPED), False), last
     except InputError:
         return Step(gap, None, "touching", False), None
     checked = checked and answer.path == "checked"

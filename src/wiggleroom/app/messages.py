@@ -178,6 +178,11 @@ def decode(text: bytes | str) -> AnyRequest:
     raise InputError(message)
 
 
+def kind_of(request: AnyRequest) -> str:
+    """Kind of a request, as in its message."""
+    return str(request.__struct_config__.tag)
+
+
 def head(text: bytes | str) -> tuple[int, str]:
     """Number and kind of a message that may be wrong; 0 and "" where it does not say them."""
     try:

@@ -20,6 +20,7 @@ from wiggleroom.app.messages import Design, Drag, Flex, Json, Release, Shape, Wi
 from wiggleroom.app.out import Out
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.freespace.relative import turn
 from wiggleroom.freespace.space import FreeSpace
 from wiggleroom.report.told import answer_told, contacts_told, rings_told
 from wiggleroom.report.ways import way_frames
@@ -57,6 +58,7 @@ class Moves:
         self._sheet = sheet
         self._live = Live(drawing)
         self._outlines: Hashable = None
+        self._rings: list[list[list[list[float]]]] = []
         self._told, self._since = threading.Event(), 0.0
         self._shown: tuple[Assembly, Floats] | None = None
 
@@ -106,12 +108,12 @@ class Moves:
         live = self.at(request.design)
         rings, start, last = self.new_rings(request.design, live.assembly, out), request.from_, math.inf
         stuck = 0
-        for turn in range(MOST_TURNS):
+        for times in range(MOST_TURNS):
             shot = live.drag(request.part, request.grip, request.target, start=start, seconds=SECONDS, stop=out.stop)
             out.check()
             assert shot.distance is not None
             stuck = stuck + 1 if shot.distance > last * (1 - LITTLE) else 0
-            settled = shot.settled or turn == MOST_TURNS - 1 or stuck == MOST_STUCK
+            settled = shot.settled or times == MOST_TURNS - 1 or stuck == MOST_STUCK
             self._shown = live.assembly, shot.motion
             content = {
                 "part": request.part,
@@ -137,12 +139,14 @@ class Moves:
     def new_rings(self, design: Design, assembly: Assembly, out: Out) -> Json:
         """Outlines as made, where the page may not have them: a page drops replies that a newer request has overtaken."""
         key, now = self._sheet.designs.shape(design), time.monotonic()
-        if key != self._outlines or self._told.is_set():
-            self._outlines, self._since = key, now
+        if key != self._outlines:
+            self._outlines, self._since, self._rings = key, now, rings_told(assembly.parts)
+        elif self._told.is_set():
+            self._since = now
         elif now > self._since + AGAIN:
             return {}
         self._told = out.stop
-        return {"rings": rings_told(assembly.parts)}
+        return {"rings": self._rings}
 
     def relative(self, space: FreeSpace) -> list[float]:
         """Where the pair of a free space is shown: motion of its pivot [mm] and turn [deg]."""
@@ -151,7 +155,7 @@ class Moves:
         assembly, motion = self._shown
         a, b = (assembly.names.index(name) for name in space.parts)
         rest, now = assembly.rest, assembly.rest + motion
-        tau = _in_axes(now[b, :2] - now[a, :2], now[a, 2]) - _in_axes(rest[b, :2] - rest[a, :2], rest[a, 2])
+        tau = turn(now[b, :2] - now[a, :2], -now[a, 2]) - turn(rest[b, :2] - rest[a, :2], -rest[a, 2])
         phi = motion[b, 2] - motion[a, 2]
         pivot = tau + swing(space, np.array([phi]))[0]
         return [float(pivot[0]), float(pivot[1]), float(np.degrees(phi))]
@@ -198,8 +202,3 @@ def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: Shot) -> Answer:
         leaves=shot.leaves,
         turns=shot.turns,
     )
-
-
-def _in_axes(way: Floats, angle: float) -> Floats:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([c * way[0] + s * way[1], c * way[1] - s * way[0]])

@@ -9,6 +9,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 import msgspec
 import numpy as np
 
+from wiggleroom.app.limits import UPLOAD_MB
 from wiggleroom.app.messages import Design, Open
 from wiggleroom.assembly.model import place
 from wiggleroom.drawing.model import Drawing
@@ -16,7 +17,7 @@ from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.told import Json, design_told, drawing_told
 
-MOST_BYTES = 20_000_000
+MOST_BYTES = UPLOAD_MB * 1_000_000
 FINE = 1e-4
 """Chord error of curves as a share of the median part size, where there is no gap to tell."""
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def space(sheet: Sheet, request: Space, out: Out) -> None:
     """How one part can move against another."""
-    found = free_space(sheet.assembly(request.design), request.a, request.b)
+    found = free_space(sheet.assembly(request.design), request.a, request.b, stop=out.stop)
     out.check()
     line = command("space", sheet.file, request.design, (request.a, request.b), pulled=False)
     out.reply(space_told(found, sheet.moves.relative(found), line))
