@@ -16,6 +16,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.freespace.blocking import block
+from wiggleroom.freespace.slices import edges_of
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import Bodies
 
@@ -122,17 +123,8 @@ def _directions(edges: Floats) -> Floats:
 
 def _edges(geometry: NDArray[np.object_]) -> tuple[Floats, Ints]:
     """Edges (m, 4) of all bodies one after the other, and where each begins (n + 1,)."""
-    rows: list[Floats] = []
-    first = [0]
-    for material in geometry:
-        count = 0
-        for piece in shapely.get_parts(material):
-            for ring in (piece.exterior, *piece.interiors):
-                points = shapely.get_coordinates(ring)
-                rows.append(np.hstack([points[:-1], points[1:]]))
-                count += len(points) - 1
-        first.append(first[-1] + count)
-    return np.concatenate([*rows, np.zeros((0, 4))]), np.array(first)
+    rows = [edges_of(material).reshape(-1, 4) for material in geometry]
+    return np.concatenate([*rows, np.zeros((0, 4))]), np.cumsum([0, *map(len, rows)])
 
 
 def _near(geometry: NDArray[np.object_], size: float) -> NDArray[np.bool_]:
