@@ -87,6 +87,9 @@ def largest_gap(
         found = tried[gap]
         return "gone" if found is None else found.verdict
 
+    def known(verdict: str) -> list[float]:
+        return [g for g, f in tried.items() if f is not None and f.verdict == verdict]
+
     begin = assembly.gap or START * assembly.size
     low: float | None = begin if assembly.gap or at(0.0) != "interlocked" else 0.0
     while low and at(low) != "interlocked":
@@ -96,9 +99,9 @@ def largest_gap(
         while at(high) not in ENDED:
             high *= 2
         _narrow(at, low, high, ENDED)
-        _narrow(at, low, high, {*ENDED, "unknown"})
-    holds = max((g for g, f in tried.items() if f is not None and f.verdict == "interlocked"), default=None)
-    parts_at = min((g for g, f in tried.items() if f is not None and f.verdict == "comes apart"), default=None)
+        low = max(known("interlocked"))
+        _narrow(at, low, min(g for g in tried if g > low), {*ENDED, "unknown"})
+    holds, parts_at = max(known("interlocked"), default=None), min(known("comes apart"), default=None)
     return LargestGap(
         holds, parts_at, None if holds is None else tried[holds], None if parts_at is None else tried[parts_at]
     )
