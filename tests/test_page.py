@@ -484,7 +484,7 @@ def test_a_baked_page_needs_no_server(browser: Any, tmp_path: Path, monkeypatch:
     answered(page, "peg moves 2 mm in +x")
     rest, moved = at_rest(page), still(page)
     assert moved[0] > rest[0]
-    assert [tab.inner_text() for tab in page.get_by_role("tab").all()] == ["Answer", "How sure"]
+    assert [tab.inner_text() for tab in page.get_by_role("tab").all()] == ["Answer", "Gaps", "How sure"]
     assert page.get_by_role("button", name="Save").count() == 0
     page.close()
     assert wrong == []

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib.util import find_spec
 from typing import Protocol
 
 
@@ -52,3 +53,23 @@ def go_on(stop: Stop | None) -> None:
 
 class MissingExtraError(WiggleroomError):
     """An optional library is needed; the message names the extra that installs it."""
+
+
+def see_extra(extra: str, what: str, *libraries: str) -> None:
+    """See that the libraries of an extra are installed, without importing them.
+
+    Parameters
+    ----------
+    extra : str
+        Name of the extra in `pip install 'wiggleroom[extra]'`.
+    what : str
+        What needs it, such as "the solver ipopt needs CasADi".
+
+    Raises
+    ------
+    MissingExtraError
+        If one of them is not.
+    """
+    if any(find_spec(name) is None for name in libraries):
+        message = f"{what}: pip install 'wiggleroom[{extra}]'"
+        raise MissingExtraError(message)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.overlap import overlaps
 from wiggleroom.analysis.prepare import Prepared, cells_at, prepare
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.assembly.model import Assembly, rings_at
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError, Stop
@@ -160,7 +160,7 @@ class Designs:
 
 def outline_corners(assembly: Assembly) -> Floats:
     """Corners (N, 2) [mm] of the outlines of all parts at rest, one after the other."""
-    return np.vstack([place(ring, p.at) for p in assembly.parts for r in p.regions for ring in (r.outer, *r.holes)])
+    return np.vstack([ring for part in assembly.parts for ring in rings_at(part)])
 
 
 def _with_room(ready: Prepared) -> Prepared:
