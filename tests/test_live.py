@@ -219,6 +219,22 @@ def test_the_slider_finds_what_flex_finds(gaps):
             np.testing.assert_array_equal(one.regions[0].outer, other.regions[0].outer)
 
 
+@pytest.mark.parametrize("joint", ["jigsaw", "swallowtail", "revolute"])
+def test_many_small_slides_do_not_lead_astray(joint):
+    """Walls that gave nothing at one gap are not looked at again at the next: what is left out must not add up."""
+    drawing = wr.patterns.chain(5, joint=joint, gap=0.02).drawing
+    live, goal, random = wr.Live(drawing), wr.Pull("b5", (0, 1)), np.random.default_rng(2)
+    live.flex(goal, seconds=60)
+    gap = 0.02
+    for k in range(30):
+        gap *= 1 + random.uniform(-0.04, 0.05)
+        made = live.design(gap=gap)
+        shot = live.flex(goal, seconds=60)
+        assert overlap(made, shot.motion) < 1e-12
+        if k % 10 == 9:
+            assert shot.objective == pytest.approx(wr.flex(assemble(drawing, gap=gap), goal).objective, rel=3e-3)
+
+
 def test_extra_gap_round_one_part_is_that_of_its_outline():
     drawing = wr.patterns.chain(4, joint="tee", gap=0.02).drawing
     live, goal = wr.Live(drawing), wr.Pull("b4", (0, 1))
