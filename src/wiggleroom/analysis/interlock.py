@@ -23,7 +23,7 @@ from wiggleroom.analysis.tight import tight_verdict
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Turn
-from wiggleroom.errors import InputError, TouchingError
+from wiggleroom.errors import InputError, StoppedError, TouchingError
 from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
@@ -146,9 +146,13 @@ def check(
     asked = 0
     while True:
         try:
-            ready = prepare(left)
+            ready = prepare(left, stop=stop)
         except TouchingError:
             return _tight(assembly, left, stop, progress, boxes, questions, every)
+        except StoppedError:
+            said: Says = "comes apart" if escapes else "unknown"
+            sure: Certainty = "proven" if escapes else "searched"
+            return Interlock(assembly, said, sure, tuple(escapes), questions=asked, seconds=time.perf_counter() - began)
         stage = next_stage(ready, boxes, questions, stop, tell)
         asked += stage.questions
         if stage.way is None:
