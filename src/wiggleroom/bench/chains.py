@@ -7,7 +7,7 @@ from collections.abc import Callable
 from importlib.resources import files
 from importlib.util import find_spec
 
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.physics import pulled_to_rest
@@ -28,7 +28,7 @@ def by_model(model: PairModel) -> Method:
     """Method that asks `flex` with a pair model."""
 
     def ask(assembly: Assembly, stop: Stop | None) -> Found:
-        answer = flex(assembly, model=model, stop=stop)
+        answer = witness(assembly, model=model, stop=stop)
         return answer.objective, 0.0 if answer.collision_free else answer.deepest_overlap
 
     return ask

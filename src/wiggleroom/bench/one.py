@@ -10,7 +10,7 @@ import json
 import sys
 import time
 
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
 from wiggleroom.bench.large import CASES, assembly_of
@@ -41,14 +41,14 @@ def main() -> None:
     job = json.loads(sys.argv[1])
     model, solver = METHODS[job["method"]]
     (case,) = [c for c in CASES if c.name == job["case"]]
-    flex(patterns.chain(2), model=model, solver=solver)
+    witness(patterns.chain(2), model=model, solver=solver)
     assembly = assembly_of(case)
     clock = Clock(job["limit"])
     began = time.perf_counter()
     ready = prepare(assembly, model)
     prepared = time.perf_counter()
     _say({"preprocess_seconds": prepared - began})
-    answer = flex(ready, solver=solver, stop=clock)
+    answer = witness(ready, solver=solver, stop=clock)
     solved = time.perf_counter()
     _say(
         {

@@ -80,7 +80,7 @@ def sweep(
 
 def _page(found: Sweep, name: str, command: str, stop: threading.Event) -> str | None:
     """The page with the full answers at the gaps of a sweep; nothing where none was finished."""
-    from wiggleroom.analysis.flex import flex
+    from wiggleroom.analysis.flex import witness
     from wiggleroom.assembly.build import assemble
     from wiggleroom.report.baked import baked
 
@@ -88,7 +88,7 @@ def _page(found: Sweep, name: str, command: str, stop: threading.Event) -> str |
     for step in found.steps:
         if stop.is_set() or step.verdict in ("cannot be made", "touching"):
             continue
-        answer = flex(assemble(found.assembly.drawing, gap=step.gap), found.goals, stop=stop)
+        answer = witness(assemble(found.assembly.drawing, gap=step.gap), found.goals, stop=stop)
         if not stop.is_set():
             answers.append(answer)
     if not answers:
