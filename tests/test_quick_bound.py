@@ -72,7 +72,7 @@ def test_pockets_of_random_joints_hold_all_true_slices(seed):
 
 def test_a_pocket_is_not_much_too_large():
     made = blocks.block("tee", 0.01)
-    placed = shapely.transform(made, lambda p: p + (1.0, 0.0))
+    placed = shapely.transform(made, lambda p: p + np.array([1.0, 0.0]))
     found = pocket(facing_about(made, placed, np.array([0.35, 0.0]), 0.01))
     truth = Slices(made, made, (1.0, 0.0))
     assert found.turns[1] <= 1.05 * truth.high
