@@ -95,8 +95,11 @@ def _cross(p: Floats, q: Floats) -> Floats:
     return p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0]
 
 
-def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float) -> Loop | None:
-    """Loop with corners added so that along each of its sides one pair of chords crosses, `deep` [mm]; None where there is no such pair."""
+def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float, few: bool) -> Loop | None:
+    """Loop with corners added so that along each of its sides one pair of chords crosses, `deep` [mm]; None where there is no such pair.
+
+    A loop of `few` corners changes from one pair to another as seldom as it can; else it has a corner wherever some pair begins or ends.
+    """
     normal, level = crossings.at(angle, ring.min(0), ring.max(0)).forms()
     corners: list[Floats] = []
     for start, end in zip(ring, np.roll(ring, -1, 0), strict=True):
@@ -107,11 +110,30 @@ def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float) -> Lo
         never = (slope == 0) & (value <= 0)
         enter = np.where(slope > 0, at, np.where(never, np.inf, -np.inf)).max(1)
         leave = np.where(slope < 0, at, np.where(never, -np.inf, np.inf)).min(1)
-        share = _breaks(enter, leave)
+        share = _changes(enter, leave) if few else _breaks(enter, leave)
         if share is None or len(corners) + len(share) > MOST_CORNERS:
             return None
         corners += [start + k * (end - start) for k in share]
     return Loop(np.array(corners), angle)
+
+
+def _changes(enter: Floats, leave: Floats) -> Floats | None:
+    """Shares of a side where the fewest pairs that cross all along it take turns; None where some of it has no pair."""
+    found, reached = [0.0], 0.0
+    while True:
+        here = np.flatnonzero(enter <= found[-1])
+        best = here[leave[here].argmax()] if len(here) else -1
+        if best < 0 or leave[best] <= reached:
+            return None
+        reached = leave[best]
+        if reached >= 1:
+            return np.array(found)
+        # within what both cover, whoever goes furthest next
+        nxt = np.flatnonzero((enter < reached) & (leave > reached))
+        if not len(nxt):
+            return None
+        k = nxt[leave[nxt].argmax()]
+        found.append(float((max(enter[k], found[-1]) + reached) / 2))
 
 
 def _breaks(enter: Floats, leave: Floats) -> Floats | None:
