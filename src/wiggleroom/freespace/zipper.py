@@ -57,6 +57,13 @@ class Crossings:
         i, j = np.nonzero(fits)
         return Depths(i, j, self.a[i], b[j])
 
+    def both(self, one: float, two: float, low: Floats, high: Floats) -> tuple[Depths, Depths]:
+        """The same pairs at two angles, those that cross somewhere in the box at both."""
+        here, there = self.at(one, low, high), self.at(two, low, high)
+        count = len(self.b)
+        _, k, m = np.intersect1d(here.i * count + here.j, there.i * count + there.j, return_indices=True)
+        return here.only(k), there.only(m)
+
 
 @dataclass(frozen=True, eq=False)
 class Depths:
@@ -71,7 +78,7 @@ class Depths:
         """Normals (E, 4, 2) and levels (E, 4) [mm]: the chords cross where normal . tau + level > 0, all four."""
         go, on = self.a[:, 1] - self.a[:, 0], self.b[:, 1] - self.b[:, 0]
         size, length = np.hypot(*go.T), np.hypot(*on.T)
-        way = np.where(_cross(go, on) >= 0, 1.0, -1.0)
+        way = self.way
         p, q = (way / size)[:, None] * go, (way / length)[:, None] * on
         left, right = np.column_stack([-p[:, 1], p[:, 0]]), np.column_stack([-q[:, 1], q[:, 0]])
         normal = np.stack([-left, left, -right, right], 1)
@@ -86,7 +93,12 @@ class Depths:
         )
         return normal, level
 
-    def only(self, which: Ints) -> Depths:
+    @property
+    def way(self) -> Floats:
+        """1 where B's chord passes A's to the left, -1 to the right (E,)."""
+        return np.where(_cross(self.a[:, 1] - self.a[:, 0], self.b[:, 1] - self.b[:, 0]) >= 0, 1.0, -1.0)
+
+    def only(self, which: Ints | Bools) -> Depths:
         """Some of the pairs."""
         return Depths(self.i[which], self.j[which], self.a[which], self.b[which])
 
@@ -157,14 +169,12 @@ def deepest(crossings: Crossings, loop: Loop, angle: float) -> Floats | None:
     from scipy.optimize import linprog  # slow to load
 
     low, high = loop.at.min(0), loop.at.max(0)
-    here, there = crossings.at(loop.angle, low, high), crossings.at(angle, low, high)
-    count = len(crossings.b)
-    _, k, m = np.intersect1d(here.i * count + here.j, there.i * count + there.j, return_indices=True)
-    if not len(k):
+    here, there = crossings.both(loop.angle, angle, low, high)
+    if not len(here.i):
         return None
-    depth = _values(here.only(k), loop.at).min(2)
+    depth = _values(here, loop.at).min(2)
     best = np.unique(np.minimum(depth, np.roll(depth, -1, 0)).argmax(1))
-    normal, level = (v.reshape(-1, *v.shape[2:]) for v in there.only(m[best]).forms())
+    normal, level = (v.reshape(-1, *v.shape[2:]) for v in there.only(best).forms())
     box = [(low[0], high[0]), (low[1], high[1]), (None, None)]
     found = linprog([0, 0, -1], np.column_stack([-normal, np.ones(len(level))]), level, bounds=box)
     return found.x[:2] if found.success and found.x[2] > 0 else None
@@ -174,11 +184,9 @@ def zipped(crossings: Crossings, one: Loop, two: Loop) -> Seam | None:
     """Seam of two loops; None where none was found."""
     both = np.vstack([one.at, two.at])
     low, high = both.min(0), both.max(0)
-    here = crossings.at(one.angle, low, high)
-    there = crossings.at(two.angle, low, high)
-    count = len(crossings.b)
-    _, at_one, at_two = np.intersect1d(here.i * count + here.j, there.i * count + there.j, return_indices=True)
-    here, there = here.only(at_one), there.only(at_two)
+    here, there = crossings.both(one.angle, two.angle, low, high)
+    same = here.way == there.way
+    here, there = here.only(same), there.only(same)
     if not len(here.i):
         return None
     first, second = _values(here, one.at), _values(there, two.at)  # (corners, E, 4)
