@@ -77,7 +77,7 @@ def straight_exits(
     found: list[Exit] = []
     for d in _directions(edges):
         turned = _towards_x(edges, d)
-        boxes = np.array([_box(turned[first[k] : first[k + 1]]) for k in range(n)])
+        boxes = _boxes(turned, first)
         done = np.zeros((n, n), dtype=np.bool_)
         done[barred // n, barred % n] = done[barred % n, barred // n] = True
         arcs = np.zeros((groups, groups), dtype=np.bool_)
@@ -149,8 +149,12 @@ def _towards_x(edges: Floats, d: Floats) -> Floats:
     return np.hstack([edges[:, :2] @ turn, edges[:, 2:] @ turn])
 
 
-def _box(edges: Floats) -> tuple[float, float, float, float]:
-    if not len(edges):  # so thin that nothing is left
-        return np.inf, -np.inf, np.inf, -np.inf
-    x, y = edges[:, ::2], edges[:, 1::2]
-    return float(x.min()), float(x.max()), float(y.min()), float(y.max())
+def _boxes(edges: Floats, first: Ints) -> Floats:
+    """Least and largest x and y (n, 4) of runs of edges; inside out where a body is so thin that none is left."""
+    ends = edges.reshape(-1, 2, 2)
+    rows = np.stack([ends.min(1)[:, 0], -ends.max(1)[:, 0], ends.min(1)[:, 1], -ends.max(1)[:, 1]], 1)
+    out = np.full((len(first) - 1, 4), np.inf)
+    some = np.flatnonzero(np.diff(first))
+    if len(some):
+        out[some] = np.minimum.reduceat(rows, first[some])
+    return out * [1, -1, 1, -1]

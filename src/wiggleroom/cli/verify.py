@@ -35,8 +35,8 @@ def verify(certificate: Path, file: str | None = None, /, *, gap: float | None =
         raise MissingExtraError(wrong) from error
     try:
         content = content_of(certificate.read_text(encoding="utf-8"))
-    except Refused as why:
-        print(f"not verified: {why}")  # noqa: T201
+    except Refused as refusal:
+        print(f"not verified: {refusal}")  # noqa: T201
         return REFUSED
     except (ValueError, RecursionError) as problem:
         wrong = f"{certificate}: this is not JSON ({problem}); give the file that flex --certificate wrote"
