@@ -147,8 +147,7 @@ def _left(facing: Facing, sides: _Sides, window: _Window) -> Pocket | None:
     """What the walls that hold in a window leave of it; None where that is nothing at all, which only rounding can do."""
     half = (window.high - window.low) / 2 * (1 + 1e-9) + 1e-14
     middle = (window.low + window.high) / 2
-    size = np.hypot(*window.half.T)
-    planes = [_planes(facing, sides, kind, window.centre, size, middle, half) for kind in (0, 1)]
+    planes = [_planes(facing, sides, kind, window, middle, half) for kind in (0, 1)]
     corners = []
     for k in range(len(middle)):
         x, y = window.centre[k]
@@ -177,30 +176,36 @@ def _least(key: Ints, value: Floats, most: int) -> Ints:
 
 
 def _planes(
-    facing: Facing, sides: _Sides, kind: int, centre: Floats, size: Floats, middle: Floats, half: Floats
+    facing: Facing, sides: _Sides, kind: int, window: _Window, middle: Floats, half: Floats
 ) -> tuple[Floats, Ints]:
     """Walls (k, 4) of edges of A and points of B (`kind` 0), or of B and of A, that hold in the windows; and the window of each."""
     start, end, go = sides.sides[kind][:3]
+    size = np.hypot(*window.half.T)
     points = _points(sides.sides[1 - kind], ASIDE * float(size.max()))
     normal = np.column_stack([go[:, 1], -go[:, 0]])
-    # where the points are in each window, seen by the part whose edges count, and how far the window carries them from there
+    # where the points are in each window, seen by the part whose edges count, and how far a turn within the window carries them
     if kind == 0:
-        seen = turn(points[None], middle[:, None]) + centre[:, None]
+        seen = turn(points[None], middle[:, None]) + window.centre[:, None]
         arm = np.broadcast_to(np.hypot(*points.T), seen.shape[:2])
+        along_box, across_box = (np.abs(v)[None] for v in (go, normal))
     else:
-        seen = turn(points - centre[:, None], -middle[:, None])
+        seen = turn(points - window.centre[:, None], -middle[:, None])
         arm = np.hypot(seen[..., 0], seen[..., 1]) + size[:, None]
-    carried = size[:, None] + 2 * np.sin(half[:, None] / 2) * arm + facing.margin
+        along_box, across_box = (np.abs(turn(v[None], middle[:, None])) for v in (go, normal))
+    swing = (2 * np.sin(half[:, None] / 2) * arm + facing.margin)[..., None]
+    sideways = (along_box * window.half[:, None]).sum(2)[
+        :, None
+    ] + swing  # and how far with what the box adds, (K, points, edges)
+    inwards = (across_box * window.half[:, None]).sum(2)[:, None] + swing
     front = seen @ normal.T - (start * normal).sum(1)
     along = seen @ go.T - (start * go).sum(1)
     long = ((end - start) * go).sum(1)
-    far = carried[..., None]
-    k, i, j = np.nonzero((np.abs(front) < far) & (along > -far) & (along < long + far))
+    k, i, j = np.nonzero((np.abs(front) < inwards) & (along > -sideways) & (along < long + sideways))
     few = _least(k * (2 * SECTORS) + _sector(normal)[j], front[k, i, j], TRIED)
     k, i, j = k[few], i[few], j[few]
-    depth, carry = front[k, i, j][:, None], carried[k, i][:, None]
+    depth = front[k, i, j][:, None]
     top = seen[k, i] - (depth + facing.margin) * normal[j]
-    side, deep = carry * go[j], (carry - depth) * normal[j]
+    side, deep = sideways[k, i, j][:, None] * go[j], (inwards[k, i, j][:, None] - depth) * normal[j]
     behind = shapely.polygons(np.stack([top - side, top + side, top + side - deep, top - side - deep], 1))
     holds = shapely.covers(sides.material[kind], behind)
     k, i, j = k[holds], i[holds], j[holds]
@@ -213,7 +218,7 @@ def _planes(
         n = -n
     else:
         level = -(n * start[j]).sum(1) + d * size[k] + bent
-        n, p = turn(n, middle[k]), p - centre[k]
+        n, p = turn(n, middle[k]), p - window.centre[k]
         slope = n[:, 0] * p[:, 1] - n[:, 1] * p[:, 0]
         level += (n * points[i]).sum(1)
     return np.column_stack([n, -slope, level - slope * middle[k]]), k
