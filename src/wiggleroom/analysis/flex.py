@@ -87,14 +87,16 @@ def flex(
     """
     if prove is not None:
         from wiggleroom.analysis.prove import check_request
-        from wiggleroom.analysis.prove import prove as with_bound
 
         check_request(prove, seconds)
-        answer = witness(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
-        return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)
-    return with_quick_bound(
+    answer = with_quick_bound(
         witness(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
     )
+    if prove is None:
+        return answer
+    from wiggleroom.analysis.prove import prove as with_bound
+
+    return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)
 
 
 def witness(

@@ -123,10 +123,8 @@ def _answer(
         spent = time.perf_counter() - begin
 
         from wiggleroom.analysis.flex import flex as solve
-        from wiggleroom.analysis.flex import witness
 
-        ask = solve if prove is None else witness
-        answer = ask(assembly, model=model, solver=solver, stop=stop, progress=show)
+        answer = solve(assembly, model=model, solver=solver, stop=stop, progress=show)
         if prove is not None and not stop.is_set():
             from wiggleroom.cli.proving import proven
 
