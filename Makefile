@@ -20,7 +20,7 @@ slow: .venv/ready-test
 	$(BIN)/python -m pytest -n auto -m slow
 
 browser: .venv/ready-test # needs a Chromium on the path
-	$(BIN)/python -m pip install --quiet --editable '.[dxf,browser,film,page,prove]'
+	$(BIN)/python -m pip install --quiet --editable '.[browser]'
 	$(BIN)/python -m pytest -m slow tests/test_html.py tests/test_space_report.py tests/test_study_report.py tests/test_page.py
 
 web: # the live page from its source; needs Node 20 or later and npm

@@ -275,7 +275,7 @@ def test_a_bound_lies_above_the_answer(page: Visit) -> None:
     found = page.ask("flex")["objective"]
     reply = page.ask("prove", share=0.05, seconds=30)
     assert found <= reply["at_most"] <= 1.05 * found * (1 + 1e-9)
-    assert reply["words"].endswith("proven")
+    assert "proven" in reply["words"]
     assert page.ask("flex")["at_most"] == reply["at_most"]
 
 

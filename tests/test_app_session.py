@@ -76,6 +76,20 @@ def test_long_work_gives_way_to_the_hand_and_begins_again(page: Visit) -> None:
     assert reply["verdict"] == wr.check(GRID).verdict
 
 
+def test_letting_go_of_a_part_holds_no_long_work_up(page: Visit) -> None:
+    page.open("grid.json", text(GRID))
+    page.ask("flex")
+    long = page.send("check")
+    while page.next().get("kind_of") != "check":
+        pass
+    letting_go = page.send("release")
+    ended: list[int] = []
+    while len(ended) < 2:
+        reply = page.next(seconds=100)
+        ended += [reply["id"]] if reply["kind"] in ("check", "release") else []
+    assert ended == [long, letting_go]
+
+
 def test_a_process_that_is_killed_costs_only_time(served: Served, page: Visit) -> None:
     page.open("grid.json", text(GRID))
     number = page.send("check")

@@ -36,6 +36,13 @@ def figures(found: Bench, **where: object) -> dict:
     return record
 
 
+def test_the_gallery_and_the_tables_ask_about_the_same_assemblies():
+    ours = sorted((Path(wr.__file__).parent / "bench" / "assemblies").glob("*.json"))
+    assert len(ours) == 8
+    for file in ours:
+        assert file.read_bytes() == (EXAMPLES / "17_does_it_come_apart" / file.name).read_bytes()
+
+
 # collision and accuracy
 
 

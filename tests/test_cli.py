@@ -347,9 +347,9 @@ def test_a_film_of_parts_at_rest_is_refused(
 def test_a_missing_extra_is_said_before_the_long_work(
     folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    from wiggleroom.report import film_frames
+    from wiggleroom import errors
 
-    monkeypatch.setattr(film_frames, "find_spec", lambda name: None)
+    monkeypatch.setattr(errors, "find_spec", lambda name: None)
     monkeypatch.setattr(sys, "argv", ["wiggleroom", "flex", "peg.json", "--pull", "peg:+x", "--picture", "a.mp4"])
     assert main() == 2
     said = capsys.readouterr()

@@ -221,9 +221,9 @@ def test_mp4_is_h264_at_30_frames_a_second(tmp_path: Path) -> None:
 
 
 def test_a_missing_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from wiggleroom.report import film_frames
+    from wiggleroom import errors
 
-    monkeypatch.setattr(film_frames, "find_spec", lambda name: None)
+    monkeypatch.setattr(errors, "find_spec", lambda name: None)
     for kind in ("gif", "mp4"):
         with pytest.raises(wr.MissingExtraError, match=r"wiggleroom\[film\]"):
             film_of_answer(row(2), tmp_path / f"a.{kind}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 import shapely
@@ -323,3 +325,41 @@ def test_freedoms_of_a_part_move_it():
         assert np.abs(mode.frames[:, k]).max() > 0.005
         for shown in mode.frames:
             assert overlap(live.assembly, shown) < 1e-12
+
+
+@dataclass
+class After:
+    """Says stop from a certain time of asking on."""
+
+    times: int
+    asked: int = 0
+
+    def is_set(self) -> bool:
+        self.asked += 1
+        return self.asked > self.times
+
+
+@pytest.mark.parametrize("times", [0, 1, 2, 5])
+def test_work_ends_while_free_spaces_are_found(times: int) -> None:
+    assembly = wr.patterns.grid(6, 6, joint="jigsaw", gap=0.02)
+    several = assemble(assembly.drawing, offset={n: -1e-5 * k for k, n in enumerate(assembly.names)})  # no two alike
+    with pytest.raises(wr.StoppedError):
+        wr.prepare(several, stop=After(times))
+    with pytest.raises(wr.StoppedError):
+        wr.free_space(assembly, *assembly.names[:2], stop=After(times))
+    assert wr.sweep(assembly, [0.02, 0.03], wr.Pull(assembly.names[-1], (0, 1)), stop=After(times)).steps == ()
+
+
+def test_a_full_answer_that_was_stopped_can_be_asked_for_again() -> None:
+    live = wr.Live(wr.patterns.chain(4, joint="jigsaw", gap=0.02))
+    goal = wr.Pull("b4", (0.0, 1.0))
+    live.flex(goal)
+    live.design(gap=0.021)
+    quick = live.flex(goal)
+    with pytest.raises(wr.StoppedError):
+        live.settle(goal, stop=After(0))
+    full = live.settle(goal)
+    assert full.objective == pytest.approx(wr.flex(live.assembly, goal).objective, rel=1e-6)
+    assert quick.objective is not None
+    assert full.objective is not None
+    assert quick.objective <= full.objective * (1 + 1e-6)

@@ -224,6 +224,41 @@ def test_the_gap_leads_to_new_poses_and_the_curve_grows(browser: Any, peg: Serve
         answered(page, f"peg moves {gap + 0.2:g} mm in +x")  # its outline alone moves inward by half of it
 
 
+def test_the_chosen_part_has_a_gap_of_its_own_with_slider_and_box_in_step(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.get_by_role("tab", name="Gaps").click()
+        page.locator(".parts").get_by_role("button", name="peg").click()
+        toolbar = page.get_by_role("toolbar", name="part peg")
+        slider, box = toolbar.get_by_role("slider", name="extra gap around peg"), toolbar.get_by_role("textbox")
+        assert slider.get_attribute("aria-valuetext") == "0 mm"
+        slider.focus()
+        for _ in range(4):
+            slider.press("ArrowRight")
+        extra = float(slider.input_value())
+        assert extra == pytest.approx(0.4)
+        answered(page, "peg moves 1.2 mm in +x")  # its outline alone moves inward by half of it
+        assert box.input_value() == "0.4"
+        at = slider.bounding_box()
+        page.mouse.move(at["x"] + 0.7 * at["width"], at["y"] + at["height"] / 2)
+        page.mouse.down()
+        page.mouse.move(at["x"] + 0.2 * at["width"], at["y"] + at["height"] / 2, steps=6)
+        page.mouse.up()
+        tighter = float(slider.input_value())
+        assert tighter < -0.3
+        answered(page, f"peg moves {1 + tighter / 2:.4g} mm in +x")
+        assert float(box.input_value()) == tighter
+        page.keyboard.press("Control+z")  # one pull of the slider is undone at once
+        answered(page, "peg moves 1.2 mm in +x")
+        assert (float(slider.input_value()), box.input_value()) == (pytest.approx(0.4), "0.4")
+        page.keyboard.press("Control+z")
+        answered(page, "peg moves 1 mm in +x")
+        box.fill("2.5")  # more than the slider had room for
+        box.press("Enter")
+        answered(page, "peg moves 2.25 mm in +x")
+        assert float(slider.input_value()) == 2.5
+
+
 def test_the_ranking_colours_the_parts_and_sorts_the_table(browser: Any) -> None:
     path = EXAMPLES / "03_chain_of_swallowtails" / "chain.json"
     truth = wr.rank(wr.read(str(path)))
@@ -449,7 +484,7 @@ def test_a_baked_page_needs_no_server(browser: Any, tmp_path: Path, monkeypatch:
     answered(page, "peg moves 2 mm in +x")
     rest, moved = at_rest(page), still(page)
     assert moved[0] > rest[0]
-    assert [tab.inner_text() for tab in page.get_by_role("tab").all()] == ["Answer", "How sure"]
+    assert [tab.inner_text() for tab in page.get_by_role("tab").all()] == ["Answer", "Gaps", "How sure"]
     assert page.get_by_role("button", name="Save").count() == 0
     page.close()
     assert wrong == []

@@ -12,19 +12,19 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
+from tests.baked import frames, rows, told
 from tests.test_html import tags
 from tests.test_plots import all_of, axis
-from wiggleroom.report import palette, study_pages
-from wiggleroom.report.apart_page import Checked, page_of_check
+from wiggleroom.report import pages, palette
+from wiggleroom.report.apart_picture import Checked
 from wiggleroom.report.blame import picture_of_ranking, picture_of_tightening, shade
-from wiggleroom.report.html import report
 from wiggleroom.report.study_plots import picture_of_sample, picture_of_sweep
 
 PAGES = {
-    wr.Ranking: study_pages.page_of_ranking,
-    wr.Tightening: study_pages.page_of_tightening,
-    wr.Sweep: study_pages.page_of_sweep,
-    wr.Sample: study_pages.page_of_sample,
+    wr.Ranking: pages.page_of_ranking,
+    wr.Tightening: pages.page_of_tightening,
+    wr.Sweep: pages.page_of_sweep,
+    wr.Sample: pages.page_of_sample,
 }
 NASTY = "<img src=x onerror=alert(1)></script>"
 
@@ -49,13 +49,6 @@ def studies() -> dict[type, Any]:
         wr.sample(pair, 0.002, draws=60, limit=0.07, workers=1),
     )
     return {type(f): f for f in found}
-
-
-def row_of(page: str, first: str) -> list[str]:
-    """Cells of the row of a table that begins with `first`."""
-    line = re.search(rf"<tr><td[^>]*>{re.escape(first)}</td>(.*?)</tr>", page)
-    assert line, first
-    return re.findall(r">([^<]*)</td>", line[1])
 
 
 def test_the_curve_goes_through_what_was_found_and_ends_where_it_is_lost(studies: dict[type, Any]) -> None:
@@ -89,13 +82,13 @@ def test_draws_without_an_end_are_said_not_drawn(studies: dict[type, Any]) -> No
     value = found.value.copy()
     value[:5], value[5:8] = np.inf, np.nan
     odd = replace(found, value=value)
-    for text in (picture_of_sample(odd), study_pages.page_of_sample(odd)):
+    for text in (picture_of_sample(odd), pages.page_of_sample(odd)):
         assert re.search(r"in 5 (draws )?nothing stops the motion", text)
         assert re.search(r"in 3 (draws )?parts do not fit", text)
         assert not re.search(r"\b(nan|inf)\b", text)
     none = replace(found, value=np.full(60, np.nan))
     assert "50 % below" not in picture_of_sample(none)
-    study_pages.page_of_sample(none)
+    pages.page_of_sample(none)
 
 
 def test_parts_are_coloured_by_their_numbers(studies: dict[type, Any]) -> None:
@@ -115,33 +108,34 @@ def test_parts_are_coloured_by_their_numbers(studies: dict[type, Any]) -> None:
 
 def test_pages_hold_the_numbers(studies: dict[type, Any]) -> None:
     ranking = studies[wr.Ranking]
-    page = PAGES[wr.Ranking](ranking)
+    page = told(PAGES[wr.Ranking](ranking))
     names = ranking.answer.assembly.names
-    for k in ranking.order:
-        cells = re.search(rf'<tr><td>{names[k]}</td><td class="n" data-v="([^"]*)"', page)
-        assert cells
-        assert float(cells[1]) == pytest.approx(ranking.looser[k])
-    sweep = PAGES[wr.Sweep](studies[wr.Sweep])
-    assert row_of(sweep, "0.07000")[:3] == ["–", "–", "unbounded"]
+    assert list(page["rank"]["parts"]) == [names[k] for k in ranking.order]
+    for k, one in zip(ranking.order, page["rank"]["parts"].values(), strict=True):
+        assert one["mm_per_mm"] == pytest.approx(ranking.looser[k])
+        assert one["percent"] == pytest.approx(100 * ranking.looser[k] / ranking.looser.sum())
+    worth = [one["mm_per_mm"] for one in page["rank"]["joints"]]
+    assert worth == sorted(ranking.joint_looser, reverse=True)
     sample = studies[wr.Sample]
-    shown = row_of(PAGES[wr.Sample](sample), "95 % of the draws below")[0]
-    assert float(shown) == pytest.approx(sample.quantile(0.95), rel=1e-3)
-    tight = studies[wr.Tightening]
-    assert row_of(PAGES[wr.Tightening](tight), "1")[0] == tight.chosen[0]
+    numbers = dict(rows(told(PAGES[wr.Sample](sample)), "In numbers"))
+    assert numbers["95 % of the draws below"] == pytest.approx(sample.quantile(0.95), rel=1e-3)
+    tight = told(PAGES[wr.Tightening](studies[wr.Tightening]))
+    chosen = [name for _, name, *_ in rows(tight, "Make these tighter, in this order")]
+    assert chosen == list(studies[wr.Tightening].chosen) == list(tight["tints"]["values"])
 
 
-def test_the_report_of_an_answer_ranks_by_its_own_forces(studies: dict[type, Any]) -> None:
-    ranking = studies[wr.Ranking]
-    page, first = report(ranking.answer), ranking.order[0]
-    assert "Whose gap matters most" in page
-    again = wr.rank(ranking.answer.assembly, by="differences", workers=1)
-    said = re.search(rf'Whose gap.*?<td>{ranking.answer.assembly.names[first]}</td><td[^>]*data-v="([^"]*)"', page)
-    assert said
-    assert float(said[1]) == pytest.approx(again.looser[first], rel=2e-2)
-    free = wr.flex(wr.patterns.chain(2, joint="swallowtail", gap=0.1))
-    assert free.objective is None
-    assert "Whose gap" not in report(free)
-    assert "Whose gap" not in report(wr.flex(ranking.answer.assembly, model="hull"))
+def test_the_page_of_a_sweep_has_the_answer_at_every_gap(studies: dict[type, Any]) -> None:
+    page = told(PAGES[wr.Sweep](studies[wr.Sweep]))
+    assert [one["gap"] for one in page["answers"]] == [0.01, 0.03, 0.05, 0.07]
+    assert page["begin"] in (0.01, 0.03)  # next to the 0.02 of the drawing
+    assert 0.0600 <= page["lost"][0] < page["lost"][1] <= 0.0606
+    for one in page["answers"][:3]:
+        truth = wr.flex(named(wr.patterns.chain(2, joint="swallowtail", gap=one["gap"]), "b2", NASTY))
+        assert one["flex"]["objective"] == pytest.approx(truth.objective, rel=1e-4)
+        assert frames(one["way"])[-1, 1, 1] == pytest.approx(truth.motion[1, 1], rel=1e-3)
+    free = page["answers"][3]["flex"]
+    assert free["leaves"] == [NASTY]
+    assert rows(page, "Motion against gap")[3][1:4] == [None, None, "unbounded"]
 
 
 @pytest.mark.parametrize("kind", PAGES)
@@ -173,17 +167,18 @@ def test_every_study_draws_itself(studies: dict[type, Any], kind: type, tmp_path
 
 def test_what_check_found_is_shown_as_it_is(tmp_path: Path) -> None:
     apart = wr.check(wr.read("examples/17_does_it_come_apart/sequential.json"))
-    page = page_of_check(Checked(apart), command="wiggleroom check it")
-    assert row_of(page, "1")[:2] == ["latch", "straight in +y"]
-    assert row_of(page, "2")[:2] == ["drawer", "straight in +x"]
+    page = told(pages.page_of_check(Checked(apart), command="wiggleroom check it"))
+    assert [one["words"] for one in page["check"]["reply"]["escapes"]] == [
+        "latch leaves straight in +y",
+        "drawer leaves straight in +x",
+    ]
+    for one, escape in zip(page["check"]["ways"], apart.escapes, strict=True):
+        np.testing.assert_allclose(frames(one)[-1], escape.path[-1], rtol=1e-6)
     holds = wr.check(wr.patterns.chain(2, joint="swallowtail", gap=0.02))
-    still = page_of_check(Checked(holds, wr.LargestGap(0.0602, 0.0603, None, None)))
-    assert "interlocked at 0.0602 mm, comes apart at 0.0603 mm" in still
-    for text in (page, still):
-        assert "stationary" not in text
-        assert "nothing asked" not in text
-        assert not [tag for tag, given in tags(text) if "src" in given]
-    assert 'class="film"' not in still
+    still = told(pages.page_of_check(Checked(holds, wr.LargestGap(0.0602, 0.0603, None, None))))
+    assert "interlocked at 0.0602 mm, comes apart at 0.0603 mm" in still["check"]["reply"]["border"]
+    assert still["check"]["ways"] == []
+    assert "answers" not in still
     for found, said in ((apart, "comes apart at gap 0.5 mm"), (holds, "interlocked at gap 0.02 mm")):
         for name in ("a.svg", "a.film.svg", "a.html"):
             found.draw(tmp_path / name)
@@ -193,10 +188,77 @@ def test_what_check_found_is_shown_as_it_is(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("kind", PAGES)
 def test_pages_open_in_a_browser(studies: dict[type, Any], opened: Any, kind: type) -> None:
-    at = opened(PAGES[kind](studies[kind]), viewport={"width": 400, "height": 800})
+    at = opened(PAGES[kind](studies[kind], command="wiggleroom it"), viewport={"width": 400, "height": 800})
     assert at.evaluate("() => document.documentElement.scrollWidth") <= 400
-    assert at.locator("figure svg").first.is_visible()
-    assert at.locator("img").count() == 0
-    heads = at.locator("th button")
-    for k in range(heads.count()):
-        heads.nth(k).click()
+    assert at.locator("canvas").is_visible()
+    for k in range(at.get_by_role("tab").count()):
+        at.get_by_role("tab").nth(k).click()
+        assert at.locator("img").count() == 0
+        heads = at.locator("th button")
+        for j in range(heads.count()):
+            heads.nth(j).click()
+        assert at.locator(".tabpanel").inner_text().strip()
+
+
+@pytest.mark.slow
+def test_a_ranking_is_read_as_colours_and_sorted_tables(studies: dict[type, Any], opened: Any) -> None:
+    ranking = studies[wr.Ranking]
+    at = opened(PAGES[wr.Ranking](ranking))
+    assert at.get_by_role("tab", selected=True).inner_text() == "Whose gap"
+    parts, joints = (at.locator(".sorts").nth(k).locator("tbody tr") for k in (0, 1))
+    first = ranking.order[0]
+    name, value, share = parts.first.locator("td").all_inner_texts()
+    assert name == ranking.answer.assembly.names[first]
+    assert float(value) == pytest.approx(ranking.looser[first], rel=1e-3)
+    assert float(share) == pytest.approx(ranking.percent[first], rel=1e-2)
+    assert joints.count() == len(ranking.joints)
+    at.wait_for_timeout(300)
+    coloured = at.locator("canvas").evaluate("c => c.toDataURL()")
+    at.get_by_role("checkbox", name="colour the parts").uncheck()
+    at.wait_for_timeout(300)
+    assert at.locator("canvas").evaluate("c => c.toDataURL()") != coloured
+
+
+@pytest.mark.slow
+def test_a_sweep_is_read_along_its_slider(studies: dict[type, Any], opened: Any) -> None:
+    found = studies[wr.Sweep]
+    at = opened(PAGES[wr.Sweep](found))
+    assert at.locator(".curve .dot").count() == 3
+    for step in found.steps[:3]:
+        at.locator("#gap").fill(str(step.gap + 0.004))  # the nearest gap that was solved
+        assert f"moves {step.objective:.4g} mm" in at.locator("#answer").inner_text()
+    at.locator("#gap").fill("0.07")
+    assert "nothing stops" in at.locator("#answer").inner_text()
+    place, seen = at.get_by_label("place on the way from rest"), set()
+    for _ in range(10):
+        at.wait_for_timeout(60)
+        seen.add(place.input_value())
+    assert len(seen) > 3  # it leaves, as a film
+    at.get_by_role("tab", name="Gaps").click()
+    assert at.locator(".sorts tbody tr").nth(3).inner_text().split()[-2:] == ["unbounded", "checked"]
+    assert "loses its end between" in at.locator(".sure").inner_text()
+
+
+@pytest.mark.slow
+def test_ways_out_are_films(opened: Any) -> None:
+    found = wr.check(wr.read("examples/17_does_it_come_apart/sequential.json"))
+    at = opened(pages.page_of_check(Checked(found, wr.LargestGap(0.1, 0.2, None, None)), command="wiggleroom check it"))
+    assert at.locator("#answer").inner_text() == "comes apart at gap 0.5 mm"
+    facts = at.locator(".headline .facts")
+    for said in (
+        "step 1 of 2: latch leaves straight in +y",
+        "step 2 of 2: drawer leaves straight in +x",
+        "step 1 of 2",
+    ):
+        at.locator(".headline .facts", has_text=said).wait_for()  # one after the other, and again
+    at.get_by_role("button", name="Play the way out of drawer").click()
+    assert "drawer leaves straight in +x" in facts.inner_text()
+    place, seen = at.get_by_label("place on the way from rest"), set()
+    for _ in range(10):
+        at.wait_for_timeout(60)
+        seen.add(place.input_value())
+    assert len(seen) > 3
+    assert "interlocked at 0.1 mm, comes apart at 0.2 mm" in at.locator(".border").inner_text()
+    assert at.locator(".command").inner_text() == "wiggleroom check it"
+    at.get_by_role("button", name="Rest").click()
+    assert "leaves: latch, drawer" in facts.inner_text()

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
     from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Towards, Translation, Turn, W
-    from wiggleroom.errors import InputError, MissingExtraError, TouchingError, WiggleroomError
+    from wiggleroom.errors import InputError, MissingExtraError, StoppedError, TouchingError, WiggleroomError
     from wiggleroom.freespace.models import HalfPlane, Hull
     from wiggleroom.freespace.polyhedron import Polyhedron
     from wiggleroom.freespace.space import FreeSpace, free_space
@@ -67,6 +67,7 @@ _HOME = {
     "Sample": "analysis.sample",
     "Shot": "analysis.shot",
     "Spread": "analysis.lots",
+    "StoppedError": "errors",
     "Sweep": "analysis.sweep",
     "Tightening": "analysis.tighten",
     "TightVerdict": "analysis.tight",
@@ -124,6 +125,7 @@ __all__ = [
     "Sample",
     "Shot",
     "Spread",
+    "StoppedError",
     "Sweep",
     "TightVerdict",
     "Tightening",

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from importlib.util import find_spec
+from typing import Protocol
 
 
 class WiggleroomError(Exception):
@@ -32,5 +34,42 @@ class TouchingError(InputError):
         self.clearance = clearance
 
 
+class Stop(Protocol):
+    """Anything with `is_set`, asked now and then while long work runs; True to stop."""
+
+    def is_set(self) -> bool:
+        """True to stop."""
+
+
+class StoppedError(WiggleroomError):
+    """Work was asked to stop before there was anything to say."""
+
+
+def go_on(stop: Stop | None) -> None:
+    """Raise StoppedError where the work was asked to stop."""
+    if stop is not None and stop.is_set():
+        raise StoppedError("asked to stop")
+
+
 class MissingExtraError(WiggleroomError):
     """An optional library is needed; the message names the extra that installs it."""
+
+
+def see_extra(extra: str, what: str, *libraries: str) -> None:
+    """See that the libraries of an extra are installed, without importing them.
+
+    Parameters
+    ----------
+    extra : str
+        Name of the extra in `pip install 'wiggleroom[extra]'`.
+    what : str
+        What needs it, such as "the solver ipopt needs CasADi".
+
+    Raises
+    ------
+    MissingExtraError
+        If one of them is not.
+    """
+    if any(find_spec(name) is None for name in libraries):
+        message = f"{what}: pip install 'wiggleroom[{extra}]'"
+        raise MissingExtraError(message)

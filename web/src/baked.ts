@@ -1,52 +1,78 @@
-/** A page that carries its answers: no server, the slider goes over the stored gaps. */
+/** A page that carries what was found: no server, the slider goes over the stored gaps. */
 
 import { effect } from "@preact/signals";
 import { begin, design } from "./design.ts";
-import { autoFactor, fittingFactor, reach, showAnswer } from "./motion.ts";
-import { type CheckReply, type FlexReply, type Frames, fromBase64, type Opened, type RankReply } from "./protocol.ts";
+import { magnify, reachOf } from "./magnify.ts";
+import { calm, end, showAnswer, showRest } from "./motion.ts";
+import { type CheckReply, type FlexReply, type Frames, fromBase64, type Opened, type RankReply, type Ring, type SpaceReply, type Step } from "./protocol.ts";
+import { showEscape } from "./session.ts";
+import { outOf, posed } from "./stage/shapes.ts";
+import { nearestBy } from "./words.ts";
 import * as state from "./state.ts";
 
 interface Packed { k: number; n: number; data: string }
-interface Baked {
-  opened: Opened;
-  answers: { gap: number; flex: FlexReply; frames: string }[];
+/** Outlines about reference points, each shape once, and which of them each part has. */
+interface Outlines { shapes: Ring[][]; of: number[] }
+interface Baked extends Partial<state.Told> {
+  opened: Opened & { outlines: Outlines };
+  begin?: number;
+  tab?: state.Tab;
+  answers?: { gap: number; flex: FlexReply; way: Packed; outlines?: Outlines }[];
+  steps?: Step[];
   lost?: [number, number] | null;
   rank?: RankReply;
   check?: { reply: CheckReply; ways: Packed[] };
+  space?: SpaceReply;
 }
 
-/** True where the page carries its answers; then they are shown. */
+/** True where the page carries what was found; then it is shown. */
 export function unpack(): boolean {
   const text = document.getElementById("baked")?.textContent;
   if (!text) return false;
-  const told = JSON.parse(text) as Baked;
-  const n = told.opened.parts.length;
-  const answers = told.answers
-    .map((one) => ({ gap: one.gap, flex: one.flex, frames: floats(one.frames, n) }))
-    .sort((a, b) => a.gap - b.gap);
-  const nearest = (gap: number) => answers.reduce((best, one) => (Math.abs(one.gap - gap) < Math.abs(best.gap - gap) ? one : best), answers[0]!);
-  const first = nearest(told.opened.design.gap);
-  state.baked.value = true;
+  const { opened, answers = [], said = null, study = null, tints = null, ...told } = JSON.parse(text) as Baked;
+  const standing = ({ shapes, of }: Outlines): Ring[][] => opened.parts.map(({ at: [x, y, degrees] }, i) => {
+    const pose = posed(x, y, (degrees * Math.PI) / 180);
+    return shapes[of[i]!]!.map((ring) => ring.map((point) => outOf(pose, point)));
+  });
+  const rest = standing(opened.outlines);
+  opened.parts.forEach((part, i) => (part.rings = rest[i]!));
+  state.baked.value = { said, study, tints };
   state.line.value = "open";
-  state.drawing.value = told.opened;
-  begin({ ...told.opened.design, gap: first.gap });
-  const about = <T>(reply: T, ways: Frames[]) => ({ reply, design: design.peek(), ways });
-  state.solved.value = answers.map(({ gap, flex, frames }) => ({ gap, objective: flex.objective, verdict: flex.verdict, end: frames.data.slice(-3 * n) }));
+  state.drawing.value = opened;
+  state.tab.value = told.tab ?? "answer";
+  state.sheetOpen.value = told.tab === "space" || told.tab === "study"; // on a phone: what the page is about
   state.lost.value = told.lost ?? null;
+  begin({ ...opened.design, gap: told.begin ?? opened.gap });
+  const about = <T>(reply: T, ways: Frames[]) => ({ reply, design: design.peek(), ways });
   if (told.rank) state.ranking.value = about(told.rank, []);
-  if (told.check) state.checked.value = about(told.check.reply, told.check.ways.map((one) => ({ ...one, data: floats(one.data, one.n).data })));
-  effect(() => {
+  if (told.check) state.checked.value = about(told.check.reply, told.check.ways.map(frames));
+  if (told.space) state.space.value = about(told.space, []);
+  const known = answers.map(({ gap, flex, way, outlines }) => ({ gap, flex, way: frames(way), outlines }));
+  const steps = told.steps ?? known.map(({ gap, flex: { objective, verdict } }) => ({ gap, objective, verdict }));
+  state.solved.value = steps.map(({ gap, objective, verdict }) => {
+    const one = known.find((other) => other.gap === gap);
+    return { gap, objective, verdict, end: one && objective !== null ? end(one.way) : null };
+  });
+  state.rings.value = rest;
+  if (known.length === 0) {
+    showRest(false);
+    if (!calm()) showEscape(0);
+  }
+  else effect(() => {
     const { gap } = design.value;
-    const { flex, frames } = nearest(gap);
-    state.rings.value = flex.rings ?? told.opened.parts.map((part) => part.rings);
-    state.answer.value = about(flex, [frames]);
-    autoFactor.value = fittingFactor(reach(frames, state.radii.peek()), state.extent.peek().radius, autoFactor.peek());
-    showAnswer(frames, flex.leaves.length > 0);
+    const { flex, way, outlines, ...one } = nearestBy(known, (other) => other.gap, gap)!;
+    if (Math.abs(one.gap - gap) > 1e-5 * gap) { // a gap of the curve without an answer
+      state.answer.value = null;
+      return showRest();
+    }
+    state.rings.value = outlines ? standing(outlines) : rest;
+    state.answer.value = about(flex, [way]);
+    magnify(reachOf(way));
+    showAnswer(way, flex.leaves.length > 0);
   });
   return true;
 }
 
-function floats(base64: string, n: number): Frames {
-  const data = new Float32Array(fromBase64(base64).buffer);
-  return { k: data.length / (3 * n), n, data };
+function frames({ k, n, data }: Packed): Frames {
+  return { k, n, data: new Float32Array(fromBase64(data).buffer) };
 }

@@ -107,4 +107,8 @@ export function setExtra(name: string, value: number, merge = ""): void {
 }
 
 /** Text that is the same for designs that differ in the gap alone. */
-export const question = computed(() => JSON.stringify({ ...design.value, gap: 0 }));
+export const questionOf = (one: Design): string => JSON.stringify({ ...one, gap: 0 });
+export const question = computed(() => questionOf(design.value));
+
+/** True where anything is asked of the parts. */
+export const asks = ({ goals }: Design): boolean => typeof goals === "string" || goals.length > 0;

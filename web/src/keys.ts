@@ -7,10 +7,10 @@ import { askDrag, back, cancel, setGap } from "./session.ts";
 import { fitAll, view, zoomBy } from "./stage/camera.ts";
 import { degrees } from "./words.ts";
 import { glueOrNot, stepOf, wiggle } from "./chrome/Selection.tsx";
+import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
 const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const TABS = ["answer", "gaps", "apart", "space", "sure"] as const;
 const LONG = ["prove", "sweep", "check", "rank", "space", "save", "wiggle", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
 
@@ -45,8 +45,8 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "0") fitAll();
   else if (key === "." || key === ",") step(key === "." ? 1 : -1);
   else if (key === "Escape") escape();
-  else if (tabAt >= 0 && tabAt < TABS.length) {
-    state.tab.value = TABS[tabAt]!;
+  else if (tabAt >= 0 && tabAt < pages.peek().length) {
+    state.tab.value = pages.peek()[tabAt]!.name;
     state.sheetOpen.value = true;
   } else if (state.baked.peek()) return false;
   else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * stepOf(design.peek().gap));
@@ -62,10 +62,10 @@ function act(event: KeyboardEvent): boolean {
 }
 
 function step(by: number): void {
-  const parts = state.drawing.peek()?.parts ?? [];
-  if (!parts.length) return;
+  const names = state.names.peek();
+  if (!names.length) return;
   const at = state.indexOf.peek().get(state.selected.peek() ?? "");
-  state.selected.value = parts[((at ?? (by > 0 ? -1 : 0)) + by + parts.length) % parts.length]!.name;
+  state.selected.value = names[((at ?? (by > 0 ? -1 : 0)) + by + names.length) % names.length]!;
 }
 
 function arrow([dx, dy]: Point, fine: boolean): boolean {

@@ -16,11 +16,11 @@ import { Panel } from "./panels/Panel.tsx";
 import { start } from "./session.ts";
 import { isDark } from "./stage/colours.ts";
 import { Stage } from "./stage/Stage.tsx";
-import { drawing } from "./state.ts";
+import { baked, drawing, tab } from "./state.ts";
 
 function Page() {
   return (
-    <div class="page" data-empty={drawing.value === null}>
+    <div class="page" data-empty={drawing.value === null} data-wide={tab.value === "study" || (baked.value !== null && tab.value === "space")}>
       <TopBar />
       <main class="middle">
         <Stage />
@@ -38,12 +38,12 @@ function Page() {
   );
 }
 
+if (!unpack()) start();
 effect(() => {
   document.documentElement.dataset["theme"] = isDark() ? "dark" : "light";
 });
 effect(() => {
-  document.title = drawing.value ? `${drawing.value.name} · wiggleroom` : "wiggleroom";
+  if (!baked.value) document.title = drawing.value ? `${drawing.value.name} · wiggleroom` : "wiggleroom";
 });
-if (!unpack()) start();
 listen();
 render(<Page />, document.getElementById("page")!);

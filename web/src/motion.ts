@@ -4,9 +4,13 @@ import { effect, signal } from "@preact/signals";
 import type { Frames } from "./protocol.ts";
 
 export type What = "rest" | "answer" | "between" | "drag" | "mode" | "escape";
-export interface Shown { what: What; frames: Frames | null; label: string; back: boolean }
+export interface Shown {
+  what: What; frames: Frames | null; label: string; back: boolean;
+  /** What comes when it has played to its end; else it plays again. */
+  next?: () => void;
+}
 
-const REST: Shown = { what: "rest", frames: null, label: "", back: false };
+export const REST: Shown = { what: "rest", frames: null, label: "", back: false };
 const BLEND = 170;
 const PAUSE = 700;
 
@@ -88,6 +92,9 @@ export function show(next: Shown, soft = true): void {
   place.value = 1;
 }
 
+/** Shows the parts at rest. */
+export const showRest = (soft = true): void => show(REST, soft);
+
 /** Shows the way of an answer at its end; where parts leave it plays, for at the end they are gone. */
 export function showAnswer(frames: Frames, leaves: boolean, soft = true): void {
   show({ what: "answer", frames, label: "", back: !leaves }, soft);
@@ -114,12 +121,13 @@ const seconds = (): number => (shown.peek().what === "mode" ? 2400 : 1800);
 
 /** Motions (n, 3) to draw now, and whether the picture goes on changing. */
 export function pose(now: number, n: number): { motion: Float32Array; moving: boolean } {
-  const { frames, back } = shown.peek();
+  const { back } = shown.peek();
   if (displayed.length !== n * 3) {
     displayed = new Float32Array(n * 3);
     from = null;
   }
   if (playing.peek()) advance(now, back);
+  const { frames } = shown.peek();
   if (frames && frames.n === n) along(frames, place.peek(), displayed);
   else displayed.fill(0);
   const w = from && from.length === displayed.length ? (now - since) / BLEND : 1;
@@ -135,7 +143,14 @@ function advance(now: number, back: boolean): void {
   const whole = seconds();
   const loop = shown.peek().what === "mode";
   const cycle = loop ? whole : (back ? 2 : 1) * (whole + PAUSE);
-  clock = (clock + Math.min(now - before, 100)) % cycle;
+  clock += Math.min(now - before, 100);
   before = now;
+  const { next } = shown.peek();
+  if (clock >= cycle && next) {
+    next();
+    place.value = 0;
+    return;
+  }
+  clock %= cycle;
   place.value = loop || clock < whole + PAUSE ? Math.min(clock / whole, 1) : Math.max(0, 1 - (clock - whole - PAUSE) / whole);
 }

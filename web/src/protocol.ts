@@ -29,7 +29,7 @@ export interface Opened {
 export interface Contact { parts: [string, string]; point: Point; normal: Point; force: number }
 
 export interface FlexReply {
-  kind: "flex"; id: number; objective: number | null; verdict: string; headline: string;
+  kind: "flex"; id: number; objective: number | null; verdict: string; headline: string; facts: string[];
   sure: [string, string][]; at_most: number | null; leaves: string[]; turns?: string[]; contacts: Contact[];
   collision_free: boolean; path: string; seconds: Record<string, number> | number;
   rings?: Ring[][]; settled: boolean; command: string;
@@ -40,18 +40,19 @@ export interface DragReply {
 }
 export interface Modes { kind: "modes"; id: number; modes: { size: number; parts: string[]; ends?: boolean }[] }
 export interface RankReply {
-  kind: "rank"; id: number; parts: Record<string, { mm_per_mm: number; tighter?: number; percent: number }>;
-  unique: boolean; note: string;
+  kind: "rank"; id: number; parts: Record<string, { mm_per_mm: number; tighter: number; percent: number }>;
+  joints: { parts: [string, string]; mm_per_mm: number; percent: number }[]; per: string; unique: boolean; note: string; command: string;
 }
 export interface CheckReply {
-  kind: "check"; id: number; verdict: string; certainty: string; words: string;
-  escapes: { parts: string[]; words?: string }[]; spins: string[]; command?: string;
+  kind: "check"; id: number; verdict: string; certainty: string; words: string; sure: [string, string][];
+  escapes: { parts: string[]; words: string }[]; spins: string[]; remains: string[]; border: string | null; command: string;
 }
 export interface Step { kind: "step"; id: number; gap: number; objective: number | null; verdict: string }
 export interface SweepReply { kind: "sweep"; id: number; steps: { gap: number; objective: number | null; verdict: string }[]; lost: [number, number] | null }
 export interface SpaceReply {
   kind: "space"; id: number; a: string; b: string; open?: boolean; words?: string;
   vertices: string; triangles: string; slices: { angle_deg: number; rings: Ring[] }[];
+  headline: string; facts: string[]; command: string;
   range_deg: [number, number]; state: [number, number, number]; pivot: Point; scale: number;
 }
 export interface ProveReply { kind: "prove"; id: number; at_most: number | null; within: number | null; words: string }
@@ -87,6 +88,12 @@ export interface Requests {
   save: { design: Design; what: SaveWhat; of: "flex" | "check" };
 }
 export type Kind = keyof Requests;
+
+/** What a cell of a table holds: a word, names of parts, or a number; null where it is not known. */
+export type Cell = string | readonly string[] | number | null;
+/** A piece of a page under its heading. */
+export interface Piece { title: string; text: string; svg: string; columns: string[]; rows: Cell[][]; terms: [string, string][] }
+export interface Study { tab: string; sections: Piece[] }
 
 /** Motions of all parts along a way: k frames of n parts, (dx mm, dy mm, turn rad) each. */
 export interface Frames { k: number; n: number; data: Float32Array }

@@ -1,6 +1,12 @@
-/** Hands a file to the browser. */
+/** Hands files and text to the browser. */
 
 import { fromBase64, type Saved } from "./protocol.ts";
+import { notice } from "./state.ts";
+
+export async function copy(text: string): Promise<void> {
+  const done = await navigator.clipboard?.writeText(text).then(() => true, () => false);
+  notice.value = done ? "copied" : "the browser does not let this page copy: select the text";
+}
 
 export function download(saved: Saved): void {
   const url = URL.createObjectURL(new Blob([fromBase64(saved.data)], { type: saved.mime }));

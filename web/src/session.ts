@@ -1,11 +1,12 @@
 /** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
 
 import { batch, effect, untracked } from "@preact/signals";
-import { begin, change, design, goals, list, question } from "./design.ts";
-import { autoFactor, between, end, factor, fittingFactor, play, reach, show, showAnswer, shown } from "./motion.ts";
+import { asks, begin, change, design, goals, question, questionOf } from "./design.ts";
+import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, mark, token } from "./keep.ts";
 import { download } from "./save.ts";
+import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import * as state from "./state.ts";
 
@@ -50,7 +51,7 @@ export function follow(): void {
 
 function preview(gap: number): void {
   const opened = state.drawing.peek()!;
-  const guess = list(design.peek().goals).length || typeof design.peek().goals === "string" ? between(state.solved.peek(), gap) : null;
+  const guess = asks(design.peek()) ? between(state.solved.peek(), gap) : null;
   if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
 }
 
@@ -81,9 +82,9 @@ export function cancel(kind: Kind): void {
 export function askFlex(): void {
   const wanted = design.peek();
   endDrag();
-  if (typeof wanted.goals !== "string" && wanted.goals.length === 0) {
+  if (!asks(wanted)) {
     state.answer.value = null;
-    show({ what: "rest", frames: null, label: "", back: false });
+    showRest();
     ask("shape", { design: wanted });
     return;
   }
@@ -123,7 +124,7 @@ export function back(): void {
   endDrag();
   const known = state.answer.peek();
   if (known?.ways[0]) showAnswer(known.ways[0], known.reply.leaves.length > 0);
-  else show({ what: "rest", frames: null, label: "", back: false });
+  else showRest();
 }
 
 export function openFile(name: string, bytes: Uint8Array): void {
@@ -193,14 +194,14 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   quick = null;
   const { reply, ways } = about;
   if (reply.rings) state.rings.value = reply.rings;
-  const same = JSON.stringify({ ...about.design, gap: 0 }) === question.peek();
+  const same = questionOf(about.design) === question.peek();
   if (same && ways[0]) remember(about.design.gap, reply.objective, reply.verdict, end(ways[0]));
   if (about.design === design.peek()) {
     state.waiting.value = false;
     state.answer.value = about;
     if (trouble === "flex") state.findings.value = [];
     if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
-      autoFactor.value = fittingFactor(reach(ways[0], state.radii.peek()), state.extent.peek().radius, autoFactor.peek());
+      magnify(reachOf(ways[0]));
       const still = shown.peek().what === "answer" && !reply.leaves.length;
       showAnswer(ways[0], reply.leaves.length > 0, still || shown.peek().what !== "answer");
     }
@@ -234,7 +235,7 @@ export function showMode(which: number): void {
   const known = state.modes.peek();
   const frames = known?.ways[which];
   if (!frames) return;
-  autoFactor.value = fittingFactor(Math.max(known.reply.modes[which]!.size, 0), state.extent.peek().radius, factor());
+  magnify(Math.max(known.reply.modes[which]!.size, 0), factor());
   show({ what: "mode", frames, label: `freedom ${which + 1} of ${known.ways.length}`, back: false });
   play(true);
 }
@@ -244,7 +245,8 @@ export function showEscape(which: number): void {
   if (!frames) return;
   const count = state.checked.peek()!.ways.length;
   autoFactor.value = 1;
-  show({ what: "escape", frames, label: count > 1 ? `way out, step ${which + 1} of ${count}` : "way out", back: false }, false);
+  const next = count > 1 ? () => showEscape((which + 1) % count) : undefined; // all that leave, one after the other
+  show({ what: "escape", frames, label: count > 1 ? `way out, step ${which + 1} of ${count}` : "way out", back: false, next }, false);
   play(true);
 }
 
@@ -264,7 +266,7 @@ function opened(reply: Opened): void {
   again = false;
   const read: Design = { ...reply.design };
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
-  if (list(read.goals).length === 0 && typeof read.goals !== "string") read.goals = suggested;
+  if (!asks(read)) read.goals = suggested;
   state.findings.value = [];
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof]) one.value = null;
@@ -272,7 +274,7 @@ function opened(reply: Opened): void {
   state.solved.value = [];
   state.rings.value = reply.parts.map((part) => part.rings);
   state.drawing.value = reply;
-  show({ what: "rest", frames: null, label: "", back: false }, false);
+  showRest(false);
   begin(keptDesign(reply) ?? read);
 }
 
@@ -296,7 +298,7 @@ function failed(of: string, lines: string[]): void {
     quick = null;
     state.waiting.value = false;
     state.answer.value = null;
-    if (shown.peek().what !== "drag") show({ what: "rest", frames: null, label: "", back: false });
+    if (shown.peek().what !== "drag") showRest();
   }
   if (of === "drag") drag = null;
   if (of === "open") {

@@ -125,3 +125,5 @@ export function show(box: HTMLElement, reply: SpaceReply, dark: boolean): SpaceV
     },
   };
 }
+
+(globalThis as { showSpace?: typeof show }).showSpace = show; // as one file without imports: on pages that carry it too

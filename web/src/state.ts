@@ -3,14 +3,16 @@
 import { computed, signal } from "@preact/signals";
 import { design } from "./design.ts";
 import type {
-  CheckReply, Design, DragReply, FlexReply, Frames, Hello, Modes, Opened, Point, Progress, ProveReply, RankReply, Ring, SpaceReply,
+  CheckReply, Design, DragReply, FlexReply, Frames, Hello, Modes, Opened, Point, Progress, ProveReply, RankReply, Ring, SpaceReply, Study,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
 
 /** An answer and the design that it answers. */
 export interface About<T> { reply: T; design: Design; ways: Frames[] }
 
-export const baked = signal(false);
+/** On a page that carries what was found: what it is about, and more than the panels of the live page say. */
+export interface Told { said: { title: string; facts: string[] } | null; study: Study | null; tints: { per: string; values: Record<string, number> } | null }
+export const baked = signal<Told | null>(null);
 export const line = signal<Line>("connecting");
 export const hello = signal<Hello | null>(null);
 export const workerState = signal<"ready" | "lost" | "restarted">("ready");
@@ -20,7 +22,8 @@ export const opening = signal("");
 
 export const drawing = signal<Opened | null>(null);
 export const rings = signal<Ring[][]>([]);
-export const indexOf = computed(() => new Map(drawing.value?.parts.map((part, i) => [part.name, i]) ?? []));
+export const names = computed(() => drawing.value?.parts.map((part) => part.name) ?? []);
+export const indexOf = computed(() => new Map(names.value.map((name, i) => [name, i])));
 
 export const answer = signal<About<FlexReply> | null>(null);
 export const dragged = signal<About<DragReply> | null>(null);
@@ -44,11 +47,17 @@ export const hovered = signal<string | null>(null);
 export const gluing = signal<string | null>(null);
 export const highlit = signal<Point | null>(null);
 
-export type Tab = "answer" | "gaps" | "apart" | "space" | "sure";
+export type Tab = "answer" | "gaps" | "apart" | "space" | "study" | "sure";
 export const tab = signal<Tab>("answer");
 export const sheetOpen = signal(false);
 export const helpOpen = signal(false);
 export const coloured = signal(true);
+
+const paper = typeof matchMedia === "function" ? matchMedia("print") : null;
+/** True while the page goes to paper: all panels are there, in light colours. */
+export const printing = signal(paper?.matches ?? false);
+paper?.addEventListener("change", (event) => (printing.value = event.matches));
+if (paper) for (const [event, on] of [["beforeprint", true], ["afterprint", false]] as const) addEventListener(event, () => (printing.value = on));
 
 export const current = (about: About<unknown> | null): boolean => about !== null && about.design === design.value;
 export const can = (what: string): boolean => hello.value?.can.includes(what) ?? false;

@@ -27,6 +27,19 @@ export function ask(goal: Goal): string {
   return `${goal.part} along w = (${goal.w.map((v) => number(v, 3)).join(", ")})`;
 }
 
+/** Of some things the one whose number is nearest to another one. */
+export function nearestBy<T>(some: readonly T[], of: (one: T) => number, to: number): T | undefined {
+  return some.reduce<T | undefined>((best, one) => (best === undefined || Math.abs(of(one) - to) < Math.abs(of(best) - to) ? one : best), undefined);
+}
+
+/** Decimals that show four digits of the largest of some numbers. */
+export function places(values: readonly number[]): number {
+  const known = values.filter(Number.isFinite);
+  const most = known.reduce((best, one) => Math.max(best, Math.abs(one)), 0);
+  if (most === 0 || known.every(Number.isInteger)) return 0;
+  return Math.min(Math.max(3 - Math.floor(Math.log10(most)), 0), 9);
+}
+
 export const short = (name: string, most = 24): string => (name.length <= most ? name : `${name.slice(0, most / 2 - 1)}…${name.slice(-most / 2)}`);
 
 /** Names in a row, the rest counted. */

@@ -7,6 +7,7 @@ import numpy as np
 from wiggleroom.analysis.answer import Contact
 from wiggleroom.analysis.touch import Touch
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.freespace.relative import turn
 from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
 
@@ -14,34 +15,22 @@ WEAK = 1e-5
 """Contacts with less than this share of the largest force are not reported."""
 
 
-def contacts(assembly: Assembly, program: Program, u: np.ndarray, touch: Touch) -> tuple[Contact, ...]:
-    """Contacts at u (3F,) in assembly coordinates, strongest first."""
+def contacts(
+    assembly: Assembly, program: Program, u: np.ndarray, touch: Touch, unit: float = 1.0
+) -> tuple[Contact, ...]:
+    """Contacts at u (3F,) in assembly coordinates, strongest first; forces in this unit."""
     bodies, cells, shapes = program.bodies, program.cells, program.bodies.shapes
-    pose = bodies.rest + program.motion(u)
-    turned, name = (np.cos(pose[:, 2]), np.sin(pose[:, 2])), assembly.names
-    out = []
-    virtual = touch.virtual
-    for k in np.argsort(-touch.force, kind="stable"):
-        if virtual[k] or touch.force[k] < WEAK * touch.force.max():
-            continue
-        row, pair = touch.row[k], touch.pair[k]
-        a, b = int(cells.a[pair]), int(cells.b[pair])
-        edge, corner = cells.edge[row], cells.corner[row]
-        owner, other = (a, b) if cells.kind[row] == kernel.A_EDGE else (b, a)
-        c, s = turned
-        x, y = shapes.corner[corner]
-        point = (pose[other, 0] + c[other] * x - s[other] * y, pose[other, 1] + s[other] * x + c[other] * y)
-        nx, ny = shapes.normal[edge]
-        names = (
-            name[bodies.members[owner][shapes.member[edge]]],
-            name[bodies.members[other][shapes.member[corner]]],
-        )
-        normal = (c[owner] * nx - s[owner] * ny, s[owner] * nx + c[owner] * ny)
-        if owner == b:
-            names, normal = names[::-1], (-normal[0], -normal[1])
-        out.append(
-            Contact(
-                names, (float(point[0]), float(point[1])), (float(normal[0]), float(normal[1])), float(touch.force[k])
-            )
-        )
-    return tuple(out)
+    pose, name = bodies.rest + program.motion(u), assembly.names
+    order = np.argsort(-touch.force, kind="stable")
+    order = order[~touch.virtual[order] & (touch.force[order] >= WEAK * touch.force.max(initial=0.0))]
+    row, pair = touch.row[order], touch.pair[order]
+    of_a = cells.kind[row] == kernel.A_EDGE
+    a, b, edge, corner = cells.a[pair], cells.b[pair], cells.edge[row], cells.corner[row]
+    owner, other = np.where(of_a, a, b), np.where(of_a, b, a)
+    point = pose[other, :2] + turn(shapes.corner[corner], pose[other, 2])
+    normal = turn(shapes.normal[edge], pose[owner, 2]) * np.where(of_a, 1.0, -1.0)[:, None]
+    one, two = np.where(of_a, edge, corner), np.where(of_a, corner, edge)
+    bodies_of = zip(a.tolist(), b.tolist(), shapes.member[one].tolist(), shapes.member[two].tolist(), strict=True)
+    names = [(name[bodies.members[i][m]], name[bodies.members[j][n]]) for i, j, m, n in bodies_of]
+    what = zip(names, point.tolist(), normal.tolist(), (touch.force[order] / unit).tolist(), strict=True)
+    return tuple(Contact(who, (p[0], p[1]), (n[0], n[1]), force) for who, p, n, force in what)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import OrderedDict
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,10 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.overlap import overlaps
 from wiggleroom.analysis.prepare import Prepared, cells_at, prepare
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.assembly.model import Assembly, rings_at
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.cells import replaced
 from wiggleroom.pairs.moved import moved
 from wiggleroom.pairs.shapes import Bodies, corners
@@ -24,6 +25,7 @@ from wiggleroom.program.gaps import carried
 from wiggleroom.program.objectives import NOTHING
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 MOST_KEPT = 12
 """So many prepared designs are kept."""
@@ -55,6 +57,24 @@ class Design:
     ready: Prepared
     proven: bool
 
+    @cached_property
+    def order(self) -> Ints | None:
+        """Which corner of the assembly's outlines each corner of the bodies is (N,); None where there are others."""
+        from scipy.spatial import cKDTree  # slow to load
+
+        there, here = outline_corners(self.assembly), corners(self.ready.bodies)[1]
+        if len(there) != len(here):
+            return None
+        far, nearest = cKDTree(there).query(here, distance_upper_bound=SAME * self.ready.size)
+        return nearest if (far < np.inf).all() and len(np.unique(nearest)) == len(there) else None
+
+    def same(self, bodies: Bodies, made: Assembly) -> bool:
+        """True where the corners of bodies that were moved from this design's are those of the assembly's outlines."""
+        there = outline_corners(made)
+        if self.order is None or len(there) != len(self.order):
+            return False
+        return bool(np.abs(there[self.order] - corners(bodies)[1]).max(initial=0.0) < SAME * self.ready.size)
+
 
 class Designs:
     """Designs of one drawing, the last ones kept."""
@@ -83,11 +103,11 @@ class Designs:
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    def prove(self, design: Design) -> Design:
-        """Return the same design with cells grown for its very outlines."""
+    def prove(self, design: Design, stop: Stop | None = None) -> Design:
+        """Return the same design with cells grown for its very outlines; raises StoppedError where it is asked to stop."""
         if design.proven:
             return design
-        proven = replace(design, ready=prepare(design.assembly), proven=True)
+        proven = replace(design, ready=prepare(design.assembly, stop=stop), proven=True)
         for key, kept in self._kept.items():
             if kept is design:
                 self._kept[key] = proven
@@ -125,7 +145,7 @@ class Designs:
             after = moved(before, by)
         except InputError:
             return None
-        if not _same(after, made, SAME * base.ready.size):
+        if not base.same(after, made):
             return None
         if overlaps(after, np.zeros_like(after.rest), base.ready.barred).deepest > 0:
             return None  # whoever prepares it afresh names the parts that touch
@@ -138,16 +158,9 @@ class Designs:
         return _with_room(ready)
 
 
-def _same(bodies: Bodies, made: Assembly, least: float) -> bool:
-    """True where the corners of the bodies are those of the assembly's outlines, to less than `least` [mm]."""
-    from scipy.spatial import cKDTree  # slow to load
-
-    rings = [place(ring, p.at) for p in made.parts for r in p.regions for ring in (r.outer, *r.holes)]
-    there, here = np.vstack(rings), corners(bodies)[1]
-    if len(there) != len(here):
-        return False
-    far, nearest = cKDTree(there).query(here, distance_upper_bound=least)
-    return bool((far < least).all() and len(np.unique(nearest)) == len(there))
+def outline_corners(assembly: Assembly) -> Floats:
+    """Corners (N, 2) [mm] of the outlines of all parts at rest, one after the other."""
+    return np.vstack([ring for part in assembly.parts for ring in rings_at(part)])
 
 
 def _with_room(ready: Prepared) -> Prepared:

@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.explore import explore
-from wiggleroom.analysis.links import BOXES, Links, links
+from wiggleroom.analysis.explore import explore, way_out
+from wiggleroom.analysis.links import BOXES, Links, links, surer
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.rigid import Rigid, leaves_as_one
@@ -63,7 +63,9 @@ class Stage:
     questions: int
 
 
-def next_stage(ready: Prepared, boxes: int, stop: Stop | None, tell: Callable[[Progress], None]) -> Stage:
+def next_stage(
+    ready: Prepared, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
+) -> Stage:
     """The next parts that leave, the cheapest ways of finding them first."""
     bodies, n = ready.bodies, len(ready.bodies.fixed)
     stands = np.flatnonzero(bodies.fixed)
@@ -78,16 +80,19 @@ def next_stage(ready: Prepared, boxes: int, stop: Stop | None, tell: Callable[[P
         return _leave(ready, rest, found)
     tell(Progress("free spaces"))
     known, tries = _rigid(ready, stands, own, boxes, stop)
-    if not known.group.any():
+    if known.all_tied:
         return Stage("interlocked", "proven", none, None, known.held, 0)
     nearly = _nearly(ready, ground, known.group)
     for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, NEARLY) for e in nearly)):
         if stop is not None and stop.is_set():
             break
-        stage = None if rigid.way is None else _finish(ready, rigid.way, known.group, ground)
-        if stage is not None and stage.way is not None:
+        out = None if rigid.way is None else way_out(ready, ground, known.group, rigid.way)
+        if out is not None and (stage := _leave(ready, *out)).way is not None:
             return stage
-    searched = explore(ready, ground, known.group, nearly, stop, tell)
+    known = surer(ready, known, stop)
+    if known.all_tied:
+        return Stage("interlocked", "proven", none, None, known.held, 0)
+    searched = explore(ready, ground, known.group, nearly, stop, tell, questions)
     if searched.way is not None and searched.exit is not None:
         return replace(_leave(ready, searched.way, searched.exit), questions=searched.questions)
     ended: Says = "interlocked" if searched.whole else "unknown"
@@ -100,7 +105,9 @@ def _rigid(ready: Prepared, stands: Ints, own: Ints, boxes: int, stop: Stop | No
         free = np.flatnonzero(~ready.bodies.fixed)
         rigid = leaves_as_one(ready, free, boxes)
         alone = (own == free[0]).astype(np.int64)
-        return Links(alone * (not rigid.closed), alone * (not rigid.held)), iter([rigid])
+        return Links(alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)), iter(
+            [rigid]
+        )
     known = links(ready, stands, stop)
     ground = known.group[stands[0]]
     groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
@@ -120,15 +127,6 @@ def _nearly(ready: Prepared, ground: int, group: Ints) -> list[Exit]:
         if len(found) >= MOST_NEARLY:
             break
     return list(found.values())[:MOST_NEARLY]
-
-
-def _finish(ready: Prepared, way: Floats, group: Ints, ground: int) -> Stage | None:
-    """The way from its first point on from where bodies leave straight."""
-    for k in range(1, len(way)):
-        found = straight_exit(ready.bodies, way[k], ground, ready.barred, ready.size, group)
-        if found is not None:
-            return _leave(ready, way[: k + 1], found)
-    return None
 
 
 def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:

@@ -27,7 +27,7 @@ Ints = NDArray[np.int64]
 WAYS = 8
 """Directions in which every group is pulled."""
 MOST_QUESTIONS = 300
-"""So many questions are asked at most; beyond that the search counts as cut short."""
+"""So many questions are asked; beyond that the search counts as cut short."""
 MOST_PLACES = 12
 """From so many places besides rest it goes on at most."""
 ELSEWHERE = 3.0
@@ -63,6 +63,7 @@ def explore(
     nearly: list[Exit],
     stop: Stop | None,
     tell: Callable[[Progress], None],
+    most: int = MOST_QUESTIONS,
 ) -> Explored:
     """Pull and turn every group every way, look for a straight way out along each answer, and go on from new places.
 
@@ -77,6 +78,8 @@ def explore(
         Sets of bodies that are pulled as one first.
     stop, tell
         As for `flex`.
+    most : int
+        Questions asked at most.
     """
     bodies = ready.bodies
     near = neighbours(bodies, placed(bodies), REACH * ready.clearance, barred=ready.barred)
@@ -86,7 +89,7 @@ def explore(
     while waiting:
         start = waiting.popleft()
         for goals in _questions(ready, ground, group, nearly):
-            if questions >= MOST_QUESTIONS or (stop is not None and stop.is_set()):
+            if questions >= most or (stop is not None and stop.is_set()):
                 return Explored(None, None, False, questions)
             questions += 1
             tell(Progress("search", questions))
@@ -96,7 +99,7 @@ def explore(
                 continue
             open_questions += answer.verdict is Verdict.STOPPED
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
-            found = _way_out(ready, ground, group, motions)
+            found = way_out(ready, ground, group, motions, LOOKS)
             if found is not None:
                 return Explored(*found, True, questions)
             place = relative_rest(bodies, near.a, near.b, motions[-1])
@@ -114,9 +117,12 @@ def _ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: S
         return None
 
 
-def _way_out(ready: Prepared, ground: int, group: Ints, motions: Floats) -> tuple[Floats, Exit] | None:
-    """The way up to the first of some way-points from where bodies leave straight."""
-    for k in np.unique(np.linspace(len(motions) - 1, 1, LOOKS).round().astype(int)):
+def way_out(
+    ready: Prepared, ground: int, group: Ints, motions: Floats, looks: int | None = None
+) -> tuple[Floats, Exit] | None:
+    """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its way-points are looked at, or all."""
+    last = len(motions) - 1
+    for k in np.unique(np.linspace(last, 1, looks or last).round().astype(int)):
         found = straight_exit(ready.bodies, motions[k], ground, ready.barred, ready.size, group)
         if found is not None:
             return motions[: k + 1], found

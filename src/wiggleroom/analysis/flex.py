@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.approximate import Approximation, answer_from
 from wiggleroom.analysis.finish import answer_of
@@ -17,7 +15,7 @@ from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.quick import with_quick_bound
 from wiggleroom.analysis.search import Found, Progress, Search, silent
 from wiggleroom.analysis.starts import pulls
-from wiggleroom.assembly.findings import question_findings
+from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
@@ -113,10 +111,7 @@ def witness(
     began = time.perf_counter()
     tell = progress or silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
-    asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
-    findings = question_findings(replace(its.drawing, goals=asked))
-    if findings:
-        raise InputError(findings)
+    asked = asked_goals(its.drawing, goals)
     wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
     solve = solver_named(solver)
     tell(Progress("pairs"))
@@ -125,9 +120,7 @@ def witness(
         if start is not None:
             raise InputError("start: only the model walls begins at an earlier answer; leave it out")
         return _approximately(ready, asked, solver, stop, tell, time.perf_counter() - began)
-    n = len(ready.bodies.fixed)
-    near = np.union1d(ready.cells.a * n + ready.cells.b, ready.corners)
-    goal = objective(its, ready.bodies, asked, (near // n, near % n))
+    goal = ready.objective(asked)
     search = Search(ready, goal, solve, stop, tell)
     search.seconds["freespace"] += time.perf_counter() - began
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()

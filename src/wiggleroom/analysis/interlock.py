@@ -12,6 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.escape import ONLY, Certainty, Says, next_stage
+from wiggleroom.analysis.explore import MOST_QUESTIONS
 from wiggleroom.analysis.finish import part_motions
 from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.furthest import furthest
@@ -95,6 +96,7 @@ def check(
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
     boxes: int = ONLY,
+    questions: int = MOST_QUESTIONS,
     every: bool = True,
 ) -> Interlock:
     """Whether some parts can be moved without limit away from the others.
@@ -110,6 +112,8 @@ def check(
         Told a `Progress` now and then.
     boxes : int
         Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
+    questions : int
+        Largest motions searched at most, each time some parts have left.
     every : bool
         False: the first parts that leave are enough; what of the others is not asked.
 
@@ -139,14 +143,14 @@ def check(
     alive = np.arange(len(names))
     far = np.zeros((len(names), 3))
     escapes: list[Escape] = []
-    questions = 0
+    asked = 0
     while True:
         try:
             ready = prepare(left)
         except TouchingError:
-            return _tight(assembly, left, stop, progress, boxes, every)
-        stage = next_stage(ready, boxes, stop, tell)
-        questions += stage.questions
+            return _tight(assembly, left, stop, progress, boxes, questions, every)
+        stage = next_stage(ready, boxes, questions, stop, tell)
+        asked += stage.questions
         if stage.way is None:
             break
         who = np.array([p for b in stage.who for p in ready.bodies.members[b]])
@@ -174,7 +178,7 @@ def check(
         tuple(escapes),
         spins,
         tuple(names[alive]) if stage.ended == "interlocked" else (),
-        questions,
+        asked,
         time.perf_counter() - began,
         at_most=at_most,
     )
@@ -186,6 +190,7 @@ def _tight(
     stop: Stop | None,
     progress: Callable[[Progress], None] | None,
     boxes: int,
+    questions: int,
     every: bool,
 ) -> Interlock:
     """The same for parts that touch at rest."""
@@ -197,7 +202,7 @@ def _tight(
         names = tuple(assembly.names)
         return Interlock(assembly, "interlocked", sure, remains=names, seconds=time.perf_counter() - began, tight=True)
     loose = assemble(left.drawing, gap=left.gap + LITTLE * left.size)
-    found = check(loose, stop=stop, progress=progress, boxes=boxes, every=every)
+    found = check(loose, stop=stop, progress=progress, boxes=boxes, questions=questions, every=every)
     apart = found.verdict == "comes apart"  # with the little gap, which is not quite the drawing
     return replace(found, assembly=assembly, certainty="searched" if apart else found.certainty)
 

@@ -14,7 +14,8 @@ from wiggleroom.solve.newton import Stop
 
 WITHIN = 1e-3
 """Both sides end no further apart than this share of the gap."""
-BOXES = 40_000
+BOXES, QUESTIONS = 40_000, 40
+"""Of `check`, at every gap that is tried."""
 SMALLEST = 1e-4
 """The search for a gap that holds ends below this share of the drawing's size."""
 START = 1e-2
@@ -80,7 +81,7 @@ def largest_gap(
                 tried[gap] = None
                 return "gone"
             try:
-                tried[gap] = check(made, stop=stop, progress=progress, boxes=BOXES, every=False)
+                tried[gap] = check(made, stop=stop, progress=progress, boxes=BOXES, questions=QUESTIONS, every=False)
             except TouchingError:
                 return "unknown"
         found = tried[gap]

@@ -21,12 +21,12 @@ from wiggleroom.analysis.shot import Mode, Shot
 from wiggleroom.analysis.starts import pulls
 from wiggleroom.analysis.warm import State, Until, Warm, at_rest, pushed, warm
 from wiggleroom.analysis.wiggle import modes
-from wiggleroom.assembly.findings import question_findings
+from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
-from wiggleroom.errors import InputError
+from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.gaps import carried
-from wiggleroom.program.objectives import Approach, Objective, objective
+from wiggleroom.program.objectives import Approach
 from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
@@ -169,14 +169,15 @@ class Live:
             away = away * (FARTHEST * ready.size / far)
         aim = np.add(grip, away)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
-        term = cast(Approach, self._objective((goal,)))
+        term = cast(Approach, ready.objective(self._asked(goal)))
         state = self._state if self._state is not None and start == "here" else at_rest(ready)
         here = term.value(state.inner)  # what counts is what is gained from there
         enough = float(away @ away) - here - (THERE * ready.clearance) ** 2
         search = warm(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
         self._state, settled = search.reach()
         motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
-        reached = _moved(ready, part, grip, self._state.motion)
+        x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
+        reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
         left = float(np.hypot(*np.subtract(aim, reached)))
         held = _held(ready, search, 2 * left) if settled and left > THERE * ready.clearance else ()
@@ -203,7 +204,7 @@ class Live:
         """
         began, ready = time.perf_counter(), self.ready
         asked = self._asked(goals)
-        term, until = self._objective(asked), Until(seconds, stop)
+        term, until = ready.objective(asked), Until(seconds, stop)
         state = self._nearby(asked)
         if state is None:
             state = at_rest(ready)
@@ -227,15 +228,23 @@ class Live:
         stop: Stop | None = None,
         progress: Callable[[Progress], None] | None = None,
     ) -> Answer:
-        """Return the answer of `wiggleroom.flex` for the present design; later quick ones begin near it."""
+        """Return the answer of `wiggleroom.flex` for the present design; later quick ones begin near it.
+
+        Raises
+        ------
+        StoppedError
+            If it was asked to stop before there was anything to say.
+        """
         asked = self._asked(goals)
-        old, self._now = self._design, self._designs.prove(self._design)
+        old, self._now = self._design, self._designs.prove(self._design, stop)
         if self._now is not old:
             self._state = None
         answer = witness(self.ready, asked, stop=stop, progress=progress)
         found = answer.trail
         if isinstance(found, Found) and answer.objective is not None and answer.collision_free:
-            state = State(found.program.cells, found.program.motion(found.solution.inner), found.motion)
+            cells = found.program.cells
+            ended = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion)
+            state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
             self._remember(_End(asked, self._design, state))
         return answer
 
@@ -274,20 +283,8 @@ class Live:
         return self._now
 
     def _asked(self, goals: Goal | Sequence[Goal] | None) -> tuple[Goal, ...]:
-        """Goals, once it is sure that they make sense."""
-        its = self.assembly
-        said = self._designs.drawing.goals
-        asked = said if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
-        findings = question_findings(replace(its.drawing, goals=asked))
-        if findings:
-            raise InputError(findings)
-        return asked
-
-    def _objective(self, goals: tuple[Goal, ...]) -> Objective:
-        ready, asked = self.ready, self._asked(goals)
-        n = len(ready.bodies.fixed)
-        near = np.union1d(ready.cells.a * n + ready.cells.b, ready.corners)
-        return objective(ready.assembly, ready.bodies, asked, (near // n, near % n))
+        """Goals, by default what the drawing asks for, once it is sure that they make sense."""
+        return asked_goals(self.assembly.drawing, self._designs.drawing.goals if goals is None else goals)
 
     def _remember(self, end: _End) -> None:
         """Keep an end, in place of an older one of the same design and goals."""
@@ -345,14 +342,4 @@ def _held(ready: Prepared, search: Warm, unit: float) -> tuple[Contact, ...]:
     found = search.best
     if found is None or found.solution.status != "converged":
         return ()
-    some = contacts(ready.assembly, found.program, found.solution.u, found.touch)
-    return tuple(replace(c, force=c.force / unit) for c in some)
-
-
-def _moved(ready: Prepared, part: str, grip: Spot, motion: Floats) -> Spot:
-    """Where a point of a part is after a motion of the bodies."""
-    body = int(ready.bodies.body_of[ready.assembly.names.index(part)])
-    x, y = np.subtract(grip, ready.bodies.rest[body, :2])
-    c, s = np.cos(motion[body, 2]), np.sin(motion[body, 2])
-    at = ready.bodies.rest[body, :2] + motion[body, :2]
-    return float(at[0] + c * x - s * y), float(at[1] + s * x + c * y)
+    return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)

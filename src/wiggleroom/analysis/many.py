@@ -17,7 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from wiggleroom.errors import MissingExtraError, WiggleroomError
+from wiggleroom.errors import WiggleroomError, see_extra
 from wiggleroom.solve.interior_point import Stop
 
 Work = Callable[[Any, Any], Any]
@@ -203,12 +203,11 @@ def _on_cluster(
     tell: Callable[[int], None],
 ) -> None:
     """Hand all tasks to a Dask scheduler; it gives those of a lost worker to others."""
-    try:
-        from distributed import Client, as_completed
-    except ImportError:
-        raise MissingExtraError("a cluster needs the extra: pip install 'wiggleroom[cluster]'") from None
+    see_extra("cluster", "a cluster needs the extra", "distributed")
     import logging
     import warnings
+
+    from distributed import Client, as_completed
 
     for name in ("distributed.client", "distributed.batched", "distributed.core"):
         logging.getLogger(name).setLevel(logging.CRITICAL)

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, TouchingError
+from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells import Cells, grow_cells, select
 from wiggleroom.freespace.models import PairModel, Walls, model_named
 from wiggleroom.pairs.neighbours import Pairs, classes, neighbours, placed, relative_rest
 from wiggleroom.pairs.shapes import Bodies, bodies
+from wiggleroom.program.objectives import Objective, objective
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.approximate import Approximation
@@ -68,6 +69,12 @@ class Prepared:
         """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
         return arms(self.assembly, self.bodies)
 
+    def objective(self, goals: tuple[Goal, ...]) -> Objective:
+        """What the program maximises for some goals."""
+        n = len(self.bodies.fixed)
+        near = np.union1d(self.cells.a * n + self.cells.b, self.corners)
+        return objective(self.assembly, self.bodies, goals, (near // n, near % n))
+
     def flex(self, goals: Goal | Sequence[Goal] | None = None, **options: Any) -> Answer:
         """How far it can move; see `wiggleroom.flex`, whose other arguments this takes too."""
         from wiggleroom.analysis.flex import flex  # it imports this module
@@ -76,10 +83,12 @@ class Prepared:
 
 
 @overload
-def prepare(assembly: Assembly) -> Prepared: ...
+def prepare(assembly: Assembly, *, stop: Stop | None = None) -> Prepared: ...
 @overload
-def prepare(assembly: Assembly, model: str | PairModel) -> Prepared | Approximation: ...
-def prepare(assembly: Assembly, model: str | PairModel = "walls") -> Prepared | Approximation:
+def prepare(assembly: Assembly, model: str | PairModel, *, stop: Stop | None = None) -> Prepared | Approximation: ...
+def prepare(
+    assembly: Assembly, model: str | PairModel = "walls", *, stop: Stop | None = None
+) -> Prepared | Approximation:
     """Find the pairs that can meet and work out their free spaces round rest, congruent pairs once.
 
     Parameters
@@ -87,9 +96,13 @@ def prepare(assembly: Assembly, model: str | PairModel = "walls") -> Prepared | 
     assembly : Assembly
     model : str, Hull or HalfPlane
         "walls", "hull" or "halfplane": what stands for the free space of a pair.
+    stop : optional
+        Anything with `is_set()`, asked now and then; the approximating models do not ask.
 
     Raises
     ------
+    StoppedError
+        If it was asked to stop.
     TouchingError
         If two parts touch or overlap after gap and offsets.
     InputError
@@ -103,9 +116,11 @@ def prepare(assembly: Assembly, model: str | PairModel = "walls") -> Prepared | 
     ground = survey(assembly)
     them, geometry, near = ground.bodies, ground.geometry, ground.near
     a, b = near.a, near.b
+    go_on(stop)
     first, label = classes(them, a, b, relative_rest(them, a, b))
     facing = _facing(geometry[a[first]], geometry[b[first]], ground.clearance)[label]
-    cells = cells_at(assembly, them, a[facing], b[facing], near.clearance[facing])
+    go_on(stop)
+    cells = cells_at(assembly, them, a[facing], b[facing], near.clearance[facing], stop)
     corners = a[~facing] * len(geometry) + b[~facing]
     return Prepared(assembly, them, ground.barred, ground.clearance, ground.size, cells, corners)
 
@@ -166,11 +181,11 @@ def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) ->
     return shapely.length(shapely.intersection(shapely.boundary(a), near)) > 5 * REACH * clearance
 
 
-def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floats) -> Cells:
+def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floats, stop: Stop | None = None) -> Cells:
     """Cells of some pairs round rest; congruent pairs are worked out once."""
     pose = relative_rest(them, a, b)
     first, label = classes(them, a, b, pose)
-    grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first])
+    grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first], stop=stop)
     if not good.all():
         k = first[np.flatnonzero(~good)[0]]
         one, other = (" + ".join(assembly.names[p] for p in them.members[x]) for x in (a[k], b[k]))

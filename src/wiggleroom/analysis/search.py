@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.overlap import SAFE, overlaps
+from wiggleroom.analysis.overlap import SAFE, Overlaps, overlaps
 from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.touch import Touch, touching, wishes
 from wiggleroom.analysis.twins import Twin, exchanged, followed, twins
@@ -267,9 +267,9 @@ class Search:
         """Add the pairs that overlap at the solution and were not in the program; True where there were any."""
         began = time.perf_counter()
         self.tell(Progress("check", self.rounds, found.solution.iterations, found.value))
-        bodies, n = self.ready.bodies, len(self.ready.bodies.fixed)
+        n = len(self.ready.bodies.fixed)
         known = self.cells.a * n + self.cells.b
-        missed = overlaps(bodies, found.motion, np.concatenate([self.ready.barred, known]))
+        missed = self._missed(found, known)
         if len(missed.a):
             key = np.unique(
                 np.concatenate([missed.a * n + missed.b, self.ready.corners[~np.isin(self.ready.corners, known)]])
@@ -277,6 +277,10 @@ class Search:
             self.add(key // n, key % n, found.motion)
         self.seconds["check"] += time.perf_counter() - began
         return len(missed.a) > 0
+
+    def _missed(self, found: Found, known: Ints) -> Overlaps:
+        """Pairs that overlap at the solution, apart from those with known keys a * n + b."""
+        return overlaps(self.ready.bodies, found.motion, np.concatenate([self.ready.barred, known]))
 
     def way(self, found: Found) -> Way:
         """The way to a motion, checked; worked out once."""
@@ -296,12 +300,16 @@ class Search:
         again = len(a) > 0 and self.restarts < MOST_RESTARTS
         if again:
             self.restarts += 1
-            known = np.concatenate([cells.a * n + cells.b, a * n + b])
-            self.begin()
-            extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
-            self.add(extra // n, extra % n, found.motion)
+            self._begin_with(np.concatenate([cells.a * n + cells.b, a * n + b]), found.motion)
         self.seconds["check"] += time.perf_counter() - began
         return again
+
+    def _begin_with(self, known: Ints, wanted: Floats) -> None:
+        """Begin again with the pairs of known keys a * n + b, those that are new with room towards a motion (n, 3)."""
+        n = len(wanted)
+        self.begin()
+        extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
+        self.add(extra // n, extra % n, wanted)
 
     def add(self, a: Ints, b: Ints, wanted: Floats) -> None:
         """Put more pairs into the program: cells grown where the coming round begins, with room towards the motion `wanted` (n, 3)."""

@@ -16,6 +16,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.freespace.blocking import block
+from wiggleroom.freespace.slices import edges_of
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import Bodies
 
@@ -76,7 +77,7 @@ def straight_exits(
     groups = int(group.max()) + 1
     found: list[Exit] = []
     for d in _directions(edges):
-        turned = _towards_x(edges, d)
+        turned = _upwards(edges, first, d)
         boxes = _boxes(turned, first)
         done = np.zeros((n, n), dtype=np.bool_)
         done[barred // n, barred % n] = done[barred % n, barred // n] = True
@@ -122,17 +123,8 @@ def _directions(edges: Floats) -> Floats:
 
 def _edges(geometry: NDArray[np.object_]) -> tuple[Floats, Ints]:
     """Edges (m, 4) of all bodies one after the other, and where each begins (n + 1,)."""
-    rows: list[Floats] = []
-    first = [0]
-    for material in geometry:
-        count = 0
-        for piece in shapely.get_parts(material):
-            for ring in (piece.exterior, *piece.interiors):
-                points = shapely.get_coordinates(ring)
-                rows.append(np.hstack([points[:-1], points[1:]]))
-                count += len(points) - 1
-        first.append(first[-1] + count)
-    return np.concatenate([*rows, np.zeros((0, 4))]), np.array(first)
+    rows = [edges_of(material).reshape(-1, 4) for material in geometry]
+    return np.concatenate([*rows, np.zeros((0, 4))]), np.cumsum([0, *map(len, rows)])
 
 
 def _near(geometry: NDArray[np.object_], size: float) -> NDArray[np.bool_]:
@@ -143,18 +135,21 @@ def _near(geometry: NDArray[np.object_], size: float) -> NDArray[np.bool_]:
     return near
 
 
-def _towards_x(edges: Floats, d: Floats) -> Floats:
-    """Edges turned so that `d` is the x axis."""
+def _upwards(edges: Floats, first: Ints, d: Floats) -> Floats:
+    """Edges turned so that `d` is the x axis, each from its lower end, and those of a body from the one that begins lowest."""
     turn = np.array([[d[0], -d[1]], [d[1], d[0]]])
-    return np.hstack([edges[:, :2] @ turn, edges[:, 2:] @ turn])
+    turned = (edges.reshape(-1, 2) @ turn).reshape(-1, 4)
+    turned = np.where((turned[:, 1] > turned[:, 3])[:, None], turned[:, [2, 3, 0, 1]], turned)
+    body = np.repeat(np.arange(len(first) - 1), np.diff(first))
+    return np.asarray(turned[np.lexsort((turned[:, 1], body))])
 
 
 def _boxes(edges: Floats, first: Ints) -> Floats:
-    """Least and largest x and y (n, 4) of runs of edges; inside out where a body is so thin that none is left."""
-    ends = edges.reshape(-1, 2, 2)
-    rows = np.stack([ends.min(1)[:, 0], -ends.max(1)[:, 0], ends.min(1)[:, 1], -ends.max(1)[:, 1]], 1)
-    out = np.full((len(first) - 1, 4), np.inf)
-    some = np.flatnonzero(np.diff(first))
-    if len(some):
-        out[some] = np.minimum.reduceat(rows, first[some])
-    return out * [1, -1, 1, -1]
+    """Box (n, 4) round the edges of each body: least and largest x, least and largest y; nowhere where it has none."""
+    boxes = np.tile([np.inf, -np.inf, np.inf, -np.inf], (len(first) - 1, 1))
+    some = np.diff(first) > 0  # a body made thinner may be gone
+    if some.any():
+        least = np.minimum.reduceat(np.minimum(edges[:, :2], edges[:, 2:]), first[:-1][some])
+        largest = np.maximum.reduceat(np.maximum(edges[:, :2], edges[:, 2:]), first[:-1][some])
+        boxes[some] = np.column_stack([least[:, 0], largest[:, 0], least[:, 1], largest[:, 1]])
+    return boxes

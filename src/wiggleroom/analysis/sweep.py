@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -21,7 +21,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.pairs.moved import moved
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import bodies
@@ -53,12 +53,15 @@ class Step:
         That of the answer, or "touching" or "cannot be made".
     checked : bool
         True where the way from rest was checked, from gap to gap.
+    answer : Answer or None
+        What was found there, its way from rest through the ends at smaller gaps; None where there is no such motion.
     """
 
     gap: float
     objective: float | None
     verdict: str
     checked: bool
+    answer: Answer | None = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +136,7 @@ def sweep(
         if stop is not None and stop.is_set():
             break
         if any(s.verdict == Verdict.UNBOUNDED for s in steps):  # smaller parts leave by the same way
-            steps.append(replace(steps[-1], gap=gap))
+            steps.append(_looser(assembly, steps[-1], gap))
             continue
         step, state = _step(assembly, asked, gap, state, stop)
         if step.verdict == Verdict.STOPPED and stop is not None and stop.is_set():
@@ -150,7 +153,7 @@ def sweep(
     if free is not None and held is not None:
         lost = _lost(assembly, asked, held, free, stop)
         least = lost[1]
-        steps = [Step(s.gap, None, str(Verdict.UNBOUNDED), True) if s.gap >= least else s for s in steps]
+        steps = [s if s.gap < least or s.verdict == Verdict.UNBOUNDED else _beyond(s.gap) for s in steps]
     return Sweep(assembly, asked, tuple(steps), lost)
 
 
@@ -192,14 +195,31 @@ def _step(
             if answer.objective is not None and answer.objective < (last.answer.objective or 0.0):
                 answer = last.answer  # what was free for larger parts still is
         else:
-            ready, checked = prepare(made), True
+            ready, checked = prepare(made, stop=stop), True
             answer = witness(ready, goals, stop=stop)
+    except StoppedError:
+        return Step(gap, None, str(Verdict.STOPPED), False), last
     except InputError:
         return Step(gap, None, "touching", False), None
     checked = checked and answer.path == "checked"
-    step = Step(gap, answer.objective, str(answer.verdict), checked)
+    answer = replace(answer, assembly=made, path="checked" if checked else "not checked")
+    step = Step(gap, answer.objective, str(answer.verdict), checked, replace(answer, trail=None))
     good = answer.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)
     return step, _State(gap, ready, answer, checked) if good else last
+
+
+def _beyond(gap: float) -> Step:
+    """A gap beyond that at which the motion loses its end, where no way out was found from the smaller gaps."""
+    return Step(gap, None, str(Verdict.UNBOUNDED), True)
+
+
+def _looser(assembly: Assembly, step: Step, gap: float) -> Step:
+    """The step of a gap at which parts leave by the way of a smaller gap."""
+    try:
+        made = assemble(assembly.drawing, gap=gap)
+    except InputError:
+        return replace(step, gap=gap, answer=None)
+    return replace(step, gap=gap, answer=step.answer and replace(step.answer, assembly=made))
 
 
 def _carried(last: _State | None, made: Assembly) -> Prepared | None:
@@ -226,7 +246,8 @@ def _from(last: _State, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | N
     search.cells = carried(found.program.cells, found.program.bodies, ready.bodies)
     search.inner = found.motion
     search.run()
-    return answer_of(search, goals, "interior-point", began)
+    answer = answer_of(search, goals, "interior-point", began)
+    return replace(answer, waypoints=np.concatenate([last.answer.waypoints, answer.waypoints]))
 
 
 def _lost(

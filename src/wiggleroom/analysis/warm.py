@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.overlap import SAFE, overlaps
+from wiggleroom.analysis.overlap import SAFE, Overlaps, overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
-from wiggleroom.analysis.search import AGAIN, FINE, ROUGH, Found, Search, silent
+from wiggleroom.analysis.search import AGAIN, FINE, Found, Search, silent
 from wiggleroom.analysis.way import strangers
 from wiggleroom.freespace.cells import Cells, select
+from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.build import build
 from wiggleroom.program.objectives import NOTHING, Objective
 from wiggleroom.solve.factor import factor
@@ -23,8 +24,10 @@ from wiggleroom.solve.newton import Stop
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NEAR = 1e-3
-"""Share of the objective that a live answer may leave on the table."""
+NEAR, NEARER = 1e-3, 2e-4
+"""Share of the objective that a live answer may leave on the table, and a drag, where motion sideways to the target gains little."""
+SKETCH = 0.03
+"""Tolerance of the first rounds: they only show which cells are left."""
 SEEN = 5e-3
 """A drag ends within this share of the clearance of where it could."""
 LEFT = 0.5
@@ -35,6 +38,8 @@ SOME = 8
 """So many of a way's points show where it leads: the solver's steps wander."""
 ROOM, LEAST_ROOM, SOFTER, MOST_PUSHES = 2e-3, 1e-6, 1e-6, 8
 """Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
+SHARP = 1e-6
+"""Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
 ENDED = ("converged", "enough")
 LEAST_ASKED = 8
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
@@ -60,6 +65,8 @@ class State:
         True where the end cannot be far: no rough rounds are needed.
     linked : bool
         False where that chain is not known: the motion was followed from a larger gap, whose parts may pass where these do not.
+    ended : (P, 3) float64 [mm, mm, rad], optional
+        Where the pairs were seen when a search for the same goals came to its end: new cells brought nothing there.
     """
 
     cells: Cells
@@ -68,6 +75,7 @@ class State:
     mu: float = FIRST_MU
     near: bool = False
     linked: bool = True
+    ended: Floats | None = None
 
 
 def at_rest(ready: Prepared) -> State:
@@ -98,23 +106,23 @@ class Until:
 class Warm(Search):
     """The search from a state. Other sides of corner contacts are not tried; the way from the state is looked at by `reach`."""
 
-    state: State | None = None
+    state: State = field(kw_only=True)
     precise: bool = False
     last: Found | None = None
     near: bool = False
     done: bool = False
+    seen: tuple[Floats, Overlaps] | None = None
 
     def begin(self) -> None:
         """Begin at the state, knowing of no way before it."""
-        state = self.state or at_rest(self.ready)
-        self.cells, self.inner, self.first_mu = state.cells, state.inner, state.mu
+        self.cells, self.inner, self.first_mu = self.state.cells, self.state.inner, self.state.mu
         self.legs, self.best, self.last = (), None, None
 
     def run(self) -> None:
         """Go through the rounds: roughly while that brings something, then as well as a picture needs."""
-        self.near, mu, self.done = self.state is not None and self.state.near, self.first_mu, False
+        self.near, mu, self.done = self.state.near, self.first_mu, False
         while self.rounds < MOST_ROUNDS:
-            self.last = found = self._round(self._tolerance if self.near else ROUGH, mu)
+            self.last = found = self._round(self._tolerance if self.near else SKETCH, mu)
             if found.solution.status == "stopped":
                 self._keep(found)
                 return
@@ -124,7 +132,8 @@ class Warm(Search):
             best = self.best or found
             stale, mu = self._stale(best), AGAIN * best.solution.inner_mu
             again = gained and len(stale) > 0
-            if self.unlimited or found.solution.status == "enough" or (self.near and not again):
+            fine = found.tolerance <= 2 * self._tolerance  # a first round does not know yet how much there is to gain
+            if self.unlimited or found.solution.status == "enough" or (self.near and not again and fine):
                 break
             self.near = self.near or not again
             self._rebuild(best, stale)
@@ -135,20 +144,33 @@ class Warm(Search):
     @property
     def _tolerance(self) -> float:
         """Of the last rounds: a drag that gained much may still have little left to gain, which should be seen."""
-        if not self.precise or self.best is None or self.best.value <= 0:
+        if not self.precise:
             return NEAR
+        if self.best is None or self.best.value <= 0:
+            return NEARER
         pull = float(np.abs(self.objective.gradient(self.best.motion)[:, :2]).max())
-        return float(np.clip(SEEN * self.ready.clearance * pull / self.best.value, FINE, NEAR))
+        return float(np.clip(SEEN * self.ready.clearance * pull / self.best.value, FINE, NEARER))
 
     def _stale(self, found: Found) -> Ints:
         """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
         touch, pairs = found.touch, super()._stale(found)
         if found.solution.status == "failed" or not len(pairs):
             return pairs
-        held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs]
+        held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs] * self._room(found)[pairs]
         order = np.argsort(held)
         least = LEFT * found.tolerance * max(abs(found.value), self.ready.clearance * float(touch.force.max()))
-        return pairs[np.sort(order[np.cumsum(held[order]) * self.ready.clearance > least])]
+        return pairs[np.sort(order[np.cumsum(held[order]) > least])]
+
+    def _room(self, found: Found) -> Floats:
+        """By how much (P,) [mm] each pair's virtual walls may give way: a clearance, or as far as it has come since they gave nothing."""
+        bodies, cells, clearance = self.ready.bodies, found.program.cells, self.ready.clearance
+        room, ended = np.full(len(cells.a), clearance), self.state.ended
+        if ended is not None and self.state.near and not self.precise:
+            a, b = cells.a[: len(ended)], cells.b[: len(ended)]
+            come = np.abs(relative_rest(bodies, a, b, found.motion) - ended)
+            come[:, 2] *= np.minimum(bodies.radius[a], bodies.radius[b])
+            room[: len(ended)] = np.minimum(come.sum(axis=1), clearance)
+        return room
 
     def reach(self) -> tuple[State, bool]:
         """Search, and return the state that was reached, and whether the search came to its end.
@@ -156,7 +178,7 @@ class Warm(Search):
         The motion of the new state is free of overlap and no pair outside the program can have met on the way to it; where none was
         found that is better, it is that of the old state.
         """
-        before = self.state or at_rest(self.ready)
+        before = self.state
         for _ in range(MOST_TRIES):
             self.run()
             found = self.best
@@ -180,13 +202,23 @@ class Warm(Search):
         """Safe motion at the end of a search; None where there is none, and the pairs that were missed are in the program."""
         motion = found.motion
         if found.solution.status not in ENDED:  # the last iterate may be on its way through a wall; these are not
-            motion = found.program.motion(found.solution.way[-1])
-        bodies = self.ready.bodies
-        if overlaps(bodies, motion, self.ready.barred).deepest > SAFE * self.ready.size:
+            motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
+        if self._overlaps(motion).deepest > SAFE * self.ready.size:
             self.begin()
             self._add_missed(found)
             return None
         return None if self._meets_strangers(found) else motion
+
+    def _missed(self, found: Found, known: Ints) -> Overlaps:
+        all_pairs = self._overlaps(found.motion)
+        new = ~np.isin(all_pairs.a * len(found.motion) + all_pairs.b, known)
+        return Overlaps(all_pairs.a[new], all_pairs.b[new], all_pairs.depth[new])
+
+    def _overlaps(self, motion: Floats) -> Overlaps:
+        """Everything that overlaps at a motion; asked for twice where a search ends, worked out once."""
+        if self.seen is None or self.seen[0] is not motion:
+            self.seen = motion, overlaps(self.ready.bodies, motion, self.ready.barred)
+        return self.seen[1]
 
     def _meets_strangers(self, found: Found) -> bool:
         """Begin again with the pairs that were not in the program and may meet on the way; True where there were any."""
@@ -197,10 +229,7 @@ class Warm(Search):
         motions = np.array([points[k][0].motion(points[k][1]) for k in some])
         a, b = strangers(ready.bodies, ready.arm, motions, cells.a * n + cells.b, ready.barred)
         if len(a):
-            self.begin()
-            known = np.concatenate([cells.a * n + cells.b, a * n + b])
-            extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
-            self.add(extra // n, extra % n, found.motion)
+            self._begin_with(np.concatenate([cells.a * n + cells.b, a * n + b]), found.motion)
         return len(a) > 0
 
     def _state(self, motion: Floats, before: State) -> State:
@@ -210,20 +239,29 @@ class Warm(Search):
             inner = last.program.motion(last.solution.inner)
             mu = last.solution.inner_mu if last.solution.status == "stopped" else AGAIN * last.solution.inner_mu
         cells, first = self.cells, len(self.ready.cells.a)
+        ended = relative_rest(self.ready.bodies, cells.a, cells.b, motion) if self.done else None
+        if before.ended is not None and self.rounds == 1:  # nothing was grown: how far it has come adds up
+            ended = before.ended
         late = np.arange(len(cells.a)) >= first
         place, radius = (self.ready.bodies.rest + motion)[:, :2], self.ready.bodies.radius
         apart = np.hypot(*(place[cells.b] - place[cells.a]).T) - radius[cells.a] - radius[cells.b]
         far = late & (apart > REACH * self.ready.clearance)
         if far.any():
-            cells = select(cells, np.flatnonzero(~far))
+            cells, ended = select(cells, np.flatnonzero(~far)), ended if ended is None else ended[~far[: len(ended)]]
         return State(
-            cells, inner, motion, mu if not self.done else max(mu, FIRST), self.near and not self.done, before.linked
+            cells,
+            inner,
+            motion,
+            mu if not self.done else max(mu, FIRST),
+            self.near and not self.done,
+            before.linked,
+            ended,
         )
 
 
 def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None, enough: float | None = None) -> Warm:
     """Return a search that begins at a state; a drag, where it ends once the objective is worth `enough`."""
-    solver = solve if enough is None else partial(solve, enough=enough)
+    solver = partial(solve, enough=np.inf if enough is None else enough, exact=SHARP)
     return Warm(ready, objective, solver, stop, silent, thorough=False, state=state, precise=enough is not None)
 
 

@@ -38,8 +38,8 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
     """Options that make the design of the file; None where none can."""
     drawing = file.drawing
     before = {p.name for p in drawing.parts if p.fixed}
-    glue = {frozenset(group) for group in design.glue if len(group) > 1}
-    if any(design.extra.values()) or glue != {frozenset(g) for g in drawing.glue} or not before <= set(design.fixed):
+    glue = {frozenset(group) for group in design.glue}
+    if design.extra or glue != {frozenset(g) for g in drawing.glue} or not before <= set(design.fixed):
         return None
     gap = drawing.gap if design.gap is None else design.gap
     found = [] if file.unit is None else ["--unit", file.unit]

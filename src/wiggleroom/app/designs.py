@@ -68,8 +68,7 @@ class Designs:
 
     def shape(self, design: Design) -> Hashable:
         """What the outlines as made depend on."""
-        extra = tuple(sorted((k, v) for k, v in design.extra.items() if v))
-        return self.gap(design), extra, tuple(map(tuple, design.glue))
+        return self.gap(design), tuple(sorted(design.extra.items())), tuple(map(tuple, design.glue))
 
     def body(self, design: Design) -> Hashable:
         """What the free spaces of pairs depend on."""
@@ -89,7 +88,7 @@ class Designs:
             raise InputError(wrong)
         fixed = set(design.fixed)
         parts = tuple(p if p.fixed == (p.name in fixed) else replace(p, fixed=not p.fixed) for p in self._drawing.parts)
-        glue = tuple(tuple(group) for group in design.glue if len(group) > 1)
+        glue = tuple(map(tuple, design.glue))
         return replace(self._drawing, parts=parts, gap=self.gap(design), glue=glue, goals=goals_of(design))
 
     def assembly(self, design: Design) -> Assembly:
@@ -104,7 +103,7 @@ class Designs:
         wrong = statement_findings(used)
         if wrong:
             raise InputError(wrong)
-        offset = {name: -extra / 2 for name, extra in design.extra.items() if extra}
+        offset = {name: -extra / 2 for name, extra in design.extra.items()}
         made = self._made.get(self.shape(design), lambda: assemble(replace(used, goals=()), offset=offset))
         fixed = [p.fixed for p in used.parts]
         parts = tuple(replace(p, fixed=f) if p.fixed != f else p for p, f in zip(made.parts, fixed, strict=True))

@@ -7,13 +7,12 @@ import threading
 from collections.abc import Callable
 from importlib import import_module
 
-from wiggleroom.app.designs import Designs
 from wiggleroom.app.link import Start
-from wiggleroom.app.messages import AnyRequest, Flex, Open, decode
+from wiggleroom.app.messages import AnyRequest, Flex, Open, decode, kind_of
 from wiggleroom.app.opening import opened, told
-from wiggleroom.app.out import Out, StoppedError
+from wiggleroom.app.out import Out
 from wiggleroom.app.sheet import Sheet
-from wiggleroom.errors import InputError, WiggleroomError
+from wiggleroom.errors import InputError, StoppedError, WiggleroomError
 
 ANSWERS = {
     "shape": "moving",
@@ -38,14 +37,12 @@ class Desk:
 
     def open(self, request: Open, out: Out) -> None:
         """Read a drawing and tell the page; where that fails the one before stays."""
-        file = opened(request)
-        design = request.design
-        drawing = file.drawing if design is None else Designs(file.drawing).drawing(design)
-        content = told(file, drawing)
+        sheet, design = Sheet(opened(request)), request.design
+        content = told(sheet.file, sheet.file.drawing if design is None else sheet.designs.drawing(design))
         if design is not None:
             content["design"]["extra"] = design.extra
         out.check()
-        self._sheet = Sheet(file)
+        self._sheet = sheet
         out.reply(content, kind="opened")
 
     def work(self, order: Start, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:
@@ -82,11 +79,6 @@ class Desk:
         kind = kind_of(request)
         getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._sheet, request, out)
         return False
-
-
-def kind_of(request: AnyRequest) -> str:
-    """Kind of a request, as in its message."""
-    return str(request.__struct_config__.tag)
 
 
 def _line(problem: BaseException) -> str:

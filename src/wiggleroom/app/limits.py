@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 
+UPLOAD_MB = 20
+"""A drawing that is dropped on a page may have so many MB."""
 SHARE = 0.5
 """Of the machine's memory, at most."""
 

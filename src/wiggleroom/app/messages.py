@@ -11,6 +11,7 @@ from msgspec import Meta, Struct
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.assembly_schema import PullEntry, plain_finding
+from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.errors import InputError
 
 Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
@@ -39,6 +40,11 @@ class Design(Struct, forbid_unknown_fields=True):
     fixed: list[str] = []
     glue: list[list[str]] = []
     goals: list[PullEntry] | Literal["translation", "closer"] = []
+
+    def __post_init__(self) -> None:
+        """Leave out what says nothing: no extra gap, and glue of a part alone."""
+        self.extra = {name: value for name, value in self.extra.items() if value}
+        self.glue = [group for group in self.glue if len(group) > 1]
 
 
 class Request(Struct, tag_field="kind", tag=str.lower, forbid_unknown_fields=True, kw_only=True):
@@ -172,6 +178,11 @@ def decode(text: bytes | str) -> AnyRequest:
     raise InputError(message)
 
 
+def kind_of(request: AnyRequest) -> str:
+    """Kind of a request, as in its message."""
+    return str(request.__struct_config__.tag)
+
+
 def head(text: bytes | str) -> tuple[int, str]:
     """Number and kind of a message that may be wrong; 0 and "" where it does not say them."""
     try:
@@ -184,7 +195,7 @@ def head(text: bytes | str) -> tuple[int, str]:
 
 def encode(reply: Json) -> bytes:
     """Reply as the bytes of a text frame; numbers that JSON cannot say become null."""
-    return msgspec.json.encode(reply, enc_hook=_plain)
+    return json_bytes(reply)
 
 
 def failed(number: int, of: str, findings: tuple[str, ...] | list[str]) -> Json:
@@ -203,10 +214,3 @@ def frame(number: int, motions: NDArray[np.float64]) -> bytes:
     """
     k, n, _ = motions.shape
     return struct.pack("<4I", number, k, n, 0) + np.ascontiguousarray(motions, dtype="<f4").tobytes()
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    message = f"{type(value).__name__} cannot be sent"
-    raise TypeError(message)

@@ -5,26 +5,25 @@ from __future__ import annotations
 import math
 import threading
 import time
-from collections.abc import Hashable, Iterable
+from collections.abc import Hashable
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer, Contact
+from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.audit import swing
 from wiggleroom.analysis.live import Live
 from wiggleroom.analysis.shot import Shot
 from wiggleroom.app.command import command
 from wiggleroom.app.messages import Design, Drag, Flex, Json, Release, Shape, Wiggle
-from wiggleroom.app.opening import rings_of
 from wiggleroom.app.out import Out
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.freespace.relative import turn
 from wiggleroom.freespace.space import FreeSpace
-from wiggleroom.report.html import answer_sure
+from wiggleroom.report.told import answer_told, contacts_told, rings_told
 from wiggleroom.report.ways import way_frames
-from wiggleroom.report.words import headline
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
@@ -40,8 +39,6 @@ MOST_TURNS, MOST_STUCK = 50, 3
 """So often a drag is gone on with, and so often in vain."""
 AGAIN = 3.0
 """Outlines that changed are told with every reply for so long [s]."""
-DIGITS = 7
-"""Outlines are told to so many digits of the drawing's size."""
 LITTLE = 1e-4
 """A drag that gets nearer by less than this share is stuck."""
 WORTH = 1e-3
@@ -61,13 +58,13 @@ class Moves:
         self._sheet = sheet
         self._live = Live(drawing)
         self._outlines: Hashable = None
+        self._rings: list[list[list[list[float]]]] = []
         self._told, self._since = threading.Event(), 0.0
         self._shown: tuple[Assembly, Floats] | None = None
 
     def at(self, design: Design) -> Live:
         """The engine, its design set."""
-        extra = {name: value for name, value in design.extra.items() if value}
-        self._live.design(self._sheet.designs.gap(design), extra, design.fixed, [g for g in design.glue if len(g) > 1])
+        self._live.design(self._sheet.designs.gap(design), design.extra, design.fixed, design.glue)
         return self._live
 
     def flex(self, request: Flex, out: Out) -> bool:
@@ -85,7 +82,7 @@ class Moves:
             if last is not None and not value > last + WORTH * abs(last):
                 break
             last, self._shown = value, (live.assembly, shot.motion)
-            content = flex_content(sheet, design, quick(live.assembly, goals, shot))
+            content = answer_told(quick(live.assembly, goals, shot), command("flex", sheet.file, design))
             content |= self.new_rings(design, live.assembly, out)
             out.reply(content | {"settled": False}, [shot.motion[None]])
             if shot.settled:
@@ -96,7 +93,7 @@ class Moves:
         """Answer fully."""
         answer = self._sheet.answer(request.design, out)
         self._shown = answer.assembly, answer.motion
-        content = flex_content(self._sheet, request.design, answer)
+        content = answer_told(answer, command("flex", self._sheet.file, request.design))
         content |= self.new_rings(request.design, answer.assembly, out)
         out.reply(content | {"settled": True}, [way_frames(answer.assembly, answer.waypoints)])
         return False
@@ -111,19 +108,19 @@ class Moves:
         live = self.at(request.design)
         rings, start, last = self.new_rings(request.design, live.assembly, out), request.from_, math.inf
         stuck = 0
-        for turn in range(MOST_TURNS):
+        for times in range(MOST_TURNS):
             shot = live.drag(request.part, request.grip, request.target, start=start, seconds=SECONDS, stop=out.stop)
             out.check()
             assert shot.distance is not None
             stuck = stuck + 1 if shot.distance > last * (1 - LITTLE) else 0
-            settled = shot.settled or turn == MOST_TURNS - 1 or stuck == MOST_STUCK
+            settled = shot.settled or times == MOST_TURNS - 1 or stuck == MOST_STUCK
             self._shown = live.assembly, shot.motion
             content = {
                 "part": request.part,
                 "target": list(request.target),
                 "reached": shot.reached,
                 "distance": shot.distance,
-                "held": contacts(shot.contacts),
+                "held": contacts_told(shot.contacts),
                 "blocking": list(shot.blocking),
                 "settled": settled,
             }
@@ -142,12 +139,14 @@ class Moves:
     def new_rings(self, design: Design, assembly: Assembly, out: Out) -> Json:
         """Outlines as made, where the page may not have them: a page drops replies that a newer request has overtaken."""
         key, now = self._sheet.designs.shape(design), time.monotonic()
-        if key != self._outlines or self._told.is_set():
-            self._outlines, self._since = key, now
+        if key != self._outlines:
+            self._outlines, self._since, self._rings = key, now, rings_told(assembly.parts)
+        elif self._told.is_set():
+            self._since = now
         elif now > self._since + AGAIN:
             return {}
         self._told = out.stop
-        return {"rings": rings(assembly)}
+        return {"rings": self._rings}
 
     def relative(self, space: FreeSpace) -> list[float]:
         """Where the pair of a free space is shown: motion of its pivot [mm] and turn [deg]."""
@@ -156,7 +155,7 @@ class Moves:
         assembly, motion = self._shown
         a, b = (assembly.names.index(name) for name in space.parts)
         rest, now = assembly.rest, assembly.rest + motion
-        tau = _in_axes(now[b, :2] - now[a, :2], now[a, 2]) - _in_axes(rest[b, :2] - rest[a, :2], rest[a, 2])
+        tau = turn(now[b, :2] - now[a, :2], -now[a, 2]) - turn(rest[b, :2] - rest[a, :2], -rest[a, 2])
         phi = motion[b, 2] - motion[a, 2]
         pivot = tau + swing(space, np.array([phi]))[0]
         return [float(pivot[0]), float(pivot[1]), float(np.degrees(phi))]
@@ -179,19 +178,7 @@ def wiggle(sheet: Sheet, request: Wiggle, out: Out) -> None:
 
 def shape(sheet: Sheet, request: Shape, out: Out) -> None:
     """Outlines with the gap applied."""
-    out.reply({"rings": rings(sheet.assembly(request.design))})
-
-
-def rings(assembly: Assembly) -> list[list[list[list[float]]]]:
-    """Outlines of all parts as made, at rest, in world coordinates [mm]; no finer than eyes and screens."""
-    digits = max(0, DIGITS - math.floor(math.log10(assembly.size)))
-    return [[ring.tolist() for ring in rings_of(part, digits)] for part in assembly.parts]
-
-
-def contacts(some: Iterable[Contact]) -> list[Json]:
-    """Contacts with a force, the strongest first."""
-    held = sorted((c for c in some if c.force > 0), key=lambda c: -c.force)
-    return [{"parts": c.parts, "point": c.point, "normal": c.normal, "force": float(c.force)} for c in held]
+    out.reply({"rings": rings_told(sheet.assembly(request.design).parts)})
 
 
 def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: Shot) -> Answer:
@@ -215,26 +202,3 @@ def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: Shot) -> Answer:
         leaves=shot.leaves,
         turns=shot.turns,
     )
-
-
-def flex_content(sheet: Sheet, design: Design, answer: Answer) -> Json:
-    """What an answer says, in the words of the commands."""
-    return {
-        "objective": answer.objective,
-        "verdict": answer.verdict.value,
-        "headline": headline(answer),
-        "sure": answer_sure(answer),
-        "at_most": answer.at_most,
-        "leaves": list(answer.leaves),
-        "turns": list(answer.turns),
-        "contacts": contacts(answer.contacts),
-        "collision_free": bool(answer.collision_free),
-        "path": answer.path,
-        "seconds": answer.seconds.get("total", 0.0),
-        "command": command("flex", sheet.file, design),
-    }
-
-
-def _in_axes(way: Floats, angle: float) -> Floats:
-    c, s = np.cos(angle), np.sin(angle)
-    return np.array([c * way[0] + s * way[1], c * way[1] - s * way[0]])

@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import math
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import msgspec
 import numpy as np
-from numpy.typing import NDArray
 
-from wiggleroom.app.messages import Design, Json, Open
+from wiggleroom.app.limits import UPLOAD_MB
+from wiggleroom.app.messages import Design, Open
 from wiggleroom.assembly.model import place
-from wiggleroom.drawing.assembly_writer import goal_entry
-from wiggleroom.drawing.model import WHOLE, Drawing, Part, Pull, Turn, W
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
+from wiggleroom.report.told import Json, design_told, drawing_told
 
-MOST_BYTES = 20_000_000
+MOST_BYTES = UPLOAD_MB * 1_000_000
 FINE = 1e-4
 """Chord error of curves as a share of the median part size, where there is no gap to tell."""
 
@@ -75,7 +74,7 @@ def opened(request: Open) -> File:
 
 def first_open(path: Path, drawing: Drawing, unit: str | None, flatten: float | None, gap: float | None) -> bytes:
     """The request that opens a file of this machine with what the options of a command made of its drawing."""
-    design = msgspec.convert(design_of(drawing), Design)
+    design = msgspec.convert(design_told(drawing), Design)
     data = path.read_bytes()
     return msgspec.json.encode(
         Open(id=0, name=path.name, path=str(path), data=data, unit=unit, flatten=flatten, gap=gap, design=design)  # type: ignore[arg-type]
@@ -112,42 +111,10 @@ def _read(path: Path, request: Open) -> tuple[Drawing, float | None]:
 
 def told(file: File, drawing: Drawing) -> Json:
     """Reply to `open`: parts as drawn, in world coordinates, and what is asked, as a design."""
-    rings = [rings_of(p) for p in drawing.parts]
-    corners = np.vstack([ring for one in rings for ring in one])
-    size = [*corners.min(axis=0).tolist(), *corners.max(axis=0).tolist()]
-    parts = [
-        {"name": p.name, "at": [p.at[0], p.at[1], math.degrees(p.at[2])], "rings": [r.tolist() for r in one]}
-        for p, one in zip(drawing.parts, rings, strict=True)
-    ]
-    reply: Json = {
-        "name": file.name,
-        "gap": drawing.gap,
-        "unit": "mm",
-        "notes": list(drawing.notes),
-        "size": size,
-        "parts": parts,
-        "design": design_of(drawing),
-    }
+    reply = drawing_told(drawing, drawing.parts, file.name)
     if not drawing.goals and len(drawing.parts) > 1:
         reply["pulled"] = suggested(drawing)
     return reply
-
-
-def rings_of(part: Part, digits: int = 17) -> list[NDArray[np.float64]]:
-    """Outlines and holes of a part at rest, in world coordinates [mm], with so many digits after the point."""
-    return [place(ring, part.at).round(digits) for r in part.regions for ring in (r.outer, *r.holes)]
-
-
-def design_of(drawing: Drawing) -> Json:
-    """What a drawing asks, as a design."""
-    whole = next((name for name, kind in WHOLE.items() if kind() in drawing.goals), None)
-    return {
-        "gap": drawing.gap,
-        "extra": {},
-        "fixed": [p.name for p in drawing.parts if p.fixed],
-        "glue": [list(group) for group in drawing.glue],
-        "goals": whole or [goal_entry(goal) for goal in drawing.goals if isinstance(goal, Pull | Turn | W)],
-    }
 
 
 def suggested(drawing: Drawing) -> Json:

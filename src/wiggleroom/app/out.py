@@ -14,13 +14,10 @@ from numpy.typing import NDArray
 
 from wiggleroom.app.link import Reply
 from wiggleroom.app.messages import Json, encode, failed, frame
+from wiggleroom.errors import go_on
 
 OFTEN = 0.05
 """Progress is told no more often than this [s]."""
-
-
-class StoppedError(Exception):
-    """Work was asked to stop, and has nothing to say."""
 
 
 class Out:
@@ -59,8 +56,7 @@ class Out:
 
     def check(self) -> None:
         """End here where the work is to stop."""
-        if self.stop.is_set():
-            raise StoppedError
+        go_on(self.stop)
 
     def progress(self, now: Any) -> None:
         """Tell an analysis' `Progress`."""

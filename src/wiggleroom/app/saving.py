@@ -13,8 +13,9 @@ from wiggleroom.app.messages import Save
 from wiggleroom.app.out import Out
 from wiggleroom.drawing import write_drawing
 from wiggleroom.report.apart import check_record
-from wiggleroom.report.apart_page import Checked
+from wiggleroom.report.apart_picture import Checked
 from wiggleroom.report.draw import draw
+from wiggleroom.report.pages import page_of_answer
 from wiggleroom.report.records import flex_record, to_json
 
 if TYPE_CHECKING:
@@ -65,5 +66,7 @@ def _write(sheet: Sheet, request: Save, path: Path, out: Out) -> None:
     answer = replace(sheet.answer(design, out), command=said)
     if request.what == "json":
         path.write_text(to_json(flex_record(answer)), encoding="utf-8")
+    elif request.what == "html":
+        path.write_text(page_of_answer(answer, sheet.kept_check(design)), encoding="utf-8")
     else:
         draw(answer, path, progress=out.counted)

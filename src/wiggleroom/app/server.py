@@ -18,12 +18,12 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from wiggleroom.app.messages import encode
+from wiggleroom.app.limits import UPLOAD_MB
+from wiggleroom.app.messages import encode, failed
 from wiggleroom.app.patient import Patient
 from wiggleroom.app.process import MOST_PAGES, Pool
 from wiggleroom.app.session import Session
 
-UPLOAD_MB = 20
 LARGEST = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
 HEADERS = {
@@ -116,7 +116,7 @@ class Page:
             await asyncio.sleep(0.05)
         else:
             line = f"{MOST_PAGES} pages are open already; close one of them, then reload this one"
-            await send([], encode({"kind": "failed", "id": 0, "of": "hello", "findings": [line]}))
+            await send([], encode(failed(0, "hello", [line])))
             await socket.close(1013)
             return
         self._pages += 1

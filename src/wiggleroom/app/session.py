@@ -13,14 +13,14 @@ from dataclasses import dataclass
 from itertools import count
 
 from wiggleroom.app.link import Done, Ready, Reply, Start
-from wiggleroom.app.messages import AnyRequest, Cancel, Flex, Json, decode, encode, failed, head
+from wiggleroom.app.messages import Cancel, Flex, Json, decode, encode, failed, head, kind_of
 from wiggleroom.app.process import LostError, Pool, Process
 from wiggleroom.errors import InputError
 
 Send = Callable[[list[bytes], bytes], Awaitable[None]]
 """Sends binary frames and then one text frame."""
 
-FIRST = {"open": 0, "drag": 1, "release": 1, "flex": 2, "shape": 3}
+FIRST = {"open": 0, "drag": 1, "flex": 2, "shape": 3}
 """Kinds that are served first, in this order; all others are interrupted for them."""
 GRACE = 0.6
 """A drag or flex that a newer one replaces may still end within this time [s]: else a hand that never rests would see nothing."""
@@ -104,7 +104,7 @@ class Session:
         if isinstance(request, Cancel):
             self._forget(request.of)
             return
-        kind = "settle" if isinstance(request, Flex) and request.thorough else _kind(request)
+        kind = "settle" if isinstance(request, Flex) and request.thorough else kind_of(request)
         self._enqueue(Job(kind, request.id, text, next(self._births)))
 
     async def refuse(self, line: str) -> None:
@@ -273,7 +273,3 @@ class Session:
 
     async def _tell(self, reply: Json) -> None:
         await self._send([], encode(reply))
-
-
-def _kind(request: AnyRequest) -> str:
-    return str(request.__struct_config__.tag)

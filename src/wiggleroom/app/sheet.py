@@ -73,17 +73,20 @@ class Sheet:
         """Keep a fuller answer to a design."""
         self._answers.keep(whole(design), answer)
 
+    def kept_check(self, design: Design) -> Interlock | None:
+        """Whether it comes apart, where that is known."""
+        return self._checks.peek(self.designs.body(design))
+
     def checked(self, design: Design, out: Out) -> Interlock:
         """Whether it comes apart, worked out once for a design."""
-        key = self.designs.body(design)
-        kept = self._checks.peek(key)
+        kept = self.kept_check(design)
         if kept is not None:
             return kept
         from wiggleroom.analysis.interlock import check
 
         found = check(self.assembly(design), stop=out.stop, progress=out.progress)
         out.check()
-        self._checks.keep(key, found)
+        self._checks.keep(self.designs.body(design), found)
         return found
 
 

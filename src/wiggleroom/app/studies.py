@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.app.command import command
-from wiggleroom.app.messages import Check, Json, Prove, Rank, Sweep
+from wiggleroom.app.messages import Check, Prove, Rank, Sweep
 from wiggleroom.app.out import Out
-from wiggleroom.report.apart import along, some, why
-from wiggleroom.report.ranking import ranking_sure
+from wiggleroom.report.told_studies import check_told, ranking_told, step_told
 from wiggleroom.report.ways import way_frames
-from wiggleroom.report.words import proven
+from wiggleroom.report.words import bounded
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.interlock import Escape, Interlock
     from wiggleroom.analysis.sweep import Step
     from wiggleroom.app.sheet import Sheet
 
@@ -28,40 +26,14 @@ def rank(sheet: Sheet, request: Rank, out: Out) -> None:
 
     found = work_out(sheet.answer(request.design, out), stop=out.stop, progress=out.counted)
     out.check()
-    names = found.answer.assembly.names
-    parts = {
-        names[k]: {
-            "mm_per_mm": float(found.looser[k]),
-            "tighter": float(found.tighter[k]),
-            "percent": float(found.percent[k]),
-        }
-        for k in found.order.tolist()
-    }
-    said = command("rank", sheet.file, request.design)
-    note = "; ".join(line for _, line in ranking_sure(found)[1:])
-    out.reply({"parts": parts, "unique": bool(found.unique.all()), "note": note, "command": said})
+    out.reply(ranking_told(found, command("rank", sheet.file, request.design)))
 
 
 def check(sheet: Sheet, request: Check, out: Out) -> None:
     """Whether it comes apart; one film for each escape."""
     found = sheet.checked(request.design, out)
-    escapes: list[Json] = [{"parts": list(e.parts), "words": _leaves(found, e)} for e in found.escapes]
-    content = {
-        "verdict": found.verdict,
-        "certainty": found.certainty,
-        "words": f"{found.verdict}: {why(found)}",
-        "escapes": escapes,
-        "spins": list(found.spins),
-        "remains": list(found.remains),
-        "command": command("check", sheet.file, request.design, pulled=False),
-    }
+    content = check_told(found, command("check", sheet.file, request.design, pulled=False))
     out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
-
-
-def _leaves(found: Interlock, escape: Escape) -> str:
-    """Who leaves, and how."""
-    verb = "leaves" if len(escape.parts) == 1 else "leave together"
-    return f"{some(escape.parts)} {verb} {along(found, escape)}"
 
 
 def sweep(sheet: Sheet, request: Sweep, out: Out) -> None:
@@ -70,7 +42,7 @@ def sweep(sheet: Sheet, request: Sweep, out: Out) -> None:
 
     def tell(step: Step, motion: np.ndarray | None) -> None:
         out.check()
-        out.reply(_step(step), [] if motion is None else [motion[None]], kind="step")
+        out.reply(step_told(step), [] if motion is None else [motion[None]], kind="step")
 
     sheet.asked(request.design)
     assembly = sheet.assembly(request.design)
@@ -78,15 +50,11 @@ def sweep(sheet: Sheet, request: Sweep, out: Out) -> None:
     out.check()
     lost = None if found.lost is None else list(found.lost)
     said = command("sweep", sheet.file, request.design, _gaps(request))
-    out.reply({"steps": [_step(s) for s in found.steps], "lost": lost, "command": said})
+    out.reply({"steps": [step_told(s) for s in found.steps], "lost": lost, "command": said})
 
 
 def _gaps(request: Sweep) -> tuple[str, ...]:
     return () if not request.gaps else ("--gaps", ",".join(f"{gap:.12g}" for gap in request.gaps))
-
-
-def _step(step: Step) -> Json:
-    return {"gap": step.gap, "objective": step.objective, "verdict": step.verdict, "checked": step.checked}
 
 
 def prove(sheet: Sheet, request: Prove, out: Out) -> None:
@@ -97,14 +65,13 @@ def prove(sheet: Sheet, request: Prove, out: Out) -> None:
     done = work_out(answer, request.share, seconds=request.seconds, stop=out.stop, progress=out.progress)
     out.check()
     bound = done.bound
-    words = proven(done) or f"no bound: {bound.why if bound else ''}"
     within = None if bound is None or bound.within is None or not math.isfinite(bound.within) else bound.within
     more = ("--prove", f"{request.share:g}", "--time", f"{request.seconds:g}")
     out.reply(
         {
             "at_most": done.at_most,
             "within": within,
-            "words": words,
+            "words": bounded(done),
             "command": command("flex", sheet.file, request.design, more),
         }
     )

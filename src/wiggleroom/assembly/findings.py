@@ -11,7 +11,8 @@ from wiggleroom.assembly.gaps import make
 from wiggleroom.assembly.outlines import sound_parts
 from wiggleroom.assembly.overlaps import overlaps
 from wiggleroom.assembly.statements import glue_groups, statement_findings
-from wiggleroom.drawing.model import Drawing, Part
+from wiggleroom.drawing.model import Drawing, Goal, Part
+from wiggleroom.errors import InputError
 
 
 def findings(drawing: Drawing) -> tuple[str, ...]:
@@ -83,6 +84,21 @@ def question_findings(drawing: Drawing) -> tuple[str, ...]:
     nothing is fixed: name the parts that stand with --fix NAME
     """
     return (*_located(drawing, statement_findings(drawing)), *role_findings(drawing))
+
+
+def asked_goals(drawing: Drawing, goals: Goal | Sequence[Goal] | None) -> tuple[Goal, ...]:
+    """Goals of a question, by default those of the drawing, once it is sure that they make sense.
+
+    Raises
+    ------
+    InputError
+        If nothing is fixed or pulled, or a goal names an unknown part.
+    """
+    asked = drawing.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    findings = question_findings(replace(drawing, goals=asked))
+    if findings:
+        raise InputError(findings)
+    return asked
 
 
 def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:

@@ -52,6 +52,11 @@ class Assembly:
         return float(np.ptp(points, axis=0).max())
 
 
+def rings_at(part: Part) -> list[NDArray[np.float64]]:
+    """Outlines and holes of a part at rest (n, 2) [mm], in assembly coordinates."""
+    return [place(ring, part.at) for region in part.regions for ring in (region.outer, *region.holes)]
+
+
 def place(points: NDArray[np.float64], pose: tuple[float, float, float]) -> NDArray[np.float64]:
     """Points (n, 2) [mm] of a part's own frame in assembly coordinates at `pose` (x, y, angle) [mm, mm, rad]."""
     x, y, angle = pose

@@ -29,9 +29,12 @@ def overlaps(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
         return []
     shapes, owner = placed(parts)
     size = np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0).max()
-    i, j = shapely.STRtree(shapes).query(shapes, predicate="intersects")
-    one_way = (owner[i] < owner[j]) & ~shapely.touches(shapes[i], shapes[j])
-    i, j = i[one_way], j[one_way]
+    i, j = shapely.STRtree(shapes).query(shapes)
+    i, j = i[owner[i] < owner[j]], j[owner[i] < owner[j]]
+    meet = shapely.intersects(shapes[i], shapes[j])
+    i, j = i[meet], j[meet]
+    meet = ~shapely.touches(shapes[i], shapes[j])
+    i, j = i[meet], j[meet]
     common = shapely.intersection(shapes[i], shapes[j])
     deepest: dict[tuple[int, int], float] = {}
     for k in np.flatnonzero(shapely.area(common) > 0):

@@ -5,14 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from importlib.resources import files
-from importlib.util import find_spec
 
 from wiggleroom.analysis.flex import witness
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.physics import pulled_to_rest
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
-from wiggleroom.errors import MissingExtraError
+from wiggleroom.errors import see_extra
 from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.solve.newton import Stop
 
@@ -63,9 +62,7 @@ def optima() -> tuple[int, dict[tuple[str, float], float]]:
 
 def see_engine() -> None:
     """See that the physics engine is there; raises MissingExtraError."""
-    if find_spec("pymunk") is None:
-        finding = 'bench chains compares with a physics engine: pip install "wiggleroom[bench]"'
-        raise MissingExtraError(finding)
+    see_extra("bench", "bench chains compares with a physics engine", "pymunk")
 
 
 def chains(*, stop: Stop | None = None, progress: Callable[[int, int], None] | None = None) -> Bench:

@@ -24,7 +24,7 @@ from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Pull
-from wiggleroom.errors import InputError, MissingExtraError
+from wiggleroom.errors import InputError, see_extra
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program.objectives import Objective, objective
@@ -234,9 +234,7 @@ def _area(points: Floats) -> float:
 
 def _library() -> Any:
     """The engine, imported when it is needed."""
-    try:
-        import pymunk
-    except ImportError:
-        message = 'the physics engine needs pymunk: install it with pip install "wiggleroom[bench]"'
-        raise MissingExtraError(message) from None
+    see_extra("bench", "the physics engine needs pymunk", "pymunk")
+    import pymunk
+
     return pymunk

@@ -11,7 +11,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
-from importlib.util import find_spec
 from pathlib import Path
 
 import wiggleroom
@@ -19,7 +18,7 @@ from wiggleroom.bench.large import CASES, GAP, Case
 from wiggleroom.bench.one import METHODS
 from wiggleroom.bench.published import speed as published
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
-from wiggleroom.errors import InputError, MissingExtraError
+from wiggleroom.errors import InputError, see_extra
 from wiggleroom.solve.linear import linear_solver
 from wiggleroom.solve.newton import Stop
 
@@ -66,7 +65,7 @@ def speed(
     ------
     InputError
         If no assembly is so small, or the limit is no time.
-    MissingExtraError
+    see_extra
         If the solver of a method is not installed.
 
     Source: Mind the Gap, Table 2.
@@ -127,9 +126,7 @@ def asked(max_parts: int | None, limit: float | None) -> list[Case]:
         wrong.append(f"limit {limit:g} s: it must be a time above 0")
     if wrong:
         raise InputError(wrong)
-    if find_spec("casadi") is None:
-        finding = 'bench speed compares with IPOPT: pip install "wiggleroom[bench]"'
-        raise MissingExtraError(finding)
+    see_extra("bench", "bench speed compares with IPOPT", "casadi")
     return cases
 
 

@@ -52,7 +52,7 @@ def check(
         found = work_out(assembly, stop=stop, progress=show)
         border = search(assembly, stop=stop, progress=show) if largest_gap else None
     from wiggleroom.report.apart import check_record, check_table
-    from wiggleroom.report.apart_page import Checked
+    from wiggleroom.report.apart_picture import Checked
 
     shown = Checked(found, border)
     tell(outputs, lambda: check_record(found, border, command), lambda: check_table(found, border), shown, command)

@@ -35,12 +35,12 @@ def serve(
     """
     import secrets
 
-    from wiggleroom.errors import InputError
+    from wiggleroom.errors import InputError, see_extra
 
     first = None if file is None else first_request(file, asked)
     if file is None and asked != _NONE_ASKED:
         raise InputError("serve: --gap, --fix and the like are about a FILE; name it, or leave them out")
-    _see_extra()
+    see_extra("page", "the page needs starlette, uvicorn and websockets", "starlette", "uvicorn", "websockets")
     from wiggleroom.app.server import Page, listen
     from wiggleroom.app.server import serve as answer
 
@@ -63,16 +63,6 @@ def serve(
     with listening:
         answer(Page(number, token, first), listening, started)
     return 0
-
-
-def _see_extra() -> None:
-    """Raise MissingExtraError where a library of the page is not installed."""
-    from importlib.util import find_spec
-
-    from wiggleroom.errors import MissingExtraError
-
-    if any(find_spec(name) is None for name in ("starlette", "uvicorn", "websockets")):
-        raise MissingExtraError("the page needs starlette, uvicorn and websockets: pip install 'wiggleroom[page]'")
 
 
 def first_request(file: str, asked: Asked) -> bytes:

@@ -75,10 +75,13 @@ def space(
 def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: StudyOutputs, command: str) -> None:
     """JSON and picture, where they are asked for."""
     from wiggleroom.cli.outputs import write_picture, write_record
-    from wiggleroom.report.space import space_page, space_picture, space_record
+    from wiggleroom.report.space import space_record
 
     if outputs.json is not None:
         write_record(space_record(found, judged, command), outputs.json)
     if outputs.picture is not None:
-        made = space_page if ending(outputs.picture) == PAGE else space_picture
-        write_picture(made(found, assembly, judged, command=command), outputs.picture)
+        if ending(outputs.picture) == PAGE:
+            from wiggleroom.report.pages import page_of_space as show
+        else:
+            from wiggleroom.report.space import space_picture as show
+        write_picture(show(found, assembly, judged, command=command), outputs.picture)

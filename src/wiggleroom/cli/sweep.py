@@ -4,16 +4,10 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import complete
-
-if TYPE_CHECKING:
-    import threading
-
-    from wiggleroom.analysis.sweep import Sweep
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), StudyOutputs()
 
@@ -42,7 +36,7 @@ def sweep(
     csv
         Write gap, objective and verdict as comma-separated values: .csv.
     html
-        Make a page with a gap slider that shows the full answer at every gap, with its film, and needs no server: .html.
+        Make the page too, where the picture is to be something else: the answer at every gap, with its film: .html.
     """
     import shlex
     from dataclasses import replace
@@ -59,7 +53,6 @@ def sweep(
         from wiggleroom.analysis.sweep import sweep as work_out
 
         found = work_out(assembly, wanted, stop=stop, progress=show)
-        page = _page(found, Path(file).name, command, stop) if html is not None and found.steps else None
         cut = stop.is_set()
     from wiggleroom.report.studies import sweep_csv, sweep_record, sweep_table
 
@@ -70,30 +63,12 @@ def sweep(
 
         write_whole(csv, sweep_csv(found))
         note(f"table: {csv}")
-    if html is not None and page is not None:
-        from wiggleroom.files import write_whole
+    if html is not None and any(step.answer is not None for step in found.steps):
+        from wiggleroom.report.draw import draw
 
-        write_whole(html, page)
+        draw(found, html, command=command)
         note(f"page: {html}")
     return 3 if cut else 0
-
-
-def _page(found: Sweep, name: str, command: str, stop: threading.Event) -> str | None:
-    """The page with the full answers at the gaps of a sweep; nothing where none was finished."""
-    from wiggleroom.analysis.flex import witness
-    from wiggleroom.assembly.build import assemble
-    from wiggleroom.report.baked import baked
-
-    answers = []
-    for step in found.steps:
-        if stop.is_set() or step.verdict in ("cannot be made", "touching"):
-            continue
-        answer = witness(assemble(found.assembly.drawing, gap=step.gap), found.goals, stop=stop)
-        if not stop.is_set():
-            answers.append(answer)
-    if not answers:
-        return None
-    return baked(answers, name=name, lost=found.lost, begin=found.assembly.gap, command=command)
 
 
 def _gaps(text: str) -> list[float]:

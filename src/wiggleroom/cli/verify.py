@@ -24,15 +24,13 @@ def verify(certificate: Path, file: str | None = None, /, *, gap: float | None =
     gap
         Gap to read that file with; by default an assembly file's own, and for drawings the one that the certificate names.
     """
-    from wiggleroom.errors import InputError, MissingExtraError
+    from wiggleroom.errors import InputError, see_extra
 
-    try:
-        from wiggleroom.verify.check import Refused
-        from wiggleroom.verify.check import read as content_of
-        from wiggleroom.verify.check import verify as check
-    except ImportError as error:
-        wrong = "verify needs python-flint: pip install 'wiggleroom[verify]'"
-        raise MissingExtraError(wrong) from error
+    see_extra("verify", "verify needs python-flint", "flint")
+    from wiggleroom.verify.check import Refused
+    from wiggleroom.verify.check import read as content_of
+    from wiggleroom.verify.check import verify as check
+
     try:
         content = content_of(certificate.read_text(encoding="utf-8"))
     except Refused as refusal:
@@ -69,7 +67,7 @@ def _differs(content: dict, file: str, gap: float | None) -> str:
     import numpy as np
 
     from wiggleroom.assembly.build import read
-    from wiggleroom.assembly.model import place
+    from wiggleroom.assembly.model import rings_at
 
     if gap is None and Path(file).suffix.lower() != ".json":
         gap = content["gap"]
@@ -81,9 +79,7 @@ def _differs(content: dict, file: str, gap: float | None) -> str:
         return f"{file} has other parts than the certificate"
     for body in content["bodies"]:
         mine = np.array([p for rings in body["polygons"] for ring in rings for p in ring])
-        own = [
-            place(ring, parts[n].at) for n in body["parts"] for r in parts[n].regions for ring in (r.outer, *r.holes)
-        ]
+        own = [ring for n in body["parts"] for ring in rings_at(parts[n])]
         far = (
             max(_away(mine, np.vstack(own)), _away(np.vstack(own), mine))
             if len(body["parts"]) == 1

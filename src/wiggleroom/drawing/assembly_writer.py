@@ -7,11 +7,9 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any
 
-import msgspec
-import numpy as np
-
 from wiggleroom.drawing.assembly_schema import FORMAT
-from wiggleroom.drawing.model import WHOLE, Drawing, Part, Pull, Region, Turn, W
+from wiggleroom.drawing.model import WHOLE, Drawing, Goal, Part, Pull, Region, Turn, W
+from wiggleroom.drawing.plain import json_bytes
 
 Json = dict[str, Any]
 
@@ -47,10 +45,13 @@ def write_assembly(drawing: Drawing) -> str:
         "glue": [list(names) for names in drawing.glue],
         "ignore": [list(names) for names in drawing.ignore],
         "gaps": [{"parts": joint.parts, "gap": joint.gap} for joint in drawing.gaps],
-        "pull": [goal_entry(goal) for goal in drawing.goals if isinstance(goal, Pull | Turn | W)],
     }
+    asked = goal_entries(drawing.goals)
+    if isinstance(asked, list):
+        tables["pull"] = asked
     fields += [_lines(name, rows) for name, rows in tables.items() if rows]
-    fields += [f'"objective": "{name}"' for name, kind in WHOLE.items() if kind() in drawing.goals]
+    if isinstance(asked, str):
+        fields.append(f'"objective": "{asked}"')
     return "{\n" + ",\n".join(fields) + "\n}\n"
 
 
@@ -69,15 +70,7 @@ def degrees(angle: float) -> float:
 
 
 def _line(value: Any) -> str:
-    return msgspec.json.encode(value, enc_hook=_plain).decode()
-
-
-def _plain(value: Any) -> Any:
-    """Numbers and arrays of numpy as Python's own."""
-    if isinstance(value, np.generic | np.ndarray):
-        return value.tolist()
-    message = f"{type(value).__name__} {value!r} cannot be written to an assembly file"
-    raise TypeError(message)
+    return json_bytes(value).decode()
 
 
 def _lines(name: str, rows: Iterable[Any]) -> str:
@@ -103,7 +96,17 @@ def _part(part: Part, material: Json) -> Json:
     return entry
 
 
-def goal_entry(goal: Pull | Turn | W) -> Json:
+def goal_entries(goals: tuple[Goal, ...]) -> list[Json] | str:
+    """What is asked as entries of `pull`, or the word of `objective` that stands in place of all pulls.
+
+    >>> goal_entries((Turn("a", "ccw"),))
+    [{'part': 'a', 'turn': 'ccw'}]
+    """
+    whole = next((name for name, kind in WHOLE.items() if kind() in goals), None)
+    return whole or [_goal_entry(goal) for goal in goals if isinstance(goal, Pull | Turn | W)]
+
+
+def _goal_entry(goal: Pull | Turn | W) -> Json:
     """One goal as an entry of `pull`."""
     entry: Json = {"part": goal.part}
     if isinstance(goal, Pull):

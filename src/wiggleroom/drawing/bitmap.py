@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, MissingExtraError
+from wiggleroom.errors import InputError, see_extra
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -87,9 +87,7 @@ def _grey(picture: Picture) -> NDArray[np.float32]:
 
 def _library() -> Any:
     """Pillow, imported when it is needed."""
-    try:
-        from PIL import Image
-    except ImportError:
-        message = 'pictures need Pillow: install it with pip install "wiggleroom[image]"'
-        raise MissingExtraError(message) from None
+    see_extra("image", "pictures need Pillow", "PIL")
+    from PIL import Image
+
     return Image

@@ -9,8 +9,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.grow import grow
 from wiggleroom.freespace.hide import SEED
+from wiggleroom.freespace.outlines import outlines
 from wiggleroom.pairs.shapes import Bodies, Shapes
 
 Floats = NDArray[np.float64]
@@ -20,10 +22,10 @@ SPAN = 0.5
 """A cell reaches at most this far [rad] from its seed; beyond, it is rebuilt."""
 FINEST = 1e-8
 """Share of the first step of the march at which it gives up, where the end of the turn matters."""
-ROOM = 48
-"""Walls per cell that the first try has room for."""
 ALONE = 2000
 """Up to so many corners of all pairs together one thread is as quick as two."""
+AT_ONCE = 20_000
+"""After so many, whether to stop is asked again."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +76,7 @@ def grow_cells(
     wish: Floats | None = None,
     to_the_end: NDArray[np.bool_] | None = None,
     span: float = SPAN,
+    stop: Stop | None = None,
 ) -> tuple[Cells, NDArray[np.bool_]]:
     """Grow one cell round each seed, all in one batch.
 
@@ -96,6 +99,13 @@ def grow_cells(
         Where the cell should reach the end of the turn as nearly as can be; elsewhere the march stops a little before.
     span : float [rad]
         Furthest turn from the seed.
+    stop : optional
+        Anything with `is_set()`, asked now and then.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop.
 
     Returns
     -------
@@ -119,24 +129,20 @@ def grow_cells(
     finest = 1 / 64 if to_the_end is None else np.where(to_the_end, FINEST, 1 / 64)
     seeds["step"], seeds["least"], seeds["span"] = step, step * finest, span
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
-    walls = np.zeros((count, ROOM, 3), dtype=np.int64)
-    corners = np.diff(shapes.first)
-    if count < 2 or corners[seeds["a"]].sum() + corners[seeds["b"]].sum() < ALONE:
-        grow(shapes, seeds, keeps, walls)
+    table, corners = outlines(shapes), np.diff(shapes.first)
+    work = int(corners[seeds["a"]].sum() + corners[seeds["b"]].sum())
+    if count < 2 or work < ALONE:
+        walls = grow(table, seeds, keeps)
     else:
-        cuts = np.linspace(0, count, min(count, 8) + 1).astype(int)
-        parts = [slice(one, other) for one, other in pairwise(cuts)]
+        cuts = np.linspace(0, count, min(count, max(8, work // AT_ONCE)) + 1).astype(int)
+
+        def grown(part: slice) -> Ints:
+            go_on(stop)
+            return grow(table, seeds[part], keeps[part])
+
         with ThreadPoolExecutor(max_workers=2) as pool:
-            list(pool.map(lambda part: grow(shapes, seeds[part], keeps[part], walls[part]), parts))
-    many = np.flatnonzero(seeds["number"] > ROOM)
-    if len(many):  # curved outlines need more walls than most: once more, with room for them
-        room = int(seeds["number"].max())
-        walls = np.pad(walls, ((0, 0), (0, room - ROOM), (0, 0)))
-        again = np.zeros((len(many), room, 3), dtype=np.int64)
-        grow(shapes, seeds[many], keeps[many], again)
-        walls[many] = again
-    used = np.arange(walls.shape[1]) < seeds["number"][:, None]
-    return _packed(a, b, seed, seeds["ends"].copy(), used, *np.moveaxis(walls, 2, 0)), seeds["grown"] > 0
+            walls = np.concatenate(list(pool.map(grown, [slice(one, other) for one, other in pairwise(cuts)])))
+    return _packed(a, b, seed, seeds["ends"].copy(), seeds["number"], walls), seeds["grown"] > 0
 
 
 def _rows_of_lines(shapes: Shapes, a: Ints, b: Ints, lines: Ints) -> Ints:
@@ -147,16 +153,14 @@ def _rows_of_lines(shapes: Shapes, a: Ints, b: Ints, lines: Ints) -> Ints:
     return np.where(kind < 0, -1, rows)
 
 
-def _packed(
-    a: Ints, b: Ints, seed: Floats, ends: Floats, used: NDArray[np.bool_], kind: Ints, edge: Ints, corner: Ints
-) -> Cells:
+def _packed(a: Ints, b: Ints, seed: Floats, ends: Floats, number: Ints, walls: Ints) -> Cells:
     """Rows of all cells one after another, the two rows of the interval last in each."""
-    guard = np.tile([2, 3], (len(a), 1))
-    zero = np.zeros((len(a), 2), dtype=np.int64)
-    keep = np.hstack([used, np.ones((len(a), 2), dtype=bool)])
-    row = np.concatenate([[0], np.cumsum(keep.sum(1))])
-    pick = lambda table, last: np.hstack([table, last])[keep]  # noqa: E731
-    return Cells(a, b, row, pick(kind, guard), pick(edge, zero), pick(corner, zero), ends, seed)
+    row = np.concatenate([[0], np.cumsum(number + 2)])
+    rows = np.zeros((row[-1], 3), dtype=np.int64)
+    rows[np.arange(len(walls)) + np.repeat(2 * np.arange(len(a)), number)] = walls
+    rows[row[1:] - 2, 0], rows[row[1:] - 1, 0] = 2, 3
+    kind, edge, corner = np.ascontiguousarray(rows.T)
+    return Cells(a, b, row, kind, edge, corner, ends, seed)
 
 
 def select(cells: Cells, rows: Ints) -> Cells:

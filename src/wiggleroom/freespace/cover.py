@@ -9,6 +9,7 @@ import shapely
 from numba import njit
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells import SPAN, Cells, grow_cells, joined, select
 from wiggleroom.freespace.relative import Relative, turn
 from wiggleroom.freespace.slices import March, Slice
@@ -48,7 +49,7 @@ class Cover:
     coverage: float
 
 
-def cover(bodies: Bodies, pair: tuple[int, int], relation: Relative, space: March) -> Cover:
+def cover(bodies: Bodies, pair: tuple[int, int], relation: Relative, space: March, stop: Stop | None = None) -> Cover:
     """Grow cells in the largest uncovered pieces until hardly anything is left or nothing is gained.
 
     Parameters
@@ -59,11 +60,13 @@ def cover(bodies: Bodies, pair: tuple[int, int], relation: Relative, space: Marc
     relation : Relative
     space : March
         The exact free space.
+    stop : optional
+        Anything with `is_set()`, asked now and then; StoppedError is raised where it is set.
     """
-    work = _Work(bodies, pair, relation, space)
+    work = _Work(bodies, pair, relation, space, stop)
     cells = work.grown(np.zeros((1, 3)))
     for count in COUNTS:
-        slices = _evenly(space, count)
+        slices = _evenly(space, count, stop)
         left = work.uncovered(cells, slices)
         first = _share(left, slices)
         cells, left = work.filled(cells, left, slices)
@@ -72,10 +75,12 @@ def cover(bodies: Bodies, pair: tuple[int, int], relation: Relative, space: Marc
     return Cover(cells, slices, 1.0 - _share(left, slices))
 
 
-def _evenly(space: March, count: int) -> tuple[Slice, ...]:
+def _evenly(space: March, count: int, stop: Stop | None) -> tuple[Slice, ...]:
     low, high = space.ends
-    angles = low + (high - low) * (np.arange(count) + 0.5) / count
-    found = [space.at(float(phi)) for phi in angles]
+    found = []
+    for phi in low + (high - low) * (np.arange(count) + 0.5) / count:
+        go_on(stop)
+        found.append(space.at(float(phi)))
     return tuple(s for s in found if s is not None)
 
 
@@ -89,6 +94,7 @@ class _Work:
     pair: tuple[int, int]
     relation: Relative
     space: March
+    stop: Stop | None
 
     def grown(self, seeds: Floats) -> Cells:
         """Cells grown at some shifts of the pivot and turns (k, 3), those that could be."""
@@ -122,6 +128,7 @@ class _Work:
         """Add cells while they gain something, the best of each round first."""
         volume = sum(s.area for s in slices)
         for _ in range(ROUNDS):
+            go_on(self.stop)
             if _share(left, slices) <= LEFT_OUT / 2:
                 break
             seeds = _seeds(left, slices, self.space.pair.clearance)

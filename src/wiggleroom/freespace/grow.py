@@ -8,10 +8,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.hide import hide_all
 from wiggleroom.freespace.kernel import FILLING, ONCE
-from wiggleroom.freespace.lines import LINES, room_for
-from wiggleroom.freespace.outlines import Pair, outlines, posed, put
+from wiggleroom.freespace.lines import LINES, MOST_LINES, MOST_ON_LINE, room_for
+from wiggleroom.freespace.outlines import Outlines, Pair, posed, put
 from wiggleroom.freespace.walls import joined, slice_middle
-from wiggleroom.pairs.shapes import Shapes
+
+EACH = 64
+"""Walls per cell that there is room for at first."""
+MOST = MOST_LINES * MOST_ON_LINE
+"""No cell has more."""
 
 
 @njit(**ONCE)
@@ -59,9 +63,15 @@ def march(pair, work, seed, keep, way):
 
 
 @njit(**FILLING)
-def grow_many(outlines, work, seeds, keeps, walls):
-    """Grow one cell per seed; its walls (kind, edge, corner) fill the first columns of its row, as far as there is room."""
-    for c in range(len(seeds)):
+def grow_many(outlines, work, seeds, keeps, begin, walls):
+    """Grow one cell per seed, from seed `begin` on: (seed where the room for walls may end, number of walls).
+
+    Walls (kind, edge, corner) stand one after the other.
+    """
+    total = 0
+    for c in range(begin, len(seeds)):
+        if total + MOST > len(walls):
+            return c, total
         seed, keep = seeds[c], keeps[c]
         na, ra = put(outlines, seed.a, work.edges, 0, work.runs, 0)
         n, r = put(outlines, seed.b, work.edges, na, work.runs, ra)
@@ -74,31 +84,38 @@ def grow_many(outlines, work, seeds, keeps, walls):
         for side in range(2):
             seed.ends[side] = march(pair, work, seed, keep, 1.0 if side else -1.0)
         shift_a, shift_b = outlines.first[seed.a], outlines.first[seed.b] - na
-        n = 0
+        n = total
         for k in range(work.number[LINES]):
             line = work.lines[k]
             of_b = line.edge >= na
             for w in range(line.count):
-                if n < walls.shape[1]:
-                    walls[c, n, 0] = of_b
-                    walls[c, n, 1] = line.edge + (shift_b if of_b else shift_a)
-                    walls[c, n, 2] = line.walls[w] + (shift_a if of_b else shift_b)
+                walls[n, 0] = of_b
+                walls[n, 1] = line.edge + (shift_b if of_b else shift_a)
+                walls[n, 2] = line.walls[w] + (shift_a if of_b else shift_b)
                 n += 1
-        seed.number = n
+        seed.number, total = n - total, n
+    return len(seeds), total
 
 
-def grow(shapes: Shapes, seeds: np.ndarray, keeps: NDArray[np.float64], walls: NDArray[np.int64]) -> None:
+def grow(outlines: Outlines, seeds: np.ndarray, keeps: NDArray[np.float64]) -> NDArray[np.int64]:
     """Grow one cell per seed, with room to work in of its own: several threads may do so at once.
 
     Parameters
     ----------
-    shapes : Shapes
+    outlines : Outlines
     seeds : (P,) SEED
         What was found is filled in.
     keeps : (P, k, 3) float64 [mm, mm, rad]
         Relative poses that no wall may cut off.
-    walls : (P, room, 3) int64
-        Filled with the kind, edge and corner of the first walls of each cell.
+
+    Returns
+    -------
+    (R, 3) int64
+        Kind, edge and corner of all walls, those of one cell after those of another.
     """
-    table = outlines(shapes)
-    grow_many(table, room_for(table), seeds, keeps, walls)
+    work, done, found = room_for(outlines), 0, [np.zeros((0, 3), dtype=np.int64)]
+    while done < len(seeds):
+        walls = np.empty((EACH * (len(seeds) - done) + MOST, 3), dtype=np.int64)
+        done, count = grow_many(outlines, work, seeds, keeps, done, walls)
+        found.append(walls[:count].copy())
+    return np.concatenate(found)

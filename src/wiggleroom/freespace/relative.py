@@ -76,8 +76,8 @@ def relate(at_a: Floats, at_b: Floats, body_a: Floats, body_b: Floats, pivot: Fl
     )
 
 
-def turn(points: Floats, angle: Floats) -> Floats:
-    """Points (2,) or (k, 2), each turned by its angle (k,) [rad]."""
+def turn(points: Floats, angle: Floats | float) -> Floats:
+    """Points (2,) or (k, 2), each turned by its angle (k,), or all by one [rad]."""
     c, s = np.cos(angle), np.sin(angle)
     x, y = points[..., 0], points[..., 1]
     return np.stack([c * x - s * y, s * x + c * y], axis=-1)

@@ -91,14 +91,15 @@ def meeting(a: shapely.Geometry, b: shapely.Geometry) -> Meeting:
     >>> round(slice_near(pair, 0.0, shapely.Point(0, 0)).area, 6)  # the peg's centre has a square of side 0.2
     0.04
     """
-    edges = [_edges(g) for g in (a, b)]
+    edges = [edges_of(g) for g in (a, b)]
     for geometry in (a, b):
         shapely.prepare(geometry)
     far = sum(float(np.hypot(*e[:, 0].T).max()) for e in edges)
     return Meeting(edges[0], edges[1], (a, b), float(shapely.distance(a, b)), far)
 
 
-def _edges(geometry: shapely.Geometry) -> Floats:
+def edges_of(geometry: shapely.Geometry) -> Floats:
+    """Edges (n, 2, 2) of all rings."""
     rings = [r for part in shapely.get_parts(geometry) for r in (part.exterior, *part.interiors)]
     corners = [shapely.get_coordinates(r) for r in rings]
     return np.vstack([np.stack([c[:-1], c[1:]], 1) for c in corners])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.assembly.statements import unknown
-from wiggleroom.errors import InputError, TouchingError
+from wiggleroom.errors import InputError, Stop, TouchingError
 from wiggleroom.freespace.cells import Cells
 from wiggleroom.freespace.cover import cover
 from wiggleroom.freespace.halfplane import half_planes
@@ -144,13 +144,21 @@ def _in_any(
 
 
 @overload
-def free_space(assembly: Assembly, a: str, b: str, *, reach: float | None = None) -> FreeSpace: ...
+def free_space(
+    assembly: Assembly, a: str, b: str, *, reach: float | None = None, stop: Stop | None = None
+) -> FreeSpace: ...
 @overload
 def free_space(
-    assembly: Assembly, a: str, b: str, model: str | PairModel, *, reach: float | None = None
+    assembly: Assembly, a: str, b: str, model: str | PairModel, *, reach: float | None = None, stop: Stop | None = None
 ) -> FreeSpace | Polyhedron: ...
 def free_space(
-    assembly: Assembly, a: str, b: str, model: str | PairModel = "walls", *, reach: float | None = None
+    assembly: Assembly,
+    a: str,
+    b: str,
+    model: str | PairModel = "walls",
+    *,
+    reach: float | None = None,
+    stop: Stop | None = None,
 ) -> FreeSpace | Polyhedron:
     """Free space of two parts, the others left out.
 
@@ -163,9 +171,13 @@ def free_space(
         "walls": cells that never overlap. "hull", "halfplane": the polyhedra of the paper and of PuzzleFlex, to compare with.
     reach : float, optional [mm]
         How far walls work out an open free space; by default ten clearances, though no further than the larger part's radius.
+    stop : optional
+        Anything with `is_set()`, asked now and then while walls are looked for.
 
     Raises
     ------
+    StoppedError
+        If it was asked to stop.
     InputError
         If there is no such part or model, the two never meet, or the reach is no length.
     TouchingError
@@ -204,13 +216,13 @@ def free_space(
         raise TouchingError(finding, (a, b), apart)
     if isinstance(wanted, Walls):
         usual = min(REACH * apart, float(them.radius[[one, other]].max()))
-        return _walls(assembly, them, (one, other), (a, b), material, usual if reach is None else reach)
+        return _walls(assembly, them, (one, other), (a, b), material, usual if reach is None else reach, stop)
     return _polyhedron(assembly, them, (one, other), (a, b), wanted)
 
 
 def _walls(
     assembly: Assembly, them: Bodies, rows: tuple[int, int], names: tuple[str, str], material: NDArray[np.object_],
-    reach: float,
+    reach: float, stop: Stop | None,
 ) -> FreeSpace:  # fmt: skip
     """Union of cells round exact slices."""
     one, other = rows
@@ -219,7 +231,7 @@ def _walls(
     relation = relate(at_a, at_b, them.rest[one], them.rest[other], pivot)
     own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
     space = march(meeting(own[0], own[1]), reach)
-    covered = cover(them, (one, other), relation, space)
+    covered = cover(them, (one, other), relation, space, stop)
     return FreeSpace(
         parts=names,
         cells=covered.cells,

@@ -151,6 +151,8 @@ class Linearised:
         scale = P.scale.reshape(-1, 3)
         own = share * own * scale[f, :, None] * scale[f, None, :]
         np.subtract.at(data, P.pattern.diagonal_at[f], own[:, [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
+        if not len(P.coupled_at):
+            return
         both = P.coupled_at[:, 0] >= 0
         i, j = (P.slot[k[both]] for k in P.objective.couples)
         blocks = share * coupled[both] * scale[i, :, None] * scale[j, None, :]

@@ -36,13 +36,14 @@ class Retraction:
             vals.append(np.full(int(keep.sum()), sign))
         shape = (len(pairs), len(program.free))
         self._edges = sp.csr_matrix((np.concatenate(vals), (np.concatenate(rows), np.concatenate(cols))), shape=shape)
-        laplacian = self._edges.T @ self._edges + ANCHOR * sp.eye(shape[1])
+        self._ends = sp.csr_matrix(self._edges.T)
+        laplacian = self._ends @ self._edges + ANCHOR * sp.eye(shape[1])
         self._laplacian = qdldl.Solver(sp.csc_matrix(laplacian))
         self._program = program
 
     def _fit(self, targets: Floats) -> Floats:
         """Placement (F, 2) whose differences along all pairs come nearest to `targets` (P, 2)."""
-        right = self._edges.T @ targets
+        right = self._ends @ targets
         return np.column_stack([self._laplacian.solve(np.ascontiguousarray(right[:, k])) for k in (0, 1)])
 
     def _placed(self, straight: Floats, q: Floats) -> Floats:

@@ -57,15 +57,14 @@ def rows_of(bodies: Bodies, regions: Regions) -> Rows:
 def wall_rows(bodies: Bodies, cells: Cells) -> Rows:
     """Corners before lines of edges, and the ends of the verified angles."""
     shapes = bodies.shapes
-    wall = cells.kind[:, None] <= kernel.B_EDGE
-    normal = np.where(wall, shapes.normal[cells.edge], 0.0)
-    corner = np.where(wall, shapes.corner[cells.corner], 0.0)
-    off = (normal * shapes.corner[cells.edge]).sum(1)
+    level = (shapes.normal * shapes.corner).sum(1)
+    normal, corner, off = shapes.normal[cells.edge], shapes.corner[cells.corner], level[cells.edge]
     pair = cells.pair
-    lever = np.minimum(bodies.radius[cells.a], bodies.radius[cells.b])[pair]
+    lever = np.minimum(bodies.radius[cells.a], bodies.radius[cells.b])
     for kind, end in ((kernel.LOW, 0), (kernel.HIGH, 1)):
-        rows = cells.kind == kind
-        normal[rows, 0] = lever[rows]
+        rows = np.flatnonzero(cells.kind == kind)
+        normal[rows], corner[rows] = 0.0, 0.0
+        normal[rows, 0] = lever[pair[rows]]
         off[rows] = cells.ends[pair[rows], end]
     return Rows(cells.kind, normal, np.zeros(len(off)), off, corner)
 

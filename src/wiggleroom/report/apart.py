@@ -11,7 +11,7 @@ from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.interlock import Escape, Interlock
 from wiggleroom.analysis.largest_gap import LargestGap
 from wiggleroom.drawing.model import Pull
-from wiggleroom.report.words import number, short, towards
+from wiggleroom.report.words import few, number, towards
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 Record = dict[str, Any]
 
 _COLOURS = {"interlocked": "green", "comes apart": "magenta", "unknown": "yellow"}
-_MOST_NAMES = 8
 _MOST_ESCAPES = 12
 STILL = 1e-12
 
@@ -67,14 +66,13 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     verdict = (found.verdict, f"bold {_COLOURS[found.verdict]}")
     lines = [Text.assemble(verdict, f" at gap {number(found.assembly.gap)} mm: {why(found)}")]
     for k, escape in enumerate(found.escapes[:_MOST_ESCAPES]):
-        leaves = "leaves" if len(escape.parts) == 1 else "leave together"
-        lines.append(Text(f"{k + 1:3}. {some(escape.parts)} {leaves} {along(found, escape)}"))
+        lines.append(Text(f"{k + 1:3}. {leaves(found, escape)}"))
     if len(found.escapes) > _MOST_ESCAPES:
         lines.append(Text(f"     ... and {len(found.escapes) - _MOST_ESCAPES} more"))
     if found.escapes and len(found.remains) > 1:
-        lines.append(Text(f"remains interlocked: {some(found.remains)}"))
+        lines.append(Text(f"remains interlocked: {few(found.remains)}"))
     if found.spins:
-        lines.append(Text(f"turns in place without limit: {some(found.spins)}"))
+        lines.append(Text(f"turns in place without limit: {few(found.spins)}"))
     if border is not None:
         lines.append(Text(border_sentence(border), style="bold"))
     lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} largest motions searched", style="dim"))
@@ -110,6 +108,34 @@ def further(distance: float) -> str:
     return number(math.ceil(distance / unit) * unit)
 
 
+def leaves(found: Interlock, escape: Escape) -> str:
+    """Who leaves, and how."""
+    verb = "leaves" if len(escape.parts) == 1 else "leave together"
+    return f"{few(escape.parts)} {verb} {along(found, escape)}"
+
+
+def check_title(found: Interlock) -> str:
+    """Verdict and gap in one line."""
+    return f"{found.verdict} at gap {number(found.assembly.gap)} mm"
+
+
+def check_facts(found: Interlock, border: LargestGap | None) -> list[str]:
+    """Facts under the title."""
+    gone = [name for escape in found.escapes for name in escape.parts]
+    said = [f"{len(found.assembly.parts)} parts", why(found)]
+    said += [f"leaves: {few(gone)}"] if gone else []
+    return said + ([border_sentence(border)] if border is not None else [])
+
+
+def check_sure(found: Interlock) -> list[tuple[str, str]]:
+    """What a verdict rests on and what it took: a word and a sentence each."""
+    return [
+        ("verdict", f"{found.verdict}: {why(found)}"),
+        ("certainty", found.certainty),
+        ("searched", f"{found.questions} largest motions, {found.seconds:.2f} seconds"),
+    ]
+
+
 def along(found: Interlock, escape: Escape) -> str:
     """How the parts go."""
     if len(escape.path) == 2:
@@ -134,23 +160,17 @@ def border_sentence(border: LargestGap) -> str:
     return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm"
 
 
-def some(names: tuple[str, ...]) -> str:
-    """Names with commas; of very many the first ones."""
-    more = f" and {len(names) - _MOST_NAMES} more" if len(names) > _MOST_NAMES else ""
-    return ", ".join(short(n) for n in names[:_MOST_NAMES]) + more
-
-
 def as_answer(found: Interlock, command: str = "") -> Answer:
     """The ways of all that leave, one after the other, as an answer that can be drawn and filmed."""
     n = len(found.assembly.names)
     way = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
-    leaves = tuple(name for e in found.escapes for name in e.parts)
+    gone = tuple(name for e in found.escapes for name in e.parts)
     goals = tuple(Pull(e.parts[0], _direction(found, e)) for e in found.escapes)
     return Answer(
         assembly=found.assembly,
         goals=goals,
-        verdict=Verdict.UNBOUNDED if leaves else Verdict.STATIONARY,
-        objective=None if leaves else 0.0,
+        verdict=Verdict.UNBOUNDED if gone else Verdict.STATIONARY,
+        objective=None if gone else 0.0,
         motion=way[-1],
         waypoints=way,
         contacts=(),
@@ -161,7 +181,7 @@ def as_answer(found: Interlock, command: str = "") -> Answer:
         solver="interior-point",
         rounds=0,
         iterations=0,
-        leaves=leaves,
+        leaves=gone,
         turns=found.spins,
         command=command,
     )

@@ -95,13 +95,13 @@ def plot(
     found = [*head, text(palette.MARGIN, axes.top - 18, palette.TEXT_SIZE, palette.INK, labels[1])]
     for t in rows:
         v = axes.pixels(np.array([x[0]]), np.array([t]))[0, 1]
-        found.append(_line(left, v, left + WIDTH, v, palette.GRID))
+        found.append(line(left, v, left + WIDTH, v, palette.GRID))
         found.append(text(left - 8, v + 5, palette.TEXT_SIZE, palette.QUIET, number(t), "end"))
     for t in ticks(*x):
         u = axes.pixels(np.array([t]), np.array([y[0]]))[0, 0]
-        found.append(_line(u, bottom, u, bottom + 5, palette.QUIET))
+        found.append(line(u, bottom, u, bottom + 5, palette.QUIET))
         found.append(text(u, bottom + 22, palette.TEXT_SIZE, palette.QUIET, number(t), "middle"))
-    found.append(_line(left, bottom, left + WIDTH, bottom, palette.QUIET))
+    found.append(line(left, bottom, left + WIDTH, bottom, palette.QUIET))
     found.append(text(left + WIDTH, bottom + 46, palette.TEXT_SIZE, palette.INK, labels[0], "end"))
     return axes, found
 
@@ -141,5 +141,6 @@ def text(x: float, y: float, size: float, colour: str, said: str, anchor: str = 
     return f'<text x="{x:.2f}" y="{y:.2f}" font-size="{size:g}" fill="{colour}"{side}>{escape(said)}</text>'
 
 
-def _line(x0: float, y0: float, x1: float, y1: float, colour: str) -> str:
+def line(x0: float, y0: float, x1: float, y1: float, colour: str) -> str:
+    """Straight line."""
     return f'<path d="M{x0:.2f},{y0:.2f}L{x1:.2f},{y1:.2f}" stroke="{colour}" fill="none"/>'

@@ -12,29 +12,22 @@ from wiggleroom.analysis.rank import Ranking
 from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report import frame, palette
 from wiggleroom.report.picture import Tints, picture
-from wiggleroom.report.words import number, short, unit
+from wiggleroom.report.words import number, per_gap, short, unit
 
 
-def picture_of_ranking(ranking: Ranking, *, command: str = "", framed: bool = True) -> str:
-    """Answer as an SVG picture, its parts coloured by how much their gap matters.
-
-    Parameters
-    ----------
-    framed : bool
-        False: without title, facts and command, for a page that says them itself; here and in the other pictures.
-    """
+def picture_of_ranking(ranking: Ranking, *, command: str = "") -> str:
+    """Answer as an SVG picture, its parts coloured by how much their gap matters."""
     answer = ranking.answer
-    per = f"{unit(answer.goals)} per mm of gap".strip()
-    tints = tinted(answer, ranking.looser, per)
-    return picture(replace(answer, command=command), tints=tints, said=ranking_facts(ranking), framed=framed)
+    tints = tinted(answer, ranking.looser, per_gap(answer.goals))
+    return picture(replace(answer, command=command), tints=tints, said=ranking_facts(ranking))
 
 
 def ranking_facts(ranking: Ranking) -> list[str]:
     """Facts under the headline of a ranking."""
     answer, first = ranking.answer, ranking.order[0]
-    value = f"{number(max(float(ranking.looser[first]), 0.0), 3)} {unit(answer.goals)} per mm of gap"
+    value = f"{number(max(float(ranking.looser[first]), 0.0), 3)} {per_gap(answer.goals)}"
     return [
-        f"{short(answer.assembly.names[first])} matters most: {' '.join(value.split())}, {ranking.percent[first]:.0f} % of all",
+        f"{short(answer.assembly.names[first])} matters most: {value}, {ranking.percent[first]:.0f} % of all",
         f"{answer.verdict}, gap {number(answer.assembly.gap)} mm",
     ]
 
@@ -78,13 +71,13 @@ def shade(share: float) -> str:
     return "#" + "".join(f"{v:02x}" for v in mixed)
 
 
-def picture_of_tightening(found: Tightening, *, command: str = "", framed: bool = True) -> str:
+def picture_of_tightening(found: Tightening, *, command: str = "") -> str:
     """The motion that is left, the tightened parts coloured."""
     answer = found.after
     fill = dict.fromkeys(answer.assembly.names, palette.NEUTRAL[0]) | dict.fromkeys(found.chosen, palette.CHOSEN)
     legend = ((frame.swatch(palette.CHOSEN, palette.NEUTRAL[1]), "made tighter"),)
     tints = Tints(fill, legend)
-    return picture(replace(answer, command=command), tints=tints, said=tightening_facts(found), framed=framed)
+    return picture(replace(answer, command=command), tints=tints, said=tightening_facts(found))
 
 
 def tightening_facts(found: Tightening) -> list[str]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.report import palette
-from wiggleroom.report.axes import span, text, ticks
+from wiggleroom.report.axes import line, span, text, ticks
 from wiggleroom.report.text import elide, width
 from wiggleroom.report.words import number
 
@@ -86,19 +86,19 @@ class Panel:
         found.append(text(self.left, self.top - 10, palette.SMALL_SIZE + 1, palette.QUIET, labels[1]))
         for t in _marks(self.x, self.log[0]):
             u = float(self.pixels(np.array([t]), np.array([self.y[1]]))[0, 0])
-            found.append(_line(u, self.top, u, bottom, palette.GRID))
+            found.append(line(u, self.top, u, bottom, palette.GRID))
             found.append(text(u, bottom + 20, palette.SMALL_SIZE + 1, palette.QUIET, number(t), "middle"))
         for k, name in enumerate(rows):
             v = float(self.pixels(np.array([self.x[1]]), np.array([k]))[0, 1])
-            found.append(_line(self.left, v, self.left + self.wide, v, palette.GRID))
+            found.append(line(self.left, v, self.left + self.wide, v, palette.GRID))
             found.append(
                 text(self.left - 12, v + 5, palette.TEXT_SIZE, palette.INK, elide(name, palette.TEXT_SIZE, 190), "end")
             )
         for t in () if rows else _marks(self.y, self.log[1]):
             v = float(self.pixels(np.array([self.x[1]]), np.array([t]))[0, 1])
-            found.append(_line(self.left, v, self.left + self.wide, v, palette.GRID))
+            found.append(line(self.left, v, self.left + self.wide, v, palette.GRID))
             found.append(text(self.left - 8, v + 4, palette.SMALL_SIZE + 1, palette.QUIET, number(t), "end"))
-        found.append(_line(self.left, bottom, self.left + self.wide, bottom, palette.QUIET))
+        found.append(line(self.left, bottom, self.left + self.wide, bottom, palette.QUIET))
         found.append(text(self.left + self.wide, bottom + 40, palette.SMALL_SIZE + 1, palette.INK, labels[0], "end"))
         return found
 
@@ -106,10 +106,10 @@ class Panel:
         """Line and marks of a curve."""
         there = np.isfinite(one.x) & np.isfinite(one.y)
         at = self.pixels(one.x[there], one.y[there])
-        line = "".join(f"{'L' if k else 'M'}{u:.2f},{v:.2f}" for k, (u, v) in enumerate(at.tolist()))
+        path = "".join(f"{'L' if k else 'M'}{u:.2f},{v:.2f}" for k, (u, v) in enumerate(at.tolist()))
         dashes = ' stroke-dasharray="6 4"' if one.style.hollow else ""
         found = (
-            [f'<path d="{line}" fill="none" stroke="{one.style.colour}" stroke-width="2"{dashes}/>']
+            [f'<path d="{path}" fill="none" stroke="{one.style.colour}" stroke-width="2"{dashes}/>']
             if len(at) > 1
             else []
         )
@@ -176,7 +176,3 @@ def _marks(ends: tuple[float, float], log: bool) -> list[float]:
     steps = (1, 2, 5) if math.log10(ends[1] / ends[0]) < 2 else (1,)
     powers = range(math.floor(math.log10(ends[0])), math.ceil(math.log10(ends[1])) + 1)
     return [s * 10.0**p for p in powers for s in steps if ends[0] <= s * 10.0**p <= ends[1]]
-
-
-def _line(x0: float, y0: float, x1: float, y1: float, colour: str) -> str:
-    return f'<path d="M{x0:.2f},{y0:.2f}L{x1:.2f},{y1:.2f}" stroke="{colour}" fill="none"/>'

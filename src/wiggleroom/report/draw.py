@@ -53,9 +53,9 @@ def draw(
 
         film_of_answer(found, path, progress=progress)
     elif kind == PAGE:
-        from wiggleroom.report.html import report
+        from wiggleroom.report.pages import page_of_answer
 
-        write_whole(path, report(found))
+        write_whole(path, page_of_answer(found))
     else:
         from wiggleroom.report.picture import picture
 

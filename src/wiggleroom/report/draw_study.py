@@ -11,8 +11,8 @@ from wiggleroom.analysis.sample import Sample
 from wiggleroom.analysis.sweep import Sweep
 from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.files import write_whole
-from wiggleroom.report import blame, study_pages, study_plots
-from wiggleroom.report.apart_page import Checked, film_of_check, page_of_check, picture_of_check
+from wiggleroom.report import blame, pages, study_plots
+from wiggleroom.report.apart_picture import Checked, film_of_check, picture_of_check
 from wiggleroom.report.draw import see, write_svg
 from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STUDIES, ending
 
@@ -52,12 +52,12 @@ def _picture(found: Study, command: str) -> str:
 def _page(found: Study, command: str) -> str:
     match found:
         case Checked():
-            return page_of_check(found, command=command)
+            return pages.page_of_check(found, command=command)
         case Ranking():
-            return study_pages.page_of_ranking(found, command=command)
+            return pages.page_of_ranking(found, command=command)
         case Tightening():
-            return study_pages.page_of_tightening(found, command=command)
+            return pages.page_of_tightening(found, command=command)
         case Sweep():
-            return study_pages.page_of_sweep(found, command=command)
+            return pages.page_of_sweep(found, command=command)
         case Sample():
-            return study_pages.page_of_sample(found, command=command)
+            return pages.page_of_sample(found, command=command)

@@ -5,12 +5,11 @@ from __future__ import annotations
 import io
 import math
 from collections.abc import Callable, Iterator
-from importlib.util import find_spec
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from wiggleroom.analysis.many import Many
-from wiggleroom.errors import MissingExtraError
+from wiggleroom.errors import see_extra
 from wiggleroom.report import palette
 from wiggleroom.report.film_svg import PAUSES
 from wiggleroom.report.png import png
@@ -140,11 +139,7 @@ def see_library(kind: str) -> None:
     MissingExtraError
         If it is not.
     """
-    if any(find_spec(name) is None for name in _NEEDS[kind]):
-        message = (
-            f"a {kind} film needs the extra film: pip install 'wiggleroom[film]'; .film.svg and .html need nothing more"
-        )
-        raise MissingExtraError(message)
+    see_extra("film", f"a {kind} film needs the extra film; .film.svg and .html need nothing more", *_NEEDS[kind])
 
 
 _NEEDS = {".gif": ("PIL",), ".mp4": ("PIL", "av")}

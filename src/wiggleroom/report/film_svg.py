@@ -31,7 +31,7 @@ def moving_svg(made: Scene, *, back: bool) -> str:
         order, times = np.r_[order, m - 1], np.r_[times, times[-1] + PAUSES[1]]
         whole = times[-1]
     tracks = "\n".join(_moving(t, order, times / whole, whole) for t in made.tracks)
-    return f'<?xml version="1.0" encoding="UTF-8"?>\n{made.head}\n<g clip-path="url(#{made.key}-stage)">\n{tracks}\n</g></svg>\n'
+    return f'<?xml version="1.0" encoding="UTF-8"?>\n{made.head}\n<g clip-path="url(#stage)">\n{tracks}\n</g></svg>\n'
 
 
 def _moving(track: Track, order: NDArray[np.int64], times: Floats, seconds: float) -> str:

@@ -37,7 +37,6 @@ def picture(
     answer: Answer,
     *,
     magnify: float | None = None,
-    framed: bool = True,
     tints: Tints | None = None,
     title: str | None = None,
     said: Sequence[str] | None = None,
@@ -52,8 +51,6 @@ def picture(
     magnify : float, optional
         Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
         The picture says so.
-    framed : bool
-        False: without title, facts and command, for a page that says them itself.
     tints : Tints, optional
         Colours of the parts in place of the usual ones.
     title, said : str and sequence of str, optional
@@ -61,7 +58,7 @@ def picture(
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
     said = [*(facts(answer) if said is None else said), *([f"motion x {number(factor)}"] if factor != 1 else [])]
-    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, framed, tints)
+    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints)
 
 
 def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
@@ -77,7 +74,6 @@ def _draw(
     title: str,
     said: list[str],
     command: str,
-    framed: bool = True,
     tints: Tints | None = None,
 ) -> str:
     """Whole picture; without an answer the parts lie at rest."""
@@ -86,7 +82,7 @@ def _draw(
     both = np.vstack([layout.boxes(assembly, rest), layout.boxes(assembly, shown)])
     box = layout.extent(both)
     canvas = layout.view(box, 0.0).canvas
-    head, below = frame.header(title if framed else "", said, canvas - 2 * palette.MARGIN)
+    head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + _GAP)
     rooms = (both[len(rest) :, 2:] - both[len(rest) :, :2]).max(axis=1) * view.scale
     room = float(np.median(rooms))
@@ -99,7 +95,7 @@ def _draw(
     pulled = {assembly.names[row] for _, row in marked}
     body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
     legend = _legend(assembly, answer, bool(pulled), tints)
-    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command if framed else "")
+    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 

@@ -30,7 +30,6 @@ def curve(
     facts: Sequence[str] = (),
     marks: Sequence[Mark] = (),
     command: str = "",
-    framed: bool = True,
 ) -> str:
     """Curve through points, such as motion against gap; it is broken where `y` is not finite.
 
@@ -42,8 +41,6 @@ def curve(
         With units: ("gap mm", "motion mm").
     marks : sequence of (value, label)
         Upright lines, such as where interlock is lost.
-    framed : bool
-        False: without title, facts and command, for a page that says them itself; here and in the other plots.
 
     Examples
     --------
@@ -54,7 +51,7 @@ def curve(
     """
     x, y = _values(x, y)
     shown = [x[np.isfinite(x)], np.array([m[0] for m in marks])]
-    axes, body = plot(span(np.concatenate(shown)), span(y, zero=True), labels, *_said(title, facts, framed))
+    axes, body = plot(span(np.concatenate(shown)), span(y, zero=True), labels, title, facts)
     at, there = axes.pixels(x, np.where(np.isfinite(y), y, 0.0)), np.isfinite(x) & np.isfinite(y)
     colour = palette.PULLED[1]
     line = "".join(
@@ -64,7 +61,7 @@ def curve(
     radius = 3.5 if there.sum() <= 60 else 1.5
     body += [f'<circle cx="{u:.2f}" cy="{v:.2f}" r="{radius}" fill="{colour}"/>' for u, v in at[there].tolist()]
     body += uprights(axes, marks, [palette.FORCE] * len(marks))
-    return finished(axes, body, title, facts, command if framed else "")
+    return finished(axes, body, title, facts, command)
 
 
 def histogram(
@@ -89,6 +86,8 @@ def histogram(
         Upright lines, such as the mean and quantiles.
     limit : (value, label), optional
         Largest value that is wanted; what lies above it is red.
+    framed : bool
+        False: without title, facts and command, for a page that says them itself.
     """
     values = np.asarray(values, dtype=float).ravel()
     some = values[np.isfinite(values)]
@@ -98,7 +97,7 @@ def histogram(
     across = span(np.concatenate([some, edges if len(some) else [], [m[0] for m, _ in lines]]))
     least, most = span(count.astype(float), zero=True)
     most /= 1 - min(0.06 * len(lines), 0.5)  # labels of the lines have room above the bars
-    axes, body = plot(across, (least, most), (label, "how many"), *_said(title, facts, framed))
+    axes, body = plot(across, (least, most), (label, "how many"), *((title, facts) if framed else ("", ())))
     for n, low, high in zip(count.tolist(), edges[:-1], edges[1:], strict=True):
         if n:
             fill, stroke = palette.FIXED if limit and low >= limit[0] else palette.PULLED
@@ -134,7 +133,6 @@ def bars(
     facts: Sequence[str] = (),
     most: int = 25,
     command: str = "",
-    framed: bool = True,
 ) -> str:
     """Bars with names, the longest first, such as a ranking.
 
@@ -153,7 +151,7 @@ def bars(
         finding = f"bars: {len(names)} names need as many finite values, not {values.shape}"
         raise InputError(finding)
     order = np.argsort(-np.abs(values), kind="stable")[:most]
-    body, y = frame.header(*_said(title, facts, framed), WIDTH + 40)
+    body, y = frame.header(title, facts, WIDTH + 40)
     low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
     scale = (WIDTH - _NAMES - 90) / ((high - low) or 1.0)
     zero = palette.MARGIN + _NAMES - low * scale
@@ -181,15 +179,10 @@ def bars(
             text(palette.MARGIN, y, palette.TEXT_SIZE, palette.QUIET, f"and {len(values) - len(order)} smaller ones")
         )
     y += 14
-    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command and framed else []:
+    for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command else []:
         y += palette.SMALL_SIZE + 4
         body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
     return frame.document(WIDTH + 2 * palette.MARGIN, y + palette.MARGIN - 12, title, facts, command, body)
-
-
-def _said(title: str, facts: Sequence[str], framed: bool) -> tuple[str, Sequence[str]]:
-    """Title and facts above a plot."""
-    return (title, facts) if framed else ("", ())
 
 
 def _values(x: Floats, y: Floats) -> tuple[Floats, Floats]:

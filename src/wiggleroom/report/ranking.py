@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wiggleroom.analysis.rank import Ranking
 from wiggleroom.report.records import Record
 from wiggleroom.report.table import columns
-from wiggleroom.report.words import headline, number, short, unit
+from wiggleroom.report.words import headline, number, per_gap, short
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -57,7 +57,7 @@ def rank_table(ranking: Ranking) -> Group:
 
     answer, names = ranking.answer, ranking.answer.assembly.names
     both = not ranking.unique.all()
-    per = f"{unit(answer.goals)} per mm of gap".strip()
+    per = per_gap(answer.goals)
     found = columns("part", per, *(["if tighter"] if both else []), "%")
     for k in ranking.order[:_MOST].tolist():
         side = [number(ranking.tighter[k])] if both else []

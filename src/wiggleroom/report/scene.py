@@ -78,8 +78,6 @@ class Scene:
     seconds : float
         How long the way takes, from rest to its end.
     title, words, command : str
-    key : str
-        What the ids in its SVG begin with.
     """
 
     width: float
@@ -92,7 +90,6 @@ class Scene:
     title: str
     words: str
     command: str
-    key: str
 
     @property
     def frames(self) -> int:
@@ -105,7 +102,7 @@ class Scene:
         size = f'width="{self.width:.0f}" height="{self.height:.0f}" viewBox="0 0 {self.width:.0f} {self.height:.0f}"'
         made = f"<metadata>{escape(self.command)}</metadata>" if self.command else ""
         x, y, wide, high = self.stage
-        clip = f'<clipPath id="{self.key}-stage"><rect x="{x:.2f}" y="{y:.2f}" width="{wide:.2f}" height="{high:.2f}"/></clipPath>'
+        clip = f'<clipPath id="stage"><rect x="{x:.2f}" y="{y:.2f}" width="{wide:.2f}" height="{high:.2f}"/></clipPath>'
         return (
             '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" '
             f'{size} font-family="{palette.FONT}" role="img"><title>{escape(self.title)}</title>'
@@ -115,7 +112,7 @@ class Scene:
 
     def drawn(self, k: int) -> str:
         """Whole SVG of frame k."""
-        return f'{self.head}<g clip-path="url(#{self.key}-stage)">{"".join(t.drawn(k) for t in self.tracks)}</g></svg>'
+        return f'{self.head}<g clip-path="url(#stage)">{"".join(t.drawn(k) for t in self.tracks)}</g></svg>'
 
 
 def scene(
@@ -128,8 +125,6 @@ def scene(
     facts: tuple[str, ...],
     command: str,
     magnify: float | None = None,
-    framed: bool = True,
-    key: str = "f",
 ) -> Scene:
     """Scene of a way.
 
@@ -144,10 +139,6 @@ def scene(
     magnify : float, optional
         Factor by which the motion is enlarged; by default as in pictures, but a motion that is large is not made small:
         what leaves the frame fades.
-    framed : bool
-        False: without title, facts and command, for a page that says them itself.
-    key : str
-        What the ids in the SVG begin with; one of its own for each film on a page.
     """
     points = way_points(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
@@ -160,23 +151,21 @@ def scene(
     said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
     box = _box(assembly, poses, pan)
     canvas = layout.view(box, 0.0).canvas
-    top, below = frame.header(title if framed else "", said, canvas - 2 * palette.MARGIN)
+    top, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
     view = layout.view(box, below + _GAP)
-    defs, tracks, still = _tracks(view, assembly, poses, goals, key, pan)
+    defs, tracks, still = _tracks(view, assembly, poses, goals, pan)
     legend = [(frame.swatch("none", palette.REST), "at rest")]
     if any(p.fixed for p in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
     if goals:
         legend.insert(1, (frame.swatch(*palette.PULLED), "pulled"))
-    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command if framed else "")
+    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
     stage = (view.x - 12, view.y - 12, view.width + 24, view.height + 24)
     words = "; ".join(said)
     # video needs even sizes
     height = 2.0 * math.ceil(height / 2)
     canvas = 2.0 * math.ceil(view.canvas / 2)
-    return Scene(
-        canvas, height, "".join([*top, *foot, still]), defs, stage, tracks, seconds, title, words, command, key
-    )
+    return Scene(canvas, height, "".join([*top, *foot, still]), defs, stage, tracks, seconds, title, words, command)
 
 
 def _home(assembly: Assembly) -> Floats:
@@ -220,10 +209,10 @@ def _box(assembly: Assembly, poses: Floats, pan: float) -> Floats:
 
 
 def _tracks(
-    view: View, assembly: Assembly, poses: Floats, goals: tuple[Goal, ...], key: str, pan: float
+    view: View, assembly: Assembly, poses: Floats, goals: tuple[Goal, ...], pan: float
 ) -> tuple[str, tuple[Track, ...], str]:
     """Shapes, what moves (neutral parts first, then pulled and fixed ones, names, arrows), and the outlines at rest."""
-    shapes, rest = Shapes(view.scale, key), assembly.rest
+    shapes, rest = Shapes(view.scale), assembly.rest
     far = np.abs(poses - rest)[:, :, :2].max() > pan
     opacity = _opacity(assembly, poses, pan if far else math.inf)
     pulled = {part_of(g) for g in goals}

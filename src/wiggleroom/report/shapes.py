@@ -46,10 +46,9 @@ class Shape:
 
 @dataclass(eq=False)
 class Shapes:
-    """All shapes of one picture, their ids begin with `first`; `of` adds a part's shape unless an equal one is there."""
+    """All shapes of one picture; `of` adds a part's shape unless an equal one is there."""
 
     scale: float
-    first: str = "s"
     known: dict[bytes, Shape] = field(default_factory=dict)
 
     def of(self, part: Part) -> Shape:
@@ -61,7 +60,7 @@ class Shapes:
         if key not in self.known:
             polygon = shapely.MultiPolygon([(region[0], region[1:]) for region in pixels])
             path = "".join(_ring(ring) for region in pixels for ring in region)
-            self.known[key] = Shape(f"{self.first}{len(self.known) + 1}", polygon, path)
+            self.known[key] = Shape(f"s{len(self.known) + 1}", polygon, path)
         return self.known[key]
 
 

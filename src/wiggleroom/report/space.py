@@ -16,11 +16,9 @@ from wiggleroom.report import frame, palette
 from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.names import label, usual
-from wiggleroom.report.page import Section, figure, items, page, table
 from wiggleroom.report.records import Record
 from wiggleroom.report.shapes import Shapes, spot, use
-from wiggleroom.report.solid import solid
-from wiggleroom.report.stack import stack
+from wiggleroom.report.stack import extent, rings, stack
 from wiggleroom.report.text import escape
 from wiggleroom.report.words import number, short
 
@@ -166,23 +164,6 @@ def space_picture(
     return frame.document(canvas, bottom + 24, title, facts, command, body)
 
 
-def space_page(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
-    """Free space as one HTML page."""
-    record = space_record(space, judged, command)
-    cells = [(k + 1, c["walls"], *c["angles_deg"]) for k, c in enumerate(record["cells"])]
-    slices = [(s["angle_deg"], s["area"]) for s in record["slices"]]
-    sure = [] if judged is None else [(k, str(v)) for k, v in record["audit"].items()]
-    sections = [
-        Section("Free space", figure(space_picture(space, assembly, judged, framed=False), paper=True), wide=True),
-        Section("Turn it", solid(space), wide=True),
-        Section("Slices", table(["turn °", "area mm²"], slices)),
-        Section("Cells", table(["cell", "walls", "from °", "to °"], cells)),
-    ]
-    if sure:
-        sections.append(Section("Judged against polygon intersection", items(sure)))
-    return page(headline(space), said(space, judged), sections, command)
-
-
 def _pair(space: FreeSpace, assembly: Assembly, left: float, top: float) -> tuple[str, float]:
     """Both parts at rest in the axes of the first, and how tall that is [px]."""
     rows = [assembly.names.index(n) for n in space.parts]
@@ -223,17 +204,12 @@ def _slices(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
     regions, angles = about_pivot(space), np.array([s.angle for s in space.slices])
     wanted = np.linspace(angles[0], angles[-1], _TILES)
     chosen = list(dict.fromkeys(int(np.abs(angles - w).argmin()) for w in wanted))
-    bounds = np.array([r.bounds for r in regions])
-    low, high = bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
+    low, high = extent(regions)
     scale = _TILE / float((high - low).max())
     high_px, found = float((high - low)[1]) * scale, []
     for j, k in enumerate(chosen):
         x = left + j * (_TILE + 24)
-        points = "".join(
-            _ring(ring, low, high, scale, x, top)
-            for p in shapely.get_parts(regions[k])
-            for ring in (p.exterior, *p.interiors)
-        )
+        points = "".join(_ring(ring, low, high, scale, x, top) for ring in rings(regions[k]))
         u, v = x - low[0] * scale, top + high[1] * scale
         found.append(
             f'<rect x="{x:.1f}" y="{top:.1f}" width="{(high - low)[0] * scale:.1f}" height="{high_px:.1f}" fill="none" '
@@ -251,7 +227,6 @@ def _slices(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
     return "".join(found), y
 
 
-def _ring(ring: shapely.LinearRing, low: Floats, high: Floats, scale: float, x: float, y: float) -> str:
-    points = shapely.get_coordinates(ring)[:-1]
+def _ring(points: Floats, low: Floats, high: Floats, scale: float, x: float, y: float) -> str:
     at = np.column_stack([x + (points[:, 0] - low[0]) * scale, y + (high[1] - points[:, 1]) * scale])
     return ("M" + "%.1f,%.1f " * len(at)) % tuple(at.ravel().tolist()) + "z"

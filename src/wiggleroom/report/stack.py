@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 AZIMUTH, ELEVATION = math.radians(-32.0), math.radians(24.0)
 SIZE = 300.0
 """Longer side of the slices, and the height of the stack is 1.15 of it [px]."""
-_TOP = 1.15
+TALL = 1.15
 LIGHT = np.array([math.cos(math.radians(200.0)), math.sin(math.radians(200.0))])
 DEEP, CLEAR = "#1d4f80", "#b4d6f2"
 """In the shade and in full light."""
@@ -46,7 +46,8 @@ def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]
     regions = about_pivot(space)
     low, high = extent(regions)
     scale = SIZE / float((high - low).max())
-    middle, levels = (low + high) / 2, heights(space)
+    middle, (first, last) = (low + high) / 2, space.angles
+    levels = (edges(space) - first) / (last - first) * TALL * SIZE
     box = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
     corners = np.vstack([_seen((box - middle) * scale, z) for z in (0.0, levels[-1])])
     shift = np.array([left + 70, top + 24]) - corners.min(axis=0)
@@ -66,22 +67,26 @@ def extent(regions: Sequence[shapely.Geometry]) -> tuple[Floats, Floats]:
     return bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)
 
 
-def heights(space: FreeSpace) -> Floats:
-    """Where the slices begin in the stack, and where the last one ends [px]."""
+def edges(space: FreeSpace) -> Floats:
+    """Angles at which the slices begin, and where the last one ends [rad]."""
     angles, (first, last) = np.array([s.angle for s in space.slices]), space.angles
-    edges = np.concatenate([[first], (angles[1:] + angles[:-1]) / 2, [last]])
-    return (edges - first) / (last - first) * _TOP * SIZE
+    return np.concatenate([[first], (angles[1:] + angles[:-1]) / 2, [last]])
 
 
-def outlines(region: shapely.Geometry, middle: Floats, scale: float) -> list[Floats]:
-    """Closed rings (k, 2) [px] of one slice about the middle of all, with the free space on the left."""
+def rings(region: shapely.Geometry) -> list[Floats]:
+    """Rings (k, 2) [mm] of one slice, with the free space on the left; the first point is not said again."""
     found = []
     for piece in shapely.get_parts(region):
         for hole, ring in enumerate((piece.exterior, *piece.interiors)):
-            flat = shapely.transform(ring, lambda p: (p - middle) * scale)
-            points = shapely.get_coordinates(shapely.simplify(flat, _DETAIL))
+            points = shapely.get_coordinates(ring)[:-1]
             found.append(points[::-1] if shapely.is_ccw(ring) == (hole > 0) else points)
     return found
+
+
+def _outlines(region: shapely.Geometry, middle: Floats, scale: float) -> list[Floats]:
+    """Closed rings (k, 2) [px] of one slice about the middle of all."""
+    flat = [shapely.linearrings((ring - middle) * scale) for ring in rings(region)]
+    return [shapely.get_coordinates(shapely.simplify(ring, _DETAIL)) for ring in flat]
 
 
 def _seen(points: Floats, level: float) -> Floats:
@@ -97,7 +102,7 @@ def _prism(
     """Walls and roof of one slice; its rim is drawn `ink` strong."""
     walls: list[tuple[float, str]] = []
     roof = ""
-    for points in outlines(region, middle, scale):
+    for points in _outlines(region, middle, scale):
         floor, roofs = _seen(points, low) + shift, _seen(points, high) + shift
         roof += ("M" + "%.1f,%.1f " * (len(roofs) - 1)) % tuple(roofs[:-1].ravel().tolist()) + "z"
         depth = math.sin(AZIMUTH) * points[:, 0] + math.cos(AZIMUTH) * points[:, 1]

@@ -12,7 +12,7 @@ from wiggleroom.analysis.sweep import Sweep
 from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report.records import Record
 from wiggleroom.report.table import columns
-from wiggleroom.report.words import ask, headline, number, short, unit
+from wiggleroom.report.words import asked, headline, number, short, unit
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
@@ -94,13 +94,12 @@ def sweep_table(found: Sweep) -> Group:
     from rich.text import Text
 
     what = unit(found.goals)
-    asked = ", ".join(ask(g) for g in found.goals[:3]) + (", ..." if len(found.goals) > 3 else "")
     rows = columns("gap mm", f"motion {what}".rstrip(), "per mm of gap", "verdict")
     for s in found.steps:
         value = "" if s.objective is None else number(s.objective)
         rate = "" if s.objective is None or s.gap == 0 else number(s.objective / s.gap, 3)
         rows.add_row(number(s.gap), value, rate, str(s.verdict))
-    return Group(Text(asked, style="bold"), Text(), rows, Text(), Text(lost_sentence(found)))
+    return Group(Text(asked(found.goals, 3), style="bold"), Text(), rows, Text(), Text(lost_sentence(found)))
 
 
 def lost_sentence(found: Sweep) -> str:
@@ -162,7 +161,7 @@ def sample_table(found: Sample) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    what, bounded, spread = unit(found.answer.goals), found.bounded, found.spread
+    what, bounded = unit(found.answer.goals), found.bounded
     rows = columns("motion", what)
     if len(bounded):
         rows.add_row("mean", number(float(bounded.mean())))
@@ -175,12 +174,9 @@ def sample_table(found: Sample) -> Group:
     parts = columns("contributes", "%")
     for k in np.argsort(-share, kind="stable")[:_MOST].tolist():
         parts.add_row(short(found.answer.assembly.names[k]), f"{share[k]:.1f}")
-    together = f", {100 * spread.sheet:.0f} % shared by the sheet" if spread.sheet else ""
     lines = [
         Text(f"{headline(found.answer)} without variation", style="bold"),
-        Text(
-            f"gaps vary: {spread.kind}, {number(spread.width)} mm{together}; {len(found.value)} draws, seed {found.seed}"
-        ),
+        Text(f"gaps vary: {spread_words(found)}; {len(found.value)} draws, seed {found.seed}"),
     ]
     return Group(
         *lines,
@@ -191,6 +187,13 @@ def sample_table(found: Sample) -> Group:
         Text(),
         *[Text(f"{term + ':':<9} {line}") for term, line in sample_sure(found)],
     )
+
+
+def spread_words(found: Sample) -> str:
+    """Say how the gaps vary."""
+    spread = found.spread
+    together = f", {100 * spread.sheet:.0f} % shared by the sheet" if spread.sheet else ""
+    return f"{spread.kind}, {number(spread.width)} mm{together}"
 
 
 def yield_sentence(found: Sample) -> str:

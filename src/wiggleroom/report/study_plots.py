@@ -8,16 +8,15 @@ from wiggleroom.analysis.sample import Sample
 from wiggleroom.analysis.sweep import Sweep
 from wiggleroom.errors import InputError
 from wiggleroom.report.plots import curve, histogram
-from wiggleroom.report.studies import lost_sentence, yield_sentence
-from wiggleroom.report.words import ask, number, unit
+from wiggleroom.report.studies import lost_sentence, spread_words, yield_sentence
+from wiggleroom.report.words import asked, number, unit
 
 _SHOWN = (0.05, 0.5, 0.95)
 
 
 def sweep_title(found: Sweep) -> str:
     """Say what a sweep is about, such as "b2 in +y against the gap"."""
-    more = f" and {len(found.goals) - 1} more" if len(found.goals) > 1 else ""
-    return f"{ask(found.goals[0])}{more} against the gap"
+    return f"{asked(found.goals)} against the gap"
 
 
 def sweep_facts(found: Sweep) -> list[str]:
@@ -36,7 +35,7 @@ def sweep_facts(found: Sweep) -> list[str]:
     ]
 
 
-def picture_of_sweep(found: Sweep, *, command: str = "", framed: bool = True) -> str:
+def picture_of_sweep(found: Sweep, *, command: str = "") -> str:
     """Motion against gap as an SVG curve, with the gap at which the motion loses its end.
 
     Raises
@@ -58,24 +57,18 @@ def picture_of_sweep(found: Sweep, *, command: str = "", framed: bool = True) ->
         facts=sweep_facts(found),
         marks=marks,
         command=command,
-        framed=framed,
     )
 
 
 def sample_title(found: Sample) -> str:
     """Say what a sample is about, such as "b2 in +y when gaps vary"."""
-    goals = found.answer.goals
-    return f"{ask(goals[0])}{f' and {len(goals) - 1} more' if len(goals) > 1 else ''} when gaps vary"
+    return f"{asked(found.answer.goals)} when gaps vary"
 
 
 def sample_facts(found: Sample) -> list[str]:
     """Facts under the title of a sample."""
-    spread, bounded, what = found.spread, found.bounded, unit(found.answer.goals)
-    width = f"{spread.kind}, {number(spread.width)} mm"
-    said = [
-        f"{len(found.value)} draws",
-        width + (f", {100 * spread.sheet:.0f} % shared by the sheet" if spread.sheet else ""),
-    ]
+    bounded, what = found.bounded, unit(found.answer.goals)
+    said = [f"{len(found.value)} draws", spread_words(found)]
     if len(bounded):
         said.append(f"mean {number(float(bounded.mean()))} {what}".rstrip())
     if found.limit is not None:

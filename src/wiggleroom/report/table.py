@@ -9,7 +9,7 @@ import numpy as np
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.drawing.model import part_of
-from wiggleroom.report.words import ask, certainty, headline, number, proven, sentence, short
+from wiggleroom.report.words import ask, certainty, headline, holding, number, proven, sentence, short
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def _parts(answer: Answer) -> Table:
 
 def _contacts(answer: Answer) -> Table:
     """Contacts that hold the motion, largest force first."""
-    held = sorted((c for c in answer.contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
+    held = holding(answer.contacts)
     found = columns("held by", "x mm", "y mm", "force")
     size = answer.assembly.size
     for c in held[:_MOST_CONTACTS]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 
-from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
 from wiggleroom.solve.verdict import Verdict
 
@@ -63,6 +64,16 @@ def ask(goal: Goal) -> str:
             return "neighbours closer"
 
 
+def asked(goals: tuple[Goal, ...], most: int = 1) -> str:
+    """Goals in a row; of several the first ones.
+
+    >>> asked((Pull("a", (0, 1)), Pull("b", (0, 1))))
+    'a in +y and 1 more'
+    """
+    more = f" and {len(goals) - most} more" if len(goals) > most else ""
+    return ", ".join(ask(g) for g in goals[:most]) + more
+
+
 def unit(goals: tuple[Goal, ...]) -> str:
     """Say the unit of the objective: mm, rad, mm² or nothing where goals of several kinds add up."""
     if all(isinstance(g, Towards | Translation | Closer) for g in goals):
@@ -72,13 +83,18 @@ def unit(goals: tuple[Goal, ...]) -> str:
     return "rad" if all(isinstance(g, Turn) or (isinstance(g, W) and g.w[:2] == (0, 0)) for g in goals) else ""
 
 
+def per_gap(goals: tuple[Goal, ...]) -> str:
+    """Unit of what a little more gap is worth."""
+    return f"{unit(goals)} per mm of gap".strip()
+
+
 def headline(answer: Answer) -> str:
     """Say what was found, in one line, such as "b10 moves 1.372 mm in +y"."""
     goals, value = answer.goals, answer.objective
     if not goals:
         return f"{len(answer.assembly.parts)} parts, nothing asked"
     if value is None:
-        return f"nothing stops {ask(goals[0])}" + (f" and {len(goals) - 1} more" if len(goals) > 1 else "")
+        return f"nothing stops {asked(goals)}"
     if len(goals) == 1:
         goal = goals[0]
         own = value / goal.weight if goal.weight else value
@@ -96,8 +112,7 @@ def headline(answer: Answer) -> str:
                 return f"sum of squared translations {number(own)} mm²"
             case Closer():
                 return f"neighbours closer: their squared distances lose {number(own)} mm²"
-    asked = [ask(g) for g in goals[:_MOST_GOALS]] + [f"{len(goals) - _MOST_GOALS} more"] * (len(goals) > _MOST_GOALS)
-    return f"{number(value)} {unit(goals)}".strip() + f": {', '.join(asked)}"
+    return f"{number(value)} {unit(goals)}".strip() + f": {asked(goals, _MOST_GOALS)}"
 
 
 def sentence(answer: Answer) -> str:
@@ -132,6 +147,33 @@ def proven(answer: Answer) -> str:
     return f"between {low:.{places}f} and {high:.{places}f}{space}{what}, proven"
 
 
+def bounded(answer: Answer) -> str:
+    """Say what was proven about the largest motion, how near it comes and what it took; or why nothing was."""
+    bound, between = answer.bound, proven(answer)
+    if not between:
+        return f"no bound: {bound.why}" if bound is not None and bound.why else "not worked out"
+    near = "" if bound is None or bound.within is None else f", within {number(100 * bound.within, 2)} % of the answer"
+    return between + near + ("" if bound is None else f", in {bound.seconds:.1f} s")
+
+
+def answer_sure(answer: Answer) -> list[tuple[str, str]]:
+    """How sure an answer is, and what it cost: a word and a sentence each."""
+    found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
+    return [
+        ("found", found.strip()),
+        ("verdict", f"{answer.verdict.value}: {sentence(answer)}"),
+        ("checked", f"{certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
+        ("at most", bounded(answer)),
+        ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
+        ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
+    ]
+
+
+def holding(contacts: Iterable[Contact]) -> list[Contact]:
+    """Contacts with a force, the strongest first; equal ones in an order that does not change."""
+    return sorted((c for c in contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
+
+
 def certainty(answer: Answer) -> str:
     """Say what was checked about the motion, in a few words."""
     if not answer.collision_free:
@@ -145,13 +187,18 @@ def facts(answer: Answer) -> list[str]:
         return [f"gap {number(answer.assembly.gap)} mm"]
     found = [f"{answer.verdict}", f"gap {number(answer.assembly.gap)} mm", f"{len(answer.assembly.parts)} parts"]
     if answer.verdict is Verdict.UNBOUNDED and answer.leaves:
-        found.append(f"leaves: {_names(answer.leaves)}")
+        found.append(f"leaves: {few(answer.leaves)}")
     if answer.verdict is Verdict.UNBOUNDED and answer.turns:
-        found.append(f"turns: {_names(answer.turns)}")
+        found.append(f"turns: {few(answer.turns)}")
     between = proven(answer)
     return [*found, *([between] if between else []), certainty(answer)]
 
 
-def _names(names: tuple[str, ...], most: int = 6) -> str:
+def few(names: Sequence[str], most: int = 8) -> str:
+    """Names in a row; of very many the first ones.
+
+    >>> few(["a", "b", "c"], 2)
+    'a, b and 1 more'
+    """
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(short(n) for n in names[:most]) + more

@@ -16,7 +16,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.errors import MissingExtraError
+from wiggleroom.errors import see_extra
 
 Floats = NDArray[np.float64]
 
@@ -73,11 +73,9 @@ def need_highs() -> Any:
     MissingExtraError
         If it is not installed.
     """
-    try:
-        import highspy
-    except ImportError as error:
-        wrong = "proving a bound needs highspy: pip install 'wiggleroom[prove]'"
-        raise MissingExtraError(wrong) from error
+    see_extra("prove", "proving a bound needs highspy", "highspy")
+    import highspy
+
     return highspy
 
 

@@ -41,23 +41,22 @@ class Plain:
     """qdldl: one column at a time."""
 
     def __init__(self, pattern: Pattern) -> None:
-        self._pattern = pattern
         self._diagonal = pattern.diagonal_at[:, [0, 2, 5]].ravel()
+        n = len(pattern.indptr) - 1
+        self._matrix = sp.csc_matrix((np.zeros(len(pattern.indices)), pattern.indices, pattern.indptr), shape=(n, n))
         self._solver: Any = None
 
     def update(self, data: Floats, shift: float) -> bool:
         """Factorise with `shift` added to the diagonal; False where the matrix is not positive definite."""
         import qdldl
 
-        moved = data.copy()
-        moved[self._diagonal] += shift
-        n = len(self._pattern.indptr) - 1
-        matrix = sp.csc_matrix((moved, self._pattern.indices, self._pattern.indptr), shape=(n, n))
+        self._matrix.data[:] = data
+        self._matrix.data[self._diagonal] += shift
         try:
             if self._solver is None:
-                self._solver = qdldl.Solver(matrix, upper=True)
+                self._solver = qdldl.Solver(self._matrix, upper=True)
             else:
-                self._solver.update(matrix, upper=True)
+                self._solver.update(self._matrix, upper=True)
             return bool((self._solver.factors()[1] > 0).all())
         except RuntimeError:  # a zero pivot
             self._solver = None

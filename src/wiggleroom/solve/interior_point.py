@@ -51,6 +51,8 @@ MOST_RIDGES = 2
 """So often the search goes on beside a point that balances on a ridge."""
 PATIENCE = 30
 """After so many iterations that do not make the error less, the quick steps have failed."""
+EXACT = 1e-12
+"""Slacks that are right to this share of `program.length` are exact."""
 FREE = 1e-3
 """A diagonal strengthened by more than this keeps steps short."""
 
@@ -111,6 +113,7 @@ def solve(
     tolerance: float = 1e-6,
     horizon: float = np.inf,
     enough: float = np.inf,
+    exact: float = EXACT,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> Solution:
@@ -129,6 +132,8 @@ def solve(
         A body that moves further than this is taken to escape.
     enough : float [mm]
         A point inside all rows that is worth so much is good enough.
+    exact : float
+        A point inside all rows whose slacks are right to this share of `program.length` needs no more steps at the end.
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
 
@@ -165,7 +170,7 @@ def solve(
         begin, mu = beside(program, watch.inner[0], up), watch.inner[1]
         watch.back_to_inner()
     shared = SHARED if tolerance > ROUGH and len(begin) > LARGE else 1
-    settled = _settle(state, matrix, retraction, shared) if status == "converged" else state
+    settled = _settle(state, matrix, retraction, shared, exact) if status == "converged" else state
     inner = watch.legal if status == "failed" and watch.legal else watch.inner
     return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
 
@@ -310,7 +315,7 @@ def _advance(state: State, step: _Step, retraction: Retraction) -> None:
     state.u, state.s, state.lam, state.at = u, s, lam, at
 
 
-def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int) -> State:
+def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int, exact: float) -> State:
     """A few short centred steps that remove what is left of the violation; bodies that nothing holds stay where they are.
 
     Each factorisation serves `shared` steps.
@@ -319,7 +324,8 @@ def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int) -
     shift = 0.0
     for k in range(6):
         primal, dual, _, _ = state.residuals()
-        if np.abs(primal).max(initial=0.0) < 1e-12:
+        wrong = np.abs(primal).max(initial=0.0)
+        if wrong < EXACT or (wrong < exact and state.at.h.min(initial=np.inf) > 0):
             break
         if k % shared == 0:  # the rows are met to first order whatever matrix the step comes from
             share = state.lam / state.s

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, MissingExtraError
+from wiggleroom.errors import InputError, see_extra
 from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
@@ -99,11 +99,9 @@ def solve(
 
 def _casadi() -> Any:
     """CasADi, imported when it is needed."""
-    try:
-        import casadi
-    except ImportError:
-        message = 'solver "ipopt" needs CasADi: install it with pip install "wiggleroom[ipopt]"'
-        raise MissingExtraError(message) from None
+    see_extra("ipopt", 'solver "ipopt" needs CasADi', "casadi")
+    import casadi
+
     return casadi
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop as Stop
 from wiggleroom.program.build import Linearised
 from wiggleroom.solve.factor import Factor
 
@@ -15,13 +15,6 @@ Floats = NDArray[np.float64]
 
 TINY_SHIFT = 1e-11
 """Added to the diagonal always."""
-
-
-class Stop(Protocol):
-    """Anything with `is_set`, asked every iteration."""
-
-    def is_set(self) -> bool:
-        """True to stop."""
 
 
 @dataclass(eq=False)

@@ -2,12 +2,12 @@
 
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { design, goals, settle } from "../design.ts";
+import { asks, design, goals, settle } from "../design.ts";
 import { valueBetween } from "../motion.ts";
 import { isPull, isTurn } from "../protocol.ts";
 import { ask, setGap } from "../session.ts";
 import { answer, baked, drawing, lost, running, solved } from "../state.ts";
-import { number } from "../words.ts";
+import { nearestBy, number } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
 import { stepOf } from "./Selection.tsx";
@@ -30,18 +30,18 @@ export function GapStrip() {
     watch.observe(box.current);
     return () => watch.disconnect();
   }, [opened === null]);
-  if (!opened) return null;
+  if (!opened || (baked.value && solved.value.length < 2)) return null;
+  const still = baked.value !== null;
   const gaps = solved.value.map((one) => one.gap);
-  const most = baked.value ? Math.max(...gaps, 1e-9) : niceTop(Math.max(top.value, gap, ...gaps));
-  const least = baked.value ? Math.min(...gaps) : 0;
-  const low = baked.value && gaps.length > 1 ? least : 0;
+  const most = still ? Math.max(...gaps, 1e-9) : niceTop(Math.max(top.value, gap, ...gaps));
+  const low = still ? Math.min(...gaps) : 0;
   return (
     <section class="gapstrip" aria-label="gap">
       <div class="gapbox">
         <label for="gap">Gap</label>
-        <NumberBox value={gap} min={0} step={stepOf(gap || most / 10)} unit="mm" label="gap" onChange={(value) => setGap(value, "")} disabled={baked.value} />
-        {!baked.value && (
-          <Button label="Solve a row of gaps" onClick={() => sweep(most)} disabled={!goals.value.length || running.value.has("sweep")} class="small">
+        <NumberBox value={gap} min={0} step={stepOf(gap || most / 10)} unit="mm" label="gap" onChange={(value) => setGap(value, "")} disabled={still} />
+        {!still && (
+          <Button label="Solve a row of gaps" onClick={() => sweep(most)} disabled={!asks(design.value) || running.value.has("sweep")} class="small">
             {running.value.has("sweep") ? "Sweeping…" : "Sweep"}
           </Button>
         )}
@@ -49,7 +49,7 @@ export function GapStrip() {
       <div class="gapcurve" ref={box}>
         <Curve width={width.value} low={low} most={most} gap={gap} />
         <input
-          id="gap" type="range" min={low} max={most} step={baked.value ? (most - low) / 400 || 1e-6 : stepOf(most / 30)} value={gap}
+          id="gap" type="range" min={low} max={most} step={still ? (most - low) / 400 || 1e-6 : stepOf(most / 30)} value={gap}
           aria-valuetext={`${number(gap)} mm`} onInput={(event) => setGap(slid(Number(event.currentTarget.value), most))} onPointerUp={settle} onBlur={settle}
         />
       </div>
@@ -61,7 +61,7 @@ export function GapStrip() {
 function slid(value: number, most: number): number {
   const step = stepOf(most / 30);
   if (!baked.value) return Number((Math.round(value / step) * step).toPrecision(6));
-  return solved.value.reduce((best, one) => (Math.abs(one.gap - value) < Math.abs(best - value) ? one.gap : best), solved.value[0]!.gap);
+  return nearestBy(solved.value, (one) => one.gap, value)!.gap;
 }
 
 function sweep(most: number): void {

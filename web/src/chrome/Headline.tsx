@@ -1,8 +1,8 @@
 /** The answer in one line over the canvas, and for screen readers as it changes. */
 
-import { design, goals } from "../design.ts";
+import { asks, design, goals } from "../design.ts";
 import { factor, shown, valueBetween } from "../motion.ts";
-import { answer, checked, dragged, drawing, modes, running, selected, solved, waiting } from "../state.ts";
+import { answer, baked, checked, dragged, drawing, modes, running, selected, solved, waiting } from "../state.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
 import { ask, few, number } from "../words.ts";
@@ -26,6 +26,7 @@ interface Said { title: string; line: string; tone: "" | "guess" | "warn" }
 function said(): Said {
   const { what, label } = shown.value;
   const about = answer.value;
+  const told = baked.value?.said;
   if (what === "drag" && dragged.value) {
     const { part, reached, distance, blocking } = dragged.value.reply;
     const short = distance > 1e-9 ? `${number(distance, 3)} mm short of the pointer` : "at the pointer";
@@ -38,9 +39,10 @@ function said(): Said {
   }
   if (what === "escape" && checked.value) {
     const step = checked.value.reply.escapes[checked.value.ways.indexOf(shown.value.frames!)];
-    return { title: step ? (step.words ?? `${few(step.parts)} leaves`) : "The way out", line: label, tone: "" };
+    return told ? { title: told.title, line: `${label}: ${step?.words}`, tone: "" } : { title: step?.words ?? "The way out", line: label, tone: "" };
   }
-  if (goals.value.length === 0 && typeof design.value.goals !== "string") {
+  if (told) return { title: told.title, line: [...told.facts, ...enlarged()].join(" · "), tone: "" };
+  if (!asks(design.value)) {
     const count = drawing.value!.parts.length;
     return { title: `${count} ${count === 1 ? "part" : "parts"}, nothing asked`, line: "choose a part and press P to pull it, or drag it", tone: "" };
   }
@@ -49,11 +51,12 @@ function said(): Said {
     return { title: guess === null ? "…" : `about ${number(guess, 3)} ${unitOf()}`, line: "between solved gaps, solving", tone: "guess" };
   }
   if (!about) return { title: goals.value.map(ask).slice(0, 2).join(", "), line: waiting.value ? "solving" : "no answer", tone: "guess" };
-  const { headline, verdict, collision_free, path, settled } = about.reply;
-  const sure = [settled ? verdict : "settling", collision_free ? "no overlap" : "parts overlap", path === "checked" ? "way checked" : "way not checked"];
-  if (factor() > 1) sure.push(`motion shown ×${factor()}`);
-  return { title: headline, line: sure.join(" · "), tone: about.reply.objective === null ? "warn" : about.design === design.value ? "" : "guess" };
+  const { headline, facts, settled } = about.reply;
+  const line = [...(settled ? facts : ["settling", ...facts.slice(1)]), ...enlarged()].join(" · ");
+  return { title: headline, line, tone: about.reply.objective === null ? "warn" : about.design === design.value ? "" : "guess" };
 }
+
+const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
 
 const NAMES: Record<string, string> = {
   flex: "solving", check: "checking whether it comes apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound",

@@ -4,7 +4,13 @@ import { useEffect, useRef } from "preact/hooks";
 import { baked, helpOpen } from "../state.ts";
 import { Button } from "./Button.tsx";
 
-const KEYS: [string, string][] = [
+type Row = readonly [keys: string, words: string];
+/** What serves without a server too. */
+const LOOK: Row[] = [
+  [", .", "choose the part before or after"], ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"],
+  ["1 … 5", "panels"], ["Esc", "back to the answer, let the part go"], ["?", "this list"],
+];
+const KEYS: Row[] = [
   [", .", "choose the part before or after"], ["F", "fix the chosen part, or let it go"], ["P", "pull the chosen part, or stop pulling it"],
   ["G", "glue the chosen part to another one"], ["W", "wiggle: show every freedom that is left"],
   ["← ↑ → ↓", "of a pulled part: point the pull that way (Shift: turn it by 5°); else drag the part a step"],
@@ -12,7 +18,8 @@ const KEYS: [string, string][] = [
   ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["1 … 5", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
   ["?", "this list"],
 ];
-const MICE: [string, string][] = [
+const LOOK_MICE: Row[] = [["Click a part", "choose it"], ["Drag, wheel, pinch", "pan and zoom"]];
+const MICE: Row[] = [
   ["Drag a part", "it goes as near to the pointer as the others let it"], ["Click a part", "choose it"],
   ["Drag the arrow", "its head turns the pull, its foot takes it to another part"], ["Drag the ground, wheel, pinch", "pan and zoom"],
 ];
@@ -24,13 +31,13 @@ export function Help() {
     if (open) dialog.current?.showModal();
     else dialog.current?.close();
   }, [open]);
-  const rows = (all: [string, string][]) => all.map(([key, words]) => <div key={key}><dt>{key}</dt><dd>{words}</dd></div>);
+  const rows = (all: readonly Row[]) => all.map(([key, words]) => <div key={key}><dt>{key}</dt><dd>{words}</dd></div>);
   return (
     <dialog ref={dialog} class="help" aria-label="Keys and help" onClose={() => (helpOpen.value = false)}>
       <header><h2>Keys</h2><Button icon="close" label="Close" onClick={() => (helpOpen.value = false)} /></header>
-      <dl>{rows(KEYS)}</dl>
+      <dl>{rows(baked.value ? LOOK : KEYS)}</dl>
       <h2>Mouse and touch</h2>
-      <dl>{rows(MICE)}</dl>
+      <dl>{rows(baked.value ? LOOK_MICE : MICE)}</dl>
       {!baked.value && <p>What you open stays on this machine: the page speaks only to the program that serves it.</p>}
     </dialog>
   );

@@ -2,9 +2,10 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { SaveWhat } from "../protocol.ts";
+import { copy } from "../save.ts";
 import { save } from "../session.ts";
 import { shown } from "../motion.ts";
-import { answer, can, checked, drawing, notice, running } from "../state.ts";
+import { answer, can, checked, drawing, running } from "../state.ts";
 import { Button } from "./Button.tsx";
 
 interface Choice { what: SaveWhat; words: string; ending: string; needs?: string; asked?: true }
@@ -52,7 +53,7 @@ export function SaveMenu() {
       root.current?.querySelector("button")?.focus();
     } else if (to !== undefined) items[(to + items.length) % items.length]?.focus();
   };
-  const command = escape ? (checked.value?.reply.command ?? "") : (answer.value?.reply.command ?? "");
+  const command = (escape ? checked : answer).value?.reply.command;
   return (
     <div class="menu" ref={root} onKeyDown={keys}>
       <Button icon="save" label="Save" keyName="S" onClick={() => setOpen(!open)} disabled={!drawing.value} pressed={open} class="savebutton">
@@ -80,9 +81,4 @@ export function SaveMenu() {
       )}
     </div>
   );
-}
-
-export async function copy(text: string): Promise<void> {
-  await navigator.clipboard.writeText(text);
-  notice.value = "copied";
 }

@@ -1,9 +1,9 @@
 /** What can be done with the chosen part. */
 
-import { design, fixedNames, groupOf, pulledNames, setExtra, toggleFixed, togglePull, unglue } from "../design.ts";
+import { design, fixedNames, groupOf, pulledNames, setExtra, settle, toggleFixed, togglePull, unglue } from "../design.ts";
 import { ask } from "../session.ts";
-import { baked, gluing, selected } from "../state.ts";
-import { short } from "../words.ts";
+import { baked, extent, gluing, selected } from "../state.ts";
+import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
 
@@ -21,7 +21,6 @@ export function Selection() {
   if (baked.value) return null;
   if (gluing.value) return <div class="selection hint" role="status">Choose the part to glue to {short(gluing.value)} <button type="button" class="link" onClick={() => (gluing.value = null)}>cancel</button></div>;
   if (!name) return null;
-  const extra = design.value.extra[name] ?? 0;
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
       <span class="name" title={name}>{short(name, 18)}</span>
@@ -29,10 +28,25 @@ export function Selection() {
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name)}>Pull</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
       <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => wiggle(name)}>Wiggle</Button>
-      <label class="extra" title="extra gap around this part alone">
-        <span>extra gap</span>
-        <NumberBox value={extra} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} />
-      </label>
+      <ExtraGap name={name} />
+    </div>
+  );
+}
+
+/** The gap of one part: a slider with its box in step; to the left of the middle the part fits tighter than the others. */
+function ExtraGap({ name }: { name: string }) {
+  const extra = design.value.extra[name] ?? 0;
+  const step = stepOf(design.value.gap || extent.value.radius / 50);
+  const most = 10 * step * Math.max(1, Math.ceil(Math.abs(extra) / (10 * step) - 1e-9));
+  const slide = (value: number): void => setExtra(name, Number((Math.round(value / step) * step).toPrecision(6)), `extra ${name}`);
+  return (
+    <div class="extra" title="extra gap around this part alone">
+      <span aria-hidden="true">extra gap</span>
+      <input
+        type="range" min={-most} max={most} step={step} value={extra} aria-label={`extra gap around ${name}`} aria-valuetext={`${number(extra)} mm`}
+        onInput={(event) => slide(Number(event.currentTarget.value))} onPointerDown={settle} onPointerUp={settle} onBlur={settle}
+      />
+      <NumberBox value={extra} step={step} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} />
     </div>
   );
 }

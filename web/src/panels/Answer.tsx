@@ -1,16 +1,15 @@
 /** What is asked, what was found, and what holds it. */
 
-import { design, goals, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
-import { type Goal, isPull, isTurn, type Point } from "../protocol.ts";
-import { answer, baked, dragged, highlit, selected } from "../state.ts";
-import { shown } from "../motion.ts";
-import { degrees, few, number, short } from "../words.ts";
+import { asks, design, goals, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
+import { type Cell, type Goal, isPull, isTurn, type Point } from "../protocol.ts";
+import { answer, baked, dragged, highlit, names, selected } from "../state.ts";
+import { end, shown } from "../motion.ts";
+import { ask, degrees, few, short } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
-import { copy } from "../chrome/SaveMenu.tsx";
+import { Command } from "./Command.tsx";
 import { Section } from "./Section.tsx";
-
-const MOST = 12;
+import { Table } from "./Table.tsx";
 
 export function Answer() {
   const about = answer.value;
@@ -22,11 +21,8 @@ export function Answer() {
         <>
           {about.reply.leaves.length > 0 && <Section title="Leaves"><p>{few(about.reply.leaves, 12)}</p></Section>}
           <Held />
-          {about.reply.command && (
-            <Section title="The same in a terminal" side={<Button icon="copy" label="Copy the command" onClick={() => copy(about.reply.command)} />}>
-              <pre class="command" tabIndex={0}>{about.reply.command}</pre>
-            </Section>
-          )}
+          <Moved />
+          <Command text={about.reply.command} />
         </>
       )}
     </>
@@ -35,6 +31,7 @@ export function Answer() {
 
 function Asked() {
   const whole = design.value.goals;
+  if (baked.value && !asks(design.value)) return null;
   return (
     <Section title="Asked">
       {typeof whole === "string" && <p>{whole === "closer" ? "neighbours closer" : "sum of squared translations"}</p>}
@@ -45,14 +42,14 @@ function Asked() {
 }
 
 function GoalRow({ goal, index }: { goal: Goal; index: number }) {
-  const still = baked.value;
+  const still = baked.value !== null;
   const turned = (angle: number): Point => [Math.cos((angle * Math.PI) / 180), Math.sin((angle * Math.PI) / 180)].map((v) => Number(v.toFixed(6)) + 0) as Point;
   return (
     <li class="row">
       <button type="button" class="link name" onClick={() => (selected.value = goal.part)}>{short(goal.part)}</button>
-      {!still && !isPull(goal) && !isTurn(goal) ? <span class="grow">w = ({goal.w.map((v) => number(v, 3)).join(", ")})</span> : (
+      {still || !(isPull(goal) || isTurn(goal)) ? <span class="grow">{ask(goal).slice(isTurn(goal) ? 0 : goal.part.length)}</span> : (
         <select
-          aria-label={`what is asked of ${goal.part}`} disabled={still} value={isPull(goal) ? "pull" : isTurn(goal) ? goal.turn : "w"}
+          aria-label={`what is asked of ${goal.part}`} value={isPull(goal) ? "pull" : goal.turn}
           onChange={(event) => {
             const to = event.currentTarget.value;
             setGoal(index, to === "pull" ? { part: goal.part, direction: [1, 0] } : { part: goal.part, turn: to as "cw" | "ccw" });
@@ -61,9 +58,9 @@ function GoalRow({ goal, index }: { goal: Goal; index: number }) {
           <option value="pull">pull</option><option value="ccw">turn ccw</option><option value="cw">turn cw</option>
         </select>
       )}
-      {isPull(goal) && (
+      {!still && isPull(goal) && (
         <NumberBox
-          value={Number(degrees(goal.direction).toFixed(3))} digits={5} step={5} unit="°" label={`direction of the pull on ${goal.part}`} disabled={still}
+          value={Number(degrees(goal.direction).toFixed(3))} digits={5} step={5} unit="°" label={`direction of the pull on ${goal.part}`}
           onChange={(angle) => setGoal(index, { ...goal, direction: turned(angle) })}
         />
       )}
@@ -74,6 +71,7 @@ function GoalRow({ goal, index }: { goal: Goal; index: number }) {
 
 function Standing() {
   const { fixed, glue } = design.value;
+  if (baked.value && fixed.length + glue.length === 0) return null;
   return (
     <Section title="Fixed">
       {fixed.length === 0 && <p class="quiet">Nothing is fixed. Choose a part, then F fixes it.</p>}
@@ -100,24 +98,29 @@ function Chip({ name, words, onRemove, class: kind }: { name: string; words: str
 }
 
 function Held() {
-  const contacts = (shown.value.what === "drag" ? dragged.value?.reply.held : answer.value?.reply.contacts)?.filter((one) => one.force > 0) ?? [];
+  const contacts = (shown.value.what === "drag" ? dragged.value?.reply.held : answer.value?.reply.contacts) ?? [];
   if (contacts.length === 0) return null;
-  const most = Math.max(...contacts.map((one) => one.force));
-  const rows = [...contacts].sort((a, b) => b.force - a.force).slice(0, MOST);
+  const rows = contacts.map(({ parts, point, force }): Cell[] => [parts, ...point, force]);
   return (
     <Section title="What holds it" side={<span class="quiet">{contacts.length} {contacts.length === 1 ? "contact" : "contacts"}</span>}>
-      <table class="contacts">
-        <thead><tr><th scope="col">between</th><th scope="col">force</th></tr></thead>
-        <tbody>
-          {rows.map((one, i) => (
-            <tr key={i} onPointerEnter={() => (highlit.value = one.point)} onPointerLeave={() => (highlit.value = null)}>
-              <td>{one.parts.map((name, k) => <>{k > 0 && " | "}<button type="button" class="link" onClick={() => (selected.value = name)}>{short(name, 14)}</button></>)}</td>
-              <td class="bar"><meter min={0} max={most} value={one.force} aria-label="force" /><span>{number(one.force, 3)}</span></td>
-            </tr>
-          ))}
-        </tbody>
-      </table>
-      {contacts.length > MOST && <p class="quiet">and {contacts.length - MOST} weaker</p>}
+      <Table columns={["between", "x mm", "y mm", "force"]} rows={rows} bar={3} onHover={(i) => (highlit.value = i === null ? null : contacts[i]!.point)} />
+    </Section>
+  );
+}
+
+/** How far every part goes in the answer, the farthest first. */
+function Moved() {
+  const way = answer.value?.ways[0];
+  if (!way || way.n !== names.value.length || shown.value.what === "drag") return null;
+  const motion = end(way);
+  const rows = names.value.map((name, i): [string, number, number, number, number] => {
+    const [x, y, turn] = motion.subarray(3 * i, 3 * i + 3) as unknown as [number, number, number];
+    return [name, x, y, (turn * 180) / Math.PI, Math.hypot(x, y)];
+  });
+  rows.sort((a, b) => b[4] - a[4]);
+  return (
+    <Section title="How far each part goes">
+      <Table columns={["part", "dx mm", "dy mm", "turn °", "moved mm"]} rows={rows} />
     </Section>
   );
 }

@@ -2,28 +2,27 @@
 
 import { design } from "../design.ts";
 import { shown } from "../motion.ts";
-import { ask, cancel, showEscape } from "../session.ts";
-import { baked, checked, current, running } from "../state.ts";
+import { ask, showEscape } from "../session.ts";
+import { baked, checked, current } from "../state.ts";
 import { few } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
+import { Run } from "../chrome/Run.tsx";
+import { Command } from "./Command.tsx";
 import { Section } from "./Section.tsx";
 
 export function Apart() {
   const about = checked.value;
-  const busy = running.value.has("check");
-  const start = (): void => void ask("check", { design: design.peek() });
   return (
+    <>
     <Section title="Does it come apart?">
       <p>Can some parts be moved without limit away from the others? Turning in place is not coming apart.</p>
       {!baked.value && (
-        <div class="asks">
-          {busy ? <Button label="Cancel" onClick={() => cancel("check")}>Cancel</Button> : <Button label="Check" onClick={start} class="main">Check</Button>}
-        </div>
+        <div class="asks"><Run kind="check" label="Check" onClick={() => void ask("check", { design: design.peek() })}>Check</Run></div>
       )}
       {about && (
         <div class={current(about) || baked.value ? "result" : "result old"}>
           <p class="verdict" data-verdict={about.reply.verdict}>{about.reply.verdict}</p>
-          <p>{about.reply.certainty}{about.reply.words.replace(/^[^:]*:/, ",")}</p>
+          <p class="why">{about.reply.words.replace(/^[^:]*: /, "")}</p>
           {!current(about) && !baked.value && <p class="quiet">said of an earlier design</p>}
           <ul class="rows">
             {about.reply.escapes.map((one, i) => (
@@ -32,13 +31,17 @@ export function Apart() {
                   icon="play" label={`Play the way out of ${few(one.parts)}`} pressed={shown.value.what === "escape" && shown.value.frames === about.ways[i]}
                   onClick={() => showEscape(i)}
                 />
-                <span class="grow">{one.words ?? few(one.parts)}</span>
+                <span class="grow">{one.words}</span>
               </li>
             ))}
           </ul>
+          {about.reply.escapes.length > 0 && about.reply.remains.length > 1 && <p>Remains interlocked: {few(about.reply.remains)}</p>}
           {about.reply.spins.length > 0 && <p>Can spin in place: {few(about.reply.spins)}</p>}
+          {about.reply.border && <p class="border">{about.reply.border}</p>}
         </div>
       )}
     </Section>
+    {baked.value && <Command text={about?.reply.command} />}
+    </>
   );
 }

@@ -3,22 +3,23 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, groupOf, pulledNames, setExtra } from "../design.ts";
-import { ask, cancel } from "../session.ts";
-import { answer, baked, coloured, current, drawing, ranking, running, selected } from "../state.ts";
+import { ask } from "../session.ts";
+import { answer, current, drawing, names as allNames, ranking, selected } from "../state.ts";
 import { number, short } from "../words.ts";
-import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
+import { Run } from "../chrome/Run.tsx";
 import { stepOf } from "../chrome/Selection.tsx";
+import { Blamebar, Colouring } from "./Ranked.tsx";
 import { Section } from "./Section.tsx";
 
 type Column = "order" | "name" | "extra" | "matters";
 const PAGE = 150;
 
 /** Of one part: its share of the sum, and what a tighter gap brings where that differs. */
-function share(one?: { percent: number; mm_per_mm: number; tighter?: number }): string {
+function share(one?: { percent: number; mm_per_mm: number; tighter: number }): string {
   if (!one) return "";
-  const other = one.tighter !== undefined && Math.abs(one.tighter - one.mm_per_mm) > 1e-3 * Math.abs(one.mm_per_mm);
-  return `${number(one.percent, 3)} % of the sum${other ? `; ${number(one.tighter!, 3)} mm per mm if tighter` : ""}`;
+  const other = Math.abs(one.tighter - one.mm_per_mm) > 1e-3 * Math.abs(one.mm_per_mm);
+  return `${number(one.percent, 3)} % of the sum${other ? `; ${number(one.tighter, 3)} mm per mm if tighter` : ""}`;
 }
 
 export function Gaps() {
@@ -28,7 +29,6 @@ export function Gaps() {
   const wanted = useSignal("");
   const table = useRef<HTMLTableElement>(null);
   const about = ranking.value;
-  const busy = running.value.has("rank");
   const order = (next: Column): void => {
     if (column.value === next) down.value = !down.value;
     else {
@@ -44,7 +44,7 @@ export function Gaps() {
     table.current?.querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest" });
   }, [chosen]);
   const matters = (name: string): number => about?.reply.parts[name]?.mm_per_mm ?? 0;
-  const names = drawing.value!.parts.map((part) => part.name).filter((name) => name.toLowerCase().includes(wanted.value.toLowerCase()));
+  const names = allNames.value.filter((name) => name.toLowerCase().includes(wanted.value.toLowerCase()));
   const sign = down.value ? -1 : 1;
   if (column.value === "name") names.sort((a, b) => sign * a.localeCompare(b, undefined, { numeric: true }));
   if (column.value === "extra") names.sort((a, b) => sign * ((design.value.extra[a] ?? 0) - (design.value.extra[b] ?? 0)));
@@ -60,14 +60,13 @@ export function Gaps() {
     <Section title="Whose gap matters most?">
       <p>How much further the answer goes for each mm of extra gap around one part.</p>
       <div class="asks">
-        {!baked.value && (busy ? <Button label="Cancel" onClick={() => cancel("rank")}>Cancel</Button>
-          : <Button label="Rank the gaps of all parts" onClick={() => void ask("rank", { design: design.peek() })} disabled={!answer.value || answer.value.reply.objective === null} class="main">Rank</Button>)}
-        {about && <label class="check"><input type="checkbox" checked={coloured.value} onChange={(event) => (coloured.value = event.currentTarget.checked)} /> colour the parts</label>}
+        <Run kind="rank" label="Rank the gaps of all parts" onClick={() => void ask("rank", { design: design.peek() })} disabled={!answer.value || answer.value.reply.objective === null}>Rank</Run>
+        {about && <Colouring />}
       </div>
       {about && (
         <>
-          <div class="blamebar" aria-hidden="true"><span>0</span><i /><span>{number(largest, 3)} mm per mm</span></div>
-          {!current(about) && !baked.value && <p class="quiet">ranked for an earlier design</p>}
+          <Blamebar most={largest} per={about.reply.per} />
+          {!current(about) && <p class="quiet">ranked for an earlier design</p>}
           {about.reply.note && <p class="quiet">{about.reply.note}</p>}
         </>
       )}
@@ -86,7 +85,7 @@ export function Gaps() {
                   {groupOf(name) && <span class="quiet"> glued</span>}
                 </button>
               </td>
-              <td><NumberBox value={design.value.extra[name] ?? 0} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} disabled={baked.value} /></td>
+              <td><NumberBox value={design.value.extra[name] ?? 0} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} /></td>
               {about && <td class="bar" title={share(about.reply.parts[name])}><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
             </tr>
           ))}

@@ -1,27 +1,41 @@
 /** The right panel, on a phone a sheet below the canvas: tabs with one panel each. */
 
+import { computed } from "@preact/signals";
 import type { ComponentType } from "preact";
-import { baked, checked, drawing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
+import { answer, baked, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
 import { Gaps } from "./Gaps.tsx";
+import { Joints, Ranked } from "./Ranked.tsx";
 import { Space } from "./Space.tsx";
+import { Study } from "./Study.tsx";
 import { Sure } from "./Sure.tsx";
 
-const TABS: [Tab, string, ComponentType][] = [
-  ["answer", "Answer", Answer], ["gaps", "Gaps", Gaps], ["apart", "Come apart", Apart], ["space", "Free space", Space], ["sure", "How sure", Sure],
-];
+interface Page { name: Tab; words: string; Shown: ComponentType }
+
+const GapsAndJoints = () => <><Gaps /><Joints /></>;
+
+/** The panels of the live page; of one that carries what was found, those that have something to say. */
+export const pages = computed<Page[]>(() => {
+  const page = (name: Tab, words: string, Shown: ComponentType, there: boolean = true): Page[] => (there ? [{ name, words, Shown }] : []);
+  const told = baked.value;
+  if (!told) {
+    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space), ...page("sure", "How sure", Sure)];
+  }
+  return [
+    ...page("answer", "Answer", Answer, answer.value !== null), ...page("gaps", "Whose gap", Ranked, ranking.value !== null),
+    ...page("apart", "Come apart", Apart, checked.value !== null), ...page("space", "Free space", Space, space.value !== null),
+    ...page("study", told.study?.tab ?? "", Study, told.study !== null), ...page("sure", "How sure", Sure, answer.value !== null || checked.value !== null),
+  ];
+});
 
 export function Panel() {
   if (!drawing.value) return null;
-  const stored: Record<Tab, boolean> = {
-    answer: true, gaps: !baked.value || ranking.value !== null, apart: !baked.value || checked.value !== null,
-    space: !baked.value || space.value !== null, sure: true,
-  };
-  const tabs = TABS.filter(([name]) => stored[name]);
-  const Shown = (tabs.find(([name]) => name === tab.value) ?? tabs[0]!)[2];
+  const tabs = pages.value;
+  const open = tabs.find(({ name }) => name === tab.value) ?? tabs[0]!;
+  if (printing.value) return <aside class="panel" aria-label="answers">{tabs.map(({ name, Shown }) => <div class="tabpanel" key={name}><Shown /></div>)}</aside>;
   const choose = (name: Tab): void => {
-    if (tab.value === name && sheetOpen.value) sheetOpen.value = false;
+    if (open.name === name && sheetOpen.value) sheetOpen.value = false;
     else {
       tab.value = name;
       sheetOpen.value = true;
@@ -31,21 +45,20 @@ export function Panel() {
     const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
     if (!by) return;
     event.preventDefault();
-    const at = tabs.findIndex(([name]) => name === tab.value);
-    tab.value = tabs[(at + by + tabs.length) % tabs.length]![0];
+    tab.value = tabs[(tabs.indexOf(open) + by + tabs.length) % tabs.length]!.name;
     requestAnimationFrame(() => document.getElementById(`tab-${tab.value}`)?.focus());
   };
   return (
     <aside class="panel" data-open={sheetOpen.value} aria-label="answers">
       <div class="tabs" role="tablist" aria-label="answers" onKeyDown={keys}>
-        {tabs.map(([name, words]) => (
+        {tabs.map(({ name, words }) => (
           <button
-            key={name} id={`tab-${name}`} type="button" role="tab" aria-selected={tab.value === name} aria-controls="tabpanel"
-            tabIndex={tab.value === name ? 0 : -1} onClick={() => choose(name)}
+            key={name} id={`tab-${name}`} type="button" role="tab" aria-selected={open.name === name} aria-controls="tabpanel"
+            tabIndex={open.name === name ? 0 : -1} onClick={() => choose(name)}
           >{words}</button>
         ))}
       </div>
-      <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${tab.value}`} tabIndex={-1}><Shown /></div>
+      <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
     </aside>
   );
 }

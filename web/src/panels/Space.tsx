@@ -4,12 +4,13 @@ import { useComputed, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design } from "../design.ts";
 import { end, shown } from "../motion.ts";
-import { ask, cancel } from "../session.ts";
+import { ask } from "../session.ts";
 import { isDark } from "../stage/colours.ts";
-import { answer, baked, current, drawing, running, selected, space } from "../state.ts";
+import { answer, baked, current, drawing, indexOf, names, selected, space } from "../state.ts";
 import type { SpaceView } from "../space3d.ts";
-import { number } from "../words.ts";
-import { Button } from "../chrome/Button.tsx";
+import { nearestBy, number } from "../words.ts";
+import { Run } from "../chrome/Run.tsx";
+import { Command } from "./Command.tsx";
 import { relative } from "./relative.ts";
 import { Section } from "./Section.tsx";
 import { Slice } from "./Slice.tsx";
@@ -17,43 +18,50 @@ import { Slice } from "./Slice.tsx";
 export function Space() {
   const a = useSignal("");
   const b = useSignal("");
-  const names = drawing.value!.parts.map((part) => part.name);
   const touching = useComputed(() => answer.value?.reply.contacts.map((one) => one.parts) ?? []);
   useEffect(() => {
     const chosen = selected.value;
     const pair = touching.value.find((one) => !chosen || one.includes(chosen));
     if (!a.value || (chosen && chosen !== a.value && chosen !== b.value)) {
-      a.value = pair?.[0] ?? names[0] ?? "";
-      b.value = pair?.[1] ?? names[1] ?? "";
-      if (chosen && !pair) [a.value, b.value] = [names.find((name) => name !== chosen) ?? "", chosen];
+      a.value = pair?.[0] ?? names.value[0] ?? "";
+      b.value = pair?.[1] ?? names.value[1] ?? "";
+      if (chosen && !pair) [a.value, b.value] = [names.value.find((name) => name !== chosen) ?? "", chosen];
     }
   }, [selected.value, touching.value]);
-  const busy = running.value.has("space");
   const about = space.value;
   const choice = (one: typeof a, label: string) => (
     <label>{label} <input class="pairname" list="partnames" value={one.value} onChange={(event) => (one.value = event.currentTarget.value)} /></label>
   );
-  const ready = names.includes(a.value) && names.includes(b.value) && a.value !== b.value;
+  const ready = indexOf.value.has(a.value) && indexOf.value.has(b.value) && a.value !== b.value;
   return (
     <Section title="Free space of a pair">
       <p>Everywhere one part can go against another: shift in x and y, and turn upwards.</p>
       {!baked.value && (
         <div class="asks">
-          <datalist id="partnames">{names.map((name) => <option key={name} value={name} />)}</datalist>
+          <datalist id="partnames">{names.value.map((name) => <option key={name} value={name} />)}</datalist>
           {choice(a, "stands")}{choice(b, "moves")}
-          {busy ? <Button label="Cancel" onClick={() => cancel("space")}>Cancel</Button>
-            : <Button label="Show the free space" onClick={() => void ask("space", { design: design.peek(), a: a.value, b: b.value })} disabled={!ready} class="main">Show</Button>}
+          <Run kind="space" label="Show the free space" onClick={() => void ask("space", { design: design.peek(), a: a.value, b: b.value })} disabled={!ready}>Show</Run>
         </div>
       )}
       {about?.reply.open && <p class="strong">{about.reply.words}</p>}
       {about && !about.reply.open && <Body />}
+      {about && baked.value && <Command text={about.reply.command} />}
       {about && !current(about) && !baked.value && <p class="quiet">shown for an earlier design</p>}
     </Section>
   );
 }
 
+type Show = typeof import("../space3d.ts").show;
+const here = globalThis as { showSpace?: Show };
+
+/** The 3D view: in the page already where that carries a free space, else loaded now. */
+async function viewer(): Promise<Show> {
+  if (!here.showSpace) await import("./space-view.js" as string);
+  return here.showSpace!;
+}
+
 function nearest(slices: { angle_deg: number }[], angle: number): number {
-  return slices.reduce((best, one, i) => (Math.abs(one.angle_deg - angle) < Math.abs(slices[best]!.angle_deg - angle) ? i : best), 0);
+  return slices.indexOf(nearestBy(slices, (one) => one.angle_deg, angle)!);
 }
 
 function Body() {
@@ -69,10 +77,10 @@ function Body() {
   useEffect(() => {
     let gone = false;
     which.value = nearest(slices, state[2]);
-    import("./space-view.js" as string).then(
-      (code: typeof import("../space3d.ts")) => {
+    viewer().then(
+      (show) => {
         if (gone || !box.current) return;
-        made.current = code.show(box.current, about.reply, isDark());
+        made.current = show(box.current, about.reply, isDark());
         made.current.point(state);
         made.current.slice(slices[which.peek()]?.angle_deg ?? 0);
       },

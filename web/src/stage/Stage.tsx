@@ -3,7 +3,7 @@
 import { effect, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
-import { end, factor, place, pose, shown } from "../motion.ts";
+import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { askDrag, release } from "../session.ts";
 import * as state from "../state.ts";
@@ -36,7 +36,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     const ratio = canvas.width / size.peek().width;
     const at = state.indexOf.peek();
     const scene = {
-      shapes: current.shapes, names: state.drawing.peek()!.parts.map((part) => part.name), roles: roles.peek(), blame: blame.peek(),
+      shapes: current.shapes, names: state.names.peek(), roles: roles.peek(), blame: blame.peek(),
       motion, factor: factor(), chosen: at.get(state.selected.peek() ?? "") ?? -1, hovered: at.get(state.hovered.peek() ?? "") ?? -1, colours: colours(),
     };
     paint(g, size.peek(), ratio, view.peek(), scene, rough);
@@ -51,6 +51,8 @@ function painter(canvas: HTMLCanvasElement): () => void {
   const invalidate = (): void => {
     if (!wanted) wanted = requestAnimationFrame(draw);
   };
+  const printed = (): void => draw(performance.now()); // paper does not wait for a frame
+  addEventListener("beforeprint", printed);
   const stopShapes = effect(() => {
     const opened = state.drawing.value;
     current.shapes = opened ? shapes(opened.parts, state.rings.value) : [];
@@ -70,10 +72,11 @@ function painter(canvas: HTMLCanvasElement): () => void {
   });
   const stop = effect(() => {
     void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), state.selected.value];
-    void [state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
+    void [playing.value, state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
     invalidate();
   });
   return () => {
+    removeEventListener("beforeprint", printed);
     stopShapes();
     stopBox();
     stopFit();
@@ -91,7 +94,7 @@ function marksNow() {
   }
   const about = state.answer.peek();
   if (what !== "answer" || !about?.ways[0] || place.peek() < 0.999 || blame.peek()) return null;
-  return { contacts: about.reply.contacts.filter((one) => one.force > 0), at: end(about.ways[0]), thread, highlit: state.highlit.peek() };
+  return { contacts: about.reply.contacts, at: end(about.ways[0]), thread, highlit: state.highlit.peek() };
 }
 
 /** From where the dragged point is drawn to where it is wanted. */
@@ -106,7 +109,7 @@ function threadNow(): { from: Point; to: Point } | null {
   return { from: outOf(placed(shape, current.motion, i, f), local), to };
 }
 
-interface Held { id: number; at: Point; moved: boolean; part: string | null; grip: Point; reference: Point }
+interface Held { at: Point; moved: boolean; part: string | null; grip: Point }
 
 function pointers(canvas: HTMLCanvasElement): () => void {
   const down = new Map<number, Held>();
@@ -120,7 +123,7 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     const at = here(event);
     const name = event.button === 0 && down.size === 0 ? partAt(at) : null;
     const grip = name ? gripAt(name, at) : ([0, 0] as Point);
-    down.set(event.pointerId, { id: event.pointerId, at, moved: false, part: name, grip, reference: toWorld(view.peek(), size.peek(), at) });
+    down.set(event.pointerId, { at, moved: false, part: name, grip });
   };
   const move = (event: PointerEvent): void => {
     const held = down.get(event.pointerId);
@@ -225,7 +228,7 @@ export function Stage() {
     <div class="stage" data-cursor={grabbing ? "grabbing" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
       <canvas
         ref={canvas} tabIndex={0} role="application" aria-roledescription="drawing"
-        aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part, arrow keys move it or turn its pull, question mark lists all keys.`}
+        aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part${state.baked.value ? "" : ", arrow keys move it or turn its pull"}, question mark lists all keys.`}
       />
       <Overlay />
     </div>

@@ -1,6 +1,7 @@
 /** Colours of the canvas, those of the pictures; in the dark the same hues on a dark ground. */
 
 import { signal } from "@preact/signals";
+import { printing } from "../state.ts";
 
 export interface Colours {
   paper: string; ink: string; quiet: string; rest: string; grid: string;
@@ -37,7 +38,7 @@ const stored = (): Theme => {
   }
 };
 export const theme = signal<Theme>(stored());
-export const isDark = (): boolean => (theme.value === "auto" ? system.value : theme.value === "dark");
+export const isDark = (): boolean => !printing.value && (theme.value === "auto" ? system.value : theme.value === "dark");
 export const colours = (): Colours => (isDark() ? DARK : LIGHT);
 
 export function setTheme(next: Theme): void {

@@ -3,18 +3,23 @@
 import { computed } from "@preact/signals";
 import { fixedNames, pulledNames } from "../design.ts";
 import { shown } from "../motion.ts";
-import { answer, checked, coloured, drawing, dragged, ranking, tab } from "../state.ts";
+import { answer, baked, checked, coloured, dragged, names, ranking, space as pair, tab } from "../state.ts";
 
 export type Role = "neutral" | "pulled" | "fixed" | "leaves" | "lit";
 
 /** Shares 0..1 of the importance of the parts; null while the ranking is not shown. */
 export const blame = computed<Float32Array | null>(() => {
-  const about = ranking.value;
-  if (!about || tab.value !== "gaps" || !coloured.value) return null;
-  const values = drawing.value?.parts.map((part) => Math.abs(about.reply.parts[part.name]?.mm_per_mm ?? 0)) ?? [];
+  const of = tab.value === "gaps" ? blamed() : tab.value === "study" ? baked.value?.tints?.values : undefined;
+  if (!of || !coloured.value) return null;
+  const values = names.value.map((name) => Math.abs(of[name] ?? 0));
   const most = Math.max(...values, 1e-12);
   return Float32Array.from(values, (v) => v / most);
 });
+
+function blamed(): Record<string, number> | undefined {
+  const parts = ranking.value?.reply.parts;
+  return parts && Object.fromEntries(Object.entries(parts).map(([name, one]) => [name, one.mm_per_mm]));
+}
 
 /** Parts that leave in the step that is shown. */
 function escaping(): string[] {
@@ -23,17 +28,18 @@ function escaping(): string[] {
 }
 
 export const roles = computed<Role[]>(() => {
-  const names = drawing.value?.parts.map((part) => part.name) ?? [];
   const leaving = new Set(
     shown.value.what === "escape" ? escaping() : (answer.value?.reply.leaves ?? []),
   );
   const held = new Set(shown.value.what === "drag" ? (dragged.value?.reply.blocking ?? []) : []);
+  const space = baked.value ? pair.value?.reply : undefined; // the pair that the page is about
   const role = (name: string): Role => {
-    if (fixedNames.value.has(name)) return "fixed";
+    if (space?.a === name || fixedNames.value.has(name)) return "fixed";
+    if (space?.b === name) return "pulled";
     if (held.has(name)) return "lit";
     if (shown.value.what === "drag" && dragged.value?.reply.part === name) return "pulled";
     if (leaving.has(name)) return "leaves";
     return pulledNames.value.has(name) ? "pulled" : "neutral";
   };
-  return names.map(role);
+  return names.value.map(role);
 });

@@ -50,15 +50,13 @@ export function namePlace(shape: Shape): Point {
 /** Where a part is: reference point in the world and turn, its motion times the magnification. */
 export interface Placed { x: number; y: number; cos: number; sin: number }
 
-export function placed(shape: Shape, motion: Float32Array, i: number, factor: number): Placed {
-  const turn = (motion[3 * i + 2] ?? 0) * factor;
-  return {
-    x: shape.at[0] + (motion[3 * i] ?? 0) * factor,
-    y: shape.at[1] + (motion[3 * i + 1] ?? 0) * factor,
-    cos: Math.cos(turn),
-    sin: Math.sin(turn),
-  };
+export function placed(shape: Pick<Shape, "at">, motion: Float32Array, i: number, factor: number): Placed {
+  return posed(
+    shape.at[0] + (motion[3 * i] ?? 0) * factor, shape.at[1] + (motion[3 * i + 1] ?? 0) * factor, (motion[3 * i + 2] ?? 0) * factor,
+  );
 }
+
+export const posed = (x: number, y: number, turn: number): Placed => ({ x, y, cos: Math.cos(turn), sin: Math.sin(turn) });
 
 /** Box around parts at rest and moved; on each side no farther out than `most` times the longer side. */
 export function around(all: readonly Shape[], rest: Box, motion: Float32Array | null, factor: number, most = 0.8): Box {
@@ -73,6 +71,9 @@ export function around(all: readonly Shape[], rest: Box, motion: Float32Array | 
   });
   return [Math.max(x0, rest[0] - far), Math.max(y0, rest[1] - far), Math.min(x1, rest[2] + far), Math.min(y1, rest[3] + far)];
 }
+
+/** A vector turned by an angle [rad]. */
+export const turned = ([x, y]: Point, angle: number): Point => [Math.cos(angle) * x - Math.sin(angle) * y, Math.sin(angle) * x + Math.cos(angle) * y];
 
 /** World point as seen from the part, about its reference point. */
 export const into = (p: Placed, [x, y]: Point): Point => [

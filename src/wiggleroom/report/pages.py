@@ -1,0 +1,190 @@
+"""Everything that was found as one HTML page each: an answer, a check, and every study."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.audit import Audit
+from wiggleroom.analysis.interlock import Interlock
+from wiggleroom.analysis.rank import Ranking, rank_at_once
+from wiggleroom.analysis.sample import Sample
+from wiggleroom.analysis.sweep import Sweep
+from wiggleroom.analysis.tighten import Tightening
+from wiggleroom.analysis.vary import can_be_ranked
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.errors import InputError
+from wiggleroom.freespace.space import FreeSpace
+from wiggleroom.report import study_plots
+from wiggleroom.report.apart import check_facts, check_title
+from wiggleroom.report.apart_picture import Checked
+from wiggleroom.report.baked import answered, baked, opened, section, way
+from wiggleroom.report.blame import ranking_facts, tightening_facts
+from wiggleroom.report.plots import histogram
+from wiggleroom.report.solid import space_told
+from wiggleroom.report.space import headline as space_headline
+from wiggleroom.report.space import said, space_picture, space_record
+from wiggleroom.report.studies import QUANTILES, lost_sentence, sample_sure
+from wiggleroom.report.told import Json
+from wiggleroom.report.told_studies import check_told, ranking_told, step_told
+from wiggleroom.report.words import headline, number, unit
+
+
+def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
+    """Answer as one HTML page: drawing, film, contacts, parts, how sure it is, and the command.
+
+    Whose gap matters is said too where the motion ends at walls, from the forces of the answer itself.
+
+    Parameters
+    ----------
+    found : Interlock, optional
+        Whether the same assembly comes apart, where that is known.
+    """
+    told = _about(answer, answer.command) | ({} if found is None else _check(Checked(found), ""))
+    if answer.model == "walls" and can_be_ranked(answer):
+        told["rank"] = ranking_told(rank_at_once(answer), answer.command)
+    return baked(headline(answer), told)
+
+
+def page_of_ranking(ranking: Ranking, *, command: str = "") -> str:
+    """Ranking as one HTML page: coloured parts, parts and joints in order, and the answer that they are about."""
+    answer = ranking.answer
+    told = _about(answer, command) | {"rank": ranking_told(ranking, command), "tab": "gaps"}
+    return baked(headline(answer), told | {"said": {"title": headline(answer), "facts": ranking_facts(ranking)}})
+
+
+def page_of_check(checked: Checked, *, command: str = "") -> str:
+    """Check as one HTML page: the verdict, who leaves in which order and how as films, and how sure it is."""
+    found, title = checked.found, check_title(checked.found)
+    said = {"title": title, "facts": check_facts(found, checked.border)}
+    return baked(title, {"opened": opened(found.assembly), "said": said, "tab": "apart"} | _check(checked, command))
+
+
+def page_of_sweep(found: Sweep, *, command: str = "") -> str:
+    """Sweep as one HTML page: the curve, its numbers, and the whole answer at every gap under a slider.
+
+    Raises
+    ------
+    InputError
+        If no gap was finished.
+    """
+    answers = {step.gap: step.answer for step in found.steps if step.answer is not None}
+    if not answers:
+        finding = "sweep: there is no gap with an answer to show"
+        raise InputError(finding)
+    what = unit(found.goals)
+    rows: list[list[str | float]] = []
+    for s in found.steps:
+        value = float("nan") if s.objective is None else float(s.objective)
+        rate = value / s.gap if s.gap > 0 else float("nan")
+        rows.append([float(s.gap), value, rate, str(s.verdict), "checked" if s.checked else "not checked"])
+    heads = ["gap mm", f"motion {what}".rstrip(), "per mm of gap", "verdict", "way"]
+    sure = [
+        ("loses its end", lost_sentence(found)),
+        ("found", "each gap begins where the smaller one ended; parts that became smaller still fit there"),
+    ]
+    first = min(answers, key=lambda gap: abs(gap - found.assembly.gap))
+    told = {
+        "opened": opened(next(iter(answers.values())).assembly, found.goals),
+        "begin": first,
+        "answers": answered(answers, command),
+        "steps": [step_told(step) for step in found.steps],
+        "lost": found.lost,
+        "study": {"tab": "Gaps", "sections": [section("Motion against gap", columns=heads, rows=rows, terms=sure)]},
+    }
+    return baked(study_plots.sweep_title(found), told)
+
+
+def page_of_tightening(found: Tightening, *, command: str = "") -> str:
+    """Tightening as one HTML page: what is left, which parts are chosen, and how choices at random do."""
+    after, before = found.after, found.before
+    moved = [dict(zip(a.assembly.names, np.hypot(*a.motion[:, :2].T).tolist(), strict=True)) for a in (before, after)]
+    rows = [(k + 1, name, moved[0][name], moved[1][name]) for k, name in enumerate(found.chosen)]
+    heads = ["order", "part", "moved mm before", "after"]
+    sections = [section("Make these tighter, in this order", "They are coloured.", columns=heads, rows=rows)]
+    if len(found.random):
+        marks = [
+            (value, f"{said} {number(value)}")
+            for value, said in ((after.objective, "these parts"), (before.objective, "as it is"))
+            if value is not None
+        ]
+        what = f"motion {unit(before.goals)}".rstrip()
+        plot = histogram(found.random, label=what, title="as many parts at random", marks=marks, framed=False)
+        sections.append(section(f"As many parts at random, {len(found.random)} times", svg=plot))
+    told = _about(after, command) | {
+        "said": {"title": headline(after), "facts": tightening_facts(found)},
+        "tab": "study",
+        "study": {"tab": "Tighter", "sections": sections},
+        "tints": {"per": "", "values": dict.fromkeys(found.chosen, 1.0)},
+    }
+    return baked(headline(after), told)
+
+
+def page_of_sample(found: Sample, *, command: str = "") -> str:
+    """Sample as one HTML page: histogram, numbers, which parts contribute, the worst draw, and the answer without variation."""
+    answer, bounded = found.answer, found.bounded
+    what, names, share = unit(answer.goals), answer.assembly.names, found.contributions
+    numbers: list[tuple[str, float]] = [("without variation", answer.objective or 0.0)]
+    if len(bounded):
+        numbers.append(("mean", float(bounded.mean())))
+    if len(bounded) > 1:
+        numbers.append(("standard deviation", float(bounded.std(ddof=1))))
+    numbers += [(f"{100 * q:g} % of the draws below", found.quantile(q)) for q in QUANTILES]
+    numbers.append(("worst", float(found.value[found.worst])))
+    worst = found.extra[found.worst].tolist()
+    parts = [(names[k], float(share[k]), worst[k]) for k in np.argsort(-share, kind="stable").tolist()]
+    title = study_plots.sample_title(found)
+    told = _about(answer, command) | {
+        "said": {"title": title, "facts": study_plots.sample_facts(found)},
+        "tab": "study",
+        "study": {
+            "tab": "Draws",
+            "sections": [
+                section("Motions of the draws", svg=study_plots.picture_of_sample(found, framed=False)),
+                section("In numbers", columns=["what", f"motion {what}".rstrip()], rows=numbers),
+                section("Parts", columns=["part", "contributes %", "extra gap mm in the worst draw"], rows=parts),
+                section("How sure are the draws", terms=sample_sure(found)),
+            ],
+        },
+        "tints": {"per": "% of the variance", "values": dict(zip(names, share.tolist(), strict=True))},
+    }
+    return baked(title, told)
+
+
+def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
+    """Free space of a pair as one HTML page: the solid to be turned, slices, cells, and how they were judged."""
+    record = space_record(space, judged, command)
+    cells = [(k + 1, c["walls"], *c["angles_deg"]) for k, c in enumerate(record["cells"])]
+    sections = [
+        section("Picture", svg=space_picture(space, assembly, judged, framed=False)),
+        section("Slices", columns=["turn °", "area mm²"], rows=[(s["angle_deg"], s["area"]) for s in record["slices"]]),
+        section("Cells", columns=["cell", "walls", "from °", "to °"], rows=cells),
+    ]
+    if judged is not None:
+        judgement = [(term, str(value)) for term, value in record["audit"].items()]
+        sections.append(section("Judged against polygon intersection", terms=judgement))
+    told = {
+        "opened": opened(assembly),
+        "said": {"title": space_headline(space), "facts": said(space, judged)},
+        "tab": "space",
+        "space": {"kind": "space", "id": 0} | space_told(space, (0.0, 0.0, 0.0), command),
+        "study": {"tab": "Slices and cells", "sections": sections},
+    }
+    return baked(space_headline(space), told)
+
+
+def _check(checked: Checked, command: str) -> Json:
+    """A verdict with the ways of those that leave."""
+    found = checked.found
+    reply = {"kind": "check", "id": 0} | check_told(found, command, checked.border)
+    return {"check": {"reply": reply, "ways": [way(found.assembly, escape.path) for escape in found.escapes]}}
+
+
+def _about(answer: Answer, command: str) -> Json:
+    """A drawing and the answer to one question about it."""
+    gap = answer.assembly.gap
+    return {
+        "opened": opened(answer.assembly, answer.goals),
+        "answers": answered({gap: answer}, command),
+        "tab": "answer",
+    }

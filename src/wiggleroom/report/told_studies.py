@@ -1,0 +1,60 @@
+"""Rankings, checks and sweeps as the page reads them; apart from answers, because they need all that works them out."""
+
+from __future__ import annotations
+
+from wiggleroom.analysis.interlock import Interlock
+from wiggleroom.analysis.largest_gap import LargestGap
+from wiggleroom.analysis.rank import Ranking
+from wiggleroom.analysis.sweep import Step
+from wiggleroom.report.apart import border_sentence, check_sure, leaves, why
+from wiggleroom.report.ranking import ranking_sure
+from wiggleroom.report.told import Json
+from wiggleroom.report.words import per_gap
+
+
+def ranking_told(ranking: Ranking, command: str) -> Json:
+    """Whose gap matters, of parts and of joints, the most important first."""
+    names = ranking.answer.assembly.names
+    joints = (-ranking.joint_looser).argsort(kind="stable")
+    return {
+        "parts": {
+            names[k]: {
+                "mm_per_mm": float(ranking.looser[k]),
+                "tighter": float(ranking.tighter[k]),
+                "percent": float(ranking.percent[k]),
+            }
+            for k in ranking.order.tolist()
+        },
+        "joints": [
+            {
+                "parts": [names[i] for i in ranking.joints[k].tolist()],
+                "mm_per_mm": float(ranking.joint_looser[k]),
+                "percent": float(ranking.joint_percent[k]),
+            }
+            for k in joints.tolist()
+        ],
+        "per": per_gap(ranking.answer.goals),
+        "unique": bool(ranking.unique.all()),
+        "note": "by " + "; ".join(line for _, line in ranking_sure(ranking)),
+        "command": command,
+    }
+
+
+def check_told(found: Interlock, command: str, border: LargestGap | None = None) -> Json:
+    """Whether it comes apart, who leaves in which order and how, and how sure that is."""
+    return {
+        "verdict": found.verdict,
+        "certainty": found.certainty,
+        "words": f"{found.verdict}: {why(found)}",
+        "sure": check_sure(found),
+        "escapes": [{"parts": list(e.parts), "words": leaves(found, e)} for e in found.escapes],
+        "spins": list(found.spins),
+        "remains": list(found.remains),
+        "border": None if border is None else border_sentence(border),
+        "command": command,
+    }
+
+
+def step_told(step: Step) -> Json:
+    """One gap of a sweep."""
+    return {"gap": step.gap, "objective": step.objective, "verdict": str(step.verdict), "checked": step.checked}
