@@ -13,6 +13,7 @@ import wiggleroom as wr
 from tests.flexing import case_assembly, displaced, mirrored, random_assembly, random_goals, row_of, scaled, shuffled
 from tests.oracle import blocks, chain, closed_forms, random_joints
 from tests.oracle.slices import Slices
+from wiggleroom.analysis.answer import Bound
 from wiggleroom.analysis.bounding import Bounding, Clock
 from wiggleroom.analysis.prepare import survey
 from wiggleroom.analysis.regions import outer_regions
@@ -304,9 +305,10 @@ def test_words_round_outwards():
     from wiggleroom.report.words import proven
 
     answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
-    assert proven(answer) == ""
-    said = proven(replace(answer, objective=1.37238, at_most=1.37901))
-    assert said == "between 1.3723 and 1.3791 mm, proven"
+    assert proven(replace(answer, at_most=None, bound=None)) == ""
+    shown = replace(answer, objective=1.37238, at_most=1.37901, bound=Bound(1.37901, 0.005, 0.1))
+    assert proven(shown) == "between 1.3723 and 1.3791 mm, proven"
+    assert proven(replace(shown, bound=replace(shown.bound, kind="quick"))) == "at most 1.3791 mm"
 
 
 @pytest.mark.parametrize(
