@@ -13,6 +13,7 @@ import wiggleroom as wr
 from tests.flexing import case_assembly, displaced, mirrored, random_assembly, random_goals, row_of, scaled, shuffled
 from tests.oracle import blocks, chain, closed_forms, random_joints
 from tests.oracle.slices import Slices
+from wiggleroom.analysis.answer import Bound
 from wiggleroom.analysis.bounding import Bounding, Clock
 from wiggleroom.analysis.prepare import survey
 from wiggleroom.analysis.regions import outer_regions
@@ -231,9 +232,9 @@ def test_a_turn_beyond_a_quarter():
 def test_flex_proves_when_asked():
     assembly = wr.patterns.chain(3, joint="tee", gap=0.02)
     plain = wr.flex(assembly)
-    assert plain.at_most is None
-    assert plain.bound is None
+    assert plain.bound is None or plain.bound.kind == "quick"
     answer = wr.flex(assembly, prove=0.01)
+    assert answer.bound.kind == "proven"
     assert answer.objective == plain.objective
     assert answer.bound.at_most == answer.at_most
     assert answer.at_most / answer.objective - 1 == pytest.approx(answer.bound.within)
@@ -304,9 +305,10 @@ def test_words_round_outwards():
     from wiggleroom.report.words import proven
 
     answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
-    assert proven(answer) == ""
-    said = proven(replace(answer, objective=1.37238, at_most=1.37901))
-    assert said == "between 1.3723 and 1.3791 mm, proven"
+    assert proven(replace(answer, at_most=None, bound=None)) == ""
+    shown = replace(answer, objective=1.37238, at_most=1.37901, bound=Bound(1.37901, 0.005, 0.1))
+    assert proven(shown) == "between 1.3723 and 1.3791 mm, proven"
+    assert proven(replace(shown, bound=replace(shown.bound, kind="quick"))) == "at most 1.3791 mm"
 
 
 @pytest.mark.parametrize(

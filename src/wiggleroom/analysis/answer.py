@@ -50,6 +50,9 @@ class Bound:
         Why nothing was proven; empty where something was.
     certificate : dict, optional
         All that somebody else needs to check it, where that was asked for.
+    kind : str
+        "proven" where it was asked for and tightened; "quick" where it stands beside the answer at no great cost: it holds as surely, but
+        may lie far above the truth.
     """
 
     at_most: float | None
@@ -57,6 +60,7 @@ class Bound:
     seconds: float
     why: str = ""
     certificate: dict[str, Any] | None = None
+    kind: str = "proven"
 
 
 @dataclass(frozen=True, eq=False)

@@ -44,10 +44,10 @@ DEEPEST = 200
 
 @dataclass(eq=False)
 class Clock:
-    """When to end."""
+    """When to end; itself something that can be asked to stop."""
 
     seconds: float
-    stop: Stop | None
+    stop: Stop | None = None
     began: float = field(default_factory=time.perf_counter)
 
     @property
@@ -58,6 +58,8 @@ class Clock:
     def over(self) -> bool:
         """True where the time is up or somebody asked to stop."""
         return self.spent > self.seconds or (self.stop is not None and self.stop.is_set())
+
+    is_set = over
 
 
 @dataclass(eq=False)

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.motions import of_bodies
 from wiggleroom.analysis.prepare import REACH, Prepared
 from wiggleroom.analysis.search import Progress
@@ -112,7 +112,7 @@ def explore(
 def _ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
     """The answer to one question, or None where the engine gave up."""
     try:
-        return flex(ready, goals, start=start, stop=stop)
+        return witness(ready, goals, start=start, stop=stop)
     except WiggleroomError:
         return None
 

@@ -12,6 +12,7 @@ from wiggleroom.analysis.finish import answer_of
 from wiggleroom.analysis.flex_halfplane import flex_half_planes
 from wiggleroom.analysis.flex_hull import flex_hull
 from wiggleroom.analysis.prepare import Prepared, prepare
+from wiggleroom.analysis.quick import with_quick_bound
 from wiggleroom.analysis.search import Found, Progress, Search, silent
 from wiggleroom.analysis.starts import pulls
 from wiggleroom.assembly.findings import asked_goals
@@ -63,7 +64,8 @@ def flex(
     Returns
     -------
     Answer
-        A motion, with walls one without overlap, and how sure it is.
+        A motion, with walls one without overlap, and how sure it is. Where that takes less work than the search, `at_most` says
+        beside it what no motion exceeds; such a quick bound is near only for small assemblies.
 
     Raises
     ------
@@ -83,11 +85,29 @@ def flex(
     """
     if prove is not None:
         from wiggleroom.analysis.prove import check_request
-        from wiggleroom.analysis.prove import prove as with_bound
 
         check_request(prove, seconds)
-        answer = flex(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
-        return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)
+    answer = with_quick_bound(
+        witness(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
+    )
+    if prove is None:
+        return answer
+    from wiggleroom.analysis.prove import prove as with_bound
+
+    return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)
+
+
+def witness(
+    assembly: Assembly | Prepared | Approximation,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    model: str | PairModel | None = None,
+    solver: str = "interior-point",
+    start: Answer | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Answer:
+    """The answer of `flex` without any bound, for studies that ask many questions and need none."""
     began = time.perf_counter()
     tell = progress or silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.escape import ONLY, Certainty, Says, next_stage
 from wiggleroom.analysis.explore import MOST_QUESTIONS
 from wiggleroom.analysis.finish import part_motions
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.furthest import furthest
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Progress, silent
@@ -222,7 +222,7 @@ def _spins(ready: Prepared, held: Ints, stop: Stop | None) -> tuple[str, ...]:
         name = names[bodies.members[b][0]]
         if name in found or (stop is not None and stop.is_set()):
             continue
-        answer = flex(ready, Turn(name), stop=stop)
+        answer = witness(ready, Turn(name), stop=stop)
         if answer.path == "checked":
             found |= set(answer.turns)
     return tuple(n for n in names if n in found)

@@ -14,7 +14,7 @@ from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.analysis.contacts import contacts
 from wiggleroom.analysis.designs import Design, Designs
 from wiggleroom.analysis.finish import part_motions, unlimited
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.search import Found, Progress
 from wiggleroom.analysis.shot import Mode, Shot
@@ -239,7 +239,7 @@ class Live:
         old, self._now = self._design, self._designs.prove(self._design, stop)
         if self._now is not old:
             self._state = None
-        answer = flex(self.ready, asked, stop=stop, progress=progress)
+        answer = witness(self.ready, asked, stop=stop, progress=progress)
         found = answer.trail
         if isinstance(found, Found) and answer.objective is not None and answer.collision_free:
             cells = found.program.cells

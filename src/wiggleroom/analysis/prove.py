@@ -55,7 +55,7 @@ def prove(
     Returns
     -------
     Answer
-        The same, with `at_most` and `bound`. Where nothing is proven `at_most` is None and `bound.why` says why.
+        The same, with `at_most` and `bound`. Where nothing is proven `bound.why` says why, and `at_most` is None, or what it was before.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def prove(
     if not isinstance(goal, PointMotion):
         raise InputError("a bound is proven for pulls, turns and w only, not for sums of squares")
     if answer.objective is None:
-        return replace(answer, bound=Bound(None, None, clock.spent, "nothing stops the motion"))
+        return _not_proven(answer, clock, "nothing stops the motion")
     witness = answer.objective
     aim = within * max(abs(witness), 1e-3 * ground.clearance)
 
@@ -106,17 +106,19 @@ def prove(
         late = "there was no time to look at all joints"
         loose = "no chain of joints that close round each other holds what is pulled"
         why = late if clock.over() else loose + (", or no skin was found round one of them" if certify else "")
-        return replace(answer, bound=Bound(None, None, clock.spent, why))
+        return _not_proven(answer, clock, why)
     proof = Step() if certify else None
     bounding = Bounding(
         ground, links, regions, goal, witness + CUT * aim, clock, lambda most: tell("prove", most), proof
     )
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
-        return replace(answer, bound=Bound(None, None, clock.spent, "no bound was found in the time given"))
+        return _not_proven(answer, clock, "no bound was found in the time given")
     if most < witness and answer.path == "checked":
         wrong = f"the bound {most} lies below the motion found, {witness}: a mistake in wiggleroom; please report it"
         raise WiggleroomError(wrong)
+    if answer.at_most is not None and answer.at_most < most and not certify:
+        return _not_proven(answer, clock, "nothing nearer was found in the time given")
     share = (most - witness) / abs(witness) if witness else None
     paper = None
     if proof is not None:
@@ -124,6 +126,12 @@ def prove(
             ground, answer.assembly.names, answer.assembly.gap, links, found, goal, ranges, bounding.cut, proof
         )
     return replace(answer, at_most=float(most), bound=Bound(float(most), share, clock.spent, certificate=paper))
+
+
+def _not_proven(answer: Answer, clock: Clock, why: str) -> Answer:
+    """The answer and why nothing is proven, or nothing nearer than what it had."""
+    had = answer.bound or Bound(None, None, 0.0)
+    return replace(answer, bound=replace(had, seconds=clock.spent, why=why, certificate=None))
 
 
 def check_request(within: float, seconds: float, names: tuple[str, str] = ("within", "seconds")) -> None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.faces import face, is_unique, worths
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.many import Many
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Found
@@ -142,7 +142,7 @@ def rank(
     if by not in ("duals", "differences"):
         finding = f"by {by!r}: a ranking is by duals or by differences"
         raise InputError(finding)
-    answer = question if isinstance(question, Answer) else flex(question, goals, stop=stop)
+    answer = question if isinstance(question, Answer) else witness(question, goals, stop=stop)
     found = ended(answer)
     again = by == "differences" or exact
     if not again:

@@ -13,6 +13,7 @@ from wiggleroom.freespace.outer import Outer, outer_region, pivot_of
 from wiggleroom.freespace.outer_slices import Facing
 from wiggleroom.freespace.relative import turn
 from wiggleroom.pairs.neighbours import classes, relative_rest
+from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program.relax import Links
 
 Floats = NDArray[np.float64]
@@ -42,15 +43,22 @@ def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[Links, list
     return Links(a, b, kind[label], arm, them.rest[a, :2] + arm - them.rest[b, :2], axes), regions
 
 
+def facing_of(
+    them: Bodies, geometry: NDArray[np.object_], a: int, b: int, clearance: float
+) -> tuple[Facing, Floats, float]:
+    """Two bodies about the pivot of their joint, the pivot in the frame of body `a`, and its lever [mm]; `geometry` (n,) lies at rest."""
+    pivot, lever = pivot_of(geometry[a], geometry[b], NEAR * clearance)
+    x, y, angle = them.rest[a]
+
+    def seen(shape: shapely.Geometry) -> shapely.Geometry:
+        return shapely.transform(shape, lambda p: turn(p - pivot, np.full(len(p), -angle)))
+
+    facing = Facing(seen(geometry[a]), seen(geometry[b]), clearance)
+    return facing, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
+
+
 def _region(ground: Survey, a: int, b: int, clearance: float) -> tuple[Outer | None, Floats]:
     """Outer region of one pair, None where the joint is open, and its pivot in the frame of body `a`."""
     them = ground.bodies
-    pivot, lever = pivot_of(ground.geometry[a], ground.geometry[b], NEAR * clearance)
-    x, y, angle = them.rest[a]
-
-    def seen(geometry: shapely.Geometry) -> shapely.Geometry:
-        return shapely.transform(geometry, lambda p: turn(p - pivot, np.full(len(p), -angle)))
-
-    facing = Facing(seen(ground.geometry[a]), seen(ground.geometry[b]), clearance)
-    found = outer_region(facing, lever, float(them.radius[a] + them.radius[b]))
-    return found, turn((pivot - (x, y))[None], np.array([-angle]))[0]
+    facing, pivot, lever = facing_of(them, ground.geometry, a, b, clearance)
+    return outer_region(facing, lever, float(them.radius[a] + them.radius[b])), pivot

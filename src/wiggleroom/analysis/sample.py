@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.lots import Spread, wilson
 from wiggleroom.analysis.many import Many
 from wiggleroom.analysis.prepare import Prepared, prepare
@@ -184,7 +184,7 @@ def sample(
     if wrong:
         raise InputError(wrong)
     ready = prepare(assembly)
-    answer = flex(ready, goals, stop=stop)
+    answer = witness(ready, goals, stop=stop)
     found = ended(answer)
     extra = lot.draw(draws, len(assembly.parts), seed)
     many = Many(workers, cluster, stop, progress)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.finish import answer_of
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.search import Search, silent
 from wiggleroom.analysis.shown import Shown
@@ -196,7 +196,7 @@ def _step(
                 answer = last.answer  # what was free for larger parts still is
         else:
             ready, checked = prepare(made, stop=stop), True
-            answer = flex(ready, goals, stop=stop)
+            answer = witness(ready, goals, stop=stop)
     except StoppedError:
         return Step(gap, None, str(Verdict.STOPPED), False), last
     except InputError:

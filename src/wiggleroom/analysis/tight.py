@@ -126,7 +126,12 @@ def wrenches(contacts: TightContacts, rows: Ints) -> Floats:
     """Rows (k, 3) of contacts for relative twists about the middle of them all, lengths in units of their spread."""
     point = contacts.point[rows]
     middle = point.mean(0)
-    arm = (point - middle) / max(np.abs(point - middle).max(), 1e-300)
+    return _wrenches(contacts, rows, middle, max(np.abs(point - middle).max(), 1e-300))
+
+
+def _wrenches(contacts: TightContacts, rows: Ints, middle: Floats, length: float) -> Floats:
+    """Rows (k, 3) of contacts for relative twists about `middle`, in units of `length`."""
+    arm = (contacts.point[rows] - middle) / length
     n = contacts.normal[rows]
     return np.column_stack([n, arm[:, 0] * n[:, 1] - arm[:, 1] * n[:, 0]])
 
@@ -173,9 +178,7 @@ def _together(contacts: TightContacts, label: Ints, ground: int) -> tuple[Floats
     count = int(label.max()) + 1
     middle = contacts.reference.mean(0)
     length = contacts.size / np.sqrt(count)
-    arm = (contacts.point[rows] - middle) / length
-    n = contacts.normal[rows]
-    w = np.column_stack([n, arm[:, 0] * n[:, 1] - arm[:, 1] * n[:, 0]])
+    w = _wrenches(contacts, rows, middle, length)
     column = np.where(np.arange(count) > ground, np.arange(count) - 1, np.arange(count))
     blocks = []
     for body, sign in ((b[rows], 1.0), (a[rows], -1.0)):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.many import Many
 from wiggleroom.analysis.prepare import Prepared, prepare
 from wiggleroom.analysis.rank import rank
@@ -142,7 +142,7 @@ def tighten(
     count = len(assembly.parts)
     _check(parts, limit, aim, whole, count)
     room = _room(assembly, whole, aim)
-    before = flex(ready, goals, stop=stop)
+    before = witness(ready, goals, stop=stop)
     ended(before)
     asked = before.goals
     choice, after = _choose(before, room, asked, parts, limit, stop)
@@ -219,7 +219,7 @@ def _tightened(
 ) -> Answer:
     """The answer with some parts made larger."""
     larger = {assembly.names[k]: float(room[k]) for k in chosen}
-    return flex(assemble(assembly.drawing, offset=larger), tuple(goals), stop=stop)
+    return witness(assemble(assembly.drawing, offset=larger), tuple(goals), stop=stop)
 
 
 def tightened_at_random(shared: tuple[Prepared, Objective, tuple[Goal, ...], Floats], chosen: Ints) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.search import Found, Search, silent
@@ -147,7 +147,7 @@ def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> Varie
     """The same as `vary`, as `wiggleroom.flex` answers it for parts made so."""
     offset = {name: -float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
     try:
-        answer = flex(assemble(assembly.drawing, offset=offset), goals)
+        answer = witness(assemble(assembly.drawing, offset=offset), goals)
     except InputError:
         return Varied(np.nan, "touching")
     if answer.objective is None:

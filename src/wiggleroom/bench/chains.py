@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from importlib.resources import files
 
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.flex import witness
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.physics import pulled_to_rest
@@ -27,7 +27,7 @@ def by_model(model: PairModel) -> Method:
     """Method that asks `flex` with a pair model."""
 
     def ask(assembly: Assembly, stop: Stop | None) -> Found:
-        answer = flex(assembly, model=model, stop=stop)
+        answer = witness(assembly, model=model, stop=stop)
         return answer.objective, 0.0 if answer.collision_free else answer.deepest_overlap
 
     return ask

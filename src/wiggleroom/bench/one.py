@@ -7,10 +7,12 @@ Before the clock starts a tiny assembly is solved the same way: what is loaded a
 from __future__ import annotations
 
 import json
+import math
 import sys
 import time
 
-from wiggleroom.analysis.flex import flex
+from wiggleroom.analysis.bounding import Clock
+from wiggleroom.analysis.flex import witness
 from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
 from wiggleroom.bench.large import CASES, assembly_of
@@ -25,30 +27,19 @@ METHODS: dict[str, tuple[PairModel, str]] = {
 """Registry: model and solver of each method, ours first."""
 
 
-class Clock:
-    """Says stop after so many seconds."""
-
-    def __init__(self, seconds: float | None) -> None:
-        self.end = None if seconds is None else time.perf_counter() + seconds
-
-    def is_set(self) -> bool:
-        """Whether the time is over."""
-        return self.end is not None and time.perf_counter() > self.end
-
-
 def main() -> None:
     """Do the job, and say what it took."""
     job = json.loads(sys.argv[1])
     model, solver = METHODS[job["method"]]
     (case,) = [c for c in CASES if c.name == job["case"]]
-    flex(patterns.chain(2), model=model, solver=solver)
+    witness(patterns.chain(2), model=model, solver=solver)
     assembly = assembly_of(case)
-    clock = Clock(job["limit"])
+    clock = Clock(math.inf if job["limit"] is None else job["limit"])
     began = time.perf_counter()
     ready = prepare(assembly, model)
     prepared = time.perf_counter()
     _say({"preprocess_seconds": prepared - began})
-    answer = flex(ready, solver=solver, stop=clock)
+    answer = witness(ready, solver=solver, stop=clock)
     solved = time.perf_counter()
     _say(
         {

@@ -53,7 +53,7 @@ def proven(
     if done.bound is None:
         return done
     if done.bound.why:
-        note(f"no bound: {done.bound.why}")
+        note(f"{'no bound' if done.at_most is None else 'no nearer bound'}: {done.bound.why}")
     elif done.bound.within is not None and done.bound.within > share:
         note(f"bound: within {done.bound.within:.2%} of the answer; more --time may bring it nearer")
     return replace(done, seconds={**done.seconds, "prove": done.bound.seconds})

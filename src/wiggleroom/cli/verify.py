@@ -24,15 +24,18 @@ def verify(certificate: Path, file: str | None = None, /, *, gap: float | None =
     gap
         Gap to read that file with; by default an assembly file's own, and for drawings the one that the certificate names.
     """
-    import json
-
     from wiggleroom.errors import InputError, see_extra
 
     see_extra("verify", "verify needs python-flint", "flint")
+    from wiggleroom.verify.check import Refused
+    from wiggleroom.verify.check import read as content_of
     from wiggleroom.verify.check import verify as check
 
     try:
-        content = json.loads(certificate.read_text(encoding="utf-8"))
+        content = content_of(certificate.read_text(encoding="utf-8"))
+    except Refused as refusal:
+        print(f"not verified: {refusal}")  # noqa: T201
+        return REFUSED
     except (ValueError, RecursionError) as problem:
         wrong = f"{certificate}: this is not JSON ({problem}); give the file that flex --certificate wrote"
         raise InputError(wrong) from problem

@@ -107,16 +107,20 @@ def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list
     corners = [
         known[one, other]
         if (one, other) in known
-        else polyhedron(facing, facing.near(_reach(facing, one, other, p)), one, other, p)
+        else polyhedron(facing, facing.near(_apart(facing, one, other, _window(p))), one, other, p)
         for one, other, p in zip(low.tolist(), high.tolist(), pieces, strict=True)
     ]
     which = np.repeat(np.arange(len(corners)), [len(c) for c in corners])
     return Outer(facing, lever, low, high, tuple(pieces), np.vstack(corners), which)
 
 
-def _reach(facing: Facing, low: float, high: float, pieces: Pieces) -> float:
-    """How far from each other parts of A and B may lie that meet at these turns within the pieces [mm]."""
-    window = float(np.abs(shapely.bounds(pieces)).max())
+def _window(pieces: Pieces) -> float:
+    """Half the side of the square round the origin that holds some pieces [mm]."""
+    return float(np.abs(shapely.bounds(pieces)).max())
+
+
+def _apart(facing: Facing, low: float, high: float, window: float) -> float:
+    """How far from each other parts of A and B may lie that meet at these turns within a window [mm]."""
     return 3 * window + 2 * np.sin(min(max(-low, high), np.pi) / 2) * facing.radius
 
 
@@ -168,7 +172,7 @@ def _followed(facing: Facing, half: float, window: float) -> dict[int, Pieces] |
     while todo:
         k = todo.pop()
         here = slices[k].pieces[reached[k]]
-        if np.abs(shapely.bounds(here)).max() >= window * (1 - 1e-9):
+        if _window(here) >= window * (1 - 1e-9):
             return True
         if abs(k) * half > np.pi:
             return False
@@ -193,7 +197,7 @@ class Leftover:
 
 def leftover(facing: Facing, middle: float, half: float, window: float) -> Leftover:
     """Pieces of the window at all turns within `half` of `middle`."""
-    near = facing.near(3 * window + 2 * np.sin(min(abs(middle) + half, np.pi) / 2) * facing.radius)
+    near = facing.near(_apart(facing, middle - half, middle + half, window))
     smaller = core(near.b, middle, half, facing.margin)
     return Leftover(uncovered(near.a, smaller, window), near.a, smaller, facing.margin)
 
@@ -210,7 +214,7 @@ def refined(outer: Outer, wanted: Ints) -> Outer:
         for one, other in pairwise(ends):
             left = mine
             if cut[k]:
-                window = 1.001 * float(np.abs(shapely.bounds(mine)).max())
+                window = 1.001 * _window(mine)
                 # the ends are rounded: what is looked at is a little wider
                 found = leftover(outer.facing, (one + other) / 2, (other - one) / 2 + 1e-14, window)
                 spots = shapely.point_on_surface(found.pieces)

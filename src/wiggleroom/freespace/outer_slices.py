@@ -80,7 +80,7 @@ def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shap
     An edge sweeps a part of the hull of its ends at both turns and of the apexes of the two arcs between.
     """
     swept_by = half * (1 + 1e-9) + 1e-15
-    corners, after = _loops(b)
+    corners, after = loops(b)
     ends = np.stack([corners, corners[after]], 1).reshape(-1, 2)
     both = [turn(ends, np.full(len(ends), s * swept_by)) for s in (-1, 1)]
     six = np.stack([*both, ends / np.cos(swept_by)], 1).reshape(-1, 6, 1, 2)
@@ -165,7 +165,7 @@ def _clipped(lines: Floats, window: float) -> Floats:
 
 def corners_of(geometry: shapely.Geometry) -> tuple[Floats, Floats, Floats, Floats]:
     """Corners (n, 2), the next ones, and unit directions in which the boundary comes and goes; material lies on the left."""
-    corners, after = _loops(geometry)
+    corners, after = loops(geometry)
     before = np.empty_like(after)
     before[after] = np.arange(len(after))
     go = corners[after] - corners
@@ -173,7 +173,7 @@ def corners_of(geometry: shapely.Geometry) -> tuple[Floats, Floats, Floats, Floa
     return corners, corners[after], go[before], go
 
 
-def _loops(geometry: shapely.Geometry) -> tuple[Floats, NDArray[np.int64]]:
+def loops(geometry: shapely.Geometry) -> tuple[Floats, NDArray[np.int64]]:
     """Corners of all rings, material on the left, and the row of the next corner of each."""
     parts = shapely.get_parts(shapely.orient_polygons(geometry))
     rings = shapely.get_rings(parts)

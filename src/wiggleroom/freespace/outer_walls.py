@@ -43,7 +43,7 @@ def polyhedron(facing: Facing, near: Facing, low: float, high: float, pieces: Pi
         slanted = []
     for planes in (np.vstack([flat, *slanted]), flat):
         planes[:, 3] += facing.margin
-        corners = _corners(planes, low, high)
+        corners = corners_between(planes, low, high)
         if len(corners):
             break
     return corners
@@ -171,7 +171,7 @@ def _inside(material: shapely.Geometry, places: Floats, n: Floats, at: Floats, m
     return bool(shapely.is_empty(behind) or shapely.covers(material, behind))
 
 
-def _corners(planes: Floats, low: float, high: float) -> Floats:
+def corners_between(planes: Floats, low: float, high: float) -> Floats:
     """Corners of {(tau, t): planes[:, :3] . (tau, t) <= planes[:, 3], low <= t <= high}: ends of the lines in which two planes meet."""
     normal, slope, level = planes[:, :2], planes[:, 2], planes[:, 3]
     i, j = np.triu_indices(len(planes), 1)

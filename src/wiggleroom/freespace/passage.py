@@ -33,15 +33,12 @@ class Passage:
         Free motions of b past a about `pivot`, in assembly axes, from rest to where discs round both are apart; straight between them.
     pivot : (2,) float64 [mm]
         Assembly coordinates.
-    boxes : int
-        How many boxes were judged.
     """
 
     held: bool
     closed: bool
     way: Floats | None
     pivot: Floats
-    boxes: int
 
 
 def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> Passage:
@@ -74,13 +71,13 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
             middle, level, state, first, count, origin, scale, DEEPEST, not turning, turning, *pair, way
         )
         if how == CLOSED:
-            return Passage(turning, True, None, pivot, count)
+            return Passage(turning, True, None, pivot)
         if how == SPENT:
             break
         if not turning:
             points = _points(way[:length], middle, level, origin, scale)
-            return Passage(False, False, _shorter(points, pair), pivot, count)
-    return Passage(False, False, None, pivot, count)
+            return Passage(False, False, _shorter(points, pair), pivot)
+    return Passage(False, False, None, pivot)
 
 
 def _pivot(a: shapely.Geometry, b: shapely.Geometry) -> Floats:

@@ -34,8 +34,9 @@ MITRE = 10.0
 """Acute corners of loops run on for at most so many outsets."""
 BEYOND = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 """A loop may shrink to a point this share of the whole turn further, where walls have closed well over it."""
-INSETS = (1e-3, 1e-4, 1e-2, 0.1)
-"""Chords lie so far inside their part, as shares of the least outset; the first that a skin is found with."""
+TRIES = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2, False), (0.1, False))
+"""Chords lie so far inside their part, as shares of the least outset, and loops have few corners or many; the first that a skin is
+found with. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
 MOST_LOOPS = 1200
 
 
@@ -90,14 +91,14 @@ def skin(outer: Outer, over: Callable[[], bool]) -> Skin | None:
     """Skin round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
     facing = outer.facing
     window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in outer.pieces)
-    for inset in INSETS:
+    for inset, few in TRIES:
         depth = inset * OUTSETS[0][0] * facing.clearance
         crossings = Crossings(*(chords(g, depth, facing.clearance) for g in (facing.a, facing.b)))
-        start = _loop(facing, crossings, _pieces(facing, 0.0, window, shapely.Point(0, 0)), 0.0, OUTSETS[0][0])
+        start = _loop(facing, crossings, _pieces(facing, 0.0, window, shapely.Point(0, 0)), 0.0, OUTSETS[0][0], few)
         if start is None or over():
             continue
-        up = _half(facing, crossings, start, window, outer.turns[1], over)
-        down = None if up is None else _half(facing, crossings, start, window, outer.turns[0], over)
+        up = _half(facing, crossings, start, window, outer.turns[1], few, over)
+        down = None if up is None else _half(facing, crossings, start, window, outer.turns[0], few, over)
         if up is not None and down is not None:
             loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
             return Skin(facing, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up)))
@@ -105,7 +106,7 @@ def skin(outer: Outer, over: Callable[[], bool]) -> Skin | None:
 
 
 def _half(
-    facing: Facing, crossings: Crossings, start: Loop, window: float, end: float, over: Callable[[], bool]
+    facing: Facing, crossings: Crossings, start: Loop, window: float, end: float, few: bool, over: Callable[[], bool]
 ) -> list[tuple[Loop, Seam]] | None:
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
@@ -116,7 +117,7 @@ def _half(
         and abs(step) > NARROWEST * abs(end)
         and abs(here.angle) < 2 * abs(end) + 0.1
     ):
-        found = _next(facing, crossings, here, here.angle + step, window, abs(step / end), end)
+        found = _next(facing, crossings, here, here.angle + step, window, abs(step / end), end, few)
         if found is None:
             step /= 2
             continue
@@ -128,7 +129,14 @@ def _half(
 
 
 def _next(
-    facing: Facing, crossings: Crossings, here: Loop, angle: float, window: float, share: float, whole: float
+    facing: Facing,
+    crossings: Crossings,
+    here: Loop,
+    angle: float,
+    window: float,
+    share: float,
+    whole: float,
+    few: bool,
 ) -> tuple[Loop, Seam] | None:
     """Loop at `angle` that can be joined to the one `here`; further behind the walls only where the step is a small `share`."""
     pieces = _pieces(facing, angle, window, shapely.Polygon(here.at))
@@ -136,7 +144,12 @@ def _next(
     if not len(pieces):
         some = (p for k in BEYOND for p in _ends(crossings, here, angle + k * whole))
     else:
-        some = (_loop(facing, crossings, pieces, angle, o) for o, most in OUTSETS if share <= most)
+        some = (
+            _loop(facing, crossings, pieces, angle, o, seldom)
+            for o, most in OUTSETS
+            if share <= most
+            for seldom in ((True, False) if few else (False,))
+        )
     for there in some:
         seam = None if there is None else zipped(crossings, here, there)
         if there is not None and seam is not None:
@@ -152,7 +165,7 @@ def _pieces(facing: Facing, angle: float, window: float, met: shapely.Geometry) 
 
 
 def _loop(
-    facing: Facing, crossings: Crossings, pieces: NDArray[np.object_], angle: float, outset: float
+    facing: Facing, crossings: Crossings, pieces: NDArray[np.object_], angle: float, outset: float, few: bool
 ) -> Loop | None:
     """Loop a little behind the walls of some free pieces; None where they lie apart or no edges cross somewhere along it."""
     off = outset * facing.clearance
@@ -160,7 +173,7 @@ def _loop(
     if grown.geom_type != "Polygon":
         return None
     ring = shapely.get_coordinates(shapely.orient_polygons(grown).exterior)[:-1]
-    return loop_of(crossings, ring, angle, DEEP * off)
+    return loop_of(crossings, ring, angle, DEEP * off, few)
 
 
 def _ends(crossings: Crossings, here: Loop, angle: float) -> list[Loop]:

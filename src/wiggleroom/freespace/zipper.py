@@ -57,6 +57,13 @@ class Crossings:
         i, j = np.nonzero(fits)
         return Depths(i, j, self.a[i], b[j])
 
+    def both(self, one: float, two: float, low: Floats, high: Floats) -> tuple[Depths, Depths]:
+        """The same pairs at two angles, those that cross somewhere in the box at both."""
+        here, there = self.at(one, low, high), self.at(two, low, high)
+        count = len(self.b)
+        _, k, m = np.intersect1d(here.i * count + here.j, there.i * count + there.j, return_indices=True)
+        return here.only(k), there.only(m)
+
 
 @dataclass(frozen=True, eq=False)
 class Depths:
@@ -71,7 +78,7 @@ class Depths:
         """Normals (E, 4, 2) and levels (E, 4) [mm]: the chords cross where normal . tau + level > 0, all four."""
         go, on = self.a[:, 1] - self.a[:, 0], self.b[:, 1] - self.b[:, 0]
         size, length = np.hypot(*go.T), np.hypot(*on.T)
-        way = np.where(_cross(go, on) >= 0, 1.0, -1.0)
+        way = self.way
         p, q = (way / size)[:, None] * go, (way / length)[:, None] * on
         left, right = np.column_stack([-p[:, 1], p[:, 0]]), np.column_stack([-q[:, 1], q[:, 0]])
         normal = np.stack([-left, left, -right, right], 1)
@@ -86,7 +93,12 @@ class Depths:
         )
         return normal, level
 
-    def only(self, which: Ints) -> Depths:
+    @property
+    def way(self) -> Floats:
+        """1 where B's chord passes A's to the left, -1 to the right (E,)."""
+        return np.where(_cross(self.a[:, 1] - self.a[:, 0], self.b[:, 1] - self.b[:, 0]) >= 0, 1.0, -1.0)
+
+    def only(self, which: Ints | Bools) -> Depths:
         """Some of the pairs."""
         return Depths(self.i[which], self.j[which], self.a[which], self.b[which])
 
@@ -95,8 +107,11 @@ def _cross(p: Floats, q: Floats) -> Floats:
     return p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0]
 
 
-def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float) -> Loop | None:
-    """Loop with corners added so that along each of its sides one pair of chords crosses, `deep` [mm]; None where there is no such pair."""
+def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float, few: bool) -> Loop | None:
+    """Loop with corners added so that along each of its sides one pair of chords crosses, `deep` [mm]; None where there is no such pair.
+
+    A loop of `few` corners changes from one pair to another as seldom as it can; else it has a corner wherever some pair begins or ends.
+    """
     normal, level = crossings.at(angle, ring.min(0), ring.max(0)).forms()
     corners: list[Floats] = []
     for start, end in zip(ring, np.roll(ring, -1, 0), strict=True):
@@ -107,11 +122,30 @@ def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float) -> Lo
         never = (slope == 0) & (value <= 0)
         enter = np.where(slope > 0, at, np.where(never, np.inf, -np.inf)).max(1)
         leave = np.where(slope < 0, at, np.where(never, -np.inf, np.inf)).min(1)
-        share = _breaks(enter, leave)
+        share = _changes(enter, leave) if few else _breaks(enter, leave)
         if share is None or len(corners) + len(share) > MOST_CORNERS:
             return None
         corners += [start + k * (end - start) for k in share]
     return Loop(np.array(corners), angle)
+
+
+def _changes(enter: Floats, leave: Floats) -> Floats | None:
+    """Shares of a side where the fewest pairs that cross all along it take turns; None where some of it has no pair."""
+    found, reached = [0.0], 0.0
+    while True:
+        here = np.flatnonzero(enter <= found[-1])
+        best = here[leave[here].argmax()] if len(here) else -1
+        if best < 0 or leave[best] <= reached:
+            return None
+        reached = leave[best]
+        if reached >= 1:
+            return np.array(found)
+        # within what both cover, whoever goes furthest next
+        nxt = np.flatnonzero((enter < reached) & (leave > reached))
+        if not len(nxt):
+            return None
+        k = nxt[leave[nxt].argmax()]
+        found.append(float((max(enter[k], found[-1]) + reached) / 2))
 
 
 def _breaks(enter: Floats, leave: Floats) -> Floats | None:
@@ -135,14 +169,12 @@ def deepest(crossings: Crossings, loop: Loop, angle: float) -> Floats | None:
     from scipy.optimize import linprog  # slow to load
 
     low, high = loop.at.min(0), loop.at.max(0)
-    here, there = crossings.at(loop.angle, low, high), crossings.at(angle, low, high)
-    count = len(crossings.b)
-    _, k, m = np.intersect1d(here.i * count + here.j, there.i * count + there.j, return_indices=True)
-    if not len(k):
+    here, there = crossings.both(loop.angle, angle, low, high)
+    if not len(here.i):
         return None
-    depth = _values(here.only(k), loop.at).min(2)
+    depth = _values(here, loop.at).min(2)
     best = np.unique(np.minimum(depth, np.roll(depth, -1, 0)).argmax(1))
-    normal, level = (v.reshape(-1, *v.shape[2:]) for v in there.only(m[best]).forms())
+    normal, level = (v.reshape(-1, *v.shape[2:]) for v in there.only(best).forms())
     box = [(low[0], high[0]), (low[1], high[1]), (None, None)]
     found = linprog([0, 0, -1], np.column_stack([-normal, np.ones(len(level))]), level, bounds=box)
     return found.x[:2] if found.success and found.x[2] > 0 else None
@@ -152,11 +184,9 @@ def zipped(crossings: Crossings, one: Loop, two: Loop) -> Seam | None:
     """Seam of two loops; None where none was found."""
     both = np.vstack([one.at, two.at])
     low, high = both.min(0), both.max(0)
-    here = crossings.at(one.angle, low, high)
-    there = crossings.at(two.angle, low, high)
-    count = len(crossings.b)
-    _, at_one, at_two = np.intersect1d(here.i * count + here.j, there.i * count + there.j, return_indices=True)
-    here, there = here.only(at_one), there.only(at_two)
+    here, there = crossings.both(one.angle, two.angle, low, high)
+    same = here.way == there.way
+    here, there = here.only(same), there.only(same)
     if not len(here.i):
         return None
     first, second = _values(here, one.at), _values(there, two.at)  # (corners, E, 4)

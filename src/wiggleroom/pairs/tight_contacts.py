@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -64,18 +65,18 @@ class TightContacts:
     size: float
     reach: Floats
 
-    @property
+    @cached_property
     def count(self) -> int:
         """Number of bodies."""
         return int(self.body_of.max()) + 1
 
-    @property
+    @cached_property
     def normal(self) -> Floats:
         """Unit normals (k, 2), from a into b."""
         x, y = (self.edge[:, 1] - self.edge[:, 0]).T
         return np.column_stack([y, -x]) / np.hypot(x, y)[:, None]
 
-    @property
+    @cached_property
     def members(self) -> tuple[tuple[str, ...], ...]:
         """Names of the parts of every body."""
         found: list[list[str]] = [[] for _ in range(self.count)]

@@ -17,10 +17,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import dijkstra
 
 from wiggleroom.freespace.outer import Outer
 from wiggleroom.freespace.outer_facets import Facets, facets
+from wiggleroom.freespace.pocket import Pocket
 from wiggleroom.freespace.relative import turn
 from wiggleroom.freespace.skin import Skin
 from wiggleroom.pairs.shapes import Bodies
@@ -120,31 +120,32 @@ class Linear:
     cut: dict[int, Facets]
 
 
-def first_ranges(bodies: Bodies, links: Links, regions: Sequence[Outer | Skin]) -> Ranges:
+def first_ranges(bodies: Bodies, links: Links, regions: Sequence[Outer | Skin | Pocket]) -> Ranges:
     """Turns and shifts add up along ways to fixed bodies; the shortest way counts."""
-    n = len(bodies.fixed)
-    root = np.flatnonzero(bodies.fixed)
+    root = bodies.fixed
     turns = np.array([regions[k].turns for k in links.kind]).reshape(-1, 2)
-    up = _shortest(n, links, turns[:, 1], -turns[:, 0], root)
-    down = _shortest(n, links, -turns[:, 0], turns[:, 1], root)
+    up = _shortest(links, turns[:, 1], -turns[:, 0], root)
+    down = _shortest(links, -turns[:, 0], turns[:, 1], root)
     most = np.minimum(np.maximum(up, down), np.pi)
     swing = 2 * np.sin(most / 2)
     far = np.array([regions[k].far for k in links.kind])
     with np.errstate(invalid="ignore"):
         step = far + np.hypot(*links.arm_a.T) * swing[links.a] + np.hypot(*links.arm_b.T) * swing[links.b]
-    shift = _shortest(n, links, step, step, root)
+    shift = _shortest(links, step, step, root)
     return Ranges(-down * WIDER, up * WIDER, shift * WIDER)
 
 
-def _shortest(n: int, links: Links, forth: Floats, back: Floats, root: Ints) -> Floats:
-    """Shortest ways (n,) from the roots where link k costs forth[k] from a to b and back[k] the other way."""
+def _shortest(links: Links, forth: Floats, back: Floats, root: NDArray[np.bool_]) -> Floats:
+    """Shortest ways (n,) from the roots where link k costs forth[k] >= 0 from a to b and back[k] the other way."""
     source, target = np.concatenate([links.a, links.b]), np.concatenate([links.b, links.a])
     length = np.concatenate([forth, back])
-    order = np.argsort(-length)  # of parallel links the shortest is written last
-    graph = sp.dok_matrix((n, n))
-    for k in order[np.isfinite(length[order])]:
-        graph[source[k], target[k]] = max(length[k], 1e-300)
-    return dijkstra(graph.tocsr(), indices=root, min_only=True)
+    way = np.where(root, 0.0, np.inf)
+    while True:
+        shorter = way.copy()
+        np.minimum.at(shorter, target, way[source] + length)
+        if not (shorter < way).any():
+            return way
+        way = shorter
 
 
 def relaxation(

@@ -92,7 +92,7 @@ def why(found: Interlock) -> str:
     if found.verdict == "unknown":
         return "the search was cut short, or some questions were not answered"
     if found.at_most is not None:
-        return f"proven, no part gets further than {further(found.at_most)} mm"
+        return f"proven, no part gets further than {further(found.at_most)} mm from where it lies"
     if found.certainty == "proven":
         return "proven, free spaces are closed"
     return "searched, every planned question was answered and no way was found"

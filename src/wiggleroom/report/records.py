@@ -24,7 +24,7 @@ def flex_record(answer: Answer) -> Record:
     if answer.bound is not None and answer.bound.at_most is not None:
         within = answer.bound.within
         record["bound"] = {
-            "kind": "proven",
+            "kind": answer.bound.kind,
             "within": None if within is None else float(within),
             "seconds": round(float(answer.bound.seconds), 4),
         }

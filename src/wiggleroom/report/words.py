@@ -127,7 +127,7 @@ def sentence(answer: Answer) -> str:
 def proven(answer: Answer) -> str:
     """Say between which values the largest motion lies, "between 1.372 and 1.379 mm, proven"; nothing where that is not known.
 
-    The lower value is rounded down and the upper one up.
+    The lower value is rounded down and the upper one up. Of a quick bound, which nobody asked for, only "at most 1.412 mm".
     """
     value, most = answer.objective, answer.at_most
     if value is None or most is None:
@@ -142,6 +142,8 @@ def proven(answer: Answer) -> str:
     places = max(0, min(12, 1 - math.floor(math.log10(apart))))
     low, high = (round_(v * 10**places) / 10**places for round_, v in ((math.floor, value), (math.ceil, most)))
     space = "" if what in ("", "°") else " "
+    if answer.bound is not None and answer.bound.kind == "quick":
+        return f"at most {high:.{places}f}{space}{what}"
     return f"between {low:.{places}f} and {high:.{places}f}{space}{what}, proven"
 
 

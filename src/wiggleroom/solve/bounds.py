@@ -35,13 +35,30 @@ def safe_bound(
     >>> round(safe_bound(np.array([1.0, 2.0]), rows, np.array([-np.inf]), np.array([1.5]), zero, one, np.array([1.0])), 9)
     2.5
     """
+    return _safe_bound(cost, _turned(rows), low, high, least, most, y)
+
+
+def _turned(rows: sp.csr_matrix) -> tuple[sp.csr_matrix, sp.csr_matrix, int]:
+    """Transposed rows, their absolute values, and how many terms a sum over them has at most."""
+    back = rows.T.tocsr()
+    return back, abs(back), int(np.diff(back.indptr).max(initial=0)) + 4
+
+
+def _safe_bound(
+    cost: Floats,
+    turned: tuple[sp.csr_matrix, sp.csr_matrix, int],
+    low: Floats,
+    high: Floats,
+    least: Floats,
+    most: Floats,
+    y: Floats,
+) -> float:
+    back, size, deep = turned
     side = np.where(y > 0, high, low)
     y = np.where(np.isfinite(side) & np.isfinite(y), y, 0.0)
     side = np.where(y == 0, 0.0, side)
-    back = rows.T.tocsr()
     rest = cost - back @ y
-    deep = int(np.diff(back.indptr).max(initial=0)) + 4
-    doubt = deep * ULP * (abs(back) @ np.abs(y) + np.abs(cost))
+    doubt = deep * ULP * (size @ np.abs(y) + np.abs(cost))
     box = np.maximum(rest * least, rest * most)
     blur = doubt * np.maximum(np.abs(least), np.abs(most))
     terms = np.concatenate([y * side, box, blur])
@@ -75,7 +92,8 @@ class LinearBounds:
         self, rows: sp.csr_matrix, low: Floats, high: Floats, least: Floats, most: Floats, limit: float = 60.0
     ) -> None:
         highspy = need_highs()
-        self.rows, self.low, self.high, self.least, self.most = rows.tocsr(), low, high, least, most
+        rows = rows.tocsr()
+        self.turned, self.low, self.high, self.least, self.most = _turned(rows), low, high, least, most
         lp = highspy.HighsLp()
         lp.num_row_, lp.num_col_ = rows.shape
         lp.col_cost_ = np.zeros(rows.shape[1])
@@ -83,9 +101,9 @@ class LinearBounds:
         lp.row_lower_, lp.row_upper_ = low, high
         lp.a_matrix_.format_ = highspy.MatrixFormat.kRowwise
         lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = (
-            self.rows.indptr,
-            self.rows.indices,
-            self.rows.data,
+            rows.indptr,
+            rows.indices,
+            rows.data,
         )
         self.highs = highspy.Highs()
         for option, value in (
@@ -112,7 +130,7 @@ class LinearBounds:
             self.y = np.zeros(len(self.low))
             return plain
         self.x, self.y = np.array(found.col_value), -np.array(found.row_dual)
-        bound = safe_bound(cost, self.rows, self.low, self.high, self.least, self.most, self.y)
+        bound = _safe_bound(cost, self.turned, self.low, self.high, self.least, self.most, self.y)
         return min(plain, bound)
 
     def change_row(self, row: int, low: float, high: float) -> None:

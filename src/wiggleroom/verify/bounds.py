@@ -17,6 +17,7 @@ never a wrong one.
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -36,8 +37,9 @@ class Room:
         self.loops = [np.array(at, dtype=float).reshape(-1, 2) for _, at in region["loops"]]
         self.tracks = [np.array(tracks, dtype=int) for tracks, _ in region["seams"]]
         self.far = max(float(np.hypot(*at.T).max()) for at in self.loops) * (1 + ROUNDED)
+        self.between = functools.cache(self._between)  # one range of turns is asked for again and again
 
-    def between(self, low: float, high: float) -> np.ndarray:
+    def _between(self, low: float, high: float) -> np.ndarray:
         """Corners (k, 3) of all that the skin encloses between two turns: corners of loops, and tracks where they are cut."""
         found = [
             np.column_stack([at, np.full(len(at), t)])

@@ -46,6 +46,25 @@ class Verified:
     programs: int = 0
 
 
+def read(text: str) -> dict[str, Any]:
+    """Content of a certificate's file; every number must stand there as it is written, so that no digit is without meaning.
+
+    Raises
+    ------
+    ValueError
+        If it is not JSON.
+    Refused
+        If a number has digits that no double needs, which `flex` never writes.
+    """
+    return json.loads(text, parse_float=_as_written, parse_constant=_as_written)
+
+
+def _as_written(digits: str) -> float:
+    number = float(digits)
+    need(repr(number) == digits and abs(number) < 1e300, "the file was changed after it was written")
+    return number
+
+
 def verify(content: dict[str, Any]) -> Verified:
     """Check a certificate, read from JSON: chords lie inside their parts, skins are shut, multipliers prove the bound."""
     before, ctx.prec = ctx.prec, BITS

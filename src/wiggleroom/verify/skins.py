@@ -76,7 +76,7 @@ def check_skin(region: dict[str, Any]) -> None:
     need(len(rest) == 1 and _round(rest[0]), "no loop goes round rest")
     for one, two, (tracks, chords) in zip(loops, loops[1:], seams, strict=False):
         need(bool(one[0] < two[0]), "turns of loops do not rise")
-        _check_seam(one, two, tracks, [(a[_place(i, a)], b[_place(j, b)]) for i, j in chords])
+        _check_seam(one, two, tracks, chords, a, b)
 
 
 def _place(k: Any, rows: list) -> int:
@@ -84,7 +84,9 @@ def _place(k: Any, rows: list) -> int:
     return k
 
 
-def _check_seam(one: tuple[arb, list[Point]], two: tuple[arb, list[Point]], tracks: list, chords: list) -> None:
+def _check_seam(
+    one: tuple[arb, list[Point]], two: tuple[arb, list[Point]], tracks: list, chords: list, a: list, b: list
+) -> None:
     """Tracks go once round both loops, and between neighbouring ones the named chords cross."""
     (low, start), (high, end) = one, two
     need(len(tracks) == len(chords) + 1 and tracks[0] == tracks[-1], "a seam is not closed")
@@ -100,31 +102,22 @@ def _check_seam(one: tuple[arb, list[Point]], two: tuple[arb, list[Point]], trac
     for k, corners in enumerate((start, end)):
         need(gone[k] == (0 if len(corners) == 1 else len(corners)), "a seam does not go once round")
     width = high - low
-    seen: dict[tuple, tuple] = {}
-    for (before, after), (p, q) in zip(itertools.pairwise(tracks), chords, strict=True):
-        key = (p, q)
-        if key not in seen:
-            seen[key] = ([turned(v, low) for v in q], [turned(v, high) for v in q])
-        at_low, at_high = seen[key]
-        way = None
-        for i, j in (before, after):
-            way = _check_track(p, q, at_low, at_high, start[i], end[j], width, way)
+    ways: dict[tuple[int, int, int, int], int] = {}  # a track is the end of one piece and the start of the next
+    for piece, (k, m) in zip(itertools.pairwise(tracks), chords, strict=True):
+        p, q = a[_place(k, a)], b[_place(m, b)]
+        for i, j in piece:
+            if (k, m, i, j) not in ways:
+                at_low, at_high = [turned(v, low) for v in q], [turned(v, high) for v in q]
+                ways[k, m, i, j] = _check_track(p, q, at_low, at_high, start[i], end[j], width)
+        need(len({ways[k, m, i, j] for i, j in piece}) == 1, "two chords that are named do not cross everywhere")
 
 
 def _check_track(
-    a: tuple[Point, Point],
-    b: tuple[Point, Point],
-    low: list,
-    high: list,
-    start: Point,
-    end: Point,
-    width: arb,
-    way: Any,
+    a: tuple[Point, Point], b: tuple[Point, Point], low: list, high: list, start: Point, end: Point, width: arb
 ) -> int:
-    """Chords cross all along a track; which way they cross must be the same on both tracks."""
+    """Which way two chords cross all along a track: 1 or -1."""
     first, second = _crossing(a, low, start), _crossing(a, high, end)
-    if way is None:
-        way = 1 if first[0] > 0 else -1
+    way = 1 if first[0] > 0 else -1
     move = less(end, start)
     long_a, long_b = size(less(a[1], a[0])), size(less(b[1], b[0]))
     slide = abs(_dot(less(low[1], low[0]), move)) + width * size(move) * long_b

@@ -1,0 +1,178 @@
+"""Proven bounds of random small assemblies against their true optima: `python -m benchmarks.never_below [COUNT [FIRST]]`.
+
+Every bound is asked for far too little on purpose: to leave nothing above 50 %, then above 98 % of the truth, and to tighten
+for 0.8 seconds each. What it says has to stay above the truth all the same; so has the quick bound of the answer, where there is
+one. Truths share nothing with the proof: a dynamic programme over exact slices for chains, a dense search through the turns of
+exact slices for pairs, and else the best of a motion that was found and checked and of a climb from it that tests every step for
+overlap. Seeds begin at FIRST.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from tests.audit import as_assembly
+from tests.flex_truth import Ground, climbed, value_of
+from tests.flexing import random_assembly, random_goals, row_of
+from tests.oracle import chain, random_joints
+from tests.oracle.slices import Slices
+
+import wiggleroom as wr
+from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.bounding import Bounding, Clock
+from wiggleroom.analysis.prepare import survey
+from wiggleroom.analysis.quick import quick_bound
+from wiggleroom.analysis.regions import outer_regions
+from wiggleroom.analysis.search import Found
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.program.objectives import PointMotion, objective
+from wiggleroom.program.relax import first_ranges
+
+SHARES, SECONDS = (0.5, 0.98), 0.8
+ROUNDING = 1e-11
+Case = tuple[Assembly, tuple[Goal, ...], float | None]
+
+
+def a_chain(seed: int) -> Case:
+    """Two to four blocks with one random joint, the last pulled anywhere: dynamic programme."""
+    rng = np.random.default_rng([seed, 7])
+    made = random_joints.tab_pair(seed, float(np.exp(rng.uniform(np.log(0.004), np.log(0.03)))))
+    a, b, D = made.local()
+    n, angle = int(rng.integers(2, 5)), float(rng.uniform(-np.pi, np.pi))
+    e = (float(np.cos(angle)), float(np.sin(angle)))
+    # a block with the pocket, blocks with pocket and tab, a block with the tab
+    both = shapely.difference(a, shapely.box(-2.0, -2.0, 0.0, 2.0)).union(
+        shapely.difference(b, shapely.box(0.0, -2, 2, 2))
+    )
+    if n > 2 and both.geom_type != "Polygon":
+        n = 2
+    shapes = [a, *[both] * (n - 2), b]
+    assembly = assemble(row_of(shapes), gap=0.0)
+    goals = (wr.Pull(assembly.names[-1], e),)
+    return assembly, goals, chain.reach(Slices(a, b, tuple(D)), n, e, cells=60).value
+
+
+def a_pair(seed: int) -> Case:
+    """Two blocks or a peg in a hole with pulls at points, turns and Ws: all turns of exact slices."""
+    rng = np.random.default_rng([seed, 8])
+    gap, holes = float(np.exp(rng.uniform(np.log(0.004), np.log(0.03)))), bool(rng.integers(2))
+    made = (random_joints.tab_pair if rng.integers(2) else random_joints.peg_pair)(seed, gap, holes)
+    assembly = as_assembly(made)
+    goals = random_goals(assembly, seed)
+    a, b, D = made.local()
+    slices = Slices(a, b, tuple(D))
+
+    def best(phi: float) -> float:
+        corners = slices.corners(phi)
+        motions = np.zeros((len(corners), 2, 3))
+        motions[:, 1, :2], motions[:, 1, 2] = corners, phi
+        return float(value_of(assembly, goals, motions).max(initial=-np.inf))
+
+    turns = np.linspace(slices.low, slices.high, 241)
+    values = np.array([best(t) for t in turns])
+    top, step = int(values.argmax()), turns[1] - turns[0]
+    at, value = turns[top], values[top]
+    while step > 1e-9:
+        step /= 3
+        near = at + step * np.arange(-3, 4)
+        seen = [best(t) for t in near]
+        if max(seen) > value:
+            at, value = near[int(np.argmax(seen))], max(seen)
+    return assembly, goals, float(value)
+
+
+def several(seed: int) -> Case:
+    """A small chain, jigsaw, grid or peg with up to three goals: what was found, and what a climb finds."""
+    assembly = random_assembly(seed)
+    return _climbed(assembly, random_goals(assembly, seed), seed)
+
+
+def glued(seed: int) -> Case:
+    """The same with two free parts glued to each other."""
+    rng = np.random.default_rng([seed, 9])
+    assembly = random_assembly(seed)
+    free = [p.name for p in assembly.parts if not p.fixed]
+    if len(free) > 2:
+        drawing = assembly.drawing
+        pair = rng.permutation(len(free))[:2]
+        assembly = assemble(replace(drawing, glue=((free[pair[0]], free[pair[1]]),)), gap=assembly.gap)
+    return _climbed(assembly, random_goals(assembly, seed), seed)
+
+
+def _climbed(assembly: Assembly, goals: tuple[Goal, ...], seed: int) -> Case:
+    answer = wr.flex(assembly, goals)
+    if answer.objective is None or answer.path != "checked":
+        return assembly, goals, None
+    glue = assembly.drawing.glue
+    more = 0.0 if glue else climbed(answer, Ground(assembly), seed, rounds=30)
+    return assembly, goals, max(answer.objective, more)
+
+
+def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[float]:
+    """Bounds that are asked for too little; infinite where joints do not close."""
+    ground = survey(assembly)
+    goal = objective(assembly, ground.bodies, goals)
+    links, regions = outer_regions(ground, lambda: False)
+    ranges = first_ranges(ground.bodies, links, regions)
+    if not isinstance(goal, PointMotion) or not (ground.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
+        return [np.inf]
+    return [
+        Bounding(ground, links, [*regions], goal, cut, Clock(SECONDS), lambda _: None).run(ranges, cut)
+        for cut in (share * truth for share in SHARES)
+    ]
+
+
+def _quick(answer: Answer) -> float:
+    """Quick bound at whatever cost; infinite where there is none."""
+    found = answer.trail
+    if not isinstance(found, Found) or not isinstance(found.program.objective, PointMotion):
+        return np.inf
+    most = quick_bound(found, found.program.objective, 10**9)
+    return np.inf if most is None else most
+
+
+KINDS: dict[str, Callable[[int], Case]] = {"chain": a_chain, "pair": a_pair, "several": several, "glued": glued}
+
+
+def main(words: list[str]) -> None:
+    """Print one line for each kind, and one for each bound that lies too low."""
+    count, first = (int(words[k]) if len(words) > k else default for k, default in ((0, 1000), (1, 20000)))
+    rows = {kind: np.zeros(4, dtype=int) for kind in KINDS}  # looked at, unlimited or no way, no bound, below
+    nearest = dict.fromkeys(KINDS, np.inf)
+    began = time.perf_counter()
+    for seed in range(first, first + count):
+        kind = list(KINDS)[seed % len(KINDS)]
+        rows[kind][0] += 1
+        try:
+            assembly, goals, truth = KINDS[kind](seed)
+        except (ValueError, wr.InputError) as why:
+            print(f"{kind} {seed}: no assembly ({why})", flush=True)
+            rows[kind][1] += 1
+            continue
+        if truth is None:
+            rows[kind][1] += 1
+            continue
+        bounds = [*_proven(assembly, goals, truth), _quick(wr.flex(assembly, goals))]
+        over = min(bounds) / truth - 1
+        rows[kind][2] += not np.isfinite(over)
+        nearest[kind] = min(nearest[kind], over)
+        if over < -ROUNDING:
+            rows[kind][3] += 1
+            print(f"{kind} {seed}: bounds {bounds} below {truth!r}", flush=True)
+        if seed % 50 == 49:
+            print(f"# {seed - first + 1} in {time.perf_counter() - began:.0f} s", file=sys.stderr, flush=True)
+    print("| kind | assemblies | without a truth | without a bound | nearest bound above the truth | bounds below it |")
+    print("| --- " * 6 + "|")
+    for kind, row in rows.items():
+        print(f"| {kind} | {row[0]} | {row[1]} | {row[2]} | {nearest[kind]:.1e} | {row[3]} |")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,185 @@
+"""Quick bounds: pockets hold all true slices, what stands beside an answer is never below the truth, and it costs little."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import shapely
+
+import wiggleroom as wr
+from tests.flexing import case_assembly, displaced, mirrored, random_assembly, random_goals, row_of, scaled
+from tests.oracle import blocks, chain, closed_forms, random_joints
+from tests.oracle.slices import Slices
+from wiggleroom.analysis.quick import quick_bound
+from wiggleroom.assembly.build import assemble
+from wiggleroom.freespace.outer_slices import Facing
+from wiggleroom.freespace.pocket import pocket
+from wiggleroom.program.objectives import PointMotion
+
+ROUNDING = 1e-11
+
+
+def in_hull(points, corners):
+    """Whether points lie within the convex hull of corners, as far as 400 directions tell."""
+    rng = np.random.default_rng(0)
+    way = rng.standard_normal((400, 3)) / np.ptp(corners, axis=0)
+    return ((points @ way.T).max(0) <= (corners @ way.T).max(0)).all()
+
+
+def facing_about(a, b, pivot, clearance):
+    """Two parts with the origin at a point."""
+    return Facing(*(shapely.transform(g, lambda p: p - pivot) for g in (a, b)), clearance)
+
+
+def holds_all(a, b, D, pivot):
+    """Whether a pocket holds the exact slices of the pair; None where there is no pocket."""
+    placed = shapely.transform(b, lambda p: p + D)
+    made = pocket(facing_about(a, placed, pivot, float(shapely.distance(a, placed))))
+    if made is None:
+        return None
+    truth = Slices(a, b, tuple(D))
+    arm = pivot - np.asarray(D)
+    for phi in np.linspace(truth.low, truth.high, 15):
+        corners = truth.corners(phi)
+        c, s = math.cos(phi), math.sin(phi)
+        moved = corners + np.array([c * arm[0] - s * arm[1], s * arm[0] + c * arm[1]]) - arm
+        if not in_hull(np.column_stack([moved, np.full(len(moved), phi)]), made.corner):
+            return False
+    return True
+
+
+@pytest.mark.parametrize(
+    "joint", [pytest.param(j, marks=pytest.mark.slow) if j == "round" else j for j in blocks.JOINTS]
+)
+@pytest.mark.parametrize("gap", [0.01, pytest.param(0.03, marks=pytest.mark.slow)])
+def test_pockets_hold_all_true_slices(joint, gap):
+    made = blocks.block(joint, gap)
+    held = holds_all(made, made, (1.0, 0.0), np.array([0.35, 0.0]))
+    assert held if gap == 0.01 else held is not False
+
+
+@pytest.mark.parametrize("seed", [*range(8), *(pytest.param(k, marks=pytest.mark.slow) for k in range(8, 80))])
+def test_pockets_of_random_joints_hold_all_true_slices(seed):
+    make = random_joints.peg_pair if seed % 2 else random_joints.tab_pair
+    pair = make(seed, (0.004, 0.01, 0.02)[seed % 3], holes=bool(seed % 5 == 0))
+    a, b, D = pair.local()
+    assert holds_all(a, b, D, np.asarray(D) * 0.8 + 0.01) is not False
+
+
+def test_a_pocket_is_not_much_too_large():
+    made = blocks.block("tee", 0.01)
+    placed = shapely.transform(made, lambda p: p + np.array([1.0, 0.0]))
+    found = pocket(facing_about(made, placed, np.array([0.35, 0.0]), 0.01))
+    truth = Slices(made, made, (1.0, 0.0))
+    assert found.turns[1] <= 1.05 * truth.high
+    assert found.far <= 0.05
+
+
+def test_what_slides_out_has_no_pocket():
+    left, right = shapely.box(0, 0, 1, 1), shapely.box(1.01, 0, 2, 1)
+    assert pocket(facing_about(left, right, np.array([1.0, 0.5]), 0.01)) is None
+
+
+# -- beside an answer ------------------------------------------------------------------------------------------------
+
+
+def bound_at_any_cost(answer):
+    """The quick bound without regard to its work; inf where there is none."""
+    found = answer.trail
+    most = quick_bound(found, found.program.objective, 10**9)
+    return math.inf if most is None else most
+
+
+@pytest.mark.parametrize("joint", blocks.JOINTS)
+@pytest.mark.parametrize("n", [2, 10])
+def test_chains_against_the_dynamic_programme(joint, n):
+    value, accuracy = chain.stored(joint, 0.01, n)
+    answer = wr.flex(assemble(row_of([blocks.block(joint, 0.01)] * n), gap=0.0))
+    assert value - accuracy <= bound_at_any_cost(answer) <= 1.1 * value
+
+
+@pytest.mark.parametrize("name", [f"{k} {c.name}" for k, c in enumerate(closed_forms.bounded())])
+def test_closed_forms(name):
+    case = list(closed_forms.bounded())[int(name.split()[0])]
+    answer = wr.flex(case_assembly(case))
+    assert answer.at_most is None or answer.at_most >= case.value * (1 - ROUNDING)
+    assert bound_at_any_cost(answer) >= case.value * (1 - ROUNDING)
+
+
+def look(seed):
+    """No bound lies below a motion that was found and checked, and wrong forces give worse bounds, not wrong ones."""
+    assembly = random_assembly(seed)
+    answer = wr.flex(assembly, random_goals(assembly, seed))
+    if answer.objective is None or answer.path != "checked":
+        assert answer.at_most is None or answer.objective is not None
+        return
+    assert bound_at_any_cost(answer) >= answer.objective * (1 - ROUNDING)
+    found, rng = answer.trail, np.random.default_rng(seed)
+    if not isinstance(found.program.objective, PointMotion):
+        return
+    wrong = replace(found.solution, lam=found.solution.lam * rng.uniform(0.5, 1.5, len(found.solution.lam)))
+    most = quick_bound(replace(found, solution=wrong), found.program.objective, 10**9)
+    assert most is None or most >= answer.objective * (1 - ROUNDING)
+
+
+@pytest.mark.parametrize("seed", range(0, 40, 2))
+def test_no_bound_below_a_checked_motion(seed):
+    look(seed)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(400, 700))
+def test_no_bound_below_a_checked_motion_often(seed):
+    look(seed)
+
+
+@pytest.mark.parametrize("how", [mirrored, lambda d: scaled(d, 100.0), lambda d: displaced(d, 0.7, (300.0, -200.0))])
+def test_same_chain_otherwise(how):
+    drawing = row_of([blocks.block("swallowtail", 0.02)] * 5)
+    one, other = (wr.flex(assemble(d, gap=0.0)) for d in (drawing, how(drawing)))
+    assert other.bound.within == pytest.approx(one.bound.within, rel=0.05)
+
+
+def test_stated_in_json_terminal_and_picture(tmp_path, capsys, monkeypatch):
+    from wiggleroom.cli import main
+
+    def run(*words):
+        monkeypatch.setattr("sys.argv", ["wiggleroom", *map(str, words)])
+        return main()
+
+    file, out, picture = (tmp_path / name for name in ("chain.json", "out.json", "out.svg"))
+    assert run("make", "chain", "10", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
+    assert run("flex", file, "--json", out, "--picture", picture) == 0
+    said = capsys.readouterr().out
+    record = json.loads(out.read_text())
+    assert record["bound"]["kind"] == "quick"
+    assert record["objective"] <= record["at_most"] <= 1.1 * record["objective"]
+    assert record["bound"]["within"] == pytest.approx(record["at_most"] / record["objective"] - 1)
+    assert "at most" in said
+    assert "quick bound" in said
+    assert "proven" not in said
+    assert "at most" in picture.read_text()
+
+
+def test_null_where_it_would_cost_more_or_say_too_little():
+    for made in (wr.patterns.jigsaw(5, 4, gap=0.02, seed=1), wr.patterns.grid(14, 14, joint="swallowtail", gap=0.01)):
+        answer = wr.flex(made, wr.Pull(made.names[-1], (1, 0)))
+        assert answer.at_most is None
+        assert answer.bound is None
+
+
+def test_studies_ask_for_none():
+    answer = wr.rank(wr.patterns.chain(5, joint="tee", gap=0.01)).answer
+    assert answer.at_most is None
+
+
+def test_a_proof_that_finds_nothing_leaves_the_quick_bound():
+    answer = wr.flex(wr.patterns.chain(10, joint="tee", gap=0.01))
+    done = wr.prove(answer, 0.001, seconds=1e-6)
+    assert done.at_most == answer.at_most
+    assert done.bound.kind == "quick"
+    assert done.bound.why
