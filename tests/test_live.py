@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,6 +15,8 @@ from tests.oracle import collision
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.drawing.model import Drawing, Part, Region
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 JIGSAW = "examples/drawings/pyjigsaw_4x5.svg"
 
@@ -379,3 +382,14 @@ def test_a_full_answer_that_was_stopped_can_be_asked_for_again() -> None:
     assert quick.objective is not None
     assert full.objective is not None
     assert quick.objective <= full.objective * (1 + 1e-6)
+
+
+def test_jump_after_jump_comes_to_its_end():
+    """Pairs that are found late may overlap where the next round would begin; then it has to begin elsewhere."""
+    jigsaw = wr.read(EXAMPLES / "drawings" / "pyjigsaw_10x10.svg", gap=1.0, fix=["p1"])
+    live, random = wr.Live(jigsaw), np.random.default_rng(7)
+    for _ in range(6):
+        k = int(random.integers(1, len(jigsaw.parts)))
+        grip, angle = jigsaw.rest[k, :2], random.uniform(0, 2 * np.pi)
+        target = grip + random.uniform(0, 30) * np.array([np.cos(angle), np.sin(angle)])
+        assert live.drag(jigsaw.names[k], tuple(grip), tuple(target), seconds=60.0).settled

@@ -309,14 +309,23 @@ class Search:
         n = len(wanted)
         self.begin()
         extra = np.setdiff1d(known, self.cells.a * n + self.cells.b)
-        self.add(extra // n, extra % n, wanted)
+        grown, _ = self._grown(extra // n, extra % n, wanted)
+        self.cells = joined(self.cells, grown)
 
     def add(self, a: Ints, b: Ints, wanted: Floats) -> None:
-        """Put more pairs into the program: cells grown where the coming round begins, with room towards the motion `wanted` (n, 3)."""
+        """Put more pairs into the program, with room towards the motion `wanted` (n, 3); begin again where some overlap as it stands."""
+        grown, good = self._grown(a, b, wanted)
+        if good.all():
+            self.cells = joined(self.cells, grown)
+        else:
+            n = len(wanted)
+            self._begin_with(np.concatenate([self.cells.a * n + self.cells.b, a * n + b]), wanted)
+
+    def _grown(self, a: Ints, b: Ints, wanted: Floats) -> tuple[Cells, NDArray[np.bool_]]:
+        """Cells of some pairs where the coming round begins, and which of them lie free there."""
         bodies = self.ready.bodies
         seed, wish = relative_rest(bodies, a, b, self.inner), relative_rest(bodies, a, b, wanted)
-        grown, _ = grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), wish=wish)
-        self.cells = joined(self.cells, grown)
+        return grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), wish=wish)
 
     def _rebuild(self, found: Found, pairs: Ints, other_side: bool = False, nearer: int = 0) -> None:
         """Begin the next round near `found`, with new cells for some pairs grown there.

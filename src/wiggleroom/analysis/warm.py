@@ -109,6 +109,7 @@ class Warm(Search):
     state: State = field(kw_only=True)
     precise: bool = False
     last: Found | None = None
+    mu: float = FIRST_MU
     near: bool = False
     done: bool = False
     seen: tuple[Floats, Overlaps] | None = None
@@ -122,7 +123,7 @@ class Warm(Search):
         """Go through the rounds: roughly while that brings something, then as well as a picture needs."""
         self.near, mu, self.done = self.state.near, self.first_mu, False
         while self.rounds < MOST_ROUNDS:
-            self.last = found = self._round(self._tolerance if self.near else SKETCH, mu)
+            self.last, self.mu = found, mu = self._round(self._tolerance if self.near else SKETCH, mu), mu
             if found.solution.status == "stopped":
                 self._keep(found)
                 return
@@ -130,7 +131,10 @@ class Warm(Search):
                 continue
             gained = self._keep(found)
             best = self.best or found
-            stale, mu = self._stale(best), AGAIN * best.solution.inner_mu
+            stale, mu = (
+                self._stale(best),
+                min(mu, AGAIN * best.solution.inner_mu),
+            )  # near walls, more would drive it out
             again = gained and len(stale) > 0
             fine = found.tolerance <= 2 * self._tolerance  # a first round does not know yet how much there is to gain
             if self.unlimited or found.solution.status == "enough" or (self.near and not again and fine):
@@ -237,7 +241,8 @@ class Warm(Search):
         inner, mu, last = self.inner, self.first_mu, self.last
         if last is not None and last.program.cells is self.cells:
             inner = last.program.motion(last.solution.inner)
-            mu = last.solution.inner_mu if last.solution.status == "stopped" else AGAIN * last.solution.inner_mu
+            mu = last.solution.inner_mu * (1.0 if last.solution.status == "stopped" else AGAIN)
+            mu = min(mu, self.mu)
         cells, first = self.cells, len(self.ready.cells.a)
         ended = relative_rest(self.ready.bodies, cells.a, cells.b, motion) if self.done else None
         if before.ended is not None and self.rounds == 1:  # nothing was grown: how far it has come adds up
