@@ -100,7 +100,7 @@ def _verdict(search: Search, found: Found, sure: bool) -> Verdict:
         return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
         return Verdict.STOPPED
-    return Verdict.STATIONARY if search.branches_left else Verdict.OPTIMAL
+    return Verdict.STATIONARY if search.branches_left or found.touch.virtual.any() else Verdict.OPTIMAL
 
 
 def unlimited(

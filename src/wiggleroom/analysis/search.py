@@ -259,9 +259,13 @@ class Search:
             found.tolerance < self.best.tolerance
             or (self.best.solution.status, found.solution.status) == ("failed", "converged")
         )
-        if self.best is None or found.value >= before - (0.1 * ROUGH * abs(before) if surer else 0.0):
+        gained = found.value - before > least
+        # as good is not enough where walls hold it that nothing touches
+        worse = self.best is not None and bool(found.touch.virtual.any()) and not self.best.touch.virtual.any()
+        allowed = 0.1 * ROUGH * abs(before) if surer else 0.0
+        if self.best is None or gained or (found.value >= before - allowed and (surer or not worse)):
             self.best = found
-        return found.value - before > least
+        return gained
 
     def _add_missed(self, found: Found) -> bool:
         """Add the pairs that overlap at the solution and were not in the program; True where there were any."""
