@@ -114,7 +114,7 @@ def test_a_limit_out_of_reach_is_no_success(run) -> None:
 
 @pytest.mark.parametrize("command", ["sample --spread 0.001 --draws 100000", "rank --by differences"])
 def test_ctrl_c_ends_in_order(tmp_path: Path, command: str) -> None:
-    write_drawing(wr.patterns.frame(12, 12, joint="tee", gap=0.01).drawing, tmp_path / "frame.json")
+    write_drawing(wr.patterns.frame(40, 40, joint="tee", gap=0.01).drawing, tmp_path / "frame.json")
     name, *options = command.split()
     program = [sys.executable, "-c", "import sys; from wiggleroom.cli import main; sys.exit(main())"]
     process = subprocess.Popen(

@@ -19,6 +19,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.freespace.outer_slices import Facing
 from wiggleroom.freespace.pocket import pocket
 from wiggleroom.program.objectives import PointMotion
+from wiggleroom.report.words import bounded
 
 ROUNDING = 1e-11
 
@@ -183,3 +184,5 @@ def test_a_proof_that_finds_nothing_leaves_the_quick_bound():
     assert done.at_most == answer.at_most
     assert done.bound.kind == "quick"
     assert done.bound.why
+    assert bounded(done).startswith("at most")
+    assert done.bound.why in bounded(done)

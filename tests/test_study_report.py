@@ -262,3 +262,14 @@ def test_ways_out_are_films(opened: Any) -> None:
     assert at.locator(".command").inner_text() == "wiggleroom check it"
     at.get_by_role("button", name="Rest").click()
     assert "leaves: latch, drawer" in facts.inner_text()
+
+
+@pytest.mark.slow
+def test_a_ranking_keeps_its_order_where_parts_are_called_by_numbers(opened: Any) -> None:
+    chain = wr.patterns.chain(4, joint="tee", gap=0.02)
+    for part, name in zip(chain.names, ("4", "1", "3", "2"), strict=True):
+        chain = named(chain, part, name)
+    found = wr.rank(wr.flex(chain))
+    at = opened(pages.page_of_ranking(found))
+    shown = at.locator("table.sorts").first.locator("tbody tr td:first-child").all_inner_texts()
+    assert shown == [found.answer.assembly.names[k] for k in found.order]

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { type Design, type Goal, type Goals, isPull, type Point } from "./protocol.ts";
 
-export const NOTHING: Design = { gap: 0, extra: {}, fixed: [], glue: [], goals: [] };
+const NOTHING: Design = { gap: 0, extra: {}, fixed: [], glue: [], goals: [] };
 
 export const design = signal<Design>(NOTHING);
 const past = signal<Design[]>([]);

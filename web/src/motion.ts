@@ -10,7 +10,7 @@ export interface Shown {
   next?: () => void;
 }
 
-export const REST: Shown = { what: "rest", frames: null, label: "", back: false };
+const REST: Shown = { what: "rest", frames: null, label: "", back: false };
 const BLEND = 170;
 const PAUSE = 700;
 

@@ -79,7 +79,7 @@ export function cancel(kind: Kind): void {
 }
 
 /** Asks for the largest motion, or only for the outlines where nothing is asked. */
-export function askFlex(): void {
+function askFlex(): void {
   const wanted = design.peek();
   endDrag();
   if (!asks(wanted)) {

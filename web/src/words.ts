@@ -11,7 +11,7 @@ export function number(value: number, digits = 4): string {
   return rounded.includes(".") ? rounded.replace(/0+$/, "").replace(/\.$/, "") : rounded;
 }
 
-export function towards([dx, dy]: Point): string {
+function towards([dx, dy]: Point): string {
   const long = Math.hypot(dx, dy) || 1;
   const [x, y] = [dx / long, dy / long];
   if (Math.abs(y) < 1e-9) return x > 0 ? "+x" : "-x";

@@ -21,7 +21,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.analysis.answer import Answer, Bound
-from wiggleroom.analysis.regions import facing_of
+from wiggleroom.analysis.regions import facing_of, links_about
 from wiggleroom.analysis.search import Found
 from wiggleroom.freespace.pocket import Pocket, pocket
 from wiggleroom.freespace.relative import turn
@@ -87,10 +87,8 @@ def quick_bound(found: Found, goal: PointMotion, iterations: int) -> float | Non
         elif by_class[c] > LOST * by_class.sum():
             return None
     known = np.flatnonzero(kind[label] >= 0)
-    a, b = cells.a[known], cells.b[known]
-    axes = them.rest[a, 2]
-    arm = turn(pivots[label[known]], axes)
-    links = Links(a, b, kind[label[known]], arm, them.rest[a, :2] + arm - them.rest[b, :2], axes)
+    label = label[known]
+    links = links_about(them, cells.a[known], cells.b[known], kind[label], pivots[label])
     ranges = first_ranges(them, links, pockets)
     return _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
 

@@ -17,6 +17,7 @@ from wiggleroom.pairs.shapes import Bodies
 from wiggleroom.program.relax import Links
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 NEAR = 3.0
 """The pivot of a pair is found from the edges within so many clearances."""
@@ -37,10 +38,15 @@ def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[Links, list
             kind[c], pivots[c] = len(regions), pivot
             regions.append(found)
     known = np.flatnonzero(kind[label] >= 0)
-    a, b, label = a[known], b[known], label[known]
+    label = label[known]
+    return links_about(them, a[known], b[known], kind[label], pivots[label]), regions
+
+
+def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, pivots: Floats) -> Links:
+    """Links of pairs (P,) that have a region each, about pivots (P, 2) [mm] in the frames of their first bodies."""
     axes = them.rest[a, 2]
-    arm = turn(pivots[label], axes)
-    return Links(a, b, kind[label], arm, them.rest[a, :2] + arm - them.rest[b, :2], axes), regions
+    arm = turn(pivots, axes)
+    return Links(a, b, kind, arm, them.rest[a, :2] + arm - them.rest[b, :2], axes)
 
 
 def facing_of(

@@ -123,7 +123,8 @@ class Warm(Search):
         """Go through the rounds: roughly while that brings something, then as well as a picture needs."""
         self.near, mu, self.done = self.state.near, self.first_mu, False
         while self.rounds < MOST_ROUNDS:
-            self.last, self.mu = found, mu = self._round(self._tolerance if self.near else SKETCH, mu), mu
+            found = self._round(self._tolerance if self.near else SKETCH, mu)
+            self.last, self.mu = found, mu
             if found.solution.status == "stopped":
                 self._keep(found)
                 return
@@ -131,10 +132,8 @@ class Warm(Search):
                 continue
             gained = self._keep(found)
             best = self.best or found
-            stale, mu = (
-                self._stale(best),
-                min(mu, AGAIN * best.solution.inner_mu),
-            )  # near walls, more would drive it out
+            stale = self._stale(best)
+            mu = min(mu, AGAIN * best.solution.inner_mu)  # near walls, more would drive it out
             again = gained and len(stale) > 0
             fine = found.tolerance <= 2 * self._tolerance  # a first round does not know yet how much there is to gain
             if self.unlimited or found.solution.status == "enough" or (self.near and not again and fine):

@@ -65,7 +65,7 @@ def speed(
     ------
     InputError
         If no assembly is so small, or the limit is no time.
-    see_extra
+    MissingExtraError
         If the solver of a method is not installed.
 
     Source: Mind the Gap, Table 2.

@@ -156,7 +156,7 @@ def write_picture(made: str, path: Path) -> None:
     """Still picture as SVG or, where the name says so, as PNG; a page as HTML."""
     from wiggleroom.cli.say import note
     from wiggleroom.files import write_whole
-    from wiggleroom.report.draw import write_svg
+    from wiggleroom.report.stills import write_svg
 
     if ending(path) == PAGE:
         write_whole(path, made)

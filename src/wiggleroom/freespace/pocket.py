@@ -8,7 +8,6 @@ all that can be reached. Smaller windows within make walls straighter, and more 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -82,15 +81,15 @@ class _Window:
     half: Floats
 
 
-def pocket(facing: Facing, over: Callable[[], bool] = lambda: False) -> Pocket | None:
-    """Walls round rest; None where they do not close in a window of a few clearances, or before it is `over`."""
+def pocket(facing: Facing) -> Pocket | None:
+    """Walls round rest; None where they do not close in a window of a few clearances."""
     sides = _Sides(facing)
     most = facing.clearance * np.array([FIRST, FIRST, 2 * FIRST / sides.lever])
     for _ in range(TRIES):
         ends = np.linspace(-most[2], most[2], SLABS + 1)
         window = _Window(ends[:-1], ends[1:], np.zeros((SLABS, 2)), np.tile(most[:2], (SLABS, 1)))
         found = _left(facing, sides, window)
-        if found is None or over():
+        if found is None:
             return None
         open_ = np.abs(found.corner).max(0) > most * (1 - 1e-6)
         if not open_.any():
@@ -100,7 +99,7 @@ def pocket(facing: Facing, over: Callable[[], bool] = lambda: False) -> Pocket |
         return None
     for _ in range(ROUNDS):
         closer = _left(facing, sides, _closer(found))
-        if closer is None or over():
+        if closer is None:
             break
         found = closer
     return found
@@ -193,9 +192,8 @@ def _planes(
         arm = np.hypot(seen[..., 0], seen[..., 1]) + size[:, None]
         along_box, across_box = (np.abs(turn(v[None], middle[:, None])) for v in (go, normal))
     swing = (2 * np.sin(half[:, None] / 2) * arm + facing.margin)[..., None]
-    sideways = (along_box * window.half[:, None]).sum(2)[
-        :, None
-    ] + swing  # and how far with what the box adds, (K, points, edges)
+    # and how far with what the box adds (K, points, edges)
+    sideways = (along_box * window.half[:, None]).sum(2)[:, None] + swing
     inwards = (across_box * window.half[:, None]).sum(2)[:, None] + swing
     front = seen @ normal.T - (start * normal).sum(1)
     along = seen @ go.T - (start * go).sum(1)

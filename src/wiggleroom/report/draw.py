@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.analysis.answer import Answer
-from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
-from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STILLS, ending, unlike
+from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, ending, see
+from wiggleroom.report.stills import write_svg
 
 if TYPE_CHECKING:
     from wiggleroom.analysis.interlock import Interlock
@@ -60,34 +60,3 @@ def draw(
         from wiggleroom.report.picture import picture
 
         write_svg(picture(found), path)
-
-
-def see(path: Path, endings: tuple[str, ...]) -> None:
-    """See that the ending of a picture's name is one of `endings`.
-
-    Raises
-    ------
-    InputError
-        If it is not.
-    """
-    problem = unlike(path, endings)
-    if problem:
-        finding = f"picture {path}: {problem}"
-        raise InputError(finding)
-
-
-def write_svg(svg: str, path: Path) -> None:
-    """Write a still picture as SVG or, where the name says so, as PNG; whole or not at all.
-
-    Raises
-    ------
-    InputError
-        If the name does not end in .svg or .png.
-    """
-    see(path, STILLS)
-    if ending(path) == ".png":
-        from wiggleroom.report.png import png
-
-        write_whole(path, png(svg))
-    else:
-        write_whole(path, svg)

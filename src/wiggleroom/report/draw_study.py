@@ -13,8 +13,8 @@ from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.files import write_whole
 from wiggleroom.report import blame, pages, study_plots
 from wiggleroom.report.apart_picture import Checked, film_of_check, picture_of_check
-from wiggleroom.report.draw import see, write_svg
-from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STUDIES, ending
+from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
+from wiggleroom.report.stills import write_svg
 
 Study = Ranking | Tightening | Sweep | Sample | Checked
 

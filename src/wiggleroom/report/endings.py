@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import PurePath
 
+from wiggleroom.errors import InputError
+
 PLAYS = ".film.svg"
 """An SVG of this name plays; any other is a still picture."""
 STILLS = (".svg", ".png")
@@ -35,3 +37,17 @@ def unlike(path: PurePath, endings: Sequence[str]) -> str:
         return ""
     listed = " or ".join(p for p in (", ".join(endings[:-1]), endings[-1]) if p)
     return f"the name must end in {listed}" + ("; films come from flex and check" if found in FILMS else "")
+
+
+def see(path: PurePath, endings: Sequence[str]) -> None:
+    """See that the ending of a picture's name is one of `endings`.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
+    problem = unlike(path, endings)
+    if problem:
+        finding = f"picture {path}: {problem}"
+        raise InputError(finding)

@@ -88,7 +88,7 @@ def _sure(answer: Answer) -> list[str]:
     """How sure the answer is, and what it cost."""
     spent = ", ".join(f"{stage} {seconds:.2f}" for stage, seconds in answer.seconds.items())
     most = [f"truth:    {proven(answer)}"] if answer.at_most is not None else []
-    if answer.bound is not None and answer.bound.kind == "quick":
+    if answer.bound is not None and answer.bound.kind == "quick" and not answer.bound.why:
         most = [f"truth:    {proven(answer)}, a quick bound; --prove 0.01 brings it nearer"]
     return [
         *most,

@@ -153,7 +153,8 @@ def bounded(answer: Answer) -> str:
     if not between:
         return f"no bound: {bound.why}" if bound is not None and bound.why else "not worked out"
     near = "" if bound is None or bound.within is None else f", within {number(100 * bound.within, 2)} % of the answer"
-    return between + near + ("" if bound is None else f", in {bound.seconds:.1f} s")
+    spent = "" if bound is None else f", in {bound.seconds:.1f} s"
+    return between + near + spent + (f"; no nearer one: {bound.why}" if bound is not None and bound.why else "")
 
 
 def answer_sure(answer: Answer) -> list[tuple[str, str]]:

@@ -75,7 +75,7 @@ function firstTop(opened: { gap: number; size: readonly [number, number, number,
   return opened.gap > 0 ? opened.gap * 2.5 : usual / 20;
 }
 
-export function niceTop(value: number): number {
+function niceTop(value: number): number {
   const power = 10 ** Math.floor(Math.log10(Math.max(value, 1e-9)));
   for (const lead of [1, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10]) if (lead * power >= value * (1 - 1e-9)) return Number((lead * power).toPrecision(6));
   return value;

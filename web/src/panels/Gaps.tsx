@@ -16,10 +16,10 @@ type Column = "order" | "name" | "extra" | "matters";
 const PAGE = 150;
 
 /** Of one part: its share of the sum, and what a tighter gap brings where that differs. */
-function share(one?: { percent: number; mm_per_mm: number; tighter: number }): string {
+function share(per: string, one?: { percent: number; mm_per_mm: number; tighter: number }): string {
   if (!one) return "";
   const other = Math.abs(one.tighter - one.mm_per_mm) > 1e-3 * Math.abs(one.mm_per_mm);
-  return `${number(one.percent, 3)} % of the sum${other ? `; ${number(one.tighter, 3)} mm per mm if tighter` : ""}`;
+  return `${number(one.percent, 3)} % of the sum${other ? `; ${number(one.tighter, 3)} ${per} if tighter` : ""}`;
 }
 
 export function Gaps() {
@@ -74,7 +74,7 @@ export function Gaps() {
         <input class="search" type="search" placeholder="find a part" aria-label="find a part" value={wanted.value} onInput={(event) => (wanted.value = event.currentTarget.value)} />
       )}
       <table class="parts" ref={table}>
-        <thead><tr>{heading("name", "part", "by name")}{heading("extra", "extra gap", "by extra gap")}{about && heading("matters", "mm per mm", "by importance")}</tr></thead>
+        <thead><tr>{heading("name", "part", "by name")}{heading("extra", "extra gap", "by extra gap")}{about && heading("matters", about.reply.per.replace(" of gap", ""), "by importance")}</tr></thead>
         <tbody>
           {names.slice(0, most.value).map((name) => (
             <tr key={name} aria-selected={name === chosen}>
@@ -86,7 +86,7 @@ export function Gaps() {
                 </button>
               </td>
               <td><NumberBox value={design.value.extra[name] ?? 0} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} /></td>
-              {about && <td class="bar" title={share(about.reply.parts[name])}><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
+              {about && <td class="bar" title={share(about.reply.per, about.reply.parts[name])}><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
             </tr>
           ))}
         </tbody>

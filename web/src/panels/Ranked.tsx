@@ -18,7 +18,7 @@ export function Colouring() {
 
 export function Ranked() {
   const { parts, unique, per, note } = ranking.value!.reply;
-  const all = Object.entries(parts);
+  const all = Object.entries(parts).sort(([, a], [, b]) => b.mm_per_mm - a.mm_per_mm); // names that are numbers come in their own order
   const rows = all.map(([name, one]) => (unique ? [name, one.mm_per_mm, one.percent] : [name, one.mm_per_mm, one.tighter, one.percent]));
   return (
     <>
