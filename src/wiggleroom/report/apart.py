@@ -75,7 +75,9 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
         lines.append(Text(f"turns in place without limit: {few(found.spins)}"))
     if border is not None:
         lines.append(Text(border_sentence(border), style="bold"))
-    lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} largest motions searched", style="dim"))
+    spent = f"{found.seconds:.2f}" + (" without the largest gap" if border is not None else "")
+    searched = f", {_searched(found)}" if found.questions else ""
+    lines.append(Text(f"seconds: {spent}{searched}", style="dim"))
     return Group(*lines)
 
 
@@ -132,8 +134,14 @@ def check_sure(found: Interlock) -> list[tuple[str, str]]:
     return [
         ("verdict", f"{found.verdict}: {why(found)}"),
         ("certainty", found.certainty),
-        ("searched", f"{found.questions} largest motions, {found.seconds:.2f} seconds"),
+        ("took", f"{found.seconds:.2f} seconds, {_searched(found)}"),
     ]
+
+
+def _searched(found: Interlock) -> str:
+    """How often the search was needed: not where free spaces decide."""
+    count = found.questions
+    return f"{count or 'no'} largest motion{'s' if count > 1 else ''} searched"
 
 
 def along(found: Interlock, escape: Escape) -> str:
@@ -154,7 +162,7 @@ def _direction(found: Interlock, escape: Escape) -> tuple[float, float]:
 def border_sentence(border: LargestGap) -> str:
     """Say at which gap it comes apart."""
     if border.holds is None:
-        return "largest gap: no gap holds it together" if border.parts_at else "largest gap: none was found"
+        return "largest gap: none was found" if border.parts_at is None else "largest gap: no gap holds it together"
     if border.parts_at is None:
         return f"largest gap: it holds up to {number(border.holds)} mm; beyond that parts fall to pieces"
     return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm"
