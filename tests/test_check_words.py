@@ -1,6 +1,7 @@
 """What `check` says in words: about gaps as drawn, and about a search that was not needed."""
 
 import wiggleroom as wr
+from wiggleroom.analysis.largest_gap import LargestGap
 from wiggleroom.report.apart import border_sentence, check_sure
 
 PLATE = [(-9, -9), (9, -9), (9, 9), (2, 9), (2, -4), (-2, -4), (-2, 9), (-9, 9)]
@@ -23,3 +24,8 @@ def test_no_search_is_not_counted() -> None:
     found = wr.check(wr.patterns.chain(2, joint="tee", gap=0.02))
     assert found.questions == 0
     assert check_sure(found)[-1] == ("took", f"{found.seconds:.2f} seconds, no largest motion searched")
+
+
+def test_a_border_that_stays_wide_says_so() -> None:
+    assert border_sentence(LargestGap(2.629, 2.63, None, None)).endswith("comes apart at 2.63 mm")
+    assert border_sentence(LargestGap(2.629, 2.635, None, None)).endswith("; between them it was not decided")

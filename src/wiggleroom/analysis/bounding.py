@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 
 from wiggleroom.analysis.prepare import Survey
 from wiggleroom.analysis.steps import Step
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer import Outer, refined
 from wiggleroom.freespace.outer_facets import holding
 from wiggleroom.freespace.skin import Skin
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.program.relax import Linear, Links, NothingLeft, Ranges, narrowed, relaxation
 from wiggleroom.solve.bounds import LinearBounds
-from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

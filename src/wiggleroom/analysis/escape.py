@@ -18,8 +18,8 @@ from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.rigid import Rigid, leaves_as_one
 from wiggleroom.analysis.search import Progress
 from wiggleroom.analysis.straight import Exit, straight_exit, straight_exits
+from wiggleroom.errors import Stop
 from wiggleroom.pairs.neighbours import placed
-from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -16,9 +16,8 @@ from wiggleroom.analysis.prepare import REACH, Prepared
 from wiggleroom.analysis.search import Progress
 from wiggleroom.analysis.straight import Exit, straight_exit
 from wiggleroom.drawing.model import Goal, Pull, Turn
-from wiggleroom.errors import WiggleroomError
+from wiggleroom.errors import Stop, WiggleroomError
 from wiggleroom.pairs.neighbours import neighbours, placed, relative_rest
-from wiggleroom.solve.newton import Stop
 from wiggleroom.solve.verdict import Verdict
 
 Floats = NDArray[np.float64]

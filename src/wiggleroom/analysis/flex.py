@@ -18,12 +18,11 @@ from wiggleroom.analysis.starts import pulls
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models import HalfPlane, PairModel, model_named
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.linear import linear_solver
-from wiggleroom.solve.newton import Stop
 
 
 def flex(

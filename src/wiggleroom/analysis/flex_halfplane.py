@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from wiggleroom.analysis.approximate import Approximation, End, thinned
 from wiggleroom.analysis.search import FAR, Progress
 from wiggleroom.analysis.starts import pulls
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.faces import Faces
 from wiggleroom.freespace.halfplane import half_planes
 from wiggleroom.pairs.neighbours import neighbours, placed
 from wiggleroom.program.build import Linearised, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.solve.linear import maximise
-from wiggleroom.solve.newton import Stop
 from wiggleroom.solve.verdict import Verdict
 
 Floats = NDArray[np.float64]

@@ -12,6 +12,7 @@ from wiggleroom.analysis.approximate import Approximation, End, thinned
 from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.search import EACH, FAR, FINE, GAIN, Progress, nudged
 from wiggleroom.analysis.starts import pulls
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.faces import Faces
 from wiggleroom.freespace.hulls import hulls
 from wiggleroom.freespace.models import Hull
@@ -20,7 +21,6 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retract import Retraction
 from wiggleroom.solve.conditions import conditions
 from wiggleroom.solve.interior_point import Solution
-from wiggleroom.solve.newton import Stop
 from wiggleroom.solve.verdict import Verdict
 
 Floats = NDArray[np.float64]

@@ -8,8 +8,8 @@ from wiggleroom.analysis.bounding import Clock
 from wiggleroom.analysis.prepare import survey
 from wiggleroom.analysis.regions import outer_regions
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.errors import Stop
 from wiggleroom.program.relax import first_ranges
-from wiggleroom.solve.newton import Stop
 
 
 def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> float | None:

@@ -23,8 +23,7 @@ from wiggleroom.analysis.tight import tight_verdict
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Turn
-from wiggleroom.errors import InputError, StoppedError, TouchingError
-from wiggleroom.solve.newton import Stop
+from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -9,8 +9,7 @@ from wiggleroom.analysis.interlock import Interlock, check
 from wiggleroom.analysis.search import Progress
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.errors import InputError, TouchingError
-from wiggleroom.solve.newton import Stop
+from wiggleroom.errors import InputError, Stop, TouchingError
 
 WITHIN = 1e-3
 """Both sides end no further apart than this share of the gap."""

@@ -11,9 +11,9 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.analysis.prepare import REACH, Prepared
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.passage import Passage, passage
 from wiggleroom.pairs.neighbours import classes, neighbours, placed, relative_rest
-from wiggleroom.solve.newton import Stop
 
 Ints = NDArray[np.int64]
 

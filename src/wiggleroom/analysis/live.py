@@ -24,10 +24,10 @@ from wiggleroom.analysis.wiggle import modes
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
+from wiggleroom.errors import Stop
 from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.gaps import carried
 from wiggleroom.program.objectives import Approach
-from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Spot = tuple[float, float]

@@ -17,8 +17,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from wiggleroom.errors import WiggleroomError, see_extra
-from wiggleroom.solve.interior_point import Stop
+from wiggleroom.errors import Stop, WiggleroomError, see_extra
 
 Work = Callable[[Any, Any], Any]
 """A function of a module: work(shared, task) -> result; everything can be pickled."""

@@ -15,12 +15,11 @@ from wiggleroom.analysis.prepare import survey
 from wiggleroom.analysis.regions import outer_regions
 from wiggleroom.analysis.search import Progress
 from wiggleroom.analysis.steps import Step
-from wiggleroom.errors import InputError, WiggleroomError
+from wiggleroom.errors import InputError, Stop, WiggleroomError
 from wiggleroom.freespace.outer import Outer
 from wiggleroom.freespace.skin import Skin
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.program.relax import first_ranges
-from wiggleroom.solve.newton import Stop
 
 CUT = 0.6
 """Motions worth more than the witness by this share of what is asked for are looked for."""

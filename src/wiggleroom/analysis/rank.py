@@ -19,9 +19,8 @@ from wiggleroom.analysis.touch import touching
 from wiggleroom.analysis.vary import Base, base, ended, follow
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.program.gaps import gains
-from wiggleroom.solve.interior_point import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -18,9 +18,8 @@ from wiggleroom.analysis.shown import Shown
 from wiggleroom.analysis.vary import Varied, afresh, ended, vary
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.program.objectives import Objective
-from wiggleroom.solve.interior_point import Stop
 
 Floats = NDArray[np.float64]
 

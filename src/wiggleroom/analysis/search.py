@@ -14,12 +14,12 @@ from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.touch import Touch, touching, wishes
 from wiggleroom.analysis.twins import Twin, exchanged, followed, twins
 from wiggleroom.analysis.way import Way, whole_way
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells import Cells, grow_cells, joined, replaced, select
 from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.solve.interior_point import FIRST_MU, Solution
-from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -21,13 +21,13 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, StoppedError
+from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.pairs.moved import moved
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import bodies
 from wiggleroom.program.gaps import carried
 from wiggleroom.program.objectives import objective
-from wiggleroom.solve.interior_point import Stop, solve
+from wiggleroom.solve.interior_point import solve
 from wiggleroom.solve.verdict import Verdict
 
 COUNT = 9

@@ -18,9 +18,8 @@ from wiggleroom.analysis.vary import can_be_ranked, ended, vary
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.program.objectives import Objective
-from wiggleroom.solve.interior_point import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -13,13 +13,13 @@ from wiggleroom.analysis.overlap import SAFE, Overlaps, overlaps
 from wiggleroom.analysis.prepare import REACH, Prepared
 from wiggleroom.analysis.search import AGAIN, FINE, Found, Search, silent
 from wiggleroom.analysis.way import strangers
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells import Cells, select
 from wiggleroom.pairs.neighbours import relative_rest
 from wiggleroom.program.build import build
 from wiggleroom.program.objectives import NOTHING, Objective
 from wiggleroom.solve.factor import factor
 from wiggleroom.solve.interior_point import FIRST_MU, solve
-from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

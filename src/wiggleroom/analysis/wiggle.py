@@ -12,10 +12,10 @@ from wiggleroom.analysis.overlap import SAFE, overlaps
 from wiggleroom.analysis.prepare import Prepared
 from wiggleroom.analysis.shot import Mode
 from wiggleroom.analysis.warm import at_rest, warm
+from wiggleroom.errors import Stop
 from wiggleroom.pairs.shapes import Bodies, corners
 from wiggleroom.program.build import Program, build
 from wiggleroom.program.objectives import NOTHING, PointMotion, Points
-from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 

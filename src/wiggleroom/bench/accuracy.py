@@ -19,14 +19,13 @@ from wiggleroom.bench.collide import overlapping
 from wiggleroom.bench.pairs import GAP, PAIR, PAIRS
 from wiggleroom.bench.published import ACCURACY
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models import HalfPlane, Hull
 from wiggleroom.freespace.polyhedron import Polyhedron
 from wiggleroom.freespace.relative import turn
 from wiggleroom.freespace.space import FreeSpace, free_space
 from wiggleroom.pairs.neighbours import placed
 from wiggleroom.pairs.shapes import bodies
-from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]

@@ -11,9 +11,8 @@ from wiggleroom.assembly import patterns
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.physics import pulled_to_rest
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
-from wiggleroom.errors import see_extra
+from wiggleroom.errors import Stop, see_extra
 from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
-from wiggleroom.solve.newton import Stop
 
 JOINTS = ("tee", "swallowtail")
 TRUTH = "true optimum"

@@ -23,10 +23,9 @@ from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
 from wiggleroom.drawing.model import Goal, Pull, Turn, part_of
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.pairs.neighbours import placed
-from wiggleroom.solve.newton import Stop
 from wiggleroom.solve.verdict import Verdict
 
 SHORT = {LOCKED: "locked", APART: "apart"}

@@ -14,7 +14,7 @@ from wiggleroom.report.endings import STILLS
 
 if TYPE_CHECKING:
     from wiggleroom.bench.result import Bench
-    from wiggleroom.solve.newton import Stop
+    from wiggleroom.errors import Stop
 
 Table = Literal["accuracy", "speed", "chains", "interlock"]
 TABLES: tuple[Table, ...] = ("accuracy", "speed", "chains", "interlock")

@@ -9,7 +9,7 @@ import numpy as np
 
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.interlock import Escape, Interlock
-from wiggleroom.analysis.largest_gap import LargestGap
+from wiggleroom.analysis.largest_gap import WITHIN, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.words import few, number, towards
 from wiggleroom.solve.verdict import Verdict
@@ -165,7 +165,8 @@ def border_sentence(border: LargestGap) -> str:
         return "largest gap: none was found" if border.parts_at is None else "largest gap: no gap holds it together"
     if border.parts_at is None:
         return f"largest gap: it holds up to {number(border.holds)} mm; beyond that parts fall to pieces"
-    return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm"
+    between = "" if border.parts_at - border.holds <= WITHIN * border.parts_at else "; between them it was not decided"
+    return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm{between}"
 
 
 def as_answer(found: Interlock, command: str = "") -> Answer:

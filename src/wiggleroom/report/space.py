@@ -43,7 +43,7 @@ def headline(space: FreeSpace) -> str:
 def said(space: FreeSpace, judged: Audit | None) -> list[str]:
     """Facts under the headline."""
     found = [
-        f"{len(space.cells.a)} cells, {space.rows} walls",
+        f"{len(space.cells.a)} cell{'s' * (len(space.cells.a) != 1)}, {space.rows} walls",
         f"cells cover {100 * space.coverage:.2f} %",
         f"volume {number(volume(space), 3)} mm² °",
     ]

@@ -13,11 +13,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop
 from wiggleroom.program.build import Program
 from wiggleroom.program.retract import Retraction
 from wiggleroom.solve.careful import Careful
 from wiggleroom.solve.factor import LARGE, Factor, factor
-from wiggleroom.solve.newton import TINY_SHIFT, State, Stop, dot, longest, newton
+from wiggleroom.solve.newton import TINY_SHIFT, State, dot, longest, newton
 from wiggleroom.solve.ridge import beside, uphill
 
 Floats = NDArray[np.float64]

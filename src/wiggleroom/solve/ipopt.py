@@ -16,12 +16,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, see_extra
+from wiggleroom.errors import InputError, Stop, see_extra
 from wiggleroom.program import kernel
 from wiggleroom.program.build import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
 from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution
-from wiggleroom.solve.newton import Stop
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop as Stop
 from wiggleroom.program.build import Linearised
 from wiggleroom.solve.factor import Factor
 
