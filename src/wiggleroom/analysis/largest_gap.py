@@ -13,8 +13,6 @@ from wiggleroom.errors import InputError, Stop, TouchingError
 
 WITHIN = 1e-3
 """Both sides end no further apart than this share of the gap."""
-CLOSER = WITHIN / 4
-"""Each side is narrowed to this share, where gaps between them that cannot be decided keep them further apart."""
 BOXES, QUESTIONS = 40_000, 40
 """Of `check`, at every gap that is tried."""
 SMALLEST = 1e-4
@@ -88,8 +86,8 @@ def largest_gap(
         found = tried[gap]
         return "gone" if found is None else found.verdict
 
-    def known(*verdicts: str) -> list[float]:
-        return [g for g in tried if at(g) in verdicts]
+    def known(verdict: str) -> list[float]:
+        return [g for g in tried if at(g) == verdict]
 
     begin = assembly.gap or START * assembly.size
     low: float | None = begin if assembly.gap or at(0.0) != "interlocked" else 0.0
@@ -99,22 +97,18 @@ def largest_gap(
         high = max(begin, 2 * low)
         while at(high) not in ENDED:
             high *= 2
-        for share in (WITHIN, CLOSER):
-            _narrow(at, max(known("interlocked", "unknown")), min(known(*ENDED)), ENDED, share)
-            low = max(known("interlocked"))
-            _narrow(at, low, min(g for g in tried if g > low), {*ENDED, "unknown"}, share)
-            low, high = max(known("interlocked")), min(known(*ENDED))
-            if high - low <= WITHIN * high:
-                break
+        _narrow(at, low, high, ENDED)
+        low = max(known("interlocked"))
+        _narrow(at, low, min(g for g in tried if g > low), {*ENDED, "unknown"})
     holds, parts_at = max(known("interlocked"), default=None), min(known("comes apart"), default=None)
     return LargestGap(
         holds, parts_at, None if holds is None else tried[holds], None if parts_at is None else tried[parts_at]
     )
 
 
-def _narrow(at: Callable[[float], str], low: float, high: float, bad: set[str], share: float) -> None:
+def _narrow(at: Callable[[float], str], low: float, high: float, bad: set[str]) -> None:
     """Halve the interval between a gap that is not `bad` and one that is, until it is narrow enough."""
-    while high - low > share * high:
+    while high - low > WITHIN * high:
         middle = (low + high) / 2
         if at(middle) in bad:
             high = middle
