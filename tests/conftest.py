@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,18 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         reason = KNOWN.get(item.name)
         if reason:
             item.add_marker(pytest.mark.xfail(reason=reason, strict=False))
+
+
+@pytest.fixture
+def command(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
+    """The command line: its words, and its exit code."""
+    from wiggleroom.cli import main
+
+    def run(*words: object) -> int:
+        monkeypatch.setattr("sys.argv", ["wiggleroom", *map(str, words)])
+        return main()
+
+    return run
 
 
 @pytest.fixture(scope="module")

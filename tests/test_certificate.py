@@ -254,25 +254,19 @@ def test_nonsense_is_refused_and_not_a_fault(proven):
         assert not verify(bad).proven
 
 
-def test_commands(tmp_path, capsys, monkeypatch):
-    from wiggleroom.cli import main
-
-    def run(*words):
-        monkeypatch.setattr("sys.argv", ["wiggleroom", *map(str, words)])
-        return main()
-
+def test_commands(tmp_path, capsys, command):
     file, proof, other = (tmp_path / name for name in ("chain.json", "proof.json", "other.json"))
-    assert run("make", "chain", "3", "--joint", "swallowtail", "--gap", "0.02", "-o", file) == 0
-    assert run("flex", file, "--prove", "0.02", "--certificate", proof) == 0
-    assert run("verify", proof, file) == 0
+    assert command("make", "chain", "3", "--joint", "swallowtail", "--gap", "0.02", "-o", file) == 0
+    assert command("flex", file, "--prove", "0.02", "--certificate", proof) == 0
+    assert command("verify", proof, file) == 0
     assert "verified: no motion of b3" in capsys.readouterr().out
-    assert run("make", "chain", "3", "--joint", "swallowtail", "--gap", "0.03", "-o", other) == 0
-    assert run("verify", proof, other) == 1
+    assert command("make", "chain", "3", "--joint", "swallowtail", "--gap", "0.03", "-o", other) == 0
+    assert command("verify", proof, other) == 1
     assert "other outlines" in capsys.readouterr().out
     text = proof.read_text()
     proof.write_text(text.replace('"worth": 0.', '"worth": 0.0', 1))
-    assert run("verify", proof) == 1
+    assert command("verify", proof) == 1
     for wrong in (["verify", file], ["verify", tmp_path / "none"], ["flex", file, "--certificate", other]):
-        assert run(*wrong) == 2
+        assert command(*wrong) == 2
     proof.write_text(text[:1000])
-    assert run("verify", proof) == 2
+    assert command("verify", proof) == 2

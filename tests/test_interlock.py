@@ -15,7 +15,6 @@ from tests.flexing import displaced, part_at
 from tests.oracle import collision
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly, place
-from wiggleroom.cli import main
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.passage import passage
 from wiggleroom.report.apart import check_record, further, why
@@ -207,14 +206,9 @@ def test_largest_gap_where_none_holds():
     assert found.apart.verdict == "comes apart"
 
 
-def run(monkeypatch: pytest.MonkeyPatch, *words: str) -> int:
-    monkeypatch.setattr("sys.argv", ["wiggleroom", "check", *words])
-    return main()
-
-
-def test_command_says_who_leaves_and_exits_with_one(monkeypatch, tmp_path, capsys):
+def test_command_says_who_leaves_and_exits_with_one(command, tmp_path, capsys):
     out, film = tmp_path / "apart.json", tmp_path / "apart.film.svg"
-    code = run(monkeypatch, str(HERE / "sequential.json"), "--json", str(out), "--picture", str(film))
+    code = command("check", str(HERE / "sequential.json"), "--json", str(out), "--picture", str(film))
     page = capsys.readouterr().out
     assert code == 1
     assert "comes apart" in page
@@ -228,14 +222,14 @@ def test_command_says_who_leaves_and_exits_with_one(monkeypatch, tmp_path, capsy
     assert "<svg" in film.read_text()
 
 
-def test_command_exits_with_zero_where_it_interlocks(monkeypatch, capsys):
-    assert run(monkeypatch, str(HERE / "round_plug.json"), "--json", "-") == 0
+def test_command_exits_with_zero_where_it_interlocks(command, capsys):
+    assert command("check", str(HERE / "round_plug.json"), "--json", "-") == 0
     record = json.loads(capsys.readouterr().out)
     assert (record["verdict"], record["escapes"], record["spins"]) == ("interlocked", [], ["plug"])
 
 
-def test_command_takes_a_gap(monkeypatch, capsys):
-    assert run(monkeypatch, str(HERE / "gap.json"), "--gap", "8") == 1
+def test_command_takes_a_gap(command, capsys):
+    assert command("check", str(HERE / "gap.json"), "--gap", "8") == 1
     assert "right leaves" in capsys.readouterr().out
 
 
@@ -247,8 +241,8 @@ def test_command_takes_a_gap(monkeypatch, capsys):
         (["--picture", "apart.docx"], "must end in"),
     ],
 )
-def test_command_refuses_in_one_plain_line(monkeypatch, capsys, words, said):
-    assert run(monkeypatch, str(HERE / "gap.json"), *words) == 2
+def test_command_refuses_in_one_plain_line(command, capsys, words, said):
+    assert command("check", str(HERE / "gap.json"), *words) == 2
     error = capsys.readouterr().err
     assert said in error
     assert error.count("\n") == 1

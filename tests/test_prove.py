@@ -277,16 +277,10 @@ def test_a_short_time_gives_the_best_so_far():
     assert answer.at_most is None or answer.at_most >= answer.objective
 
 
-def test_command(tmp_path, capsys, monkeypatch):
-    from wiggleroom.cli import main
-
-    def run(*words):
-        monkeypatch.setattr("sys.argv", ["wiggleroom", *map(str, words)])
-        return main()
-
+def test_command(tmp_path, capsys, command):
     file, out, picture = (tmp_path / name for name in ("chain.json", "out.json", "out.svg"))
-    assert run("make", "chain", "3", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
-    assert run("flex", file, "--prove", "0.01", "--time", "30", "--json", out, "--picture", picture) == 0
+    assert command("make", "chain", "3", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
+    assert command("flex", file, "--prove", "0.01", "--time", "30", "--json", out, "--picture", picture) == 0
     said = capsys.readouterr().out
     assert "mm, proven" in said
     assert "mm, proven" in picture.read_text()
@@ -295,7 +289,7 @@ def test_command(tmp_path, capsys, monkeypatch):
     assert record["bound"]["within"] == pytest.approx(record["at_most"] / record["objective"] - 1)
     assert record["objective"] <= record["at_most"] <= 1.01 * record["objective"]
     for wrong in (["--time", "3"], ["--prove", "0"], ["--prove", "0.01", "--model", "hull"], ["--prove", "x"]):
-        assert run("flex", file, *wrong) == 2
+        assert command("flex", file, *wrong) == 2
         assert len(capsys.readouterr().err.strip().splitlines()) == 1
 
 

@@ -145,16 +145,10 @@ def test_same_chain_otherwise(how):
     assert other.bound.within == pytest.approx(one.bound.within, rel=0.05)
 
 
-def test_stated_in_json_terminal_and_picture(tmp_path, capsys, monkeypatch):
-    from wiggleroom.cli import main
-
-    def run(*words):
-        monkeypatch.setattr("sys.argv", ["wiggleroom", *map(str, words)])
-        return main()
-
+def test_stated_in_json_terminal_and_picture(tmp_path, capsys, command):
     file, out, picture = (tmp_path / name for name in ("chain.json", "out.json", "out.svg"))
-    assert run("make", "chain", "10", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
-    assert run("flex", file, "--json", out, "--picture", picture) == 0
+    assert command("make", "chain", "10", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
+    assert command("flex", file, "--json", out, "--picture", picture) == 0
     said = capsys.readouterr().out
     record = json.loads(out.read_text())
     assert record["bound"]["kind"] == "quick"
