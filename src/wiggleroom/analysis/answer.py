@@ -114,3 +114,31 @@ class Answer(Shown):
     bound: Bound | None = None
     command: str = ""
     trail: object = field(default=None, repr=False)
+
+
+def witnessed(
+    assembly: Assembly,
+    goals: tuple[Goal, ...],
+    verdict: Verdict,
+    objective: float | None,
+    waypoints: NDArray[np.float64],
+    path: str,
+    **more: Any,
+) -> Answer:
+    """Return an answer for a motion, the last of `waypoints` (k, n, 3), that is free of overlap without a search of its own."""
+    return Answer(
+        assembly=assembly,
+        goals=goals,
+        verdict=verdict,
+        objective=objective,
+        motion=waypoints[-1],
+        waypoints=waypoints,
+        path=path,
+        collision_free=True,
+        deepest_overlap=0.0,
+        model="walls",
+        solver="interior-point",
+        rounds=0,
+        iterations=0,
+        **{"contacts": (), **more},
+    )

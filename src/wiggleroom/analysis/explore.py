@@ -121,7 +121,7 @@ def way_out(
 ) -> tuple[Floats, Exit] | None:
     """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its way-points are looked at, or all."""
     last = len(motions) - 1
-    for k in np.unique(np.linspace(last, 1, looks or last).round().astype(int)):
+    for k in np.unique(np.linspace(last, 1, min(looks or last, last)).round().astype(int)):
         found = straight_exit(ready.bodies, motions[k], ground, ready.barred, ready.size, group)
         if found is not None:
             return motions[: k + 1], found

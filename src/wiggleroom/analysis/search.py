@@ -159,9 +159,8 @@ class Search:
         tolerance, mu = ROUGH, self.first_mu
         polished = False
         nearer = 0  # the last rebuildings began so much nearer to the end
-        branches: list[Ints | Twin] | None = (
-            None  # other sides of corner contacts and ends of other joints still to be tried
-        )
+        # other sides of corner contacts and ends of other joints still to be tried
+        branches: list[Ints | Twin] | None = None
         while self.rounds < MOST_ROUNDS:
             found = self._round(tolerance, mu)
             if tolerance > fine and self._add_missed(found):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.answer import Answer, witnessed
 from wiggleroom.analysis.audit import swing
 from wiggleroom.analysis.live import Live
 from wiggleroom.analysis.shot import Shot
@@ -183,21 +183,14 @@ def shape(sheet: Sheet, request: Shape, out: Out) -> None:
 
 def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: Shot) -> Answer:
     """What was found in the time there was, as an answer."""
-    return Answer(
-        assembly=assembly,
-        goals=goals,
-        verdict=Verdict.UNBOUNDED if shot.objective is None else Verdict.STOPPED,
-        objective=shot.objective,
-        motion=shot.motion,
-        waypoints=shot.motion[None],
+    return witnessed(
+        assembly,
+        goals,
+        Verdict.UNBOUNDED if shot.objective is None else Verdict.STOPPED,
+        shot.objective,
+        shot.motion[None],
+        "not checked",
         contacts=shot.contacts,
-        path="not checked",
-        collision_free=True,
-        deepest_overlap=0.0,
-        model="walls",
-        solver="interior-point",
-        rounds=0,
-        iterations=0,
         seconds={"total": shot.seconds},
         leaves=shot.leaves,
         turns=shot.turns,

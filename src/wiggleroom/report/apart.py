@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wiggleroom.analysis.answer import Answer
+from wiggleroom.analysis.answer import Answer, witnessed
 from wiggleroom.analysis.interlock import Escape, Interlock
 from wiggleroom.analysis.largest_gap import WITHIN, LargestGap
 from wiggleroom.drawing.model import Pull
@@ -175,22 +175,7 @@ def as_answer(found: Interlock, command: str = "") -> Answer:
     way = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
     gone = tuple(name for e in found.escapes for name in e.parts)
     goals = tuple(Pull(e.parts[0], _direction(found, e)) for e in found.escapes)
-    return Answer(
-        assembly=found.assembly,
-        goals=goals,
-        verdict=Verdict.UNBOUNDED if gone else Verdict.STATIONARY,
-        objective=None if gone else 0.0,
-        motion=way[-1],
-        waypoints=way,
-        contacts=(),
-        path="checked",
-        collision_free=True,
-        deepest_overlap=0.0,
-        model="walls",
-        solver="interior-point",
-        rounds=0,
-        iterations=0,
-        leaves=gone,
-        turns=found.spins,
-        command=command,
+    verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
+    return witnessed(
+        found.assembly, goals, verdict, objective, way, "checked", leaves=gone, turns=found.spins, command=command
     )
