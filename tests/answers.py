@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region
+from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.solve.verdict import Verdict
 
 

@@ -16,7 +16,7 @@ from tests.oracle import collision
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.freespace.passage import passage
+from wiggleroom.freespace.subdivision.passage import passage
 from wiggleroom.report.apart import check_record, further, why
 
 HERE = Path(__file__).parents[1] / "examples" / "17_does_it_come_apart"

@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from tests.answers import answer, block, grid, row
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
 from wiggleroom.report.picture import picture, picture_of_assembly
 from wiggleroom.report.png import png
 from wiggleroom.report.text import width
+from wiggleroom.search.answer import Answer
 from wiggleroom.solve.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"

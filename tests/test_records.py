@@ -11,10 +11,10 @@ import numpy as np
 from rich.console import Console
 
 from tests.answers import answer, block, grid, row
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.report.records import flex_record, to_json
 from wiggleroom.report.table import table
+from wiggleroom.search.answer import Answer
 from wiggleroom.solve.verdict import Verdict
 
 KEYS = [

@@ -19,9 +19,9 @@ from tests.audit import audit as other_audit
 from tests.audit import polygon
 from tests.baked import rows, told
 from tests.test_html import tags
-from wiggleroom.analysis.audit import about_pivot, audit
 from wiggleroom.assembly.build import assemble
 from wiggleroom.cli import main
+from wiggleroom.compare.monte_carlo import about_pivot, audit
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.report.pages import page_of_space
 from wiggleroom.report.space import space_picture, space_record, volume

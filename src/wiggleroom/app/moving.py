@@ -11,19 +11,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer, witnessed
-from wiggleroom.analysis.audit import swing
-from wiggleroom.analysis.live import Live
-from wiggleroom.analysis.shot import Shot
 from wiggleroom.app.command import command
 from wiggleroom.app.messages import Design, Drag, Flex, Json, Release, Shape, Wiggle
 from wiggleroom.app.out import Out
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.drawing.model import Drawing, Goal
-from wiggleroom.freespace.relative import turn
-from wiggleroom.freespace.space import FreeSpace
+from wiggleroom.freespace.free_space import FreeSpace
+from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.live.live_result import Shot
+from wiggleroom.live.live_session import Live
 from wiggleroom.report.told import answer_told, contacts_told, rings_told
 from wiggleroom.report.ways import way_frames
+from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wiggleroom.app.command import command
 from wiggleroom.app.messages import Space
 from wiggleroom.app.out import Out
-from wiggleroom.freespace.space import free_space
+from wiggleroom.freespace.free_space import free_space
 from wiggleroom.report.solid import space_told
 
 if TYPE_CHECKING:

@@ -18,9 +18,9 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.answer import Answer
-    from wiggleroom.analysis.interlock import Interlock
     from wiggleroom.app.moving import Moves
+    from wiggleroom.search.answer import Answer
+    from wiggleroom.separate.interlock import Interlock
 
 
 class Sheet:
@@ -82,7 +82,7 @@ class Sheet:
         kept = self.kept_check(design)
         if kept is not None:
             return kept
-        from wiggleroom.analysis.interlock import check
+        from wiggleroom.separate.interlock import check
 
         found = check(self.assembly(design), stop=out.stop, progress=out.progress)
         out.check()

@@ -46,8 +46,8 @@ def check(
     with interruptible() as stop, progress() as show:
         assembly = read(file, asked)
 
-        from wiggleroom.analysis.interlock import check as work_out
-        from wiggleroom.analysis.largest_gap import largest_gap as search
+        from wiggleroom.separate.interlock import check as work_out
+        from wiggleroom.separate.largest_gap import largest_gap as search
 
         found = work_out(assembly, stop=stop, progress=show)
         border = search(assembly, stop=stop, progress=show) if largest_gap else None

@@ -10,8 +10,8 @@ from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import Outputs, check, tell
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.answer import Answer
-    from wiggleroom.freespace.models import PairModel
+    from wiggleroom.freespace.models.pair_models import PairModel
+    from wiggleroom.search.answer import Answer
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
 
@@ -65,7 +65,7 @@ def flex(
     from dataclasses import replace
 
     from wiggleroom.errors import InputError
-    from wiggleroom.freespace.models import Hull
+    from wiggleroom.freespace.models.pair_models import Hull
 
     settings: dict[str, Any] = {
         k: v for k, v in (("about", about), ("slices", slices), ("rounds", rounds)) if v is not None
@@ -122,7 +122,7 @@ def _answer(
             raise InputError(lacking)
         spent = time.perf_counter() - begin
 
-        from wiggleroom.analysis.flex import flex as solve
+        from wiggleroom.maximise import flex as solve
 
         answer = solve(assembly, model=model, solver=solver, stop=stop, progress=show)
         if prove is not None and not stop.is_set():

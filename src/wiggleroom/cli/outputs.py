@@ -17,8 +17,8 @@ from wiggleroom.report.endings import ANSWERS, PAGE, STUDIES, ending, unlike
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from wiggleroom.analysis.answer import Answer
     from wiggleroom.report.draw_study import Study
+    from wiggleroom.search.answer import Answer
 
 _Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 

@@ -49,7 +49,7 @@ def rank(
     with interruptible() as stop, unless_stopped(stop), bar("differences") as show:
         assembly = complete(read(file, asked))
 
-        from wiggleroom.analysis.rank import rank as work_out
+        from wiggleroom.sensitivity.rank import rank as work_out
 
         ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
     from wiggleroom.report.ranking import rank_record, rank_table

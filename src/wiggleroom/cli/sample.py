@@ -65,12 +65,12 @@ def sample(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible() as stop, unless_stopped(stop), bar("draws") as show:
-        from wiggleroom.analysis.lots import Spread
+        from wiggleroom.sensitivity.gap_distribution import Spread
 
         lot = Spread(spread, kind, sheet, bias)
         assembly = complete(read(file, asked))
 
-        from wiggleroom.analysis.sample import sample as work_out
+        from wiggleroom.sensitivity.sample import sample as work_out
 
         found = work_out(assembly, lot, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options)
     from wiggleroom.report.studies import sample_record, sample_table

@@ -10,9 +10,9 @@ from wiggleroom.cli.outputs import StudyOutputs
 from wiggleroom.report.endings import PAGE, ending
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.audit import Audit
     from wiggleroom.assembly.model import Assembly
-    from wiggleroom.freespace.space import FreeSpace
+    from wiggleroom.compare.monte_carlo import Audit
+    from wiggleroom.freespace.free_space import FreeSpace
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), StudyOutputs()
 
@@ -55,12 +55,12 @@ def space(
     outputs.check(file)
     assembly = read(file, asked)
 
-    from wiggleroom.freespace.space import free_space
+    from wiggleroom.freespace.free_space import free_space
 
     found = free_space(assembly, a, b)
     judged = None
     if samples:
-        from wiggleroom.analysis.audit import audit
+        from wiggleroom.compare.monte_carlo import audit
 
         judged = audit(found, assembly, samples, seed=seed)
     if outputs.json != "-":

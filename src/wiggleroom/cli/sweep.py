@@ -50,7 +50,7 @@ def sweep(
     with interruptible() as stop, bar("gaps") as show:
         assembly = complete(read(file, asked))
 
-        from wiggleroom.analysis.sweep import sweep as work_out
+        from wiggleroom.sensitivity.sweep import sweep as work_out
 
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()

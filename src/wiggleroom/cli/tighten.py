@@ -61,7 +61,7 @@ def tighten(
     with interruptible() as stop, unless_stopped(stop), bar("choices at random") as show:
         assembly = complete(read(file, asked))
 
-        from wiggleroom.analysis.tighten import tighten as work_out
+        from wiggleroom.sensitivity.tighten import tighten as work_out
 
         found = work_out(
             assembly, parts=parts, limit=limit, gap=to, draws=draws, seed=seed, stop=stop, progress=show, **options

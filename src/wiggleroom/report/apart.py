@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wiggleroom.analysis.answer import Answer, witnessed
-from wiggleroom.analysis.interlock import Escape, Interlock
-from wiggleroom.analysis.largest_gap import WITHIN, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.words import few, number, towards
+from wiggleroom.search.answer import Answer, witnessed
+from wiggleroom.separate.interlock import Escape, Interlock
+from wiggleroom.separate.largest_gap import WITHIN, LargestGap
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:

@@ -4,17 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.audit import Audit
-from wiggleroom.analysis.interlock import Interlock
-from wiggleroom.analysis.rank import Ranking, rank_at_once
-from wiggleroom.analysis.sample import Sample
-from wiggleroom.analysis.sweep import Sweep
-from wiggleroom.analysis.tighten import Tightening
-from wiggleroom.analysis.vary import can_be_ranked
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.compare.monte_carlo import Audit
 from wiggleroom.errors import InputError
-from wiggleroom.freespace.space import FreeSpace
+from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
 from wiggleroom.report.apart import check_facts, check_title
 from wiggleroom.report.apart_picture import Checked
@@ -28,6 +21,13 @@ from wiggleroom.report.studies import QUANTILES, lost_sentence, sample_sure
 from wiggleroom.report.told import Json
 from wiggleroom.report.told_studies import check_told, ranking_told, step_told
 from wiggleroom.report.words import headline, number, unit
+from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity.perturbation import can_be_ranked
+from wiggleroom.sensitivity.rank import Ranking, rank_at_once
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.separate.interlock import Interlock
 
 
 def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:

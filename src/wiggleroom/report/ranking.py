@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wiggleroom.analysis.rank import Ranking
 from wiggleroom.report.records import Record
 from wiggleroom.report.table import columns
 from wiggleroom.report.words import headline, number, per_gap, short
+from wiggleroom.sensitivity.rank import Ranking
 
 if TYPE_CHECKING:
     from rich.console import Group

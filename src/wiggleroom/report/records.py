@@ -6,7 +6,7 @@ import json
 import math
 from typing import Any
 
-from wiggleroom.analysis.answer import Answer
+from wiggleroom.search.answer import Answer
 from wiggleroom.solve.verdict import Verdict
 
 Record = dict[str, Any]

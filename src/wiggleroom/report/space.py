@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.audit import Audit, about_pivot
 from wiggleroom.assembly.model import Assembly, place
-from wiggleroom.freespace.space import FreeSpace
+from wiggleroom.compare.monte_carlo import Audit, about_pivot
+from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import frame, palette
 from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View, round_down

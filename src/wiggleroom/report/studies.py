@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.analysis.sample import Sample
-from wiggleroom.analysis.sweep import Sweep
-from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report.records import Record
 from wiggleroom.report.table import columns
 from wiggleroom.report.words import asked, headline, number, short, unit
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.solve.verdict import Verdict
 
 if TYPE_CHECKING:

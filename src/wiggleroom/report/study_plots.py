@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.analysis.sample import Sample
-from wiggleroom.analysis.sweep import Sweep
 from wiggleroom.errors import InputError
 from wiggleroom.report.plots import curve, histogram
 from wiggleroom.report.studies import lost_sentence, spread_words, yield_sentence
 from wiggleroom.report.words import asked, number, unit
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
 
 _SHOWN = (0.05, 0.5, 0.95)
 

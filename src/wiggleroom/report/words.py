@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
+from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.solve.verdict import Verdict
 
 _NAME_LENGTH = 40

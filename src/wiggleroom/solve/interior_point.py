@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.program.build import Program
-from wiggleroom.program.retract import Retraction
-from wiggleroom.solve.careful import Careful
-from wiggleroom.solve.factor import LARGE, Factor, factor
-from wiggleroom.solve.newton import TINY_SHIFT, State, dot, longest, newton
-from wiggleroom.solve.ridge import beside, uphill
+from wiggleroom.program.nonlinear_program import Program
+from wiggleroom.program.retraction import Retraction
+from wiggleroom.solve.factorisation import LARGE, Factor, factor
+from wiggleroom.solve.monotone_barrier import Careful
+from wiggleroom.solve.newton_step import TINY_SHIFT, State, dot, longest, newton
+from wiggleroom.solve.saddle_escape import beside, uphill
 
 Floats = NDArray[np.float64]
 

@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop, see_extra
-from wiggleroom.program import kernel
-from wiggleroom.program.build import Program
+from wiggleroom.program import contact_functions as kernel
+from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
 from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution
 
