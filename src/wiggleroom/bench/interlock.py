@@ -21,8 +21,8 @@ from wiggleroom.drawing.model import Goal, Pull, Turn, part_of
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.geometry.neighbours import placed
+from wiggleroom.maximise import prepare
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.prepare import prepare
 from wiggleroom.separate.interlock import check
 from wiggleroom.solve.verdict import Verdict
 from wiggleroom.tight.blocking_graph import blocking
