@@ -15,7 +15,7 @@ from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.report.records import flex_record, to_json
 from wiggleroom.report.table import table
 from wiggleroom.search.answer import Answer
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 KEYS = [
     "format", "verdict", "objective", "at_most", "parts", "collision_free", "deepest_overlap", "path", "contacts",

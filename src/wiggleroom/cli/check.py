@@ -9,9 +9,10 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import Outputs, tell
+from wiggleroom.verdict import Separability
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
-CODES = {"interlocked": 0, "comes apart": 1, "unknown": 3}
+CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
 
 
 def check(

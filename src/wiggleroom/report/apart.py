@@ -12,14 +12,14 @@ from wiggleroom.report.words import few, number, towards
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.separate.interlock import Escape, Interlock
 from wiggleroom.separate.largest_gap import WITHIN, LargestGap
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group
 
 Record = dict[str, Any]
 
-_COLOURS = {"interlocked": "green", "comes apart": "magenta", "unknown": "yellow"}
+_COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 _MOST_ESCAPES = 12
 STILL = 1e-12
 
@@ -83,19 +83,19 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
 
 def why(found: Interlock) -> str:
     """What the verdict rests on."""
-    if found.verdict == "comes apart":
-        if found.certainty == "searched":
+    if found.verdict is Separability.COMES_APART:
+        if found.certainty is Certainty.SEARCHED:
             return "parts touch at rest; with a little gap this is a way, every step checked for overlap"
         return "every step of the way checked for overlap"
     if found.tight:
         return "parts touch at rest and lock each other to first order" + (
-            ", proven by forces" if found.certainty == "proven" else "; curves were taken as polygons"
+            ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
         )
-    if found.verdict == "unknown":
+    if found.verdict is Separability.UNKNOWN:
         return "the search was cut short, or some questions were not answered"
     if found.at_most is not None:
         return f"proven, no part gets further than {further(found.at_most)} mm from where it lies"
-    if found.certainty == "proven":
+    if found.certainty is Certainty.PROVEN:
         return "proven, free spaces are closed"
     return "searched, every planned question was answered and no way was found"
 

@@ -7,7 +7,7 @@ import math
 from typing import Any
 
 from wiggleroom.search.answer import Answer
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 Record = dict[str, Any]
 

@@ -13,7 +13,7 @@ from wiggleroom.report.words import asked, headline, number, short, unit
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group
