@@ -14,7 +14,7 @@ from wiggleroom.live.live_result import Shot
 from wiggleroom.report.told import answer_told, contacts_told, rings_told
 from wiggleroom.report.ways import way_frames
 from wiggleroom.search.answer import Answer, witnessed
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 SECONDS = 0.1
 """A quick answer takes about so long [s]."""

@@ -24,9 +24,9 @@ from wiggleroom.geometry.neighbours import placed
 from wiggleroom.maximise import prepare
 from wiggleroom.search.answer import Answer
 from wiggleroom.separate.interlock import check
-from wiggleroom.solve.verdict import Verdict
 from wiggleroom.tight.blocking_graph import blocking
 from wiggleroom.tight.mobility import tight_verdict
+from wiggleroom.verdict import Verdict
 
 SHORT = {LOCKED: "locked", APART: "apart"}
 FAN = 8
