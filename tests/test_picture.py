@@ -15,7 +15,9 @@ from tests.answers import answer, block, grid, row
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
-from wiggleroom.report.picture import picture, picture_of_assembly
+from wiggleroom.assembly.inventory import inventory
+from wiggleroom.report.picture import picture
+from wiggleroom.report.read_picture import picture_of_reading
 from wiggleroom.report.png import png
 from wiggleroom.report.text import width
 from wiggleroom.search.answer import Answer
@@ -142,7 +144,7 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)
 def test_text_is_never_cut_off_and_never_overlaps(case: Answer) -> None:
-    for svg in (picture(case), picture_of_assembly(case.assembly, command=case.command)):
+    for svg in (picture(case), read_picture(case)):
         root = tree(svg)
         wide, high = float(root.get("width", "0")), float(root.get("height", "0"))
         boxes = np.array([box(t) for t in texts(svg)])

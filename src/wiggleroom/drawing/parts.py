@@ -98,7 +98,8 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
     material = cut_nested([outline.region for outline in outlines], parents, holes, found.tolerance)
     groups = _pieces(outlines, material)
     first = [rows[0] for rows in groups]
-    names = unique_names([given[row] for row in first])
+    final = given_names([strokes[row] for row in first], [inside[row] for row in first], [not outlines[row].face for row in first])
+    names = unique_names(final)
     _say_nesting(found, names, first, in_material, holes, inside)
     _say_pieces(found, outlines, groups)
     _say_mended(found)
