@@ -43,7 +43,7 @@ def box(text: ElementTree.Element) -> tuple[float, float, float, float]:
     """Left, top, right, bottom of a text element, by an upper estimate of its width."""
     size, x, y = (float(text.get(k, "0")) for k in ("font-size", "x", "y"))
     wide = width(text.text or "", size)
-    left = x - wide / 2 if text.get("fill") is None else x  # names are centred and take their colour from the group
+    left = x - wide / 2 if text.get("fill") is None else x - wide if text.get("text-anchor") == "end" else x  # names are centred and take their colour from the group
     return left, y - 0.8 * size, left + wide, y + 0.2 * size
 
 
@@ -140,6 +140,11 @@ CASES = {
     "free": free(),
     "still": answer([Part("a", (block(),), fixed=True)], [(0, 0, 0)], (Pull("a", (1, 0)),), 0.0),
 }
+
+
+def read_picture(case: Answer) -> str:
+    drawing = case.assembly.drawing
+    return picture_of_reading(case.assembly, inventory(drawing), (), ("nothing is wrong",), command=case.command)
 
 
 @pytest.mark.parametrize("case", CASES.values(), ids=CASES)

@@ -41,8 +41,8 @@ def regions_by_fill_rule(rings: Sequence[Points], *, even_odd: bool) -> PathRegi
     Raises
     ------
     ValueError
-        With a plain reason and a point, where a ring crosses another one. Rings that cross themselves are passed on as
-        they are, because the validation of the assembly looks at them.
+        With a plain reason and a point, where a ring crosses itself or another one. A single ring is passed on as it
+        is, because the validation of the assembly looks at it.
 
     Examples
     --------
@@ -75,10 +75,15 @@ def regions_by_fill_rule(rings: Sequence[Points], *, even_odd: bool) -> PathRegi
 
 def _around(polygons: NDArray[np.object_]) -> list[list[int]]:
     """For every polygon those that hold it, all in order of area, the largest first."""
-    sound = shapely.is_valid(polygons)
+    for polygon in polygons:
+        _, _, at = shapely.is_valid_reason(polygon).partition("[")
+        if at:
+            x, y = (float(number) for number in at.rstrip("]").split()[:2])
+            message = f"an outline crosses itself at ({x:.6g}, {y:.6g}) mm; it must not where a path has several outlines"
+            raise ValueError(message)
     around: list[list[int]] = [[] for _ in polygons]
     first, second = shapely.STRtree(polygons).query(polygons)
-    later = (first > second) & sound[first] & sound[second]
+    later = first > second
     inner, outer = first[later], second[later]
     covered = shapely.covers(polygons[outer], polygons[inner])
     crossing = ~covered & shapely.overlaps(polygons[outer], polygons[inner])

@@ -210,11 +210,11 @@ def _pieces(outlines: Sequence[Outline], material: dict[int, list[Region]]) -> l
     for row in sorted(material):
         stroke = outlines[row].stroke
         key: object = row
-        if stroke.whole or (not outlines[row].face and (stroke.label or has_own_name(stroke))):
-            key = ("stroke", id(stroke))
-        elif stroke.piece is not None and stroke.piece[2] > 1:
+        if stroke.piece is not None:
             seen[stroke.piece] += 1
             key = (stroke.piece[0], stroke.piece[2], seen[stroke.piece])
+        elif stroke.whole or (not outlines[row].face and (stroke.label or has_own_name(stroke))):
+            key = ("stroke", id(stroke))
         groups.setdefault(key, []).append(row)
     return list(groups.values())
 
