@@ -150,7 +150,7 @@ def _potracer():
     found = []
     for bitmap in (ring | blob, bars):
         data = ""
-        for curve in potrace.Bitmap(bitmap).trace():
+        for curve in potrace.Bitmap(~bitmap).trace():
             data += f"M{curve.start_point.x},{curve.start_point.y}"
             for s in curve.segments:
                 if s.is_corner:
@@ -332,7 +332,7 @@ def _ezdxf():
                 closed(space, SQUARE)
                 space.add_circle((60, 0), 5)
         elif k == 6:
-            space.add_spline(degree=3).set_closed([(0, 0), (30, 0), (40, 20), (10, 30)])
+            space.add_spline(degree=3).set_closed([(0, 0, 0), (30, 0, 0), (40, 20, 0), (10, 30, 0)])
         elif k == 7:
             space.add_lwpolyline([(0, 0), (40, 0), (40, 20)])
             space.add_lwpolyline([(40, 20.01), (0, 20), (0, 0.01)])

@@ -53,6 +53,8 @@ class Stroke:
         Of the line, as `#rrggbb`, or nothing.
     fill : str
         Of the inside, likewise.
+    styled : bool
+        Whether the file says a colour of the line or the inside; else it is black by default, which means little.
     fixed, even_odd : bool
         Whether its part stands; its fill rule, else non-zero.
     hole : bool
@@ -75,6 +77,7 @@ class Stroke:
     marks: tuple[str, ...] = ()
     colour: str = ""
     fill: str = ""
+    styled: bool = True
     fixed: bool = False
     even_odd: bool = False
     hole: bool = False

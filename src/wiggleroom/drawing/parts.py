@@ -178,12 +178,13 @@ def _solid(
         parent = found.outlines[parents[i]].stroke if i in parents else None
         own = parent is not stroke
         white = is_light(stroke.fill) and parent is not None and parent.fill and not is_light(parent.fill)
+        filled = stroke.fill and not white and (stroke.styled or has_own_name(stroke))
         result.append(
             "all" in asked
             or i in rows
             or outline.face
             or bool(asked & {word.casefold() for word in (given[i], stroke.name) if word})
-            or (own and bool((stroke.fill and not white) or stroke.label or inside[i] or stroke.fixed))
+            or (own and bool(filled or stroke.label or inside[i] or stroke.fixed))
         )
     return result
 

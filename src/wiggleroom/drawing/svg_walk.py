@@ -138,6 +138,7 @@ class Walk:
             marks=tuple(_classes(element)),
             colour=self._colour("stroke", state, ""),
             fill=fill,
+            styled="fill" in state.style or "stroke" in state.style,
             fixed=state.fixed or fill == RED,
             even_odd=state.style.get("fill-rule", "").lower() == "evenodd",
             hole=any(is_hole_layer(mark) for group in state.groups for mark in group.marks),
