@@ -298,16 +298,25 @@ def _net(found: Traced, lines: Sequence[_Line], size: float) -> None:
     made: list[Outline] = []
     tree = shapely.STRtree([shapely.LineString(points) for points in corners])
     for k in sorted(replaced):
-        made += _faces(found, [net.faces[f] for f in by_owner[k]], found.outlines[k].stroke, found.outlines[k].row, found.outlines[k].region)
+        outline = found.outlines[k]
+        made += _faces([net.faces[f] for f in by_owner[k]], outline.stroke, outline.row, outline.region)
+    alone = []
+    faces = np.array(net.faces, dtype=object)
+    neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
+    shared = np.bincount(neighbours, minlength=len(net.faces)) > 1
     for f in outside:
         row = lines[int(tree.nearest(net.faces[f].exterior))]
-        made += _faces(found, [net.faces[f]], row.stroke, row.row, None)
+        if shared[f]:
+            made += _faces([net.faces[f]], row.stroke, row.row, None)
+        else:  # nothing is cut: the outline of one part, whose ends overshoot
+            ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
+            alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
     if made:
         cut = f"{_many(len(replaced), 'outline')} cut" if replaced else ""
         faces = f"{_many(len(made), 'face')} of open lines taken as parts"
         found.note(", ".join(filter(None, (cut, faces))))
     found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
-    found.outlines += made
+    found.outlines += [*made, *alone]
     if net.slivers:
         found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
     _say_dangles(found, lines, tree, net.dangles, ends)
@@ -353,9 +362,7 @@ def _owners(
     return owner, [f for f in range(len(faces)) if f not in smallest]
 
 
-def _faces(
-    found: Traced, faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: Region | None
-) -> list[Outline]:
+def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: Region | None) -> list[Outline]:
     """Faces as outlines, from the top left on; holes of the outline that they were cut from stay."""
     plain = replace(stroke, name="", label="", fill="", fixed=stroke.fixed and region is not None)
     order = sorted(faces, key=lambda face: (-round(face.bounds[3], 3), round(face.bounds[0], 3)))

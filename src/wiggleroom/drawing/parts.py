@@ -88,14 +88,25 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
     outlines = found.outlines
     polygons = np.array([outline.polygon for outline in outlines], dtype=object)
     strokes = [outline.stroke for outline in outlines]
-    inside, unnamed = texts_inside(polygons, artwork.texts)
+    inside, _ = texts_inside(polygons, artwork.texts)
     given = given_names(strokes, inside, [not outline.face for outline in outlines])
     parents = direct_parents(polygons)
     in_material = {i: p for i, p in parents.items() if not meets_hole(polygons[i], outlines[p].region, found.tolerance)}
     solid = _solid(found, options, given, inside, in_material, polygons)
     size = float(np.ptp(shapely.total_bounds(polygons).reshape(2, 2), axis=0).max())
     holes = hole_rows(polygons, in_material, solid, min(_TOUCH, _TOUCH_SHARE * size))
+    kept = [row for row in range(len(outlines)) if row not in holes]
+    texts, unnamed = texts_inside(polygons[kept], artwork.texts)  # a text in a hole names the part around it
+    inside = [""] * len(outlines)
+    for row, text in zip(kept, texts, strict=True):
+        inside[row] = text
     material = cut_nested([outline.region for outline in outlines], parents, holes, found.tolerance)
+    filled = [row for row, pieces in material.items() if not pieces]
+    if filled:
+        listed = ", ".join(str(strokes[row]) for row in filled[:3]) + (", ..." if len(filled) > 3 else "")
+        found.note(f"outlines that others inside them fill are left out: {listed}")
+        found.remarks.append(Remark("left out", tuple(outlines[row].region.outer for row in filled)))
+    material = {row: pieces for row, pieces in material.items() if pieces}
     groups = _pieces(outlines, material)
     first = [rows[0] for rows in groups]
     final = given_names([strokes[row] for row in first], [inside[row] for row in first], [not outlines[row].face for row in first])
@@ -178,13 +189,14 @@ def _solid(
         parent = found.outlines[parents[i]].stroke if i in parents else None
         own = parent is not stroke
         white = is_light(stroke.fill) and parent is not None and parent.fill and not is_light(parent.fill)
+        named = inside[i] and parent is not None and bool(given[parents[i]])
         filled = stroke.fill and not white and (stroke.styled or has_own_name(stroke))
         result.append(
             "all" in asked
             or i in rows
             or outline.face
             or bool(asked & {word.casefold() for word in (given[i], stroke.name) if word})
-            or (own and bool(filled or stroke.label or inside[i] or stroke.fixed))
+            or (own and bool(filled or stroke.label or named or stroke.fixed))
         )
     return result
 

@@ -19,6 +19,12 @@ from wiggleroom.errors import InputError
 
 _GROUPS = ("g", "a", "switch")
 _LEFT_OUT = ("image", "foreignObject")
+_NOT_DRAWN = (
+    "defs", "symbol", "metadata", "style", "title", "desc", "script", "clipPath", "mask", "marker", "pattern", "filter",
+    "linearGradient", "radialGradient", "view", "font", "cursor", "animate", "animateTransform", "set", "namedview",
+    "font-face", "color-profile", "solidcolor", "hatch", "mesh", "meshgradient", "animateMotion", "animateColor",
+)  # fmt: skip
+"""Elements that draw nothing where they stand."""
 _DEEPEST = 200
 
 T = TypeVar("T")
@@ -87,6 +93,8 @@ class Walk:
     def _visit(self, element: Element, outer: _State) -> None:
         tag = element.tag
         if tag not in (*SHAPES, *_GROUPS, *_LEFT_OUT, "text", "use", "svg"):
+            if tag and tag not in _NOT_DRAWN:
+                self.left_out[f"unknown {tag}"] += 1
             return
         self._visited += 1
         if self._visited > MOST:
