@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -45,7 +46,7 @@ class Outline:
     row: int
     face: bool = False
 
-    @property
+    @cached_property
     def polygon(self) -> shapely.Polygon:
         """What lies inside the outer outline."""
         return shapely.Polygon(self.region.outer)
@@ -304,8 +305,9 @@ def _net(found: Traced, lines: Sequence[_Line], size: float) -> None:
     faces = np.array(net.faces, dtype=object)
     neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
     shared = np.bincount(neighbours, minlength=len(net.faces)) > 1
-    for f in outside:
-        row = lines[int(tree.nearest(net.faces[f].exterior))]
+    nearest = tree.nearest([net.faces[f].exterior for f in outside]).tolist() if outside else []
+    for f, line in zip(outside, nearest, strict=True):
+        row = lines[line]
         if shared[f]:
             made += _faces([net.faces[f]], row.stroke, row.row, None)
         else:  # nothing is cut: the outline of one part, whose ends overshoot
@@ -369,8 +371,10 @@ def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: R
     made = []
     for face in order:
         outer = clean_ring(shapely.get_coordinates(face.exterior))
-        inside = shapely.Polygon(outer)
-        holes = tuple(hole for hole in region.holes if inside.contains(shapely.Polygon(hole))) if region else ()
+        holes: tuple[Points, ...] = ()
+        if region is not None and region.holes:
+            inside = shapely.Polygon(outer)
+            holes = tuple(hole for hole in region.holes if inside.contains(shapely.Polygon(hole)))
         made.append(Outline(Region(outer, holes), plain, row, face=True))
     return made
 
