@@ -45,10 +45,11 @@ class PartNames:
             return name
         shapes, owner = placed(self._drawing.parts)
         inside = np.flatnonzero(shapely.intersects_xy(shapes, *point))
+        area = shapely.area(shapes)
         if not len(inside):
             self.wrong.append(f"{name}: there is no part at this point")
             return name
-        return self._drawing.parts[owner[min(inside, key=lambda k: shapes[k].area)]].name
+        return self._drawing.parts[owner[min(inside, key=lambda k: area[k])]].name
 
 
 def unknown(name: str, names: Iterable[str]) -> str:

@@ -166,7 +166,11 @@ def _is_closed(path: Subpath) -> bool:
 
 
 def _chord_error(
-    artwork: Artwork, paths: Sequence[tuple[Subpath, int]], closed: Sequence[bool], flatten: float | None, gap: float | None
+    artwork: Artwork,
+    paths: Sequence[tuple[Subpath, int]],
+    closed: Sequence[bool],
+    flatten: float | None,
+    gap: float | None,
 ) -> tuple[float, float]:
     """Chord error, and the longer side of the drawing [mm]; refused is one of nothing, or of a size that cannot be worked with."""
     if not paths:
@@ -314,14 +318,13 @@ def _net(found: Traced, lines: Sequence[_Line], size: float) -> None:
             ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
             alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
     if made:
-        cut = f"{_many(len(replaced), 'outline')} cut" if replaced else ""
-        faces = f"{_many(len(made), 'face')} of open lines taken as parts"
-        found.note(", ".join(filter(None, (cut, faces))))
+        cut = f"{_many(len(replaced), 'outline')} cut, " if replaced else ""
+        found.note(f"{cut}{_many(len(made), 'face')} of open lines taken as parts")
     found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
     found.outlines += [*made, *alone]
     if net.slivers:
         found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
-    _say_dangles(found, lines, tree, net.dangles, ends)
+    _say_dangles(found, lines, tree, net.dangles)
 
 
 def _reached(found: Traced, lines: Sequence[Points], within: float) -> list[int]:
@@ -380,7 +383,7 @@ def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: R
 
 
 def _say_dangles(
-    found: Traced, lines: Sequence[_Line], tree: shapely.STRtree, dangles: Sequence[shapely.Geometry], ends: object
+    found: Traced, lines: Sequence[_Line], tree: shapely.STRtree, dangles: Sequence[shapely.Geometry]
 ) -> None:
     """Note open lines that bound no face, whole ones by name and ends of others by place."""
     if not dangles:
@@ -394,19 +397,21 @@ def _say_dangles(
     for k in np.flatnonzero(whole).tolist():
         by_stroke.setdefault(lines[k].row, lines[k])
     if by_stroke:
-        named = [_open_name(found, line) for line in list(by_stroke.values())[:3]]
+        named = [_open_name(line) for line in list(by_stroke.values())[:3]]
         more = f" and {len(by_stroke) - 3} more" if len(by_stroke) > 3 else ""
         found.note(f"open paths are left out: {', '.join(named)}{more}; close them if they are parts")
     stubs = [line for line, k in zip(dangles, owner.tolist(), strict=True) if not whole[k]]
     if stubs:
         x, y = shapely.get_coordinates(stubs[0])[0]
-        found.note(f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm")
+        found.note(
+            f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm"
+        )
     found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(line) for line in dangles)))
     tips = [lines[k].corners[[0, -1]] for k in np.flatnonzero(whole).tolist()]
     found.remarks += [Remark("open end", (point[None],)) for pair in tips for point in pair]
 
 
-def _open_name(found: Traced, line: _Line) -> str:
+def _open_name(line: _Line) -> str:
     """What a message calls an open path: where it begins, and how far its ends are apart."""
     (x, y), end = line.corners[0], line.corners[-1]
     apart = float(np.hypot(*(line.corners[0] - end)))
