@@ -166,7 +166,7 @@ def look(file: str, asked: Asked) -> Look:
     made, findings = examine(used) if parts else ((), ())
     shown = made if len(made) == len(parts) else tuple(p for p in parts if p.regions)
     assembly = with_notes(Assembly(shown, used)) if not findings else Assembly(shown, used)
-    return Look(assembly, inventory(drawing, found.layers), found.remarks, (*found.findings, *findings))
+    return Look(assembly, inventory(used, found.layers), found.remarks, (*found.findings, *findings))
 
 
 def asked_drawing(file: str, asked: Asked) -> Drawing:
