@@ -94,9 +94,7 @@ def separation(e, f, p, q, sag_b, sag_a, least_b, least_a, first, corner, after,
     if holds(first, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
         return first
     for how in range(SEPARATIONS):
-        if how != first and holds(
-            how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length
-        ):
+        if how != first and holds(how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
             return how
     return -1
 
@@ -119,7 +117,19 @@ def near_edges(
             for f in range(run[j], run[j + 1]):
                 for e in range(run[i], run[i + 1]):
                     found = separation(
-                        e, f, p, p, 0.0, 0.0, stray_b + rounding, stray_a + rounding, 0, corner, after, direction, length
+                        e,
+                        f,
+                        p,
+                        p,
+                        0.0,
+                        0.0,
+                        stray_b + rounding,
+                        stray_a + rounding,
+                        0,
+                        corner,
+                        after,
+                        direction,
+                        length,
                     )
                     if found >= 0:
                         continue
@@ -210,7 +220,21 @@ def free_long_piece(
         stray_b += reach_b * turn + share[0] / 8
         stray_a += reach_a * turn + share[1] / 8
         count = near_edges(
-            a, b, at[2], stray_b, stray_a, rounding, corner, after, direction, length, run, first_run, run_disc, edges, how
+            a,
+            b,
+            at[2],
+            stray_b,
+            stray_a,
+            rounding,
+            corner,
+            after,
+            direction,
+            length,
+            run,
+            first_run,
+            run_disc,
+            edges,
+            how,
         )
         if count < 0:
             return False

@@ -16,11 +16,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 WIDER = 2.0
-"""A stretch of the way is halved where boxes round what parts sweep are larger than their own by more than this, in the mean."""
+"""A stretch of the way is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
 MOST_NEAR_EDGES = 200_000
 """Pairs of edges of two parts that may meet on one stretch, at most."""
-BLOCK = 20_000
-"""Poses of so many parts and way-points, times a thousand, are held at once."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,7 +32,7 @@ class PathAudit:
     a, b : (p,) int64
         Pairs of parts, a < b, that may overlap somewhere.
     piece : (p,) int64
-        The first piece on which each of them may.
+        The first piece on which each of them may, -1 where they do at the first way-point.
     """
 
     doubtful: NDArray[np.bool_]
@@ -50,7 +48,7 @@ class PathAudit:
     @property
     def certain(self) -> int:
         """Up to so many way-points, no two parts overlap anywhere; 0 where they do at the first already."""
-        return int(self.piece.min()) + 1 if len(self.a) and self.piece.min() >= 0 else (0 if len(self.a) else len(self.doubtful) + 1)
+        return int(self.piece.min(initial=len(self.doubtful))) + 1
 
 
 def audit_path(parts: Outlines | Assembly, motions: Floats) -> PathAudit:
@@ -86,74 +84,56 @@ def audit_path(parts: Outlines | Assembly, motions: Floats) -> PathAudit:
     """
     if isinstance(parts, Assembly):
         parts = outlines(parts)
-    last, n = len(motions) - 1, motions.shape[1]
-    doubtful = np.zeros(max(last, 0), dtype=np.bool_)
-    first: dict[int, int] = {}
-    if last == 0:
-        motions, last = np.concatenate([motions, motions]), 1
-        doubtful = np.zeros(1, dtype=np.bool_)
-    middle = parts.rest[:, :2].mean(axis=0)
-    for begin in range(0, last, max(1, 1000 * BLOCK // n)):
-        end = min(last, begin + max(1, 1000 * BLOCK // n))
-        poses = parts.rest + motions[begin : end + 1]
-        poses[:, :, :2] -= middle
-        poses = np.ascontiguousarray(poses.transpose(1, 0, 2))
-        own = _areas(_boxes(parts, poses, 0, 0))
-        waiting = [(0, end - begin)]
-        while waiting:
-            k0, k1 = waiting.pop()
-            boxes = _boxes(parts, poses, k0, k1)
-            if k1 - k0 > 1 and _areas(boxes).mean() > WIDER * own.mean():
-                m = (k0 + k1) // 2
-                waiting += [(m, k1), (k0, m)]
-                continue
-            a, b = _near(parts, boxes)
-            if begin + k0 == 0:
-                for key in _nested(parts, poses[:, 0], a, b):
-                    first[key] = -1
-            doubt = np.zeros(k1 - k0, dtype=np.bool_)
-            piece = np.full(len(a), last, dtype=np.int64)
-            sweep(
-                a, b, np.ascontiguousarray(poses[:, k0 : k1 + 1]), parts.rounding, parts.corner, parts.next_corner,
-                parts.direction, parts.length, parts.run, parts.first_run, parts.run_disc, parts.disc, parts.reach,
-                MOST_NEAR_EDGES, doubt, piece,
-            )  # fmt: skip
-            doubtful[begin + k0 : begin + k1] |= doubt
-            for k in np.flatnonzero(piece < last):
-                key = int(a[k] * n + b[k])
-                first[key] = min(first.get(key, last), begin + k0 + int(piece[k]))
-    keys = np.array(sorted(first), dtype=np.int64)
-    pieces = np.array([first[int(key)] for key in keys], dtype=np.int64)
-    return PathAudit(doubtful[: len(motions) - 1], keys // n, keys % n, pieces)
+    pieces, n = len(motions) - 1, motions.shape[1]
+    if pieces == 0:  # a state alone
+        motions = np.concatenate([motions, motions])
+    poses = parts.rest + motions
+    poses[:, :, :2] -= parts.rest[:, :2].mean(axis=0)
+    poses = np.ascontiguousarray(poses.transpose(1, 0, 2))
+    keys = _near(parts, poses)
+    a, b = keys // n, keys % n
+    doubtful = np.zeros(len(motions) - 1, dtype=np.bool_)
+    first = np.full(len(keys), len(motions), dtype=np.int64)
+    sweep(
+        a, b, poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run, parts.first_run,
+        parts.run_disc, parts.disc, parts.reach, MOST_NEAR_EDGES, doubtful, first,
+    )  # fmt: skip
+    nested = np.zeros(len(keys), dtype=np.bool_)
+    inside_each_other(
+        a, b, np.ascontiguousarray(poses[:, 0]), parts.first, parts.corner, parts.next_corner, parts.ring, parts.first_ring,
+        nested,
+    )  # fmt: skip
+    first[nested] = -1
+    doubt = first < len(motions)
+    return PathAudit(doubtful[:pieces], a[doubt], b[doubt], first[doubt])
 
 
-def _boxes(parts: Outlines, poses: Floats, k0: int, k1: int) -> Floats:
+def _near(parts: Outlines, poses: Floats) -> Ints:
+    """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the way."""
+    n = len(poses)
+    width = _widths(_swept(parts, poses, 0, 0))
+    waiting = [(0, poses.shape[1] - 1)]
+    found: list[Ints] = []
+    while waiting:
+        k0, k1 = waiting.pop()
+        boxes = _swept(parts, poses, k0, k1)
+        if k1 - k0 > 1 and _widths(boxes) > WIDER * width:
+            waiting += [((k0 + k1) // 2, k1), (k0, (k0 + k1) // 2)]
+            continue
+        shapes = shapely.box(*boxes.T)
+        a, b = shapely.STRtree(shapes).query(shapes)
+        keep = (a < b) & ~(parts.fixed[a] & parts.fixed[b]) & (parts.body[a] != parts.body[b])
+        found.append(a[keep] * n + b[keep])
+    return np.setdiff1d(np.concatenate(found), parts.ignored)
+
+
+def _swept(parts: Outlines, poses: Floats, k0: int, k1: int) -> Floats:
     """Boxes (n, 4) [mm] round what every part sweeps from way-point k0 to k1."""
     out = np.empty((len(poses), 4))
     swept_boxes(poses, k0, k1, parts.first, parts.corner, parts.reach, out)
     return out
 
 
-def _areas(boxes: Floats) -> Floats:
-    return (boxes[:, 2] - boxes[:, 0]) * (boxes[:, 3] - boxes[:, 1])
-
-
-def _near(parts: Outlines, boxes: Floats) -> tuple[Ints, Ints]:
-    """Pairs of parts whose boxes meet and that may collide."""
-    n = len(boxes)
-    shapes = shapely.box(*boxes.T)
-    a, b = shapely.STRtree(shapes).query(shapes)
-    keep = (a < b) & ~(parts.fixed[a] & parts.fixed[b]) & (parts.body[a] != parts.body[b])
-    keep[keep] = ~np.isin(a[keep] * n + b[keep], parts.ignored)
-    a, b = a[keep], b[keep]
-    order = np.lexsort((b, a))
-    return a[order], b[order]
-
-
-def _nested(parts: Outlines, poses: Floats, a: Ints, b: Ints) -> list[int]:
-    """Keys of the pairs of which one begins inside the other."""
-    out = np.zeros(len(a), dtype=np.bool_)
-    inside_each_other(
-        a, b, np.ascontiguousarray(poses), parts.first, parts.corner, parts.next_corner, parts.ring, parts.first_ring, out
-    )
-    return (a * len(poses) + b)[out].tolist()
+def _widths(boxes: Floats) -> float:
+    """Mean of the sides of some boxes."""
+    return float((boxes[:, 2:] - boxes[:, :2]).mean())

@@ -162,7 +162,6 @@ def answer_from(
         seconds=seconds,
         leaves=leaves,
         turns=turns,
-        trail=end,
     )
 
 

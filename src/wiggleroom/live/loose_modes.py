@@ -11,7 +11,7 @@ from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies, corners
 from wiggleroom.geometry.overlap import SAFE, overlaps
 from wiggleroom.live.live_result import Mode
-from wiggleroom.live.warm_start import at_rest, warm
+from wiggleroom.live.warm_start import WarmSearch, at_rest
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import NOTHING, PointMotion, Points
 from wiggleroom.search.build_answer import part_motions
@@ -105,8 +105,9 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
     weights = (direction / program.scale).reshape(-1, 3)
     weights = weights / np.abs(weights[:, :2]).max(initial=1e-300)
     goal = PointMotion(program.free, weights[:, :2], np.zeros((len(program.free), 2)), weights[:, 2])
-    search = warm(ready, goal, at_rest(ready), stop)
-    search.reach()
+    warm = WarmSearch(ready, goal, at_rest(ready), stop)
+    warm.reach()
+    search = warm.search
     still = np.zeros((1, len(ready.bodies.fixed), 3))
     if search.best is None:
         return still, False

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.verdict import Verdict
 
 
@@ -89,7 +90,7 @@ class Answer(Drawable):
         A value that no motion can exceed, where one was worked out.
     bound : Bound or None
         How that was proven, or why not; None where nobody asked.
-    trail : object
+    warm_start : Incumbent or None
         How it was found, from which another question about the same prepared assembly can start.
     """
 
@@ -113,7 +114,7 @@ class Answer(Drawable):
     at_most: float | None = None
     bound: Bound | None = None
     command: str = ""
-    trail: object = field(default=None, repr=False)
+    warm_start: Incumbent | None = field(default=None, repr=False)
 
 
 def witnessed(

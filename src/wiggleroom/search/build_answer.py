@@ -16,14 +16,16 @@ from wiggleroom.geometry.overlap import SAFE, overlaps
 from wiggleroom.geometry.rigid_motions import about
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.search.contact_forces import contacts
-from wiggleroom.search.loop import FAR, ROUND, Found, Progress, Search
+from wiggleroom.search.incumbent import Incumbent
+from wiggleroom.search.loop import FAR, ROUND, LocalSearch, Progress
+from wiggleroom.search.moves import branch_left_open
 from wiggleroom.solve.kkt_conditions import conditions
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 
 
-def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
+def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
     """Check the way and the end of the best motion, and say how sure it is."""
     started = time.perf_counter()
     ready, found = search.ready, search.best
@@ -73,7 +75,7 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
         seconds=seconds,
         leaves=leaves,
         turns=turns,
-        trail=found,
+        warm_start=found,
     )
 
 
@@ -83,7 +85,7 @@ def part_motions(assembly: Assembly, bodies: Bodies, motions: Floats) -> Floats:
     return about(motions[:, who], assembly.rest[:, :2] - bodies.rest[who, :2])
 
 
-def _safe_part(search: Search, motions: Floats, safe: float) -> tuple[Floats, float]:
+def _safe_part(search: LocalSearch, motions: Floats, safe: float) -> tuple[Floats, float]:
     """The way up to its last point without overlap, and the overlap there [mm]; rest has none."""
     ready = search.ready
     for k in range(len(motions) - 1, 0, -1):
@@ -93,14 +95,14 @@ def _safe_part(search: Search, motions: Floats, safe: float) -> tuple[Floats, fl
     return motions[:1], 0.0
 
 
-def _verdict(search: Search, found: Found, sure: bool) -> Verdict:
+def _verdict(search: LocalSearch, found: Incumbent, sure: bool) -> Verdict:
     if search.unlimited:  # said only where nothing was met on the way
         return Verdict.UNBOUNDED if sure else Verdict.STOPPED
-    if found.solution.status in ("stopped", "failed"):
+    if not search.ended or found.solution.status in ("stopped", "failed"):
         return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
         return Verdict.STOPPED
-    return Verdict.STATIONARY if search.branches_left or found.touch.virtual.any() else Verdict.OPTIMAL
+    return Verdict.STATIONARY if branch_left_open(found) else Verdict.OPTIMAL
 
 
 def unlimited(
