@@ -22,12 +22,12 @@ from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, 
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
+from wiggleroom.maximise import prepare
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.prepare import prepare
 from wiggleroom.separate.interlock import check
-from wiggleroom.solve.verdict import Verdict
 from wiggleroom.tight.blocking_graph import blocking
 from wiggleroom.tight.mobility import tight_verdict
+from wiggleroom.verdict import Verdict
 
 SHORT = {LOCKED: "locked", APART: "apart"}
 FAN = 8

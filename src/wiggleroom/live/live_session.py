@@ -28,6 +28,7 @@ from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Spot = tuple[float, float]
@@ -340,6 +341,6 @@ def _in_design(state: State, old: Design, new: Design) -> State | None:
 def _held(ready: Prepared, search: WarmSearch, unit: float) -> tuple[Contact, ...]:
     """Contacts that hold the best motion, forces in this unit."""
     found = search.best
-    if found is None or found.solution.status != "converged":
+    if found is None or found.solution.status is not SolverStatus.CONVERGED:
         return ()
     return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)

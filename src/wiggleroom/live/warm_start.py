@@ -22,6 +22,7 @@ from wiggleroom.search.path_check import strangers
 from wiggleroom.search.prepare import REACH, Prepared
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.interior_point import FIRST_MU, solve
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,7 +43,7 @@ ROOM, LEAST_ROOM, SOFTER, MOST_PUSHES = 2e-3, 1e-6, 1e-6, 8
 """Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
 SHARP = 1e-6
 """Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
-ENDED = ("converged", "enough")
+ENDED = (SolverStatus.CONVERGED, SolverStatus.ENOUGH)
 LEAST_ASKED = 8
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
 
@@ -166,7 +167,7 @@ class WarmSearch:
     def _stale(self, search: LocalSearch, found: Incumbent) -> Ints:
         """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
         touch, pairs = found.touch, stale(search, found)
-        if found.solution.status == "failed" or not len(pairs):
+        if found.solution.status is SolverStatus.FAILED or not len(pairs):
             return pairs
         held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs] * self._room(found)[pairs]
         order = np.argsort(held)
@@ -213,7 +214,7 @@ class WarmSearch:
             cells, inner, mu = coming.cells, coming.inner, coming.mu
         if last is not None and last.program.cells is cells:
             inner = last.program.motion(last.solution.inner)
-            mu = min(mu, last.solution.inner_mu * (1.0 if last.solution.status == "stopped" else AGAIN))
+            mu = min(mu, last.solution.inner_mu * (1.0 if last.solution.status is SolverStatus.STOPPED else AGAIN))
         first, rounds = len(self.ready.cells.a), self.search.rounds
         ended = relative_rest(self.ready.bodies, cells.a, cells.b, motion) if settled else None
         if before.ended is not None and rounds == 1:  # nothing was grown: how far it has come adds up

@@ -12,7 +12,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.incumbent import Incumbent
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.loop import FAR, ROUND, LocalSearch, Progress
 from wiggleroom.search.moves import branch_left_open
 from wiggleroom.solve.kkt_conditions import conditions
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
@@ -98,7 +98,7 @@ def _safe_part(search: LocalSearch, motions: Floats, safe: float) -> tuple[Float
 def _verdict(search: LocalSearch, found: Incumbent, sure: bool) -> Verdict:
     if search.unlimited:  # said only where nothing was met on the way
         return Verdict.UNBOUNDED if sure else Verdict.STOPPED
-    if not search.ended or found.solution.status in ("stopped", "failed"):
+    if not search.ended or found.solution.status in (SolverStatus.STOPPED, SolverStatus.FAILED):
         return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
         return Verdict.STOPPED

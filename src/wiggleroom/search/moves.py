@@ -17,6 +17,7 @@ from wiggleroom.search.congruent_swap import Twin, exchanged, followed, twins
 from wiggleroom.search.incumbent import Incumbent, Leg, Start
 from wiggleroom.search.loop import COARSE, EACH, FINE, LocalSearch, Policy, Progress
 from wiggleroom.solve.interior_point import FIRST_MU
+from wiggleroom.verdict import SolverStatus
 
 Ints = NDArray[np.int64]
 
@@ -28,7 +29,7 @@ NEARER = 2
 
 def stale(search: LocalSearch, incumbent: Incumbent) -> Ints:
     """Pairs whose cells stop the motion although nothing touches there; all that moved, where the solver did not get to an end."""
-    if incumbent.solution.status != "failed":
+    if incumbent.solution.status is not SolverStatus.FAILED:
         return np.unique(incumbent.touch.pair[incumbent.touch.virtual])
     cells, ready = incumbent.program.cells, search.ready
     moved = relative_rest(ready.bodies, cells.a, cells.b, incumbent.motion) - cells.seed
@@ -39,7 +40,7 @@ def regrow_stale(search: LocalSearch, incumbent: Incumbent, gained: bool) -> Ite
     """Grow the stale cells anew, as long as that brings something."""
     pairs = search.policy.stale(search, incumbent) if gained else np.zeros(0, dtype=np.int64)
     if len(pairs):
-        failed = incumbent.solution.status == "failed"  # still on its way: go on in larger steps
+        failed = incumbent.solution.status is SolverStatus.FAILED  # still on its way: go on in larger steps
         rough = failed or incumbent.tolerance > 2 * search.fine
         start = regrown(search, incumbent, pairs)
         yield replace(
