@@ -15,7 +15,7 @@ from wiggleroom.program.nonlinear_program import build
 from wiggleroom.search.active_set import wishes
 from wiggleroom.search.congruent_swap import Twin, exchanged, followed, twins
 from wiggleroom.search.incumbent import Incumbent, Leg, Start
-from wiggleroom.search.loop import COARSE, EACH, FINE, LocalSearch, Policy, Progress
+from wiggleroom.search.loop import COARSE, EACH, FINE, ROUGH, LocalSearch, Policy, Progress
 from wiggleroom.solve.interior_point import FIRST_MU
 from wiggleroom.verdict import SolverStatus
 
@@ -158,3 +158,7 @@ PLAIN = Policy(moves=(regrow_stale, tighten, regrow_nearer), stale=stale, fine=_
 """The best motion in reach of the cells; other sides of corner contacts are not tried, and nobody looks at the path."""
 THOROUGH = replace(PLAIN, moves=(*PLAIN.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked)
 """What an answer needs."""
+CLIMB = replace(PLAIN, moves=(regrow_stale, tighten), fine=lambda _: 1e-4)
+"""A climb that only shows how high a hill is."""
+ASIDE = replace(PLAIN, moves=(regrow_stale,), fine=lambda _: ROUGH, most_rounds=8)
+"""A short climb, with another objective than the true one."""

@@ -367,7 +367,9 @@ def search(
                 if first[n] >= 0:  # cut on another way already
                     cut += 1
                     continue
-                if state[n] != MIXED and not (k == 0 and _hides_its_best(n, middle, level, origin, scale, turning, asked)):
+                if state[n] != MIXED and not (
+                    k == 0 and _hides_its_best(n, middle, level, origin, scale, turning, asked)
+                ):
                     continue
                 cut += 1
                 if level[n] >= deepest:

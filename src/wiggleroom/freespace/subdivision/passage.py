@@ -91,7 +91,9 @@ def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
     return (box[:2] + box[2:]) / 2
 
 
-def way_through(way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats) -> Floats:
+def way_through(
+    way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
+) -> Floats:
     """Way-points: rest, middles of boxes and of the faces between them, turns unwrapped."""
     box, half = middle[way].copy(), 0.5 ** level[way]
     for k in range(1, len(box)):
