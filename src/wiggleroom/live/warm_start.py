@@ -12,16 +12,16 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, select
 from wiggleroom.geometry.neighbours import relative_rest
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.program.nonlinear_program import build
-from wiggleroom.program.objectives import NOTHING, Objective
+from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.incumbent import AGAIN, Incumbent, Start
 from wiggleroom.search.loop import FINE, LocalSearch, Policy
 from wiggleroom.search.moves import regrow_stale, stale, tighten
 from wiggleroom.search.path_check import strangers
 from wiggleroom.search.prepare import REACH, Prepared
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.solve.interior_point import FIRST_MU, solve
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, solve
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -73,7 +73,7 @@ class State:
     cells: Cells
     inner: Floats
     motion: Floats
-    mu: float = FIRST_MU
+    mu: float = INITIAL_BARRIER
     near: bool = False
     linked: bool = True
     ended: Floats | None = None
@@ -190,7 +190,7 @@ class WarmSearch:
         motion = found.motion
         if found.solution.status not in ENDED:  # the last iterate may be on its way through a wall; these are not
             motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
-        if overlaps(self.ready.bodies, motion, self.ready.barred).deepest > SAFE * self.ready.size:
+        if overlaps(self.ready.bodies, motion, self.ready.barred).deepest > OVERLAP_TOLERANCE * self.ready.size:
             return None
         return None if len(self._unchecked(self.search, found)[0]) else motion
 
@@ -232,7 +232,7 @@ class WarmSearch:
 
 def pushed(ready: Prepared, state: State) -> State | None:
     """Return the state with its inner point moved a little, until it is strictly inside all cells; None where that does not help."""
-    program = build(ready.bodies, state.cells, NOTHING, length=ready.clearance)
+    program = build(ready.bodies, state.cells, ZERO_MOTION, length=ready.clearance)
     u, matrix = program.variables(state.inner), factor(program.pattern)
     for _ in range(MOST_PUSHES):
         at = program.linearise(u)

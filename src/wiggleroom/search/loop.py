@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, joined
 from wiggleroom.geometry.neighbours import relative_rest
-from wiggleroom.geometry.overlap import SAFE, Overlaps, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, Overlaps, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
@@ -216,7 +216,7 @@ class LocalSearch:
             bodies, cells = self.ready.bodies, found.program.cells
             legs = [(leg.program, leg.points) for leg in found.path]
             known = cells.a * len(bodies.fixed) + cells.b
-            slack = 0.1 * SAFE * self.ready.size
+            slack = 0.1 * OVERLAP_TOLERANCE * self.ready.size
             self.checked = found, whole_way(bodies, self.ready.arm, legs, known, self.ready.barred, slack)
         return self.checked[1]
 

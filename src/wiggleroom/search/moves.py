@@ -16,7 +16,7 @@ from wiggleroom.search.active_set import wishes
 from wiggleroom.search.congruent_swap import Twin, exchanged, followed, twins
 from wiggleroom.search.incumbent import Incumbent, Leg, Start
 from wiggleroom.search.loop import COARSE, EACH, FINE, ROUGH, LocalSearch, Policy, Progress
-from wiggleroom.solve.interior_point import FIRST_MU
+from wiggleroom.solve.interior_point import INITIAL_BARRIER
 from wiggleroom.verdict import SolverStatus
 
 Ints = NDArray[np.int64]
@@ -46,7 +46,7 @@ def regrow_stale(search: LocalSearch, incumbent: Incumbent, gained: bool) -> Ite
         yield replace(
             start,
             tolerance=(None if failed else incumbent.tolerance) if rough else search.fine,
-            mu=FIRST_MU if failed else start.mu,
+            mu=INITIAL_BARRIER if failed else start.mu,
         )
 
 

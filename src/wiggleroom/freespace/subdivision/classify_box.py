@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from wiggleroom.geometry.jit_options import FILLING, INNER, OPTIONS
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS
 
 DEEPEST_TREE = 96
 """Room for the nodes that wait while a tree is walked."""
@@ -19,7 +19,7 @@ MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
 FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def depth_at(x, y, edge, normal, disc, kid, stack):
     """Signed distance of a point from the boundary, negative inside the material.
 
@@ -62,7 +62,7 @@ def depth_at(x, y, edge, normal, disc, kid, stack):
     return sign * best
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces):
     """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad]."""
     c, s = np.cos(turn), np.sin(turn)
@@ -179,7 +179,7 @@ def beside(n, middle, level, first, wrap, out):
     return found
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _sift_up(heap_cost, heap, k):
     while k > 0:
         up = (k - 1) // 2
@@ -190,7 +190,7 @@ def _sift_up(heap_cost, heap, k):
         k = up
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _sift_down(heap_cost, heap, count):
     k = 0
     while True:
@@ -206,14 +206,14 @@ def _sift_down(heap_cost, heap, count):
         k = low
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def worth(asked, x, y, turn):
     """Value of a motion: asked is (dx, dy, alpha, beta, gamma, ...) of dx x + dy y + alpha (cos turn - 1) + beta sin turn + gamma turn."""
     half = np.sin(turn / 2)
     return asked[0] * x + asked[1] * y - 2 * asked[2] * half * half + asked[3] * np.sin(turn) + asked[4] * turn
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def worth_at_most(asked, x, y, turn, half, swing):
     """Value that no motion of a box exceeds."""
     c, s = np.cos(turn), np.sin(turn)
@@ -222,7 +222,7 @@ def worth_at_most(asked, x, y, turn, half, swing):
     return worth(asked, x, y, turn) + half * (abs(asked[0]) + abs(asked[1])) + swing * (slope + swing * bend / 2)
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def best_corner(asked, x, y, turn, half, swing):
     """Value and turn of the best of some motions of a box: the corner that lies furthest along, at three turns."""
     x += half if asked[0] > 0 else -half
@@ -235,7 +235,7 @@ def best_corner(asked, x, y, turn, half, swing):
     return best, at
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def is_goal(n, middle, level, origin, scale, turning, asked):
     """True where a box meets the rim of the window, or may hold motions worth more than asked[5]."""
     half = 0.5 ** level[n]
@@ -393,7 +393,7 @@ def search(
                 return FOUND, count, length
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _hides_its_best(n, middle, level, origin, scale, turning, asked):
     """True where a free goal shows no motion worth as much as is asked for: it has to be cut."""
     half = 0.5 ** level[n]
