@@ -15,6 +15,7 @@ ORDER = [
     "drawing",
     "assembly",
     "geometry",
+    "audit",
     "freespace",
     "program",
     "solve",

@@ -15,6 +15,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode, Shot
 from wiggleroom.live.loose_modes import modes
 from wiggleroom.live.prepared_designs import Design, Designs
@@ -23,7 +24,7 @@ from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import Approach
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.search.build_answer import part_motions, unlimited
+from wiggleroom.search.build_answer import unlimited
 from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
@@ -176,7 +177,7 @@ class Live:
         enough = float(away @ away) - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
         search = WarmSearch(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
         self._state, settled = search.reach()
-        motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
+        motion = of_parts(ready.assembly, ready.bodies, self._state.motion[None])[0]
         x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
@@ -215,7 +216,7 @@ class Live:
         state, settled = search.reach()
         settled = settled and state.linked
         self._remember(_End(asked, self._design, state))
-        motion = part_motions(ready.assembly, ready.bodies, state.motion[None])[0]
+        motion = of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
         if search.search.unlimited:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return Shot(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)

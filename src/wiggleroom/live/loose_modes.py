@@ -10,11 +10,11 @@ from scipy.sparse.linalg import eigsh, splu
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies, corners
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode
 from wiggleroom.live.warm_start import WarmSearch, at_rest
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import ZERO_MOTION, PointMotion, Points
-from wiggleroom.search.build_answer import part_motions
 from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
@@ -65,7 +65,7 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
         frames = np.concatenate([one, one[-2::-1], other[1:], other[-2::-1]])
         most = [b for b in np.argsort(-size, kind="stable")[:MAX_NAMED_PARTS] if size[b] > 0.3 * size.max()]
         names = tuple(ready.assembly.names[p] for b in most for p in ready.bodies.members[b])
-        shown = part_motions(ready.assembly, ready.bodies, frames)
+        shown = of_parts(ready.assembly, ready.bodies, frames)
         for end in (one[-1], other[-1]):
             along = program.variables(end)
             along = along - sum((along @ g) * g for g in gone)

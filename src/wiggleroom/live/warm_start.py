@@ -9,16 +9,18 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, select
 from wiggleroom.geometry.neighbours import relative_rest
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.incumbent import AGAIN, Incumbent, Start
 from wiggleroom.search.loop import FINE, LocalSearch, Policy
 from wiggleroom.search.moves import regrow_stale, stale, tighten
-from wiggleroom.search.path_check import strangers
+from wiggleroom.search.path_check import missed
 from wiggleroom.search.prepare import REACH, Prepared
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.interior_point import INITIAL_BARRIER, solve
@@ -198,11 +200,12 @@ class WarmSearch:
         """Pairs outside the program that may meet on the path, seen at some of its points."""
         if self._seen is not None and self._seen[0] is found:
             return self._seen[1]
-        cells, n, ready = found.program.cells, len(found.motion), self.ready
+        ready = self.ready
         points = [(leg.program, u) for leg in found.path for u in leg.points]
         some = np.unique(np.linspace(0, len(points) - 1, SOME).round().astype(int))
         motions = np.array([points[k][0].motion(points[k][1]) for k in some])
-        pairs = strangers(ready.bodies, ready.arm, motions, cells.a * n + cells.b, ready.barred)
+        audit = audit_path(ready.assembly, of_parts(ready.assembly, ready.bodies, motions))
+        pairs = missed(ready.bodies, audit, found.program)
         self._seen = found, pairs
         return pairs
 

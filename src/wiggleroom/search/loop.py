@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, joined
 from wiggleroom.geometry.neighbours import relative_rest
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, Overlaps, overlaps
+from wiggleroom.geometry.overlap import Overlaps, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
@@ -213,11 +213,7 @@ class LocalSearch:
     def way(self, found: Incumbent) -> Way:
         """The path to a motion, checked; worked out once."""
         if self.checked is None or self.checked[0] is not found:
-            bodies, cells = self.ready.bodies, found.program.cells
-            legs = [(leg.program, leg.points) for leg in found.path]
-            known = cells.a * len(bodies.fixed) + cells.b
-            slack = 0.1 * OVERLAP_TOLERANCE * self.ready.size
-            self.checked = found, whole_way(bodies, self.ready.arm, legs, known, self.ready.barred, slack)
+            self.checked = found, whole_way(self.ready, found.path, self.stop)
         return self.checked[1]
 
     def _round(self, start: Start) -> Incumbent:
@@ -267,7 +263,7 @@ class LocalSearch:
             a, b = self.policy.unchecked(self, best)
             if len(a):
                 self.restarts += 1
-                more = self._begun_with(start, best, a, b)
+                more = self._gone_back(start, best, a, b)
             self.seconds["check"] += time.perf_counter() - began
         if more is not None:
             self.best = None
@@ -304,6 +300,16 @@ class LocalSearch:
         extra = np.setdiff1d(known, start.cells.a * n + start.cells.b)
         grown, _ = self._grown(extra // n, extra % n, start.inner, found.motion)
         return replace(start, cells=joined(start.cells, grown))
+
+    def _gone_back(self, start: Start, best: Incumbent, a: Ints, b: Ints) -> Start:
+        """Where the path to the best motion is certain for the last time, with the pairs that it meets then."""
+        kept = self.way(best).kept
+        leg = kept[-1]
+        inner = leg.program.motion(leg.points[-1])
+        grown, good = self._grown(a, b, inner, best.motion)
+        if (len(kept) == 1 and len(leg.points) == 1) or not good.all():
+            return self._begun_with(start, best, a, b)
+        return Start(joined(leg.program.cells, grown), inner, kept)
 
     def _grown(self, a: Ints, b: Ints, inner: Floats, wanted: Floats) -> tuple[Cells, NDArray[np.bool_]]:
         """Cells of some pairs where a round begins, with room towards a motion, and which of them lie free there."""

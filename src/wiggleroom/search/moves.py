@@ -147,7 +147,7 @@ def _few(incumbent: Incumbent) -> bool:
 
 
 def _unchecked(search: LocalSearch, incumbent: Incumbent) -> tuple[Ints, Ints]:
-    return search.way(incumbent).strangers
+    return search.way(incumbent).missed
 
 
 def _fine(search: LocalSearch) -> float:
