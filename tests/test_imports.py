@@ -27,6 +27,7 @@ ORDER = [
     "separate",
     "sensitivity",
     "live",
+    "schema",
     "report",
     "verify",
     "bench",

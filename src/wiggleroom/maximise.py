@@ -23,6 +23,7 @@ from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import answer_of
+from wiggleroom.search.global_search import search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
@@ -162,6 +163,7 @@ def witness(
     model: str | PairModel | None = None,
     solver: str = "interior-point",
     start: Answer | None = None,
+    starts: int = 0,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
@@ -185,6 +187,9 @@ def witness(
     if first:
         return _from_several(search, first, asked, solver, began)
     search.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
+    if starts:
+        search, effort = search_on(search, starts)
+        return replace(answer_of(search, asked, solver, began), search=effort)
     return answer_of(search, asked, solver, began)
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from wiggleroom.geometry.jit_options import INNER, OPTIONS
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS
 
 MOST_HALVINGS = 40
 MOST_PIECES = 20_000
@@ -25,7 +25,7 @@ COS, SIN, X, Y, BACK_X, BACK_Y = 0, 1, 2, 3, 4, 5
 """A relative pose: turn of B seen from A, place of B in A's frame, place of A in B's frame."""
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def relative(a, b, out):
     """Relative pose of B from the poses (x, y, angle) of both."""
     out[COS], out[SIN] = np.cos(b[2] - a[2]), np.sin(b[2] - a[2])
@@ -36,7 +36,7 @@ def relative(a, b, out):
     out[BACK_Y] = out[SIN] * out[X] - out[COS] * out[Y]
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def accelerations(a0, a1, b0, b1, reach_a, reach_b, out):
     """Bounds of the acceleration of B's corners seen from A, and of A's seen from B, on a piece run in unit time."""
     turn_a, turn_b = a1[2] - a0[2], b1[2] - b0[2]
@@ -47,7 +47,7 @@ def accelerations(a0, a1, b0, b1, reach_a, reach_b, out):
     out[1] = reach_a * past + apart * turn_b * turn_b + 2.0 * abs(turn_b) * carry
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def beyond(kind, edge, v, c, s, x, y, corner, direction, length):
     """How far corner v lies outside (0) or inside (1) the line of an edge, or beyond its end (2) or its begin (3)."""
     px = c * corner[v, 0] - s * corner[v, 1] + x - corner[edge, 0]
@@ -59,7 +59,7 @@ def beyond(kind, edge, v, c, s, x, y, corner, direction, length):
     return along - length[edge] if kind == 2 else -along
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def positive(g, h, sag):
     """True where a value that is g and h at the ends of a piece, with half its second derivative at most `sag`, is positive."""
     if g <= 0.0 or h <= 0.0:
@@ -67,7 +67,7 @@ def positive(g, h, sag):
     return g + h >= sag or g + h + 2.0 * np.sqrt(g * h) >= sag
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def holds(how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
     """True where separation `how` of edges e of A and f of B holds between relative poses p and q with more than `least` to spare."""
     if how < 4:
@@ -88,7 +88,7 @@ def holds(how, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direct
     return True
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def separation(e, f, p, q, sag_b, sag_a, least_b, least_a, first, corner, after, direction, length):
     """A separation of two edges that holds all along a piece, the one tried first if it does; -1 where none is known to."""
     if holds(first, e, f, p, q, sag_b, sag_a, least_b, least_a, corner, after, direction, length):
@@ -342,7 +342,7 @@ def swept_boxes(pose, k0, k1, first, corner, reach, out):
         out[p, 0], out[p, 1], out[p, 2], out[p, 3] = low_x - aside, low_y - aside, high_x + aside, high_y + aside
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def winding(x, y, part, first, corner, after):
     """How often the outlines of a part go round a point of its frame."""
     turns = 0

@@ -13,17 +13,18 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, select
 from wiggleroom.geometry.neighbours import relative_rest
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import build
-from wiggleroom.program.objectives import NOTHING, Objective
+from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.incumbent import AGAIN, Incumbent, Start
 from wiggleroom.search.loop import FINE, LocalSearch, Policy
 from wiggleroom.search.moves import regrow_stale, stale, tighten
 from wiggleroom.search.path_check import missed
 from wiggleroom.search.prepare import REACH, Prepared
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.solve.interior_point import FIRST_MU, solve
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, solve
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,7 +45,7 @@ ROOM, LEAST_ROOM, SOFTER, MOST_PUSHES = 2e-3, 1e-6, 1e-6, 8
 """Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
 SHARP = 1e-6
 """Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
-ENDED = ("converged", "enough")
+ENDED = (SolverStatus.CONVERGED, SolverStatus.ENOUGH)
 LEAST_ASKED = 8
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
 
@@ -74,7 +75,7 @@ class State:
     cells: Cells
     inner: Floats
     motion: Floats
-    mu: float = FIRST_MU
+    mu: float = INITIAL_BARRIER
     near: bool = False
     linked: bool = True
     ended: Floats | None = None
@@ -168,7 +169,7 @@ class WarmSearch:
     def _stale(self, search: LocalSearch, found: Incumbent) -> Ints:
         """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
         touch, pairs = found.touch, stale(search, found)
-        if found.solution.status == "failed" or not len(pairs):
+        if found.solution.status is SolverStatus.FAILED or not len(pairs):
             return pairs
         held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs] * self._room(found)[pairs]
         order = np.argsort(held)
@@ -191,7 +192,7 @@ class WarmSearch:
         motion = found.motion
         if found.solution.status not in ENDED:  # the last iterate may be on its way through a wall; these are not
             motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
-        if overlaps(self.ready.bodies, motion, self.ready.barred).deepest > SAFE * self.ready.size:
+        if overlaps(self.ready.bodies, motion, self.ready.barred).deepest > OVERLAP_TOLERANCE * self.ready.size:
             return None
         return None if len(self._unchecked(self.search, found)[0]) else motion
 
@@ -216,7 +217,7 @@ class WarmSearch:
             cells, inner, mu = coming.cells, coming.inner, coming.mu
         if last is not None and last.program.cells is cells:
             inner = last.program.motion(last.solution.inner)
-            mu = min(mu, last.solution.inner_mu * (1.0 if last.solution.status == "stopped" else AGAIN))
+            mu = min(mu, last.solution.inner_mu * (1.0 if last.solution.status is SolverStatus.STOPPED else AGAIN))
         first, rounds = len(self.ready.cells.a), self.search.rounds
         ended = relative_rest(self.ready.bodies, cells.a, cells.b, motion) if settled else None
         if before.ended is not None and rounds == 1:  # nothing was grown: how far it has come adds up
@@ -234,7 +235,7 @@ class WarmSearch:
 
 def pushed(ready: Prepared, state: State) -> State | None:
     """Return the state with its inner point moved a little, until it is strictly inside all cells; None where that does not help."""
-    program = build(ready.bodies, state.cells, NOTHING, length=ready.clearance)
+    program = build(ready.bodies, state.cells, ZERO_MOTION, length=ready.clearance)
     u, matrix = program.variables(state.inner), factor(program.pattern)
     for _ in range(MOST_PUSHES):
         at = program.linearise(u)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.global_search import SearchEffort
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.verdict import Verdict
 
@@ -90,6 +91,8 @@ class Answer(Drawable):
         A value that no motion can exceed, where one was worked out.
     bound : Bound or None
         How that was proven, or why not; None where nobody asked.
+    search : SearchEffort or None
+        What the search beyond the nearest hill came to; None where there was none.
     warm_start : Incumbent or None
         How it was found, from which another question about the same prepared assembly can start.
     """
@@ -114,6 +117,7 @@ class Answer(Drawable):
     at_most: float | None = None
     bound: Bound | None = None
     command: str = ""
+    search: SearchEffort | None = None
     warm_start: Incumbent | None = field(default=None, repr=False)
 
 

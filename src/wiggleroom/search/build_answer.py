@@ -12,14 +12,14 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.loop import FAR, ROUND, LocalSearch, Progress
 from wiggleroom.search.moves import branch_left_open
 from wiggleroom.solve.kkt_conditions import conditions
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: 
     if found is None:
         raise WiggleroomError("the search ended before its first round")
     search.tell(Progress("check", search.rounds, 0, found.value))
-    way, safe = search.way(found), SAFE * ready.size
+    way, safe = search.way(found), OVERLAP_TOLERANCE * ready.size
     verdict, value, motions = _verdict(search, found, way.sure), found.value, way.motions
     if not way.sure:  # back to the last way-point up to which the path is certain
         motions = motions[: max(way.certain, 1)]
@@ -89,7 +89,7 @@ def _verdict(search: LocalSearch, found: Incumbent, sure: bool) -> Verdict:
         return Verdict.STOPPED
     if search.unlimited:
         return Verdict.UNBOUNDED
-    if not search.ended or found.solution.status in ("stopped", "failed"):
+    if not search.ended or found.solution.status in (SolverStatus.STOPPED, SolverStatus.FAILED):
         return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
         return Verdict.STOPPED

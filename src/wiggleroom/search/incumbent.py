@@ -11,7 +11,7 @@ from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.active_set import Touch
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.solve.interior_point import FIRST_MU, Solution
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, Solution
 
 Floats = NDArray[np.float64]
 
@@ -48,7 +48,7 @@ class Start:
     cells: Cells
     inner: Floats
     legs: tuple[Leg, ...] = ()
-    mu: float = FIRST_MU
+    mu: float = INITIAL_BARRIER
     tolerance: float | None = None
 
 

@@ -22,6 +22,7 @@ from wiggleroom.search.incumbent import Incumbent, Start
 from wiggleroom.search.path_check import Way, whole_way
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -156,16 +157,20 @@ class LocalSearch:
                 break
             found = self.last = self._round(begin)
             status = found.solution.status
-            if status != "stopped" and found.tolerance > self.fine and (more := self._with_missed(found, start)):
+            if (
+                status is not SolverStatus.STOPPED
+                and found.tolerance > self.fine
+                and (more := self._with_missed(found, start))
+            ):
                 proposals = iter((more,))
                 continue
             before = self.best
             gained = self._keep(found)
-            if status == "stopped":
+            if status is SolverStatus.STOPPED:
                 break
             if self.unlimited:
                 proposals = iter(())
-            elif status == "enough":
+            elif status is SolverStatus.ENOUGH:
                 self.ended = True
                 break
             elif before is None or gained or self._goes_on_from(found, before):
@@ -237,7 +242,7 @@ class LocalSearch:
         before = self.best.value if self.best else 0.0
         surer = self.best is not None and (
             found.tolerance < self.best.tolerance
-            or (self.best.solution.status, found.solution.status) == ("failed", "converged")
+            or (self.best.solution.status, found.solution.status) == (SolverStatus.FAILED, SolverStatus.CONVERGED)
         )
         gained = found.value - before > least
         # as good is not enough where walls hold it that nothing touches

@@ -15,8 +15,9 @@ from wiggleroom.program.nonlinear_program import build
 from wiggleroom.search.active_set import wishes
 from wiggleroom.search.congruent_swap import Twin, exchanged, followed, twins
 from wiggleroom.search.incumbent import Incumbent, Leg, Start
-from wiggleroom.search.loop import COARSE, EACH, FINE, LocalSearch, Policy, Progress
-from wiggleroom.solve.interior_point import FIRST_MU
+from wiggleroom.search.loop import COARSE, EACH, FINE, ROUGH, LocalSearch, Policy, Progress
+from wiggleroom.solve.interior_point import INITIAL_BARRIER
+from wiggleroom.verdict import SolverStatus
 
 Ints = NDArray[np.int64]
 
@@ -28,7 +29,7 @@ NEARER = 2
 
 def stale(search: LocalSearch, incumbent: Incumbent) -> Ints:
     """Pairs whose cells stop the motion although nothing touches there; all that moved, where the solver did not get to an end."""
-    if incumbent.solution.status != "failed":
+    if incumbent.solution.status is not SolverStatus.FAILED:
         return np.unique(incumbent.touch.pair[incumbent.touch.virtual])
     cells, ready = incumbent.program.cells, search.ready
     moved = relative_rest(ready.bodies, cells.a, cells.b, incumbent.motion) - cells.seed
@@ -39,13 +40,13 @@ def regrow_stale(search: LocalSearch, incumbent: Incumbent, gained: bool) -> Ite
     """Grow the stale cells anew, as long as that brings something."""
     pairs = search.policy.stale(search, incumbent) if gained else np.zeros(0, dtype=np.int64)
     if len(pairs):
-        failed = incumbent.solution.status == "failed"  # still on its way: go on in larger steps
+        failed = incumbent.solution.status is SolverStatus.FAILED  # still on its way: go on in larger steps
         rough = failed or incumbent.tolerance > 2 * search.fine
         start = regrown(search, incumbent, pairs)
         yield replace(
             start,
             tolerance=(None if failed else incumbent.tolerance) if rough else search.fine,
-            mu=FIRST_MU if failed else start.mu,
+            mu=INITIAL_BARRIER if failed else start.mu,
         )
 
 
@@ -157,3 +158,7 @@ PLAIN = Policy(moves=(regrow_stale, tighten, regrow_nearer), stale=stale, fine=_
 """The best motion in reach of the cells; other sides of corner contacts are not tried, and nobody looks at the path."""
 THOROUGH = replace(PLAIN, moves=(*PLAIN.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked)
 """What an answer needs."""
+CLIMB = replace(PLAIN, moves=(regrow_stale, tighten), fine=lambda _: 1e-4)
+"""A climb that only shows how high a hill is."""
+ASIDE = replace(PLAIN, moves=(regrow_stale,), fine=lambda _: ROUGH, most_rounds=8)
+"""A short climb, with another objective than the true one."""

@@ -18,7 +18,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.geometry.offset_bodies import moved
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build
@@ -33,7 +33,7 @@ from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
-FINE = 1e-10
+FINE_TOLERANCE = 1e-10
 """Share of the objective that a program solved for a difference may leave on the table."""
 
 
@@ -94,13 +94,13 @@ def ended(answer: Answer) -> Incumbent:
 def can_be_ranked(answer: Answer) -> bool:
     """True where the motion ends, at multipliers that say what it is worth to give way."""
     found = answer.warm_start
-    return found is not None and answer.objective is not None and found.solution.status == "converged"
+    return found is not None and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
 
 
 def base(ready: Prepared, found: Incumbent) -> Base:
     """What variations start from: the last program of a search, solved to ten digits."""
     program, solution = found.program, found.solution
-    finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE)
+    finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE_TOLERANCE)
     solution = finer if finer.status is SolverStatus.CONVERGED else solution
     value = program.objective.value(program.motion(solution.u))
     return Base(ready, program, solution, program.motion(found.solution.inner), value)
@@ -114,9 +114,9 @@ def follow(base: Base, inward: Floats) -> float:
     old = base.program
     bodies = moved(old.bodies, inward)
     program = build(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
-    solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE)
+    solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
     motion = program.motion(solution.u)
-    overlapping = overlaps(bodies, motion, base.ready.barred).deepest > SAFE * base.ready.size
+    overlapping = overlaps(bodies, motion, base.ready.barred).deepest > OVERLAP_TOLERANCE * base.ready.size
     return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
 
 
@@ -136,9 +136,9 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
     finder = LocalSearch(varied, objective, solve, PLAIN)
     found = finder.improve(at_rest(varied))
-    if found is None or finder.unlimited or found.solution.status != "converged":
+    if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return afresh(ready.assembly, goals, inward)
-    if overlaps(bodies, found.motion, ready.barred).deepest > SAFE * ready.size:
+    if overlaps(bodies, found.motion, ready.barred).deepest > OVERLAP_TOLERANCE * ready.size:
         return afresh(ready.assembly, goals, inward)
     return Varied(found.value, Verdict.OPTIMAL)
 
