@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
-
-import wiggleroom as wr
 from benchmarks.attack.drawing import Json, box, cut, disc, part, wider
 from benchmarks.attack.families import FAMILIES, draw
 from benchmarks.attack.oracle import Ground
+
+import wiggleroom as wr
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.audit.outlines import INSET
 from wiggleroom.audit.path_audit import audit_path
@@ -34,7 +35,7 @@ def way(count: int, who: int, *motions: tuple[float, float, float]) -> np.ndarra
 def least_distance(ground: Ground, waypoints: np.ndarray) -> float:
     """Smallest distance of any two parts at many motions."""
     share = np.linspace(0, 1, 41)[:, None, None]
-    dense = np.concatenate([a + share * (b - a) for a, b in zip(waypoints[:-1], waypoints[1:], strict=True)])
+    dense = np.concatenate([a + share * (b - a) for a, b in itertools.pairwise(waypoints)])
     shapes = ground.at(dense)
     return min(float(shapely.distance(shapes[i], shapes[j]).min()) for i, j in ground.pairs)
 
@@ -136,13 +137,9 @@ def test_concave_parts_may_nest(tmp_path: Path) -> None:
     assert audit_path(assembly, way(2, 1, (0, 0, 0.2))).certain == 1
 
 
-def test_where_it_is_and_how_large_make_no_difference(tmp_path: Path) -> None:
-    for scale, away in ((1e-4, 0.0), (1e4, 0.0), (1.0, 1e5)):
-        shapes = [box(0, 0, 1, 1), box(1.01, 0, 2.01, 1)]
-        made = [
-            part(n, shapely.transform(s, lambda p: p * scale + away), fixed=n == "a")
-            for n, s in zip("ab", shapes, strict=True)
-        ]  # noqa: B023
-        assembly = made_of(tmp_path, *made)
-        assert audit_path(assembly, way(2, 1, (-0.00999 * scale, 0, 0))).free
-        assert not audit_path(assembly, way(2, 1, (-0.0102 * scale, 0, 0))).free
+@pytest.mark.parametrize(("scale", "away"), [(1e-4, 0.0), (1e4, 0.0), (1.0, 1e5)])
+def test_where_it_is_and_how_large_make_no_difference(tmp_path: Path, scale: float, away: float) -> None:
+    one, other = (shapely.transform(s, lambda p: p * scale + away) for s in (box(0, 0, 1, 1), box(1.01, 0, 2.01, 1)))
+    assembly = made_of(tmp_path, part("a", one, fixed=True), part("b", other))
+    assert audit_path(assembly, way(2, 1, (-0.00999 * scale, 0, 0))).free
+    assert not audit_path(assembly, way(2, 1, (-0.0102 * scale, 0, 0))).free
