@@ -39,7 +39,9 @@ class Hull:
 
     def __post_init__(self) -> None:
         """See that the numbers make sense."""
-        wrong = [] if self.about in TURNING_POINTS else [f'hull about "{self.about}": it is {" or ".join(TURNING_POINTS)}']
+        wrong = (
+            [] if self.about in TURNING_POINTS else [f'hull about "{self.about}": it is {" or ".join(TURNING_POINTS)}']
+        )
         if self.slices < 3:
             wrong.append(f"hull of {self.slices} slices: 3 or more make a hull")
         if self.rounds < 1:
