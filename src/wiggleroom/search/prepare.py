@@ -70,12 +70,14 @@ class Prepared:
         return objective(self.assembly, self.bodies, goals, (near // n, near % n))
 
 
-def prepare(assembly: Assembly, *, stop: Stop | None = None) -> Prepared:
+def prepare(assembly: Assembly, *, ground: Survey | None = None, stop: Stop | None = None) -> Prepared:
     """Find the pairs that can meet and work out their cells round rest, congruent pairs once.
 
     Parameters
     ----------
     assembly : Assembly
+    ground : Survey, optional
+        Of the same assembly, where it was made already.
     stop : optional
         Anything with `is_set()`, asked now and then.
 
@@ -88,7 +90,7 @@ def prepare(assembly: Assembly, *, stop: Stop | None = None) -> Prepared:
     InputError
         If nothing can move.
     """
-    ground = survey(assembly)
+    ground = ground or survey(assembly)
     them, geometry, near = ground.bodies, ground.geometry, ground.near
     a, b = near.a, near.b
     go_on(stop)

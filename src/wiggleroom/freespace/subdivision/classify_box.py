@@ -16,7 +16,7 @@ from wiggleroom.geometry.jit_options import INNER, OPTIONS
 DEEPEST_TREE = 96
 """Room for the nodes that wait while a tree is walked."""
 MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
-FOUND, CLOSED, SPENT = 0, 1, 2
+FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 
 
 @njit(**INNER)
@@ -271,12 +271,13 @@ def leaf_at(x, y, z, middle, first):
 
 @njit(**OPTIONS)
 def search(
-    middle, level, state, first, count, origin, scale, deepest, wrap, turning,
+    middle, level, state, first, count, pause, origin, scale, deepest, wrap, turning,
     a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way,
 ):  # fmt: skip
     """Cut the mixed boxes on the cheapest way from rest to the rim, again and again, until one way is free or none is left.
 
-    Returns how it ended, the number of boxes, and how many boxes of `way` are filled, from rest to the rim.
+    Returns how it ended, the number of boxes, and how many boxes of `way` are filled, from rest to the rim. Above `pause` boxes it returns
+    too; called again, it goes on.
     """
     most = len(level)
     cost, before = np.empty(most), np.empty(most, dtype=np.int64)
@@ -293,8 +294,10 @@ def search(
     start = leaf_at(x, y, z, middle, first)
     if state[start] != FREE:
         return SPENT, count, 0
-    given_up = False
+    given_up = (state[:count] == TINY).any()
     while True:
+        if count > pause:
+            return PAUSED, count, 0
         last = cheapest(start, middle, level, state, first, count, wrap, turning, cost, before, heap_cost, heap, out)
         if last < 0:
             return (SPENT if given_up else CLOSED), count, 0
