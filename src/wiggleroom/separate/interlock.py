@@ -132,7 +132,7 @@ def check(
     TouchingError
         If two parts overlap at rest.
     InputError
-        If there is only one body, or all are fixed; if `seconds` is not above 0.
+        If there is only one body, or all are fixed; if `seconds` is not more than 0.
 
     Notes
     -----
@@ -148,8 +148,9 @@ def check(
     """
     began = time.perf_counter()
     if seconds is not None:
-        if not seconds > 0:
-            raise InputError(f"seconds {seconds:g}: it must be above 0")
+        if not 0 < seconds < np.inf:
+            finding = f"seconds {seconds:g}: it must be more than 0"
+            raise InputError(finding)
         stop = Clock(seconds, stop)
     tell = progress or silent
     left = _standing(assembly)
