@@ -63,9 +63,7 @@ def facing_of(
     return facing, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
 
 
-def _region(
-    ground: Survey, a: int, b: int, clearance: float, over: Callable[[], bool]
-) -> tuple[Outer | None, Floats]:
+def _region(ground: Survey, a: int, b: int, clearance: float, over: Callable[[], bool]) -> tuple[Outer | None, Floats]:
     """Outer region of one pair, None where the joint is open or it was `over` first, and its pivot in the frame of body `a`."""
     them = ground.bodies
     facing, pivot, lever = facing_of(them, ground.geometry, a, b, clearance)

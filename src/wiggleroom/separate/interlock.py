@@ -189,15 +189,15 @@ def check(
         if not every:
             break
         if len({int(b) for b in np.delete(ground.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
-            stage = replace(
-                stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=NOBODY
-            )
+            stage = replace(stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=NOBODY)
             break
     spins = _spins(left, ground, stage.held, stop) if stage.way is None and every else ()
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
     at_most = None
     if verdict is Separability.INTERLOCKED and every:
-        whole = around.far.max()  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
+        whole = (
+            around.far.max()
+        )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
         spent = max(time.perf_counter() - began, BRIEF if np.isinf(whole) else LEAST)
         found = furthest(left, spent, stop)
         at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)

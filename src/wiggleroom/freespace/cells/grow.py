@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.pair_edges import Outlines, Pair, posed, put
 from wiggleroom.freespace.cells.separate_edges import hide_all
 from wiggleroom.freespace.cells.separating_lines import LINES, MOST_LINES, MOST_ON_LINE, room_for
 from wiggleroom.freespace.cells.walls import joined, slice_middle
-from wiggleroom.geometry.jit_options import FILLING, ONCE
+from wiggleroom.geometry.jit_options import FILLING, ONCE, njit
 
 EACH = 64
 """Walls per cell that there is room for at first."""

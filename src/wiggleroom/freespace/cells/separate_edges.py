@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from wiggleroom.freespace.cells.pair_edges import edge_in_front, normal_seen, posed
 from wiggleroom.freespace.cells.separating_lines import (
@@ -16,7 +15,7 @@ from wiggleroom.freespace.cells.separating_lines import (
     set_ahead,
 )
 from wiggleroom.freespace.cells.walls import keeps, out_of_reach
-from wiggleroom.geometry.jit_options import INNER, ONCE
+from wiggleroom.geometry.jit_options import INNER, ONCE, njit
 
 NO_LINE, NO_ROOM = -1, -2
 

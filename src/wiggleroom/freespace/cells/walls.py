@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from wiggleroom.freespace.cells.pair_edges import in_front, normal_seen, posed, seen
 from wiggleroom.freespace.cells.separating_lines import LINES
-from wiggleroom.geometry.jit_options import INNER
+from wiggleroom.geometry.jit_options import INNER, njit
 
 
 @njit(**INNER)

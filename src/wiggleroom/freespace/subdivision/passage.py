@@ -45,9 +45,7 @@ class Passage:
     pivot: Floats
 
 
-def passage(
-    a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, stop: Stop | None = None
-) -> Passage:
+def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, stop: Stop | None = None) -> Passage:
     """Look for a way of `b` out of `a`, or a proof that there is none.
 
     Parameters
@@ -81,7 +79,19 @@ def passage(
                 return Passage(False, False, None, pivot)
             began, before = time.perf_counter(), count
             how, count, length = search(
-                middle, level, state, first, count, count + pace, origin, scale, DEEPEST, not turning, turning, *pair, way
+                middle,
+                level,
+                state,
+                first,
+                count,
+                count + pace,
+                origin,
+                scale,
+                DEEPEST,
+                not turning,
+                turning,
+                *pair,
+                way,
             )
             spent = time.perf_counter() - began
             pace = max(100, int((count - before) * OFTEN / max(spent, 1e-9)))
