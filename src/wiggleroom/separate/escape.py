@@ -76,7 +76,7 @@ def next_stage(
     none = np.zeros(0, dtype=np.int64)
     rest = np.zeros((1, n, 3))
     tell(Progress("straight ways"))
-    found = straight_exit(bodies, rest[0], ground, ready.barred, ready.size, begin.group)
+    found = straight_exit(bodies, rest[0], ground, ready.barred, ready.size, begin.group, stop)
     if found is not None:
         return _leave(ready, rest, found)
     tell(Progress("free spaces"))
@@ -86,11 +86,11 @@ def next_stage(
     known = _walled_in(ready, known, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
-    nearly = _nearly(ready, ground, known.group)
+    nearly = _nearly(ready, ground, known.group, stop)
     for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, NEARLY, stop) for e in nearly)):
         if stop is not None and stop.is_set():
             break
-        out = None if rigid.way is None else way_out(ready, ground, known.group, rigid.way)
+        out = None if rigid.way is None else way_out(ready, ground, known.group, rigid.way, stop=stop)
         if out is not None and (stage := _leave(ready, *out)).way is not None:
             return stage
     known = surer(ready, known, stop)
@@ -131,7 +131,7 @@ def _walled_in(ready: Prepared, known: Links, stop: Stop | None) -> Links:
     return replace(known, group=np.where(np.isin(known.group, known.group[inside]), ground, known.group))
 
 
-def _nearly(ready: Prepared, ground: int, group: Ints) -> list[Exit]:
+def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> list[Exit]:
     """Sets of bodies that would leave straight if there were a little more room: the first to look at."""
     if len(np.unique(group)) < 3:
         return []
@@ -139,9 +139,9 @@ def _nearly(ready: Prepared, ground: int, group: Ints) -> list[Exit]:
     found: dict[tuple[int, ...], Exit] = {}
     for share in ROOM:
         thinner = share * ready.clearance
-        for e in straight_exits(ready.bodies, rest, ground, ready.barred, ready.size, group, thinner):
+        for e in straight_exits(ready.bodies, rest, ground, ready.barred, ready.size, group, thinner, stop):
             found.setdefault(tuple(e.who.tolist()), e)
-        if len(found) >= MOST_NEARLY:
+        if len(found) >= MOST_NEARLY or (stop is not None and stop.is_set()):
             break
     return list(found.values())[:MOST_NEARLY]
 
