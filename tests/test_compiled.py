@@ -15,7 +15,11 @@ ROOT = Path(__file__).parents[1] / "src" / "wiggleroom"
 
 def run(root: Path, code: str) -> str:
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=os.environ | {"PYTHONPATH": str(root)}
+        [sys.executable, "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=os.environ | {"PYTHONPATH": str(root)},
     )
     return done.stdout.strip()
 

@@ -18,6 +18,8 @@ from wiggleroom.separate.enclosure import Enclosed, holds
 
 Ints = NDArray[np.int64]
 
+AT_ONCE = 50
+"""Pairs that are measured between two looks at `stop`."""
 BOXES = 20_000
 """Boxes judged at most for a pair among many."""
 MANY = 400_000
@@ -80,13 +82,15 @@ def links(ready: Prepared, begin: Links, stop: Stop | None = None) -> Links:
         Asked before every pair.
     """
     bodies, n = ready.bodies, len(ready.bodies.fixed)
+    if stop is not None and stop.is_set():
+        return begin
     geometry = placed(bodies)
     near = neighbours(bodies, geometry, REACH * ready.clearance, barred=ready.barred)
     tied, held = _ties(begin.group), _ties(begin.held)
     undecided: list[tuple[int, int]] = []
     if len(near.a):
-        _, label = classes(bodies, near.a, near.b, relative_rest(bodies, near.a, near.b))
-        along = _along(geometry[near.a], geometry[near.b], ready.clearance)
+        first, label = classes(bodies, near.a, near.b, relative_rest(bodies, near.a, near.b))
+        along = _along(geometry[near.a[first]], geometry[near.b[first]], ready.clearance, stop)[label]
         known: dict[int, Passage] = {}
         for k in np.argsort(-along, kind="stable"):
             a, b, c = int(near.a[k]), int(near.b[k]), int(label[k])
@@ -146,10 +150,16 @@ def _ties(group: Ints) -> list[tuple[int, int]]:
     return [(int(first[g]), k) for k, g in enumerate(label.tolist())]
 
 
-def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.float64]:
-    """How long two bodies lie along each other [mm]."""
-    near = shapely.buffer(b, 1.5 * REACH * clearance, quad_segs=2)
-    return np.asarray(shapely.length(shapely.intersection(shapely.boundary(a), near)))
+def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float, stop: Stop | None) -> NDArray[np.float64]:
+    """How long two bodies lie along each other [mm], zero for those that come after `stop`."""
+    found = np.zeros(len(a))
+    for k in range(0, len(a), AT_ONCE):
+        if stop is not None and stop.is_set():
+            break
+        some = slice(k, k + AT_ONCE)
+        near = shapely.buffer(b[some], 1.5 * REACH * clearance, quad_segs=2)
+        found[some] = shapely.length(shapely.intersection(shapely.boundary(a[some]), near))
+    return found
 
 
 def _labels(n: int, ties: list[tuple[int, int]]) -> Ints:

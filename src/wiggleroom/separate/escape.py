@@ -123,6 +123,8 @@ def _walled_in(ready: Prepared, known: Links, stop: Stop | None) -> Links:
     bodies, geometry = ready.bodies, placed(ready.bodies)
     ground = known.group[np.flatnonzero(bodies.fixed)[0]]
     frame = np.flatnonzero(known.group == ground)
+    if stop is not None and stop.is_set():
+        return known
     if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.barred, 0.0, stop)):
         return known
     others = np.flatnonzero(known.group[bodies.body_of] != ground)

@@ -81,6 +81,8 @@ def explore(
         Questions asked at most.
     """
     bodies = ready.bodies
+    if stop is not None and stop.is_set():
+        return Explored(None, None, False, 0)
     near = neighbours(bodies, placed(bodies), REACH * ready.clearance, barred=ready.barred)
     places = [relative_rest(bodies, near.a, near.b)]
     waiting: deque[Answer | None] = deque([None])
@@ -145,7 +147,8 @@ def _questions(ready: Prepared, ground: int, group: Ints, nearly: list[Exit]) ->
     bodies, rest = ready.bodies, ready.bodies.rest
     middle = rest[ground, :2]
     out = rest[:, :2] - middle
-    names = [ready.assembly.names[members[0]] for members in bodies.members]
+    parts = ready.assembly.names
+    names = [parts[members[0]] for members in bodies.members]
     free = np.flatnonzero(~bodies.fixed)
     for e in nearly:
         yield tuple(Pull(names[b], _pair(e.direction), _pair(rest[b, :2]), 1.0 / len(e.who)) for b in e.who)
