@@ -1,4 +1,4 @@
-"""What lies in a closed hole is held; frames that open, mouths that are wide enough and parts that pass through are not taken for closed."""
+"""What lies in a closed hole is held; frames that open, wide mouths and parts that pass through are not taken for closed."""
 
 from __future__ import annotations
 
@@ -179,3 +179,23 @@ def test_no_flood_leaves_what_is_said_to_hold(seed):
         assert not _flooded(socket, body, 0.1)
     elif mouth > 1.5:
         assert _flooded(socket, body, 0.1)
+
+
+def test_fixed_parts_that_are_left_are_not_called_interlocked_with_each_other():
+    bases = {f"base{k}": box(40 * k, 0, 40 * k + 20, 10) for k in range(5)}
+    found = wr.check(made(0.2, "base", **bases, lid=box(0, 10, 60, 20)))
+    assert [e.parts for e in found.escapes] == [("lid",)]
+    assert found.remains == ()
+
+
+def test_time_is_kept_and_says_what_is_known(command):
+    file = "examples/drawings/pyjigsaw_4x5.svg"
+    wr.check(wr.patterns.chain(2, joint="swallowtail", gap=0.08))  # compiled
+    began = time.process_time()
+    found = wr.check(wr.read(file, gap=2.5), seconds=0.2)
+    assert time.process_time() - began < 2.0
+    assert found.verdict == "unknown"
+    assert command("check", file, "--gap", "2.5", "--time", "0.2") == 3
+    assert command("check", file, "--time", "0") == 2
+    border = wr.largest_gap(wr.read(file, gap=2.0), seconds=0.1)
+    assert (border.holds, border.parts_at) == (None, None)

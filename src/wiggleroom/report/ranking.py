@@ -25,6 +25,7 @@ def rank_record(ranking: Ranking, command: str = "") -> Record:
             "mm_per_mm": float(ranking.looser[k]),
             "percent": float(ranking.percent[k]),
             "tighter_mm_per_mm": float(ranking.tighter[k]),
+            "importance": float(ranking.importance[k]),
             "duals_mm_per_mm": float(ranking.by_duals[k]),
             "unique": bool(ranking.unique[k]),
         }
@@ -32,10 +33,12 @@ def rank_record(ranking: Ranking, command: str = "") -> Record:
         {
             "parts": [names[i] for i in ranking.joints[k].tolist()],
             "mm_per_mm": float(ranking.joint_looser[k]),
+            "tighter_mm_per_mm": float(ranking.joint_tighter[k]),
+            "importance": float(ranking.joint_importance[k]),
             "percent": float(ranking.joint_percent[k]),
             "unique": bool(ranking.joint_unique[k]),
         }
-        for k in (-ranking.joint_looser).argsort(kind="stable").tolist()
+        for k in ranking.joint_order.tolist()
     ]
     return {
         "format": "wiggleroom.rank/1",
@@ -66,13 +69,15 @@ def rank_table(ranking: Ranking) -> Group:
     if rest > 0:
         left = 100 - ranking.percent[ranking.order[:_MOST]].sum()
         found.add_row(f"... and {rest} more", "", *([""] if both else []), f"{max(left, 0.0):.1f}", style="dim")
-    joints = columns("joint", per, "%")
-    order = (-ranking.joint_looser).argsort(kind="stable")
+    ranged = not ranking.joint_unique.all()
+    joints = columns("joint", per, *(["if tighter"] if ranged else []), "%")
+    order = ranking.joint_order
     for k in order[:_MOST_JOINTS].tolist():
         pair = " | ".join(short(names[i]) for i in ranking.joints[k].tolist())
-        joints.add_row(pair, number(ranking.joint_looser[k]), f"{ranking.joint_percent[k]:.1f}")
+        side = [number(ranking.joint_tighter[k])] if ranged else []
+        joints.add_row(pair, number(ranking.joint_looser[k]), *side, f"{ranking.joint_percent[k]:.1f}")
     if len(order) > _MOST_JOINTS:
-        joints.add_row(f"... and {len(order) - _MOST_JOINTS} more", "", "", style="dim")
+        joints.add_row(f"... and {len(order) - _MOST_JOINTS} more", "", *([""] if ranged else []), "", style="dim")
     lines = [Text(f"{term + ':':<9} {line}") for term, line in ranking_sure(ranking)]
     return Group(Text(headline(answer), style="bold"), Text(), found, Text(), joints, Text(), *lines)
 
@@ -92,4 +97,5 @@ def ranking_unique(ranking: Ranking) -> str:
     """Say for how many parts both sides of a derivative differ."""
     many = int((~ranking.unique).sum())
     ends = "" if ranking.ends == "whole" else " (at least so wide)"
-    return f"not for {many} {'part' if many == 1 else 'parts'}: a looser and a tighter gap count differently{ends}"
+    parts = f"{many} {'part' if many == 1 else 'parts'}"
+    return f"not for {parts}: a looser and a tighter gap count differently{ends}; order and % by their middle"

@@ -15,7 +15,6 @@ from wiggleroom.separate.largest_gap import LargestGap
 def ranking_told(ranking: Ranking, command: str) -> Json:
     """Whose gap matters, of parts and of joints, the most important first."""
     names = ranking.answer.assembly.names
-    joints = (-ranking.joint_looser).argsort(kind="stable")
     return {
         "parts": {
             names[k]: {
@@ -29,9 +28,10 @@ def ranking_told(ranking: Ranking, command: str) -> Json:
             {
                 "parts": [names[i] for i in ranking.joints[k].tolist()],
                 "mm_per_mm": float(ranking.joint_looser[k]),
+                "tighter": float(ranking.joint_tighter[k]),
                 "percent": float(ranking.joint_percent[k]),
             }
-            for k in joints.tolist()
+            for k in ranking.joint_order.tolist()
         ],
         "per": per_gap(ranking.answer.goals),
         "unique": bool(ranking.unique.all()),

@@ -75,7 +75,7 @@ class Interlock(Drawable):
     spins : tuple of names
         Parts that turn in place without limit.
     remains : tuple of names
-        Parts that are left where nothing more was found to leave.
+        Parts that are left where nothing more was found to leave; none where only what stands is left.
     questions : int
         Largest motions that were searched.
     tight : bool
@@ -207,7 +207,7 @@ def check(
         Certainty.PROVEN if escapes or at_most is not None else stage.certainty,
         tuple(escapes),
         spins,
-        tuple(names[alive]) if stage.ended is Separability.INTERLOCKED else (),
+        tuple(names[alive]) if stage.ended is Separability.INTERLOCKED and not all(p.fixed for p in left.parts) else (),
         asked,
         time.perf_counter() - began,
         at_most=at_most,
