@@ -28,9 +28,9 @@ def run(root: Path, code: str) -> str:
 def package(tmp_path: Path) -> Path:
     """Directory with a copy of the package, and two compiled functions in it of which one calls the other."""
     shutil.copytree(ROOT, tmp_path / "wiggleroom", ignore=shutil.ignore_patterns("__pycache__", "web", "fonts"))
-    head = "from wiggleroom.geometry.jit_options import FILLING, njit\n"
-    inner = "FACTOR = 2.0\n\n@njit(**FILLING)\ndef scaled(x):\n    return FACTOR * x\n"
-    outer = "from wiggleroom.geometry.inner import scaled\n\n@njit(**FILLING)\ndef applied(x):\n    return scaled(x) + 1.0\n"
+    head = "from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit\n"
+    inner = "FACTOR = 2.0\n\n@njit(**NO_ALLOCATION)\ndef scaled(x):\n    return FACTOR * x\n"
+    outer = "from wiggleroom.geometry.inner import scaled\n\n@njit(**NO_ALLOCATION)\ndef applied(x):\n    return scaled(x) + 1.0\n"
     (tmp_path / "wiggleroom" / "geometry" / "inner.py").write_text(head + inner)
     (tmp_path / "wiggleroom" / "geometry" / "outer.py").write_text(head + outer)
     return tmp_path

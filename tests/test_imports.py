@@ -26,6 +26,7 @@ ORDER = [
     "separate",
     "sensitivity",
     "live",
+    "schema",
     "report",
     "verify",
     "bench",

@@ -61,9 +61,9 @@ def check(
 
         found = work_out(assembly, stop=stop, progress=show)
         border = search(assembly, stop=stop, progress=show) if largest_gap else None
-    from wiggleroom.report.apart import check_record, check_table
+    from wiggleroom.report.apart import check_result, check_table
     from wiggleroom.report.apart_picture import Checked
 
     shown = Checked(found, border)
-    tell(outputs, lambda: check_record(found, border, command), lambda: check_table(found, border), shown, command)
+    tell(outputs, lambda: check_result(found, border, command), lambda: check_table(found, border), shown, command)
     return CODES[found.verdict]

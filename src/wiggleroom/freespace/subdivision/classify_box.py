@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import INNER, OPTIONS, njit
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 DEEPEST_TREE = 96
 """Room for the nodes that wait while a tree is walked."""
@@ -18,7 +18,7 @@ MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
 FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def depth_at(x, y, edge, normal, disc, kid, stack):
     """Signed distance of a point from the boundary, negative inside the material.
 
@@ -61,7 +61,7 @@ def depth_at(x, y, edge, normal, disc, kid, stack):
     return sign * best
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces):
     """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad]."""
     c, s = np.cos(turn), np.sin(turn)
@@ -178,7 +178,7 @@ def beside(n, middle, level, first, wrap, out):
     return found
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _sift_up(heap_cost, heap, k):
     while k > 0:
         up = (k - 1) // 2
@@ -189,7 +189,7 @@ def _sift_up(heap_cost, heap, k):
         k = up
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _sift_down(heap_cost, heap, count):
     k = 0
     while True:
