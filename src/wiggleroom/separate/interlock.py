@@ -143,7 +143,7 @@ def check(
     --------
     >>> import wiggleroom as wr
     >>> found = wr.check(wr.patterns.chain(3, joint="swallowtail", gap=0.02))
-    >>> found.verdict, found.certainty
+    >>> str(found.verdict), str(found.certainty)
     ('interlocked', 'proven')
     """
     began = time.perf_counter()
