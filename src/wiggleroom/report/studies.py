@@ -50,6 +50,7 @@ def tighten_result(found: Tightening, command: str = "") -> TightenResult:
             _finite(found.lowered_at_random),
             found.misfits,
         ),
+        notes=list(found.before.assembly.drawing.notes),
         command=command,
     )
 
@@ -109,6 +110,7 @@ def sweep_result(found: Sweep, command: str = "") -> SweepResult:
             SweepEntry(s.gap, s.objective, s.verdict, "checked" if s.checked else "not checked") for s in found.steps
         ],
         lost_between=found.lost,
+        notes=list(found.assembly.drawing.notes),
         command=command,
     )
 
@@ -167,6 +169,7 @@ def sample_result(found: Sample, command: str = "") -> SampleResult:
         yields=YieldEntry(good, float(low), float(high)),
         contributions_percent={names[k]: float(share[k]) for k in order},
         checked=CheckedDraws(len(found.checked), found.largest_difference),
+        notes=list(found.answer.assembly.drawing.notes),
         command=command,
     )
 
