@@ -118,6 +118,7 @@ class PartImportance(Struct):
     ]
     duals_mm_per_mm: Annotated[float, Meta(description="the same from one set of multipliers")]
     unique: Annotated[bool, Meta(description="both sides agree")]
+    importance: Annotated[float, Meta(description="middle of both sides: what order and percent go by")]
 
 
 class JointImportance(Struct):
@@ -127,6 +128,10 @@ class JointImportance(Struct):
     mm_per_mm: float
     percent: Percent
     unique: bool
+    tighter_mm_per_mm: Annotated[
+        float, Meta(description="loss per mm of smaller gap; differs where joints share a load")
+    ]
+    importance: Annotated[float, Meta(description="middle of both sides: what order and percent go by")]
 
 
 class RankResult(Struct, tag_field="format", tag="wiggleroom.rank/1", kw_only=True):
@@ -149,6 +154,7 @@ class RandomChoices(Struct):
     draws: int
     mean: float | None
     lowered_percent: float | None
+    misfits: Annotated[int, Meta(description="choices whose parts do not fit then; the mean is of the others")]
 
 
 class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_only=True):
@@ -157,7 +163,7 @@ class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_o
     objective: Objective
     tightened: Annotated[float | None, Meta(description="objective with the chosen parts tight")]
     verdict: Verdict
-    lowered_percent: Percent
+    lowered_percent: float | None
     parts: Annotated[list[str], Meta(description="in the order in which they were chosen")]
     gap: Annotated[float, Meta(description="their share of the gap then [mm]")]
     limit: float | None
