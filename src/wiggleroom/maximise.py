@@ -163,7 +163,7 @@ def witness(
     model: str | PairModel | None = None,
     solver: str = "interior-point",
     start: Answer | None = None,
-    starts: int = 0,
+    starts: int | None = 0,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
@@ -187,7 +187,7 @@ def witness(
     if first:
         return _from_several(search, first, asked, solver, began)
     search.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
-    if starts:
+    if starts != 0:
         search, effort = search_on(search, starts)
         return replace(answer_of(search, asked, solver, began), search=effort)
     return answer_of(search, asked, solver, began)
