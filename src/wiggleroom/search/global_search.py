@@ -18,7 +18,7 @@ Floats = NDArray[np.float64]
 
 MOST_BODIES = 50
 """Assemblies of more free bodies are climbed once."""
-WORK = 1200.0
+WORK = 2000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
@@ -95,7 +95,18 @@ class _GlobalSearch:
         """True while there is more to do."""
         free = int((~self.first.ready.bodies.fixed).sum())
         more = self.made < starts if starts is not None else free <= MOST_BODIES and self.work < WORK
-        return more and not self.first.stopped and not self.best.unlimited
+        return more and not self.first.stopped and not self.best.unlimited and not (starts is None and self._saturated)
+
+    @property
+    def _saturated(self) -> bool:
+        """True where the number of hills, as estimated from how often each was met, is that of those that were met.
+
+        Source: Boender and Rinnooy Kan, "Bayesian stopping rules for multistart global optimization methods" (1987).
+        """
+        ends = np.sort(self.values)
+        n = len(ends)
+        met = 1 + int((np.diff(ends) > SAME * np.abs(ends[1:])).sum())
+        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + 0.5
 
     def result(self) -> tuple[LocalSearch, SearchEffort]:
         """The search that found the best end, with the work of all, and how the ends compare with it."""

@@ -205,7 +205,7 @@ def _step(
     checked = checked and answer.path == "checked"
     answer = replace(answer, assembly=made, path="checked" if checked else "not checked")
     step = Step(gap, answer.objective, answer.verdict, checked, replace(answer, warm_start=None))
-    good = answer.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)
+    good = answer.verdict.ends
     return step, _State(gap, ready, answer, checked) if good else last
 
 
