@@ -19,8 +19,8 @@ from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
 
-MOST_BOXES = 100_000
-"""Boxes judged at most."""
+MOST_BOXES, BOX_WORK = 120_000, 2_400_000
+"""Boxes judged at most, and boxes times corners: a box takes longer where there are more corners."""
 BETTER, PROVEN = 1e-4, 9e-4
 """Motions better by the first share are looked for, until none better by the second is left."""
 MOST_CLIMBS = 30

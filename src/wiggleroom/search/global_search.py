@@ -85,17 +85,16 @@ class _GlobalSearch:
         self.first, self.best, self.made, self.work = first, first, 0, 0.0
         self.tree = StateTree(at_rest(ready), ready.bodies.radius, ready.clearance)
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
-        self.values: list[float] = []
-        if first.best is not None:
-            self.values.append(first.best.value)
-            if first.way(first.best).sure:
-                self.tree.add(first.best, 0)
+        self.value, self.free = _certain_value(first)
+        self.values = [self.value]
+        if first.best is not None and not self.free and first.way(first.best).sure:
+            self.tree.add(first.best, 0)
 
     def goes_on(self, starts: int | None) -> bool:
         """True while there is more to do."""
         free = int((~self.first.ready.bodies.fixed).sum())
         more = self.made < starts if starts is not None else free <= MOST_BODIES and self.work < WORK
-        return more and not self.first.stopped and not self.best.unlimited and not (starts is None and self._saturated)
+        return more and not self.first.stopped and not self.free and not (starts is None and self._saturated)
 
     @property
     def _saturated(self) -> bool:
@@ -112,10 +111,10 @@ class _GlobalSearch:
         """The search that found the best end, with the work of all, and how the ends compare with it."""
         best = self.best
         best.rounds, best.iterations, best.seconds = self.rounds, self.iterations, self.seconds
-        value = max(self.values, default=0.0) if best.best is None else best.best.value
-        margin = SAME * abs(value)
-        others = [v for v in self.values if v < value - margin]
-        at_value = sum(abs(v - value) <= margin for v in self.values)
+        best.ended = best.ended and not self.first.stopped
+        margin = SAME * abs(self.value)
+        others = [v for v in self.values if v < self.value - margin]
+        at_value = sum(abs(v - self.value) <= margin for v in self.values)
         return best, SearchEffort(self.made + 1, at_value, max(others, default=None))
 
     def start_from(self, state: int, aside: Objective) -> None:
@@ -125,22 +124,22 @@ class _GlobalSearch:
         if between is None:
             return
         climb, _ = self._climb(self.first.objective, CLIMB, between)
-        found, old = climb.best, self.best.best
+        found = climb.best
         if found is None or not climb.ended or not climb.way(found).sure:
             return
         self.values.append(found.value)
         least = BETTER * max(abs(found.value), self.first.ready.clearance)
-        if climb.unlimited or old is None or found.value > old.value + least:
+        if climb.unlimited or found.value > self.value + least:
             self._follow(replace(found, legs=(*self.tree.legs_to(between), *found.legs[1:])))
 
     def _follow(self, incumbent: Incumbent) -> None:
         """Follow a better end to its own end; it becomes the best where its path is certain."""
         search = self._search(self.first.objective, THOROUGH)
-        found, old = self._run(search, incumbent.start()), self.best.best
+        found = self._run(search, incumbent.start())
         if found is None or not search.ended or not search.way(found).sure:
             return
-        if old is None or search.unlimited or found.value > old.value or not self.best.way(old).sure:
-            self.best = search
+        if search.unlimited or found.value > self.value:
+            self.best, self.value, self.free = search, found.value, search.unlimited
             self.values[-1] = found.value
 
     def _climb(self, objective: Objective, policy: Policy, state: int) -> tuple[LocalSearch, int | None]:
@@ -163,6 +162,16 @@ class _GlobalSearch:
         rows = len(start.cells.kind)
         self.work += search.rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
         return found
+
+
+def _certain_value(search: LocalSearch) -> tuple[float, bool]:
+    """Value of what a search has certainly reached, and whether nothing stops it there."""
+    if search.best is None:
+        return 0.0, False
+    way = search.way(search.best)
+    if way.sure:
+        return search.best.value, search.unlimited
+    return search.objective.value(way.motions[max(way.certain, 1) - 1]), False
 
 
 def _turns(ready: Prepared) -> list[Objective]:
