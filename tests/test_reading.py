@@ -7,6 +7,7 @@ import random
 import shlex
 import sys
 import time
+from itertools import pairwise
 from xml.etree import ElementTree
 
 import numpy as np
@@ -59,7 +60,8 @@ def test_faces_of_random_lines_tile_what_shapely_finds(tmp_path, seed):
         pieces = [p for piece in pieces for p in split(piece, across).geoms]
     drawing = read_drawing(file_of(tmp_path, "".join([*lines, box(0, 0, 60, 60)])))
     found = sorted(shapely.Polygon(part.regions[0].outer).area for part in drawing.parts)
-    assert found == pytest.approx(sorted(piece.area for piece in pieces), abs=1e-4)
+    wide = [piece.area for piece in pieces if 2 * piece.area > 0.05 * piece.length]  # thinner ones are no parts
+    assert found == pytest.approx(sorted(wide), abs=1e-4)
 
 
 def test_a_net_of_ten_thousand_lines_takes_seconds(tmp_path):
@@ -76,7 +78,7 @@ def test_a_net_of_ten_thousand_lines_takes_seconds(tmp_path):
 def test_clearance_between_outlines_of_single_lines_is_never_closed(tmp_path):
     """Two squares of loose lines 0.02 mm apart, far below the distance at which open ends are joined."""
     sides = [[(x, 0), (x + 20, 0), (x + 20, 20), (x, 20), (x, 0)] for x in (0.0, 20.02)]
-    lines = [(a, b) for corners in sides for a, b in zip(corners, corners[1:], strict=False)]
+    lines = [(a, b) for corners in sides for a, b in pairwise(corners)]
     random.Random(3).shuffle(lines)
     body = "".join(f'<line x1="{a[0]}" y1="{a[1]}" x2="{b[0]}" y2="{b[1]}" {LINE}/>' for a, b in lines)
     drawing = read_drawing(file_of(tmp_path, body))
@@ -147,7 +149,7 @@ def test_ignore_glue_and_gap_of(tmp_path, run):
 
 def test_an_overlap_that_the_gap_opens_is_said(tmp_path):
     path = file_of(tmp_path, box(0, 0, 30.01, 30) + box(30, 0, 30, 30))
-    with pytest.raises(InputError, match="overlap by 0.01 mm"):
+    with pytest.raises(InputError, match=r"overlap by 0\.01 mm"):
         wr.read(path)
     notes = wr.read(path, gap=0.1).drawing.notes
     assert any("overlap by 0.01 mm as drawn; the gap of 0.1 opens that" in note for note in notes)
