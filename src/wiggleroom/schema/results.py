@@ -40,6 +40,14 @@ class BoundEntry(Struct):
     seconds: Seconds
 
 
+class SearchEntry(Struct):
+    """What the search beyond the nearest hill came to."""
+
+    starts: Annotated[int, Meta(description="climbs that were made, the one from rest among them")]
+    at_value: Annotated[int, Meta(description="how many of them ended at the objective, to 0.1 %")]
+    next_best: Annotated[float | None, Meta(description="best value at which others ended; null where there is none")]
+
+
 class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=True):
     """The largest motion that was found: `wiggleroom flex --json`."""
 
@@ -47,6 +55,7 @@ class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=Tr
     objective: Objective
     at_most: AtMost
     bound: BoundEntry | UnsetType = UNSET
+    search: SearchEntry | UnsetType = UNSET
     leaves: Annotated[
         list[str] | UnsetType, Meta(description="parts that move away without limit; of unbounded answers")
     ] = UNSET
