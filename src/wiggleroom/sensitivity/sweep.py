@@ -201,7 +201,7 @@ def _step(
         return Step(gap, None, Verdict.TOUCHING, False), None
     answer = replace(answer, assembly=made)
     step = Step(gap, answer.objective, answer.verdict, answer.path == "checked", replace(answer, warm_start=None))
-    good = answer.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)
+    good = answer.verdict.ends
     return step, _State(gap, ready, answer) if good else last
 
 
