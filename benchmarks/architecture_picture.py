@@ -13,7 +13,10 @@ from xml.sax.saxutils import escape
 from tests.test_imports import ORDER, ROOT, imported
 
 LANES = (
-    ("the path of a question", ["drawing", "assembly", "geometry", "freespace", "program", "solve", "search", "maximise"]),
+    (
+        "the path of a question",
+        ["drawing", "assembly", "geometry", "freespace", "program", "solve", "search", "maximise"],
+    ),
     ("other questions", ["bound", "compare", "tight", "separate", "sensitivity", "live"]),
     ("what people and programs get", ["schema", "report", "verify", "bench", "app", "cli"]),
 )
@@ -65,7 +68,7 @@ def picture() -> str:
     width, height = 2 * LEFT + most * (WIDTH + GAP) - GAP, 40 + len(LANES) * (HEIGHT + 56)
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" width="{width:g}" height="{height:g}" '
-        'font-family="Helvetica, Arial, \'Liberation Sans\', sans-serif">',
+        "font-family=\"Helvetica, Arial, 'Liberation Sans', sans-serif\">",
         f'<rect width="{width:g}" height="{height:g}" fill="#ffffff"/>',
     ]
     for row, (title, names) in enumerate(LANES):
@@ -75,7 +78,9 @@ def picture() -> str:
             x = LEFT + k * (WIDTH + GAP)
             out += box(name, x, y)
             if row == 0 and k:
-                out.append(f'<path d="M{x - GAP},{y + 20}h{GAP - 5}l-4,-4m4,4l-4,4" fill="none" stroke="#1f5f99" stroke-width="1.6"/>')
+                out.append(
+                    f'<path d="M{x - GAP},{y + 20}h{GAP - 5}l-4,-4m4,4l-4,4" fill="none" stroke="#1f5f99" stroke-width="1.6"/>'
+                )
     return "\n".join([*out, "</svg>", ""])
 
 

@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, overload
 
+import numpy as np
+
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.dual_bound import with_quick_bound
@@ -17,11 +19,11 @@ from wiggleroom.compare.approximate import Approximation, answer_from, approxima
 from wiggleroom.compare.flex_halfplane import flex_half_planes
 from wiggleroom.compare.flex_hull import flex_hull
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.freespace.models.pair_models import HalfPlane, PairModel, Walls, model_named
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
-from wiggleroom.search.answer import Answer, Bound, with_bound
+from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.complete_search import PROVEN, complete
 from wiggleroom.search.global_search import search_on
@@ -32,6 +34,7 @@ from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.linear_programming import linear_solver
+from wiggleroom.verdict import Verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +72,7 @@ def prepare(
     model : str, Hull or HalfPlane
         "walls", "hull" or "halfplane": what stands for the free space of a pair.
     stop : optional
-        Anything with `is_set()`, asked now and then; the approximating models do not ask.
+        Anything with `is_set()`, asked now and then.
 
     Raises
     ------
@@ -83,7 +86,7 @@ def prepare(
     wanted = model_named(model)
     if isinstance(wanted, Walls):
         return PreparedModel(**vars(problem.prepare(assembly, stop=stop)))
-    return ApproximateModel(**vars(approximate(assembly, wanted)))
+    return ApproximateModel(**vars(approximate(assembly, wanted, stop)))
 
 
 def flex(
@@ -193,7 +196,16 @@ def witness(
     wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
     solve = solver_named(solver)
     tell(Progress("pairs"))
-    ready = assembly if not isinstance(assembly, Assembly) and assembly.model == wanted else prepare(its, wanted)
+    try:
+        ready = (
+            assembly
+            if not isinstance(assembly, Assembly) and assembly.model == wanted
+            else prepare(its, wanted, stop=stop)
+        )
+    except StoppedError:
+        rest = np.zeros((1, len(its.parts), 3))
+        none = witnessed(its, asked, Verdict.STOPPED, 0.0, rest, "checked")
+        return replace(none, model=wanted.name, solver=solver, seconds={"total": time.perf_counter() - began})
     if isinstance(ready, Approximation):
         if search:
             raise InputError("search: only the model walls is searched from other starts; leave it out")

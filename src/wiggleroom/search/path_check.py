@@ -78,13 +78,13 @@ def whole_way(ready: Prepared, legs: Sequence[Leg], stop: Stop | None = None) ->
     points += [_Point(k, i, u, 0) for k, leg in enumerate(legs) for i, u in enumerate(leg.points) if i]
     waypoints = _waypoints(ready, legs, points)
     audit = audit_path(parts, waypoints)
-    refiner = _Refiner(legs)
-    if not audit.free and audit.certain and not (stop is not None and stop.is_set()):
-        points = _refined(ready, legs, parts, points, audit, refiner)
+    free = audit.free
+    if not free and audit.certain and not (stop is not None and stop.is_set()):
+        points, free = _refined(ready, legs, parts, points, audit)
         waypoints = _waypoints(ready, legs, points)
-        audit = audit_path(parts, waypoints)
+        audit = audit if free else audit_path(parts, waypoints)  # else every piece has been judged already
     motions = np.array([legs[p.leg].program.motion(p.u) for p in points])
-    if audit.free:
+    if free:
         none = np.zeros(0, dtype=np.int64)
         return Way(motions, waypoints, len(points), tuple(legs), (none, none))
     last = points[max(audit.certain - 1, 0)]
@@ -105,12 +105,12 @@ def _waypoints(ready: Prepared, legs: Sequence[Leg], points: Sequence[_Point]) -
 
 
 def _refined(
-    ready: Prepared, legs: Sequence[Leg], parts: Outlines, points: list[_Point], audit: PathAudit, refiner: _Refiner
-) -> list[_Point]:
-    """The path with more points on the doubtful pieces, one stretch of them after the other."""
+    ready: Prepared, legs: Sequence[Leg], parts: Outlines, points: list[_Point], audit: PathAudit
+) -> tuple[list[_Point], bool]:
+    """The path with more points on the doubtful pieces, one stretch of them after the other; True where all are free now."""
     out: list[_Point] = []
     begin = 0
-    doubtful = audit.doubtful
+    doubtful, refiner = audit.doubtful, _Refiner(legs)
     while begin < len(points):
         out.append(points[begin])
         end = begin
@@ -120,9 +120,9 @@ def _refined(
             stretch, certain = _refined_stretch(ready, legs, parts, points[begin : end + 1], refiner)
             out += stretch[1:-1]
             if not certain:  # what comes later is of no use
-                return [*out, *points[end:]]
+                return [*out, *points[end:]], False
         begin = max(end, begin + 1)
-    return out
+    return out, True
 
 
 def _refined_stretch(
