@@ -1,0 +1,290 @@
+"""Beam search over placements: panels are added one by one where most of their flanks meet those placed before."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.errors import Stop, go_on
+from wiggleroom.mating.candidates import TOLERANCE, fits
+from wiggleroom.mating.contact import count_meeting, crossing_volume, meeting
+from wiggleroom.mating.flanks import Plate, inset
+
+Floats = NDArray[np.float64]
+
+SHARED = 0.08
+"""Two panels overlap where they share more than this times the cube of the thickness, both eroded."""
+_EROSION = 0.08
+"""Panels are eroded by this share of the thickness before overlap is sought."""
+_PARALLEL = 0.05
+"""Sine of the angle below which two planes count as parallel."""
+_PRIMES = np.random.default_rng(7).integers(2**61, 2**63, size=12)
+
+
+@dataclass(frozen=True, eq=False)
+class Pool:
+    """Poses that are open to the panels of one kind.
+
+    Parameters
+    ----------
+    turns, moves : (k, 3, 3) and (k, 3) float64 [mm]
+    score : (k,) int64
+        Flanks of placed panels that would be met; -1 where material would overlap.
+    """
+
+    turns: Floats
+    moves: Floats
+    score: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Some panels placed in space.
+
+    Parameters
+    ----------
+    rows : tuple of int
+        Which panels, in the order in which they were placed.
+    turns, moves : (n, 3, 3) and (n, 3) float64 [mm]
+    met : int
+        Pairs of flanks that meet.
+    pools : dict of int to Pool
+        By kind of panel: where the next one could go, as it was before the last panel came.
+    """
+
+    rows: tuple[int, ...]
+    turns: Floats
+    moves: Floats
+    met: int
+    pools: dict[int, Pool]
+
+
+class Bench:
+    """Panels with everything that the search asks of them again and again."""
+
+    def __init__(self, plates: Sequence[Plate]) -> None:
+        self.plates = plates
+        self.flanks = [np.column_stack([p.middle, p.inward, p.along, p.length]).reshape(-1, 7) for p in plates]
+        self.eroded = [inset(p.polygon, _EROSION * p.thickness) for p in plates]
+        self.edges = [_edges(polygon) for polygon in self.eroded]
+        self.radius = [p.radius for p in plates]
+        self.corners = [shapely.get_coordinates(p.polygon) for p in plates]
+        self.first = {kind: i for i, kind in reversed(list(enumerate(p.kind for p in plates)))}
+        self.tolerance = TOLERANCE * min(p.thickness for p in plates)
+        self.most = SHARED * min(p.thickness for p in plates) ** 3
+        self._fits: dict[tuple[int, int], Pool] = {}
+        self._flat: dict[tuple[int, ...], float] = {}
+        self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
+
+    def fits(self, a: int, b: int) -> Pool:
+        """Poses of a panel of kind `b` against one of kind `a`."""
+        if (a, b) not in self._fits:
+            found = fits(self.plates[self.first[a]], self.plates[self.first[b]])
+            turns = np.array([fit.turn for fit in found]).reshape(-1, 3, 3)
+            moves = np.array([fit.move for fit in found]).reshape(-1, 3)
+            self._fits[a, b] = Pool(turns, moves, np.array([fit.votes for fit in found], dtype=np.int64))
+        return self._fits[a, b]
+
+    def met(self, a: int, b: int, turns: Floats, moves: Floats) -> NDArray[np.int64]:
+        """Flanks of panel `a` that meet those of `b`, for many poses of b in a's frame."""
+        thick = self.plates[a].thickness, self.plates[b].thickness
+        return count_meeting(self.flanks[a], thick[0], self.flanks[b], thick[1], turns, moves, self.tolerance)
+
+    def pairs(self, a: int, b: int, turn: Floats, move: Floats) -> NDArray[np.int64]:
+        """Rows (flank of a, flank of b) of the flanks that meet, shape (m, 2)."""
+        found = np.empty((max(1, len(self.flanks[b])), 2), dtype=np.int64)
+        thick = self.plates[a].thickness, self.plates[b].thickness
+        count = meeting(
+            self.flanks[a], thick[0], self.flanks[b], thick[1], turn, move, 1.5 * self.tolerance, found
+        )
+        return found[:count].copy()
+
+    def volume(self, a: int, b: int, turn: Floats, move: Floats) -> float:
+        """Material [mm3] that panels `a` and `b` share, both eroded, for a pose of b in a's frame."""
+        if float(move @ move) > (self.radius[a] + self.radius[b] + self.plates[a].thickness) ** 2:
+            return 0.0
+        half = (0.5 - _EROSION) * self.plates[a].thickness, (0.5 - _EROSION) * self.plates[b].thickness
+        if 1.0 - turn[2, 2] ** 2 > _PARALLEL**2:
+            return float(crossing_volume(self.edges[a], half[0], self.edges[b], half[1], turn, move))
+        depth = half[0] + half[1] - abs(float(move[2]))
+        if depth <= 0:
+            return 0.0
+        key = (self.plates[a].kind, self.plates[b].kind, *np.round(turn[:2, :2].ravel(), 3), *np.round(move[:2], 2))
+        if key not in self._flat:
+            laid = shapely.transform(self.eroded[b], lambda points: points @ turn[:2, :2].T + move[:2])
+            self._flat[key] = self.eroded[a].intersection(laid).area
+        return self._flat[key] * depth
+
+    def overlaps(self, state: Placement, b: int, turn: Floats, move: Floats) -> bool:
+        """Whether panel `b` would share material with the placed ones."""
+        shared = 0.0
+        for k, a in enumerate(state.rows):
+            shared += self.volume(a, b, state.turns[k].T @ turn, state.turns[k].T @ (move - state.moves[k]))
+            if shared > self.most:
+                return True
+        return False
+
+    def trace(self, kind: int, turns: Floats, moves: Floats) -> Floats:
+        """Numbers (k, 3) that tell poses of one kind of panel apart unless they cover the same places."""
+        corners = self.corners[self.first[kind]]
+        ways = np.einsum("wi,kij->kwj", self._waves, turns)[:, :, :2]
+        phase = ways @ corners.T + (moves @ self._waves.T)[:, :, None]
+        return np.round(np.sin(phase + 0.1).sum(axis=2), 1)
+
+    def signature(self, state: Placement) -> tuple[float, ...]:
+        """The same for placements that are congruent or mirror images, blind to which of equal panels is which."""
+        points = [self.corners[i] @ t[:, :2].T + m for i, t, m in zip(state.rows, state.turns, state.moves, strict=True)]
+        weights = np.concatenate([np.full(len(p), 1.0 + 0.37 * self.plates[i].kind) for i, p in zip(state.rows, points, strict=True)])
+        stacked = np.vstack(points)
+        stacked = stacked - (weights @ stacked) / weights.sum()
+        radius = np.linalg.norm(stacked, axis=1)
+        scale = radius.max()
+        stacked, radius = stacked / scale, radius / scale
+        spread = np.einsum("n,ni,nj->ij", weights, stacked, stacked)
+        skew = np.einsum("n,ni,nj->ij", weights * radius, stacked, stacked)
+        said = (*np.linalg.eigvalsh(spread), *np.linalg.eigvalsh(skew), weights @ radius, weights**2 @ radius**3)
+        return (len(state.rows), *(round(float(x) / len(stacked) * 2e3) for x in said))
+
+    def start(self, row: int) -> Placement:
+        """One panel in its own frame."""
+        return Placement((row,), np.eye(3)[None], np.zeros((1, 3)), 0, {})
+
+    def pools(self, state: Placement, kinds: Iterable[int]) -> dict[int, Pool]:
+        """Where panels of these kinds could go."""
+        return {kind: self._grown(state, kind) for kind in kinds}
+
+    def _grown(self, state: Placement, kind: int) -> Pool:
+        last, turn, move = state.rows[-1], state.turns[-1], state.moves[-1]
+        sample = self.first[kind]
+        new = self.fits(self.plates[last].kind, kind)
+        turns = np.einsum("ij,kjl->kil", turn, new.turns)
+        moves = new.moves @ turn.T + move
+        score = np.zeros(len(moves), dtype=np.int64)
+        old = state.pools.get(kind)
+        if old is not None and len(old.score):
+            inner, shift = np.einsum("ji,kjl->kil", turn, old.turns), (old.moves - move) @ turn
+            more = self.met(last, sample, np.ascontiguousarray(inner), np.ascontiguousarray(shift))
+            total = np.where(old.score < 0, -1, old.score + more)
+            turns, moves = np.concatenate([old.turns, turns]), np.concatenate([old.moves, moves])
+            score = np.concatenate([total, score])
+        known = 0 if old is None else len(old.score)
+        keep = _first_of_each(np.column_stack([turns.reshape(-1, 9) * 20, moves * 2]))
+        fresh = keep[keep >= known]
+        for k, a in enumerate(state.rows):
+            inner = np.einsum("ji,kjl->kil", state.turns[k], turns[fresh])
+            shift = (moves[fresh] - state.moves[k]) @ state.turns[k]
+            score[fresh] += self.met(a, sample, np.ascontiguousarray(inner), np.ascontiguousarray(shift))
+        keep = keep[(score[keep] != 0)]
+        return Pool(turns[keep], moves[keep], score[keep])
+
+
+def _edges(polygon: shapely.Polygon) -> Floats:
+    rings = [shapely.get_coordinates(ring) for ring in (polygon.exterior, *polygon.interiors)]
+    return np.ascontiguousarray(np.vstack([np.hstack([ring[:-1], ring[1:]]) for ring in rings]))
+
+
+def _first_of_each(values: Floats) -> NDArray[np.int64]:
+    """Rows of `values` (n, m) that, rounded, no earlier row equals (by a hash of 64 bits); ascending."""
+    with np.errstate(over="ignore"):
+        hashed = (np.rint(values).astype(np.int64) * _PRIMES[: values.shape[1]]).sum(axis=1)
+    _, first = np.unique(hashed, return_index=True)
+    return np.sort(first)
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How widely the search looks.
+
+    Parameters
+    ----------
+    width : int
+        Placements that are kept at every step.
+    share : float
+        Of the best candidate's score: candidates below it wait until nothing better is left.
+    """
+
+    width: int
+    share: float
+
+
+def grow(
+    bench: Bench,
+    state: Placement,
+    free: frozenset[int],
+    effort: Effort,
+    *,
+    deadline: float,
+    stop: Stop | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> list[Placement]:
+    """Add panels to a placement until none fits; the last placements of the beam, best first.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : Placement
+    free : frozenset of int
+        Panels that may be used, those placed included.
+    effort : Effort
+    deadline : float
+        Processor time [s] at which the search stops where it is.
+    """
+    beam = [state]
+    while True:
+        grown: dict[tuple[float, ...], Placement] = {}
+        for placed in beam:
+            go_on(stop)
+            for child in _children(bench, placed, free, effort):
+                grown.setdefault(bench.signature(child), child)
+        if not grown:
+            return beam
+        before = beam[0].met
+        ranked = sorted(grown.values(), key=lambda child: (-child.met, _extent(bench, child)))
+        beam = ranked[: effort.width if ranked[0].met - before >= 4 else 4 * effort.width]
+        if progress:
+            progress(len(beam[0].rows))
+        if time.process_time() > deadline:
+            return beam
+
+
+def _children(bench: Bench, state: Placement, free: frozenset[int], effort: Effort) -> list[Placement]:
+    """The best placements with one panel more that do not overlap."""
+    waiting = {bench.plates[i].kind: i for i in sorted(free - set(state.rows), reverse=True)}
+    pools = bench.pools(state, waiting)
+    rows = [(kind, k) for kind in waiting for k in range(len(pools[kind].score))]
+    if not rows:
+        return []
+    scores = np.concatenate([pools[kind].score for kind in waiting])
+    seen: set[tuple[float, ...]] = set()
+    children: list[Placement] = []
+    least = 1
+    for at in np.argsort(-scores, kind="stable").tolist():
+        kind, k = rows[at]
+        score = int(scores[at])
+        if score < least or len(children) >= effort.width:
+            break
+        pool = pools[kind]
+        mark = (kind, *bench.trace(kind, pool.turns[k : k + 1], pool.moves[k : k + 1])[0])
+        if mark in seen:
+            continue
+        seen.add(mark)
+        if bench.overlaps(state, waiting[kind], pool.turns[k], pool.moves[k]):
+            pool.score[k] = -1
+            continue
+        if not children:
+            least = max(1, int(np.ceil(effort.share * score)))
+        rows_, turn, move = (*state.rows, waiting[kind]), pool.turns[k], pool.moves[k]
+        turns, moves = np.concatenate([state.turns, turn[None]]), np.concatenate([state.moves, move[None]])
+        children.append(Placement(rows_, turns, moves, state.met + score, pools))
+    return children
+
+
+def _extent(bench: Bench, state: Placement) -> float:
+    """Volume of the box round a placement [mm3]."""
+    points = np.vstack([bench.corners[i] @ t[:, :2].T + m for i, t, m in zip(state.rows, state.turns, state.moves, strict=True)])
+    return float(np.prod(np.ptp(points, axis=0) + bench.tolerance))
