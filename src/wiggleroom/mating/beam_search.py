@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.candidates import TOLERANCE, fits
-from wiggleroom.mating.contact import count_meeting, crossing_volume, meeting
+from wiggleroom.mating.contact import crossing_volume, meeting, scores
 from wiggleroom.mating.flanks import Plate, inset
 
 Floats = NDArray[np.float64]
@@ -23,6 +23,10 @@ _EROSION = 0.08
 """Panels are eroded by this share of the thickness before overlap is sought."""
 _PARALLEL = 0.05
 """Sine of the angle below which two planes count as parallel."""
+_LEAST = 0.5
+"""A pose that scores less than this is not taken."""
+_HOPELESS = 6.0
+"""A pose whose score is below minus this is not looked at again, not even when more panels are placed."""
 _PRIMES = np.random.default_rng(7).integers(2**61, 2**63, size=12)
 
 
@@ -33,13 +37,13 @@ class Pool:
     Parameters
     ----------
     turns, moves : (k, 3, 3) and (k, 3) float64 [mm]
-    score : (k,) int64
-        Flanks of placed panels that would be met; -1 where material would overlap.
+    score : (k,) float64
+        Pairs of flanks that would meet less those that could meet nothing any more; minus infinity where material would overlap.
     """
 
     turns: Floats
     moves: Floats
-    score: NDArray[np.int64]
+    score: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +55,8 @@ class Placement:
     rows : tuple of int
         Which panels, in the order in which they were placed.
     turns, moves : (n, 3, 3) and (n, 3) float64 [mm]
-    met : int
-        Pairs of flanks that meet.
+    met : float
+        Sum of the scores of its panels.
     pools : dict of int to Pool
         By kind of panel: where the next one could go, as it was before the last panel came.
     """
@@ -60,7 +64,7 @@ class Placement:
     rows: tuple[int, ...]
     turns: Floats
     moves: Floats
-    met: int
+    met: float
     pools: dict[int, Pool]
 
 
@@ -69,31 +73,34 @@ class Bench:
 
     def __init__(self, plates: Sequence[Plate]) -> None:
         self.plates = plates
-        self.flanks = [np.column_stack([p.middle, p.inward, p.along, p.length]).reshape(-1, 7) for p in plates]
         self.eroded = [inset(p.polygon, _EROSION * p.thickness) for p in plates]
         self.edges = [_edges(polygon) for polygon in self.eroded]
+        self.filled = [_edges(_filled(p)) for p in plates]
         self.radius = [p.radius for p in plates]
         self.corners = [shapely.get_coordinates(p.polygon) for p in plates]
         self.first = {kind: i for i, kind in reversed(list(enumerate(p.kind for p in plates)))}
         self.tolerance = TOLERANCE * min(p.thickness for p in plates)
         self.most = SHARED * min(p.thickness for p in plates) ** 3
-        self._fits: dict[tuple[int, int], Pool] = {}
+        self._fits: dict[tuple[int, int], tuple[Floats, Floats]] = {}
+        self.flanks = [np.column_stack([p.middle, p.inward, p.along, p.length]).reshape(-1, 7) for p in plates]
         self._flat: dict[tuple[int, ...], float] = {}
         self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
 
-    def fits(self, a: int, b: int) -> Pool:
+    def fits(self, a: int, b: int) -> tuple[Floats, Floats]:
         """Poses of a panel of kind `b` against one of kind `a`."""
         if (a, b) not in self._fits:
             found = fits(self.plates[self.first[a]], self.plates[self.first[b]])
             turns = np.array([fit.turn for fit in found]).reshape(-1, 3, 3)
-            moves = np.array([fit.move for fit in found]).reshape(-1, 3)
-            self._fits[a, b] = Pool(turns, moves, np.array([fit.votes for fit in found], dtype=np.int64))
+            self._fits[a, b] = turns, np.array([fit.move for fit in found]).reshape(-1, 3)
         return self._fits[a, b]
 
-    def met(self, a: int, b: int, turns: Floats, moves: Floats) -> NDArray[np.int64]:
-        """Flanks of panel `a` that meet those of `b`, for many poses of b in a's frame."""
-        thick = self.plates[a].thickness, self.plates[b].thickness
-        return count_meeting(self.flanks[a], thick[0], self.flanks[b], thick[1], turns, moves, self.tolerance)
+    def scores(self, a: int, b: int, turns: Floats, moves: Floats, power: float) -> Floats:
+        """Flanks of panels `a` and `b` that meet less those that can meet nothing any more, for many poses of b in a's frame."""
+        one, other = self.plates[a].thickness, self.plates[b].thickness
+        turns, moves = np.ascontiguousarray(turns), np.ascontiguousarray(moves)
+        return scores(
+            self.flanks[a], one, self.filled[a], self.flanks[b], other, self.filled[b], turns, moves, self.tolerance, power
+        )
 
     def pairs(self, a: int, b: int, turn: Floats, move: Floats) -> NDArray[np.int64]:
         """Rows (flank of a, flank of b) of the flanks that meet, shape (m, 2)."""
@@ -154,22 +161,22 @@ class Bench:
         """One panel in its own frame."""
         return Placement((row,), np.eye(3)[None], np.zeros((1, 3)), 0, {})
 
-    def pools(self, state: Placement, kinds: Iterable[int]) -> dict[int, Pool]:
+    def pools(self, state: Placement, kinds: Iterable[int], power: float) -> dict[int, Pool]:
         """Where panels of these kinds could go."""
-        return {kind: self._grown(state, kind) for kind in kinds}
+        return {kind: self._grown(state, kind, power) for kind in kinds}
 
-    def _grown(self, state: Placement, kind: int) -> Pool:
+    def _grown(self, state: Placement, kind: int, power: float) -> Pool:
         last, turn, move = state.rows[-1], state.turns[-1], state.moves[-1]
         sample = self.first[kind]
-        new = self.fits(self.plates[last].kind, kind)
-        turns = np.einsum("ij,kjl->kil", turn, new.turns)
-        moves = new.moves @ turn.T + move
-        score = np.zeros(len(moves), dtype=np.int64)
+        new_turns, new_moves = self.fits(self.plates[last].kind, kind)
+        turns = np.einsum("ij,kjl->kil", turn, new_turns)
+        moves = new_moves @ turn.T + move
+        score = np.zeros(len(moves))
         old = state.pools.get(kind)
         if old is not None and len(old.score):
             inner, shift = np.einsum("ji,kjl->kil", turn, old.turns), (old.moves - move) @ turn
-            more = self.met(last, sample, np.ascontiguousarray(inner), np.ascontiguousarray(shift))
-            total = np.where(old.score < 0, -1, old.score + more)
+            more = self.scores(last, sample, inner, shift, power)
+            total = old.score + more
             turns, moves = np.concatenate([old.turns, turns]), np.concatenate([old.moves, moves])
             score = np.concatenate([total, score])
         known = 0 if old is None else len(old.score)
@@ -178,9 +185,18 @@ class Bench:
         for k, a in enumerate(state.rows):
             inner = np.einsum("ji,kjl->kil", state.turns[k], turns[fresh])
             shift = (moves[fresh] - state.moves[k]) @ state.turns[k]
-            score[fresh] += self.met(a, sample, np.ascontiguousarray(inner), np.ascontiguousarray(shift))
-        keep = keep[(score[keep] != 0)]
+            score[fresh] += self.scores(a, sample, inner, shift, power)
+        keep = keep[score[keep] > -_HOPELESS]
         return Pool(turns[keep], moves[keep], score[keep])
+
+
+def _filled(plate: Plate) -> shapely.Polygon:
+    """Outline of a panel with the notches and holes of its joints filled, a little smaller."""
+    reach = 1.6 * plate.thickness
+    small = [ring for ring in plate.polygon.interiors if shapely.Polygon(ring).buffer(-reach).is_empty]
+    whole = shapely.union_all([plate.polygon, *(shapely.Polygon(ring) for ring in small)])
+    closed = whole.buffer(reach, join_style="mitre").buffer(-reach - 0.2 * plate.thickness, join_style="mitre")
+    return max(shapely.get_parts(closed), key=lambda piece: piece.area)
 
 
 def _edges(polygon: shapely.Polygon) -> Floats:
@@ -204,12 +220,12 @@ class Effort:
     ----------
     width : int
         Placements that are kept at every step.
-    share : float
-        Of the best candidate's score: candidates below it wait until nothing better is left.
+    power : float
+        Of the number of flanks that meet between two panels, in their score.
     """
 
     width: int
-    share: float
+    power: float
 
 
 def grow(
@@ -243,9 +259,8 @@ def grow(
                 grown.setdefault(bench.signature(child), child)
         if not grown:
             return beam
-        before = beam[0].met
         ranked = sorted(grown.values(), key=lambda child: (-child.met, _extent(bench, child)))
-        beam = ranked[: effort.width if ranked[0].met - before >= 4 else 4 * effort.width]
+        beam = ranked[: effort.width]
         if progress:
             progress(len(beam[0].rows))
         if time.process_time() > deadline:
@@ -255,18 +270,19 @@ def grow(
 def _children(bench: Bench, state: Placement, free: frozenset[int], effort: Effort) -> list[Placement]:
     """The best placements with one panel more that do not overlap."""
     waiting = {bench.plates[i].kind: i for i in sorted(free - set(state.rows), reverse=True)}
-    pools = bench.pools(state, waiting)
+    pools = bench.pools(state, waiting, effort.power)
     rows = [(kind, k) for kind in waiting for k in range(len(pools[kind].score))]
     if not rows:
         return []
     scores = np.concatenate([pools[kind].score for kind in waiting])
     seen: set[tuple[float, ...]] = set()
     children: list[Placement] = []
-    least = 1
     for at in np.argsort(-scores, kind="stable").tolist():
         kind, k = rows[at]
-        score = int(scores[at])
-        if score < least or len(children) >= effort.width:
+        score = float(scores[at])
+        if score < _LEAST:
+            break
+        if len(children) >= effort.width:
             break
         pool = pools[kind]
         mark = (kind, *bench.trace(kind, pool.turns[k : k + 1], pool.moves[k : k + 1])[0])
@@ -274,13 +290,11 @@ def _children(bench: Bench, state: Placement, free: frozenset[int], effort: Effo
             continue
         seen.add(mark)
         if bench.overlaps(state, waiting[kind], pool.turns[k], pool.moves[k]):
-            pool.score[k] = -1
+            pool.score[k] = -np.inf
             continue
-        if not children:
-            least = max(1, int(np.ceil(effort.share * score)))
-        rows_, turn, move = (*state.rows, waiting[kind]), pool.turns[k], pool.moves[k]
+        placed, turn, move = (*state.rows, waiting[kind]), pool.turns[k], pool.moves[k]
         turns, moves = np.concatenate([state.turns, turn[None]]), np.concatenate([state.moves, move[None]])
-        children.append(Placement(rows_, turns, moves, state.met + score, pools))
+        children.append(Placement(placed, turns, moves, state.met + score, pools))
     return children
 
 

@@ -47,7 +47,8 @@ def fits(a: Plate, b: Plate) -> list[Fit]:
         for other in b.lines:
             for sign in (1.0, -1.0):
                 for shift, votes in _shifts(line, other, sign, tolerance, a.thickness, b.thickness):
-                    found += [_pose(line, other, sign, shift, votes, fold) for fold in (1.0, -1.0)]
+                    poses = (_pose(line, other, sign, shift, fold) for fold in (1.0, -1.0))
+                    found += [Fit(turn, move, votes) for turn, move in poses]
     return found
 
 
@@ -83,10 +84,10 @@ def _contradictions(a: Floats, b: Floats, tolerance: float) -> int:
     return int(((a > low) & (a < high)).sum() + ((b > low) & (b < high)).sum())
 
 
-def _pose(a: FlankLine, b: FlankLine, sign: float, shift: float, votes: int, fold: float) -> Fit:
+def _pose(a: FlankLine, b: FlankLine, sign: float, shift: float, fold: float) -> tuple[Floats, Floats]:
     # The line of B on that of A, B's plane square to A's: rows of the rotation in the frames of the lines.
     (ax, ay), (bx, by) = a.along, b.along
     turn = np.array([[sign * ax * bx, sign * ax * by, 0.0], [sign * ay * bx, sign * ay * by, 0.0], [-fold * by, fold * bx, 0.0]])
     turn[:, 2] = sign * fold * ay, -sign * fold * ax, 0.0
     move = np.array([a.offset * -ay + shift * ax, a.offset * ax + shift * ay, -fold * b.offset])
-    return Fit(turn, move, votes)
+    return turn, move

@@ -12,8 +12,8 @@ _LONGEST = 0.21
 
 
 @njit(cache=True)
-def count_meeting(fa, ta, fb, tb, turns, moves, tolerance):
-    """Flanks of A that flanks of B meet, for many poses of B in A's frame.
+def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
+    """Pairs of flanks that meet less those flanks that the other panel leaves no partner for, for many poses of B in A's frame.
 
     Parameters
     ----------
@@ -21,18 +21,63 @@ def count_meeting(fa, ta, fb, tb, turns, moves, tolerance):
         Midpoint, inward direction, own direction (x, y each) and length of every flank [mm].
     ta, tb : float [mm]
         Nominal thicknesses.
+    oa, ob : (n, 4) float64 [mm]
+        Edges of the outlines with the notches and holes of joints filled.
     turns, moves : (k, 3, 3) and (k, 3) float64
     tolerance : float [mm]
+    power : float
+        Of both numbers: below 1 several short joints say more than a long one.
 
     Returns
     -------
-    (k,) int64
+    (k,) float64
     """
-    counts = np.zeros(len(turns), dtype=np.int64)
-    pairs = np.empty((len(fb), 2), dtype=np.int64)
+    found = np.zeros(len(turns))
+    pairs = np.empty((len(fb) + 1, 2), dtype=np.int64)
     for k in range(len(turns)):
-        counts[k] = meeting(fa, ta, fb, tb, turns[k], moves[k], tolerance, pairs)
-    return counts
+        if abs(turns[k, 2, 2]) > 0.1:
+            continue
+        met = meeting(fa, ta, fb, tb, turns[k], moves[k], tolerance, pairs)
+        turn, move = turns[k].T.copy(), -turns[k].T @ moves[k]
+        blocked = _blocked(fb, ta, oa, turns[k], moves[k], tolerance) - met
+        blocked += _blocked(fa, tb, ob, turn, move, tolerance) - met
+        found[k] = met**power - BLOCKED * max(0, blocked) ** power
+    return found
+
+
+BLOCKED = 0.5
+"""What a flank that can meet nothing any more takes off the score."""
+
+
+@njit(cache=True)
+def _blocked(flanks, thickness, outline, turn, move, tolerance):
+    """How many flanks stand in the plane of another panel inside its filled outline; the pose is from theirs to its frame."""
+    found = 0
+    for j in range(len(flanks)):
+        if abs(flanks[j, 6] - thickness) > _LONGEST * thickness:
+            continue
+        x, y = flanks[j, 0], flanks[j, 1]
+        if abs(turn[2, 0] * x + turn[2, 1] * y + move[2]) > tolerance:
+            continue
+        if abs(turn[2, 0] * flanks[j, 4] + turn[2, 1] * flanks[j, 5]) < _UPRIGHT:
+            continue
+        px = turn[0, 0] * x + turn[0, 1] * y + move[0]
+        py = turn[1, 0] * x + turn[1, 1] * y + move[1]
+        if _inside(outline, px, py):
+            found += 1
+    return found
+
+
+@njit(cache=True)
+def _inside(edges, x, y):
+    """Whether a point lies inside an outline (ray casting)."""
+    odd = False
+    for k in range(len(edges)):
+        if (edges[k, 1] > y) != (edges[k, 3] > y):
+            s = (y - edges[k, 1]) / (edges[k, 3] - edges[k, 1])
+            if edges[k, 0] + s * (edges[k, 2] - edges[k, 0]) > x:
+                odd = not odd
+    return odd
 
 
 @njit(cache=True)
