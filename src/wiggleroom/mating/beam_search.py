@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.candidates import TOLERANCE, fits
-from wiggleroom.mating.contact import crossing_volume, meeting, scores
+from wiggleroom.mating.contact import blocked_pairs, crossing_volume, meeting, scores
 from wiggleroom.mating.flanks import Plate, inset
 
 Floats = NDArray[np.float64]
@@ -84,6 +84,8 @@ class Bench:
         self._fits: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self.flanks = [np.column_stack([p.middle, p.inward, p.along, p.length]).reshape(-1, 7) for p in plates]
         self._flat: dict[tuple[int, ...], float] = {}
+        self.size = max(self.radius) * 2.0
+        self._weight = _weights(plates)
         self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
 
     def fits(self, a: int, b: int) -> tuple[Floats, Floats]:
@@ -101,6 +103,40 @@ class Bench:
         return scores(
             self.flanks[a], one, self.filled[a], self.flanks[b], other, self.filled[b], turns, moves, self.tolerance, power
         )
+
+    def blocked(self, a: int, b: int, turns: Floats, moves: Floats) -> NDArray[np.int64]:
+        """Needed flanks of panels `a` and `b` that could meet nothing any more, for many poses of b in a's frame."""
+        one, other = self.plates[a], self.plates[b]
+        turns, moves = np.ascontiguousarray(turns), np.ascontiguousarray(moves)
+        return blocked_pairs(
+            self.flanks[a], one.thickness, self.filled[a], one.needed,
+            self.flanks[b], other.thickness, self.filled[b], other.needed, turns, moves, self.tolerance,
+        )  # fmt: skip
+
+    def met(self, state: Placement) -> tuple[list[tuple[int, int, NDArray[np.int64]]], dict[int, NDArray[np.bool_]]]:
+        """Joints (panel, panel, rows of flanks that meet), and by panel which flanks meet another."""
+        joints = []
+        flags = {row: np.zeros(len(self.flanks[row]), dtype=bool) for row in state.rows}
+        for i, a in enumerate(state.rows):
+            for j in range(i):
+                b = state.rows[j]
+                turn = state.turns[i].T @ state.turns[j]
+                found = self.pairs(a, b, turn, state.turns[i].T @ (state.moves[j] - state.moves[i]))
+                if len(found):
+                    joints.append((a, b, found))
+                    flags[a][found[:, 0]] = True
+                    flags[b][found[:, 1]] = True
+        return joints, flags
+
+    def open(self, state: Placement) -> dict[int, NDArray[np.int64]]:
+        """By panel, the needed flanks that meet nothing and share no corner with one that does."""
+        _, flags = self.met(state)
+        left = {}
+        for row, met in flags.items():
+            near = self.plates[row].neighbours
+            beside = ((near >= 0) & met[near]).any(axis=1) if len(near) else met
+            left[row] = np.flatnonzero(self.plates[row].needed & ~met & ~beside)
+        return left
 
     def pairs(self, a: int, b: int, turn: Floats, move: Floats) -> NDArray[np.int64]:
         """Rows (flank of a, flank of b) of the flanks that meet, shape (m, 2)."""
@@ -143,19 +179,36 @@ class Bench:
         phase = ways @ corners.T + (moves @ self._waves.T)[:, :, None]
         return np.round(np.sin(phase + 0.1).sum(axis=2), 1)
 
-    def signature(self, state: Placement) -> tuple[float, ...]:
-        """The same for placements that are congruent or mirror images, blind to which of equal panels is which."""
-        points = [self.corners[i] @ t[:, :2].T + m for i, t, m in zip(state.rows, state.turns, state.moves, strict=True)]
-        weights = np.concatenate([np.full(len(p), 1.0 + 0.37 * self.plates[i].kind) for i, p in zip(state.rows, points, strict=True)])
+    def signature(self, state: Placement) -> Floats:
+        """Moments (9,) that agree for placements which are congruent or mirror images, whichever of equal panels is where."""
+        points = self.places(state)
+        weights = np.concatenate([np.full(len(p), self._weight[i]) for i, p in zip(state.rows, points, strict=True)])
         stacked = np.vstack(points)
         stacked = stacked - (weights @ stacked) / weights.sum()
         radius = np.linalg.norm(stacked, axis=1)
-        scale = radius.max()
-        stacked, radius = stacked / scale, radius / scale
+        stacked, far = stacked / self.size, radius / self.size
         spread = np.einsum("n,ni,nj->ij", weights, stacked, stacked)
-        skew = np.einsum("n,ni,nj->ij", weights * radius, stacked, stacked)
-        said = (*np.linalg.eigvalsh(spread), *np.linalg.eigvalsh(skew), weights @ radius, weights**2 @ radius**3)
-        return (len(state.rows), *(round(float(x) / len(stacked) * 2e3) for x in said))
+        skew = np.einsum("n,ni,nj->ij", weights * far, stacked, stacked)
+        moments = np.array([*np.linalg.eigvalsh(spread), *np.linalg.eigvalsh(skew), weights @ far, weights**2 @ far**3])
+        return np.append(moments / len(stacked), len(state.rows))
+
+    def places(self, state: Placement) -> list[Floats]:
+        """Corners (n, 3) [mm] of every placed panel, in the middle of its thickness."""
+        placed = zip(state.rows, state.turns, state.moves, strict=True)
+        return [self.corners[i] @ turn[:, :2].T + move for i, turn, move in placed]
+
+    def centred(self, state: Placement, row: int, turn: Floats, move: Floats) -> Floats:
+        """Shift of a new panel that is the mean of what its flanks that meet ask for [mm]."""
+        asked = []
+        for k, a in enumerate(state.rows):
+            inner, shift = state.turns[k].T @ turn, state.turns[k].T @ (move - state.moves[k])
+            found = self.pairs(a, row, inner, shift)
+            apart = np.zeros((len(found), 3))
+            apart[:, :2] = self.flanks[a][found[:, 0], :2]
+            apart -= self.flanks[row][found[:, 1], :2] @ inner[:, :2].T + shift
+            asked.append(apart @ state.turns[k].T)
+        every = np.vstack(asked)
+        return move + every.mean(axis=0) if len(every) else move
 
     def start(self, row: int) -> Placement:
         """One panel in its own frame."""
@@ -188,6 +241,24 @@ class Bench:
             score[fresh] += self.scores(a, sample, inner, shift, power)
         keep = keep[score[keep] > -_HOPELESS]
         return Pool(turns[keep], moves[keep], score[keep])
+
+
+def _weights(plates: Sequence[Plate]) -> list[float]:
+    """The same number for panels of the same shape, turned or turned over as they may lie on the sheet."""
+    shapes: list[tuple[float, float, int]] = []
+    weights = []
+    for plate in plates:
+        shape = (plate.polygon.area, plate.polygon.length, len(plate.length))
+        alike = (
+            i for i, other in enumerate(shapes)
+            if abs(shape[0] - other[0]) < 0.01 * shape[1] and abs(shape[1] - other[1]) < 1e-3 * shape[1]
+            and shape[2] == other[2]
+        )  # fmt: skip
+        place = next(alike, len(shapes))
+        if place == len(shapes):
+            shapes.append(shape)
+        weights.append(1.0 + 0.37 * place)
+    return weights
 
 
 def _filled(plate: Plate) -> shapely.Polygon:
@@ -256,7 +327,7 @@ def grow(
         for placed in beam:
             go_on(stop)
             for child in _children(bench, placed, free, effort):
-                grown.setdefault(bench.signature(child), child)
+                grown.setdefault(tuple(np.round(bench.signature(child) * 1e3).tolist()), child)
         if not grown:
             return beam
         ranked = sorted(grown.values(), key=lambda child: (-child.met, _extent(bench, child)))
@@ -300,5 +371,4 @@ def _children(bench: Bench, state: Placement, free: frozenset[int], effort: Effo
 
 def _extent(bench: Bench, state: Placement) -> float:
     """Volume of the box round a placement [mm3]."""
-    points = np.vstack([bench.corners[i] @ t[:, :2].T + m for i, t, m in zip(state.rows, state.turns, state.moves, strict=True)])
-    return float(np.prod(np.ptp(points, axis=0) + bench.tolerance))
+    return float(np.prod(np.ptp(np.vstack(bench.places(state)), axis=0) + bench.tolerance))

@@ -45,6 +45,31 @@ def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
     return found
 
 
+@njit(cache=True)
+def blocked_pairs(fa, ta, oa, na, fb, tb, ob, nb, turns, moves, tolerance):
+    """How many needed flanks of A and B each other's material leaves no partner for; arguments as in `scores`.
+
+    Parameters
+    ----------
+    na, nb : (n,) bool
+        Which flanks are needed.
+    """
+    found = np.zeros(len(turns), dtype=np.int64)
+    pairs = np.empty((len(fb) + 1, 2), dtype=np.int64)
+    for k in range(len(turns)):
+        if abs(turns[k, 2, 2]) > 0.1:
+            continue
+        met = meeting(fa, ta, fb, tb, turns[k], moves[k], tolerance, pairs)
+        left_a, left_b = na.copy(), nb.copy()
+        for i in range(met):
+            left_a[pairs[i, 0]] = False
+            left_b[pairs[i, 1]] = False
+        turn, move = turns[k].T.copy(), -turns[k].T @ moves[k]
+        found[k] = _blocked(fb[left_b], ta, oa, turns[k], moves[k], tolerance)
+        found[k] += _blocked(fa[left_a], tb, ob, turn, move, tolerance)
+    return found
+
+
 BLOCKED = 0.5
 """What a flank that can meet nothing any more takes off the score."""
 

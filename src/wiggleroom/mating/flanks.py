@@ -69,6 +69,8 @@ class Plate:
     length : (n,) float64 [mm]
     neighbours : (n, 2) int
         Flanks that share a corner with it, else -1.
+    needed : (n,) bool
+        Whether a flank should meet another: a lone step of an outline need not.
     lines : tuple of FlankLine
     kind : int
         The same for congruent panels.
@@ -83,6 +85,7 @@ class Plate:
     along: Floats
     length: Floats
     neighbours: NDArray[np.int64]
+    needed: NDArray[np.bool_]
     lines: tuple[FlankLine, ...]
     kind: int
 
@@ -147,21 +150,27 @@ def _congruent(a: shapely.Polygon, b: shapely.Polygon) -> bool:
 
 def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> Plate:
     smooth = _without_reliefs(cut, _RELIEF * float(wanted.min()))
-    middle, inward, along, length, neighbours = _flanks(smooth, wanted)
+    middle, inward, along, length, neighbours, bottom = _flanks(smooth, wanted)
     lines = _lines(middle, inward, length, 0.12 * float(wanted.min()))
-    return Plate(name, cut, thick, centre, middle, inward, along, length, neighbours, lines, kind)
+    needed = bottom.copy()
+    for line in lines:  # a line's direction and place are known better than those of one flank
+        needed[line.rows] |= len(line.rows) > 1
+        inward[line.rows] = line.sense[:, None] * line.along
+        middle[line.rows] = line.at[:, None] * line.along + line.offset * line.across
+    along = np.column_stack([inward[:, 1], -inward[:, 0]])
+    return Plate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, kind)
 
 
 def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon:
     """Close notches and holes narrower than twice `radius`; other edges stay where they are."""
-    grown = polygon.buffer(radius, join_style="mitre", mitre_limit=5.0).simplify(0.02)
-    closed = grown.buffer(-radius, join_style="mitre", mitre_limit=5.0).simplify(0.02)
-    return orient(closed) if closed.geom_type == "Polygon" else orient(polygon.simplify(0.02))
+    grown = polygon.buffer(radius, join_style="mitre", mitre_limit=5.0).simplify(0.005)
+    closed = grown.buffer(-radius, join_style="mitre", mitre_limit=5.0).simplify(0.005)
+    return orient(closed) if closed.geom_type == "Polygon" else orient(polygon.simplify(0.005))
 
 
-def _flanks(polygon: shapely.Polygon, wanted: Floats) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64]]:
-    """Midpoints, inward and own directions, lengths, and which flanks meet at corners."""
-    middle, inward, along, length, neighbours = [], [], [], [], []
+def _flanks(polygon: shapely.Polygon, wanted: Floats) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
+    """Midpoints, inward and own directions, lengths, which flanks meet at corners, and which are bottoms of slots or holes."""
+    middle, inward, along, length, neighbours, bottom = [], [], [], [], [], []
     for ring in (polygon.exterior, *polygon.interiors):
         here = shapely.get_coordinates(ring)[:-1]
         there = np.roll(here, -1, axis=0)
@@ -169,7 +178,10 @@ def _flanks(polygon: shapely.Polygon, wanted: Floats) -> tuple[Floats, Floats, F
         unit = (there - here) / np.maximum(size, 1e-9)[:, None]
         square = np.abs((unit * np.roll(unit, 1, axis=0)).sum(1)) < _SQUARE
         square |= np.roll(square, -1)
-        fits = (np.abs(size[:, None] - wanted) < LENGTH * wanted).any(1) & square
+        turn = np.roll(unit[:, 0], 1) * unit[:, 1] - np.roll(unit[:, 1], 1) * unit[:, 0]
+        convex = turn > 0
+        reflex_end = ~convex | ~np.roll(convex, -1)  # the tip of a tab, convex at both ends, holds nothing
+        fits = (np.abs(size[:, None] - wanted) < LENGTH * wanted).any(1) & square & reflex_end
         number = np.full(len(here), -1)
         number[fits] = np.arange(fits.sum()) + len(middle)
         before, after = np.roll(number, 1)[fits], np.roll(number, -1)[fits]
@@ -178,9 +190,11 @@ def _flanks(polygon: shapely.Polygon, wanted: Floats) -> tuple[Floats, Floats, F
         along += list(unit[fits])
         length += list(size[fits])
         neighbours += list(np.column_stack([before, after]))
+        bottom += list(~convex[fits] & ~np.roll(convex, -1)[fits])
     rows = len(middle)
     two = [np.array(values, dtype=float).reshape(rows, 2) for values in (middle, inward, along)]
-    return two[0], two[1], two[2], np.array(length, dtype=float), np.array(neighbours, dtype=np.int64).reshape(rows, 2)
+    number = np.array(neighbours, dtype=np.int64).reshape(rows, 2)
+    return two[0], two[1], two[2], np.array(length, dtype=float), number, np.array(bottom, dtype=bool)
 
 
 def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> tuple[FlankLine, ...]:
