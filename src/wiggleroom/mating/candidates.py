@@ -41,14 +41,18 @@ def fits(a: Plate, b: Plate) -> list[Fit]:
 
     Source: voting over one parameter, as in the generalised Hough transform (Ballard 1981).
     """
+    return [fit for line in a.lines for other in b.lines for fit in line_fits(line, other, a.thickness, b.thickness)]
+
+
+def line_fits(a: FlankLine, b: FlankLine, thick_a: float, thick_b: float) -> list[Fit]:
+    """The same for one line of each; thicknesses of both panels [mm]."""
+    tolerance = TOLERANCE * min(thick_a, thick_b)
     found = []
-    tolerance = TOLERANCE * min(a.thickness, b.thickness)
-    for line in a.lines:
-        for other in b.lines:
-            for sign in (1.0, -1.0):
-                for shift, votes in _shifts(line, other, sign, tolerance, a.thickness, b.thickness):
-                    poses = (_pose(line, other, sign, shift, fold) for fold in (1.0, -1.0))
-                    found += [Fit(turn, move, votes) for turn, move in poses]
+    for sign in (1.0, -1.0):
+        for shift, votes in _shifts(a, b, sign, tolerance, thick_a, thick_b):
+            for fold in (1.0, -1.0):
+                turn, move = _pose(a, b, sign, shift, fold)
+                found.append(Fit(turn, move, votes))
     return found
 
 
