@@ -14,6 +14,7 @@ ORDER = [
     "verdict",
     "drawing",
     "assembly",
+    "mating",
     "geometry",
     "freespace",
     "program",
