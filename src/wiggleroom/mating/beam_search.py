@@ -77,7 +77,7 @@ class Bench:
         self.edges = [_edges(polygon) for polygon in self.eroded]
         self.filled = [_edges(_filled(p)) for p in plates]
         self.radius = [p.radius for p in plates]
-        self.corners = [shapely.get_coordinates(p.polygon) for p in plates]
+        self.corners = [_edges(p.polygon)[:, :2] for p in plates]
         self.first = {kind: i for i, kind in reversed(list(enumerate(p.kind for p in plates)))}
         self.tolerance = TOLERANCE * min(p.thickness for p in plates)
         self.most = SHARED * min(p.thickness for p in plates) ** 3

@@ -18,7 +18,7 @@ from wiggleroom.mating.beam_search import Bench, Placement
 
 Floats = NDArray[np.float64]
 
-_LINES = 5
+_LINES = 3
 """So many open flanks, of different panels and lines, are compared before the search branches."""
 _SAME = 1e-4
 """Moments of two placements that differ by less than this are those of one."""
@@ -122,12 +122,15 @@ class _Search:
                 continue
             turns = np.einsum("ij,kjl->kil", state.turns[place], turns)
             moves = moves @ state.turns[place].T + state.moves[place]
-            alive, score = np.ones(len(moves), dtype=bool), np.zeros(len(moves))
+            for k in [place, *(k for k in range(len(state.rows)) if k != place)]:
+                inner, shift = np.einsum("ji,kjl->kil", state.turns[k], turns), (moves - state.moves[k]) @ state.turns[k]
+                alive = bench.blocked(state.rows[k], other, inner, shift) <= 0
+                turns, moves = turns[alive], moves[alive]
+            score = np.zeros(len(moves))
             for k, a in enumerate(state.rows):
                 inner, shift = np.einsum("ji,kjl->kil", state.turns[k], turns), (moves - state.moves[k]) @ state.turns[k]
-                alive &= bench.blocked(a, other, inner, shift) <= 0
                 score += bench.scores(a, other, inner, shift, 1.0)
-            for k in np.flatnonzero(alive).tolist():
+            for k in range(len(moves)):
                 mark = (kind, *bench.trace(kind, turns[k : k + 1], moves[k : k + 1])[0])
                 if mark in marks or bench.overlaps(state, other, turns[k], moves[k]):
                     continue

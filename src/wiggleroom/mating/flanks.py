@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 
 LENGTH = 0.15
 """A flank's length differs from a thickness by at most this share of it."""
+_ROUNDED = 0.05
+"""Edges shorter than this [mm] round a corner."""
 _SQUARE = 0.1
 """Cosine below which a neighbouring edge stands square on a flank."""
 _RELIEF = 0.3
@@ -113,6 +115,62 @@ def inset(polygon: shapely.Polygon, distance: float) -> shapely.Polygon:
     return orient(max(pieces, key=lambda piece: piece.area))
 
 
+def sharpened(polygon: shapely.Polygon, reach: float) -> shapely.Polygon:
+    """Polygon with corners in place of the tiny edges that a cutter's rounding leaves.
+
+    Parameters
+    ----------
+    polygon : shapely.Polygon [mm]
+    reach : float [mm]
+        Edges shorter than this between two that are longer give way to the crossing of those, where it is that near.
+
+    Examples
+    --------
+    >>> len(sharpened(shapely.box(0, 0, 9, 9).buffer(0.05), 0.2).exterior.coords) - 1
+    4
+    """
+    exterior, *holes = (_sharp_ring(ring, reach) for ring in (polygon.exterior, *polygon.interiors))
+    sharp = _from_a_corner(shapely.Polygon(exterior, holes)).simplify(1e-3)
+    near = sharp.is_valid and sharp.geom_type == "Polygon" and len(sharp.interiors) == len(polygon.interiors)
+    return orient(sharp) if near else orient(polygon.simplify(2e-3))
+
+
+def _from_a_corner(polygon: shapely.Polygon) -> shapely.Polygon:
+    """Polygon whose rings begin at their points furthest from the centroid: simplification keeps where they begin."""
+    rings = []
+    for ring in (polygon.exterior, *polygon.interiors):
+        points = shapely.get_coordinates(ring)[:-1]
+        first = int(np.argmax(((points - points.mean(axis=0)) ** 2).sum(axis=1)))
+        rings.append(np.roll(points, -first, axis=0))
+    return shapely.Polygon(rings[0], rings[1:])
+
+
+def _sharp_ring(ring: shapely.LinearRing, reach: float) -> Floats:
+    points = shapely.get_coordinates(ring)[:-1]
+    long = np.hypot(*(np.roll(points, -1, axis=0) - points).T) > reach
+    rows = np.flatnonzero(long)
+    if len(rows) < 3:
+        return points
+    result = []
+    for row, following in zip(rows, np.roll(rows, -1), strict=True):
+        between = (np.arange(row + 1, row + 1 + (following - row) % len(points))) % len(points)
+        corner = _crossing(points[row], points[(row + 1) % len(points)], points[following], points[(following + 1) % len(points)])
+        if len(between) == 1 or corner is None or np.hypot(*(points[between] - corner).T).max() > reach:
+            result += list(points[between])
+        else:
+            result.append(corner)
+    return np.array(result)
+
+
+def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats | None:
+    """Where the line through a and b crosses that through c and d; None where they run nearly alike."""
+    u, v = b - a, d - c
+    turn = u[0] * v[1] - u[1] * v[0]
+    if abs(turn) < 0.2 * float(np.hypot(*u) * np.hypot(*v)):
+        return None
+    return a + u * ((c - a)[0] * v[1] - (c - a)[1] * v[0]) / turn
+
+
 def plates_of(
     names: list[str], polygons: list[shapely.Polygon], thickness: list[float], burn: float
 ) -> tuple[Plate, ...]:
@@ -132,7 +190,7 @@ def plates_of(
     kinds: list[tuple[shapely.Polygon, float]] = []
     plates = []
     for name, polygon, thick in zip(names, polygons, thickness, strict=True):
-        cut = inset(polygon, burn).simplify(2e-3)
+        cut = sharpened(inset(polygon, burn), max(_ROUNDED, 2 * burn))
         centre = np.array(cut.centroid.coords[0])
         cut = shapely.transform(cut, lambda points, centre=centre: points - centre)
         kind = next((i for i, (other, same) in enumerate(kinds) if same == thick and _congruent(cut, other)), len(kinds))
