@@ -85,7 +85,7 @@ class Bench:
         self.flanks = [np.column_stack([p.middle, p.inward, p.along, p.length]).reshape(-1, 7) for p in plates]
         self._flat: dict[tuple[int, ...], float] = {}
         self.size = max(self.radius) * 2.0
-        self._weight = _weights(plates)
+        self.shape = _weights(plates)
         self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
 
     def fits(self, a: int, b: int) -> tuple[Floats, Floats]:
@@ -177,12 +177,12 @@ class Bench:
         corners = self.corners[self.first[kind]]
         ways = np.einsum("wi,kij->kwj", self._waves, turns)[:, :, :2]
         phase = ways @ corners.T + (moves @ self._waves.T)[:, :, None]
-        return np.round(np.sin(phase + 0.1).sum(axis=2), 1)
+        return np.sin(phase + 0.1).sum(axis=2)
 
     def signature(self, state: Placement) -> Floats:
         """Moments (9,) that agree for placements which are congruent or mirror images, whichever of equal panels is where."""
         points = self.places(state)
-        weights = np.concatenate([np.full(len(p), self._weight[i]) for i, p in zip(state.rows, points, strict=True)])
+        weights = np.concatenate([np.full(len(p), self.shape[i]) for i, p in zip(state.rows, points, strict=True)])
         stacked = np.vstack(points)
         stacked = stacked - (weights @ stacked) / weights.sum()
         radius = np.linalg.norm(stacked, axis=1)
@@ -330,7 +330,7 @@ def grow(
                 grown.setdefault(tuple(np.round(bench.signature(child) * 1e3).tolist()), child)
         if not grown:
             return beam
-        ranked = sorted(grown.values(), key=lambda child: (-child.met, _extent(bench, child)))
+        ranked = sorted(grown.values(), key=lambda child: (-child.met, extent(bench, child)))
         beam = ranked[: effort.width]
         if progress:
             progress(len(beam[0].rows))
@@ -356,7 +356,7 @@ def _children(bench: Bench, state: Placement, free: frozenset[int], effort: Effo
         if len(children) >= effort.width:
             break
         pool = pools[kind]
-        mark = (kind, *bench.trace(kind, pool.turns[k : k + 1], pool.moves[k : k + 1])[0])
+        mark = (kind, *np.round(bench.trace(kind, pool.turns[k : k + 1], pool.moves[k : k + 1])[0], 1))
         if mark in seen:
             continue
         seen.add(mark)
@@ -369,6 +369,6 @@ def _children(bench: Bench, state: Placement, free: frozenset[int], effort: Effo
     return children
 
 
-def _extent(bench: Bench, state: Placement) -> float:
+def extent(bench: Bench, state: Placement) -> float:
     """Volume of the box round a placement [mm3]."""
     return float(np.prod(np.ptp(np.vstack(bench.places(state)), axis=0) + bench.tolerance))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.mating.beam_search import Bench, Effort, Placement, grow
+from wiggleroom.mating.beam_search import Bench, Effort, Placement, extent, grow
 from wiggleroom.mating.closed_search import closed_placements
 from wiggleroom.mating.flanks import Plate, plates_of
 from wiggleroom.mating.hints import Hints
@@ -213,7 +213,7 @@ def _body(
     start = joined_start(bench, hints, left) or bench.start(root)
     closed = closed_placements(bench, start, left, seconds=_SECONDS, stop=stop)
     if closed.placements:
-        body = closed.placements[0]
+        body = min(closed.placements, key=lambda placed: extent(bench, placed))
         doubts = []
         if len(closed.placements) > 1:
             doubts.append(f"panels fit together in more than one way, round {bench.plates[root].name}")
@@ -275,7 +275,7 @@ def _relieved(
 
 
 def _upright(bench: Bench, body: Placement) -> Placement:
-    """Body whose panels show their drawn side outward, standing on the panel called bottom or on its first."""
+    """Body whose panels show their drawn side outward, standing on the panel called bottom or on the one that suits it."""
     turns, moves = body.turns, body.moves
     areas = np.array([bench.plates[row].polygon.area for row in body.rows])
     centre = areas @ moves / areas.sum()
@@ -285,7 +285,9 @@ def _upright(bench: Bench, body: Placement) -> Placement:
         turns, moves = flip @ turns @ flip, moves @ flip
     calling = ("bottom", "floor", "base", "boden")
     said = [k for k, row in enumerate(body.rows) if bench.plates[row].name.lower().startswith(calling)]
-    k = said[0] if said else 0
+    tried = said[:1] or range(len(body.rows))  # else that panel in whose frame the box round everything is smallest
+    points = np.vstack(bench.places(Placement(body.rows, turns, moves, 0.0, {})))
+    k = min(tried, key=lambda i: round(float(np.prod(np.ptp(points @ turns[i], axis=0) + 1.0)), 3))
     frame, origin = turns[k], moves[k]
     turns, moves = frame.T @ turns, (moves - origin) @ frame
     if areas @ moves[:, 2] < 0:  # the others stand on it, not below

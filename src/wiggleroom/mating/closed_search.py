@@ -15,13 +15,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.beam_search import Bench, Placement
+from wiggleroom.mating.congruence import congruent
 
 Floats = NDArray[np.float64]
 
 _LINES = 3
 """So many open flanks, of different panels and lines, are compared before the search branches."""
-_SAME = 1e-4
-"""Moments of two placements that differ by less than this are those of one."""
+_ALIKE = 1e-3
+"""Placements whose moments differ by more than this cannot be congruent."""
 _ENOUGH = 2
 """Different assemblies after which the search stops: more only say again that there is a choice."""
 
@@ -69,15 +70,15 @@ class _Search:
     def __init__(self, bench: Bench, free: frozenset[int], deadline: float, stop: Stop | None) -> None:
         self.bench, self.free, self.deadline, self.stop = bench, free, deadline, stop
         self.result = Closed()
-        self._seen: list[Floats] = []
+        self._seen: list[tuple[Floats, Placement]] = []
 
     def descend(self, state: Placement) -> None:
         """Depth first; every placement once."""
         go_on(self.stop)
         mark = self.bench.signature(state)
-        if self._seen and (np.abs(np.array(self._seen) - mark).max(axis=1) < _SAME).any():
+        if any(np.abs(other - mark).max() < _ALIKE and self._same(placed, state) for other, placed in self._seen):
             return
-        self._seen.append(mark)
+        self._seen.append((mark, state))
         if time.process_time() > self.deadline or len(self.result.placements) >= _ENOUGH:
             self.result.exhausted = False
             return
@@ -87,6 +88,14 @@ class _Search:
             return
         for child in self._fewest(state, left):
             self.descend(child)
+
+    def _same(self, a: Placement, b: Placement) -> bool:
+        """Whether two placements are congruent or mirror images."""
+        panels = []
+        for state in (a, b):
+            shapes = (self.bench.shape[row] for row in state.rows)
+            panels.append(list(zip(shapes, self.bench.places(state), strict=True)))
+        return congruent(panels[0], panels[1], 1.5 * self.bench.tolerance)
 
     def _fewest(self, state: Placement, left: dict[int, NDArray[np.int64]]) -> list[Placement]:
         """Placements with one panel more, for the open flank that leaves the fewest."""
@@ -131,7 +140,7 @@ class _Search:
                 inner, shift = np.einsum("ji,kjl->kil", state.turns[k], turns), (moves - state.moves[k]) @ state.turns[k]
                 score += bench.scores(a, other, inner, shift, 1.0)
             for k in range(len(moves)):
-                mark = (kind, *bench.trace(kind, turns[k : k + 1], moves[k : k + 1])[0])
+                mark = (kind, *np.round(bench.trace(kind, turns[k : k + 1], moves[k : k + 1])[0], 2))
                 if mark in marks or bench.overlaps(state, other, turns[k], moves[k]):
                     continue
                 marks.add(mark)
