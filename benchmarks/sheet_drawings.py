@@ -100,7 +100,9 @@ def _with_bones(polygon: shapely.Polygon, radius: float) -> shapely.Polygon:
     return max(shapely.get_parts(cut), key=lambda piece: piece.area)
 
 
-def egg_crate(name: str, columns: list[float], rows: list[float], tall: float, t: float, width: float, depth: float) -> Design:
+def egg_crate(
+    name: str, columns: list[float], rows: list[float], tall: float, t: float, width: float, depth: float
+) -> Design:
     """Strips that cross in half laps: those along x at the places `rows`, those along y at `columns`."""
     panels = {}
     for k, _ in enumerate(rows):
@@ -113,16 +115,23 @@ def egg_crate(name: str, columns: list[float], rows: list[float], tall: float, t
     return Design(name, t, panels, joined, (width, depth, tall))
 
 
-def shelf(name: str, width: float, depth: float, heights: list[float], t: float, tall: float, slant: float = 0.0) -> Design:
+def shelf(
+    name: str, width: float, depth: float, heights: list[float], t: float, tall: float, slant: float = 0.0
+) -> Design:
     """Two sides with rows of holes, boards with tabs; the boards may slope from front to back [degrees]."""
     tabs = [(depth * 0.15, depth * 0.35), (depth * 0.55, depth * 0.85)]
     holes = [
         affinity.rotate(shapely.box(a, h - t / 2, b, h + t / 2), slant, origin=(depth / 2, h))
-        for h in heights for a, b in tabs
+        for h in heights
+        for a, b in tabs
     ]
     side = shapely.box(0, 0, depth, tall).difference(shapely.union_all(holes))
     board = shapely.union_all(
-        [shapely.box(0, 0, width, depth), *(shapely.box(-t, a, 0, b) for a, b in tabs), *(shapely.box(width, a, width + t, b) for a, b in tabs)]
+        [
+            shapely.box(0, 0, width, depth),
+            *(shapely.box(-t, a, 0, b) for a, b in tabs),
+            *(shapely.box(width, a, width + t, b) for a, b in tabs),
+        ]
     )
     panels = {"side left": side, "side right": side} | {f"board {k}": board for k in range(len(heights))}
     joined = {frozenset({f"side {s}", f"board {k}"}) for s in ("left", "right") for k in range(len(heights))}
@@ -159,7 +168,11 @@ def trapezoid(name: str, low: float, high: float, tall: float, depth: float, t: 
         begin, end_at = 5 * t + 2 * k, long - 5 * t + k
         tabs = [(begin, begin + (end_at - begin) * 0.3), (end_at - (end_at - begin) * 0.42, end_at)]
         for p, q in tabs:
-            holes.append(shapely.Polygon([a + u * s + n * (inset + h) for s, h in ((p, -t / 2), (q, -t / 2), (q, t / 2), (p, t / 2))]))
+            holes.append(
+                shapely.Polygon(
+                    [a + u * s + n * (inset + h) for s, h in ((p, -t / 2), (q, -t / 2), (q, t / 2), (p, t / 2))]
+                )
+            )
         board = [shapely.box(begin - t, 0, end_at + t, depth)]
         board += [shapely.box(p, -t, q, 0) for p, q in tabs] + [shapely.box(p, depth, q, depth + t) for p, q in tabs]
         boards[f"board {k}"] = shapely.union_all(board)

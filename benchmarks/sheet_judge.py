@@ -69,7 +69,9 @@ def judge(path: Path) -> Judged:
             body = _solid(part, void, 0.0)
             filled += bool(everything) and (body ^ everything).volume() > 0.75 * body.volume()
     bounds = np.array([solid.bounding_box() for solid in solids.values()])
-    size = tuple(sorted((bounds[:, 3:].max(axis=0) - bounds[:, :3].min(axis=0)).tolist())) if len(bounds) else (0.0,) * 3
+    size = (
+        tuple(sorted((bounds[:, 3:].max(axis=0) - bounds[:, :3].min(axis=0)).tolist())) if len(bounds) else (0.0,) * 3
+    )
     return Judged(tuple(solids), overlap, touching, voids, filled, size)
 
 

@@ -26,10 +26,14 @@ FILLED = 0.97
 def main() -> None:
     """Print one line for every sheet, and the sums."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--folder", type=Path, help="also put together every .svg in this folder; NAME.toml beside it has hints")
+    parser.add_argument(
+        "--folder", type=Path, help="also put together every .svg in this folder; NAME.toml beside it has hints"
+    )
     parser.add_argument("--only", nargs="*", help="names of the sheets in the folder")
     parser.add_argument("--thickness", type=float, default=3.0, help="of the sheets in the folder [mm]")
-    parser.add_argument("--seconds", type=float, default=15.0, help="processor time after which no wider search is begun")
+    parser.add_argument(
+        "--seconds", type=float, default=15.0, help="processor time after which no wider search is begun"
+    )
     asked = parser.parse_args()
     print(f"{'sheet':24} {'panels':>7} {'joints':>6} {'voids':>9} {'overlap':>9} {'s':>6}  verdict")
     with tempfile.TemporaryDirectory() as folder:

@@ -11,8 +11,9 @@ import pytest
 
 pytest.importorskip("manifold3d")
 
-from benchmarks.sheet_drawings import box, designs, egg_crate, shelf, stool
+from benchmarks.sheet_drawings import Design, box, designs, egg_crate, shelf, stool
 from benchmarks.sheet_judge import judge, rotation
+
 from wiggleroom.errors import InputError
 from wiggleroom.mating.bodies import assemble_sheet
 from wiggleroom.mating.congruence import congruent
@@ -34,7 +35,13 @@ OVERLAP = 1e-5
     ],
 )
 def test_sheets_come_together_as_they_were_designed(
-    command: Callable[..., int], tmp_path: Path, name: str, thickness: int, panels: int, joints: int, size: tuple[int, ...]
+    command: Callable[..., int],
+    tmp_path: Path,
+    name: str,
+    thickness: int,
+    panels: int,
+    joints: int,
+    size: tuple[int, ...],
 ) -> None:
     out, answer = tmp_path / "out.json", tmp_path / "answer.json"
     assert command("assemble", SHEETS / f"{name}.svg", "--thickness", thickness, "-o", out, "--json", answer) == 0
@@ -73,7 +80,9 @@ def test_a_flank_without_partner_is_said(tmp_path: Path) -> None:
     assert not found.unplaced
 
 
-def test_a_panel_without_joints_is_left_out_and_the_rest_is_written(command: Callable[..., int], tmp_path: Path) -> None:
+def test_a_panel_without_joints_is_left_out_and_the_rest_is_written(
+    command: Callable[..., int], tmp_path: Path
+) -> None:
     import shapely
 
     design = stool("stool", 60, 50, 3)
@@ -156,7 +165,9 @@ def test_a_name_that_is_not_there_is_said_with_what_was_meant() -> None:
         assemble_sheet(sheet, 3, hints=Hints(groups=(("seet",),)))
 
 
-@pytest.mark.parametrize("options", [(), ("--thickness", "0"), ("--thickness", "lid:x"), ("--thickness", "3", "--burn", "-1")])
+@pytest.mark.parametrize(
+    "options", [(), ("--thickness", "0"), ("--thickness", "lid:x"), ("--thickness", "3", "--burn", "-1")]
+)
 def test_bad_options_are_bad_usage(command: Callable[..., int], tmp_path: Path, options: tuple[str, ...]) -> None:
     out = tmp_path / "out.json"
     assert command("assemble", SHEETS / "stool_small.svg", *options, "-o", out) == 2
@@ -177,9 +188,9 @@ def test_turns_about_fixed_axes_make_the_rotation_again() -> None:
 def test_congruence_sees_one_small_hole_on_the_other_side() -> None:
     plate = np.array([[0, 0, 0], [40, 0, 0], [40, 30, 0], [0, 30, 0.0]])
     hole = np.array([[5, 5, 0], [7, 5, 0], [7, 7, 0], [5, 7, 0.0]])
-    other = hole + [28, 0, 0]  # the mirror image of the hole in the plate alone
+    other = hole + np.array([28, 0, 0])  # the mirror image of the hole in the plate alone
     wall = plate[:, [0, 2, 1]]
-    marked = wall + [0, 0, 1.5]
+    marked = wall + np.array([0, 0, 1.5])
     one = [(1.0, np.vstack([plate, hole])), (2.0, marked)]
     mirrored = [(1.0, np.vstack([plate, other])), (2.0, marked)]
     assert congruent(one, mirrored, 0.3)  # the wall is symmetric too: the whole is a mirror image
@@ -189,7 +200,7 @@ def test_congruence_sees_one_small_hole_on_the_other_side() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("design", designs(), ids=lambda design: design.name)
-def test_no_wrong_assembly_is_sure(tmp_path: Path, design: object) -> None:
+def test_no_wrong_assembly_is_sure(design: Design) -> None:
     for seed in range(3):
         found = assemble_sheet(read_sheet(design.svg(seed)), design.thickness)
         if found.sure:

@@ -13,7 +13,7 @@ from wiggleroom.cli.outputs import check, write_picture, write_result
 from wiggleroom.report.endings import STILLS
 
 if TYPE_CHECKING:
-    from wiggleroom.mating.hints import Hints
+    pass
 
 
 def assemble(

@@ -101,7 +101,16 @@ class Bench:
         one, other = self.plates[a].thickness, self.plates[b].thickness
         turns, moves = np.ascontiguousarray(turns), np.ascontiguousarray(moves)
         return scores(
-            self.flanks[a], one, self.filled[a], self.flanks[b], other, self.filled[b], turns, moves, self.tolerance, power
+            self.flanks[a],
+            one,
+            self.filled[a],
+            self.flanks[b],
+            other,
+            self.filled[b],
+            turns,
+            moves,
+            self.tolerance,
+            power,
         )
 
     def blocked(self, a: int, b: int, turns: Floats, moves: Floats) -> NDArray[np.int64]:
@@ -142,9 +151,7 @@ class Bench:
         """Rows (flank of a, flank of b) of the flanks that meet, shape (m, 2)."""
         found = np.empty((max(1, len(self.flanks[b])), 2), dtype=np.int64)
         thick = self.plates[a].thickness, self.plates[b].thickness
-        count = meeting(
-            self.flanks[a], thick[0], self.flanks[b], thick[1], turn, move, 1.5 * self.tolerance, found
-        )
+        count = meeting(self.flanks[a], thick[0], self.flanks[b], thick[1], turn, move, 1.5 * self.tolerance, found)
         return found[:count].copy()
 
     def volume(self, a: int, b: int, turn: Floats, move: Floats) -> float:

@@ -138,13 +138,18 @@ def assemble_sheet(
     unplaced = sorted({*unplaced, *pressed})
     doubts += [f'panel "{names[row]}" overlaps others where its flanks meet, and is left out' for row in pressed]
     if relief > 1e-3:
-        notes.append(f"{sheet.source}: outlines pressed on each other at rest and are moved inward by {relief:.3g} mm more")
-    joints, left = [], {}
+        notes.append(
+            f"{sheet.source}: outlines pressed on each other at rest and are moved inward by {relief:.3g} mm more"
+        )
+    joints: list[FoundJoint] = []
+    left: dict[int, NDArray[np.int64]] = {}
     for body in bodies:
         joints += [FoundJoint((a, b), pairs) for a, b, pairs in bench.met(body)[0]]
         left |= {row: rows for row, rows in bench.open(body).items() if len(rows)}
     if left:
-        doubts.append(f"{sum(map(len, left.values()))} flanks meet nothing, of {_listed(names, list(left))}")
+        doubts.append(
+            f"{sum(len(rows) for rows in left.values())} flanks meet nothing, of {_listed(names, list(left))}"
+        )
     if unplaced:
         doubts.append(f"not placed: {_listed(names, unplaced)}")
     placed = _side_by_side(bench, [_upright(bench, body) for body in bodies])
@@ -226,7 +231,7 @@ def _body(
         met = sum(len(pairs) for *_, pairs in bench.met(found)[0])
         if best is None or met > best[0]:
             best = met, found
-        still = sum(map(len, bench.open(best[1]).values()))
+        still = sum(len(rows) for rows in bench.open(best[1]).values())
         if time.process_time() > deadline or (len(best[1].rows) == len(left) and still == 0):
             break
     if best is None:
@@ -257,7 +262,9 @@ def _relieved(
     bench: Bench, bodies: list[Placement], real: list[float], thickness: float
 ) -> tuple[list[Placement], float, list[int]]:
     """Bodies in which no plates overlap, the relief that takes [mm], and panels that had to be left out."""
-    result, relief, pressed = [], 0.0, []
+    result: list[Placement] = []
+    relief = 0.0
+    pressed: list[int] = []
     for body in bodies:
         while len(body.rows) > 1:
             needed = relief_needed(bench, body, real, _RELIEF * thickness)
@@ -285,9 +292,14 @@ def _upright(bench: Bench, body: Placement) -> Placement:
         turns, moves = flip @ turns @ flip, moves @ flip
     calling = ("bottom", "floor", "base", "boden")
     said = [k for k, row in enumerate(body.rows) if bench.plates[row].name.lower().startswith(calling)]
-    tried = said[:1] or range(len(body.rows))  # else that panel in whose frame the box round everything is smallest
     points = np.vstack(bench.places(Placement(body.rows, turns, moves, 0.0, {})))
-    k = min(tried, key=lambda i: round(float(np.prod(np.ptp(points @ turns[i], axis=0) + 1.0)), 3))
+
+    def tilted(i: int) -> tuple[int, float]:
+        """How many panels stand askew in the frame of one, then the size of the box round everything."""
+        askew = (np.abs(turns[:, :, 2] @ turns[i]).max(axis=1) < 0.999).sum()
+        return int(askew), round(float(np.prod(np.ptp(points @ turns[i], axis=0) + 1.0)), 3)
+
+    k = said[0] if said else min(range(len(body.rows)), key=tilted)
     frame, origin = turns[k], moves[k]
     turns, moves = frame.T @ turns, (moves - origin) @ frame
     if areas @ moves[:, 2] < 0:  # the others stand on it, not below
@@ -298,7 +310,8 @@ def _upright(bench: Bench, body: Placement) -> Placement:
 
 def _side_by_side(bench: Bench, bodies: list[Placement]) -> list[Placement]:
     """Bodies moved apart along x."""
-    result, reach = [], 0.0
+    result: list[Placement] = []
+    reach = 0.0
     for body in bodies:
         thick = max(plate.thickness for plate in bench.plates)
         points = np.vstack(bench.places(body))

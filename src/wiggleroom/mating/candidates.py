@@ -91,7 +91,9 @@ def _contradictions(a: Floats, b: Floats, tolerance: float) -> int:
 def _pose(a: FlankLine, b: FlankLine, sign: float, shift: float, fold: float) -> tuple[Floats, Floats]:
     # The line of B on that of A, B's plane square to A's: rows of the rotation in the frames of the lines.
     (ax, ay), (bx, by) = a.along, b.along
-    turn = np.array([[sign * ax * bx, sign * ax * by, 0.0], [sign * ay * bx, sign * ay * by, 0.0], [-fold * by, fold * bx, 0.0]])
+    turn = np.array(
+        [[sign * ax * bx, sign * ax * by, 0.0], [sign * ay * bx, sign * ay * by, 0.0], [-fold * by, fold * bx, 0.0]]
+    )
     turn[:, 2] = sign * fold * ay, -sign * fold * ax, 0.0
     move = np.array([a.offset * -ay + shift * ax, a.offset * ax + shift * ay, -fold * b.offset])
     return turn, move

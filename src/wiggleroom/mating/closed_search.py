@@ -132,12 +132,18 @@ class _Search:
             turns = np.einsum("ij,kjl->kil", state.turns[place], turns)
             moves = moves @ state.turns[place].T + state.moves[place]
             for k in [place, *(k for k in range(len(state.rows)) if k != place)]:
-                inner, shift = np.einsum("ji,kjl->kil", state.turns[k], turns), (moves - state.moves[k]) @ state.turns[k]
+                inner, shift = (
+                    np.einsum("ji,kjl->kil", state.turns[k], turns),
+                    (moves - state.moves[k]) @ state.turns[k],
+                )
                 alive = bench.blocked(state.rows[k], other, inner, shift) <= 0
                 turns, moves = turns[alive], moves[alive]
             score = np.zeros(len(moves))
             for k, a in enumerate(state.rows):
-                inner, shift = np.einsum("ji,kjl->kil", state.turns[k], turns), (moves - state.moves[k]) @ state.turns[k]
+                inner, shift = (
+                    np.einsum("ji,kjl->kil", state.turns[k], turns),
+                    (moves - state.moves[k]) @ state.turns[k],
+                )
                 score += bench.scores(a, other, inner, shift, 1.0)
             for k in range(len(moves)):
                 mark = (kind, *np.round(bench.trace(kind, turns[k : k + 1], moves[k : k + 1])[0], 2))

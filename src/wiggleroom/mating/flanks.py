@@ -154,7 +154,9 @@ def _sharp_ring(ring: shapely.LinearRing, reach: float) -> Floats:
     result = []
     for row, following in zip(rows, np.roll(rows, -1), strict=True):
         between = (np.arange(row + 1, row + 1 + (following - row) % len(points))) % len(points)
-        corner = _crossing(points[row], points[(row + 1) % len(points)], points[following], points[(following + 1) % len(points)])
+        corner = _crossing(
+            points[row], points[(row + 1) % len(points)], points[following], points[(following + 1) % len(points)]
+        )
         if len(between) == 1 or corner is None or np.hypot(*(points[between] - corner).T).max() > reach:
             result += list(points[between])
         else:
@@ -193,7 +195,9 @@ def plates_of(
         cut = sharpened(inset(polygon, burn), max(_ROUNDED, 2 * burn))
         centre = np.array(cut.centroid.coords[0])
         cut = shapely.transform(cut, lambda points, centre=centre: points - centre)
-        kind = next((i for i, (other, same) in enumerate(kinds) if same == thick and _congruent(cut, other)), len(kinds))
+        kind = next(
+            (i for i, (other, same) in enumerate(kinds) if same == thick and _congruent(cut, other)), len(kinds)
+        )
         if kind == len(kinds):
             kinds.append((cut, thick))
         plates.append(_plate(name, cut, thick, centre, wanted, kind))
@@ -226,9 +230,16 @@ def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon
     return orient(closed) if closed.geom_type == "Polygon" else orient(polygon.simplify(0.005))
 
 
-def _flanks(polygon: shapely.Polygon, wanted: Floats) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
+def _flanks(
+    polygon: shapely.Polygon, wanted: Floats
+) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
     """Midpoints, inward and own directions, lengths, which flanks meet at corners, and which are bottoms of slots or holes."""
-    middle, inward, along, length, neighbours, bottom = [], [], [], [], [], []
+    middle: list[Floats] = []
+    inward: list[Floats] = []
+    along: list[Floats] = []
+    length: list[float] = []
+    neighbours: list[NDArray[np.int64]] = []
+    bottom: list[bool] = []
     for ring in (polygon.exterior, *polygon.interiors):
         here = shapely.get_coordinates(ring)[:-1]
         there = np.roll(here, -1, axis=0)
@@ -240,7 +251,7 @@ def _flanks(polygon: shapely.Polygon, wanted: Floats) -> tuple[Floats, Floats, F
         convex = turn > 0
         reflex_end = ~convex | ~np.roll(convex, -1)  # the tip of a tab, convex at both ends, holds nothing
         fits = (np.abs(size[:, None] - wanted) < LENGTH * wanted).any(1) & square & reflex_end
-        number = np.full(len(here), -1)
+        number: NDArray[np.int64] = np.full(len(here), -1, dtype=np.int64)
         number[fits] = np.arange(fits.sum()) + len(middle)
         before, after = np.roll(number, 1)[fits], np.roll(number, -1)[fits]
         middle += list((here[fits] + there[fits]) / 2)
@@ -251,13 +262,13 @@ def _flanks(polygon: shapely.Polygon, wanted: Floats) -> tuple[Floats, Floats, F
         bottom += list(~convex[fits] & ~np.roll(convex, -1)[fits])
     rows = len(middle)
     two = [np.array(values, dtype=float).reshape(rows, 2) for values in (middle, inward, along)]
-    number = np.array(neighbours, dtype=np.int64).reshape(rows, 2)
-    return two[0], two[1], two[2], np.array(length, dtype=float), number, np.array(bottom, dtype=bool)
+    corners = np.array(neighbours, dtype=np.int64).reshape(rows, 2)
+    return two[0], two[1], two[2], np.array(length, dtype=float), corners, np.array(bottom, dtype=bool)
 
 
 def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> tuple[FlankLine, ...]:
     """Group flanks by the line on which their midpoints and inward directions lie."""
-    left = list(range(len(middle)))
+    left: list[int] = list(range(len(middle)))
     found = []
     while left:
         first = inward[left[0]]
@@ -265,7 +276,7 @@ def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> 
         across = np.array([-along[1], along[0]])
         parallel = np.abs(inward[left] @ across) < 0.02
         on = parallel & (np.abs((middle[left] - middle[left[0]]) @ across) < tolerance)
-        rows = np.array(left)[on]
+        rows: NDArray[np.int64] = np.array(left, dtype=np.int64)[on]
         at = middle[rows] @ along
         if np.ptp(at) > 20 * tolerance:  # a long line's own direction is known better than that of one flank
             along = _direction(middle[rows], along)

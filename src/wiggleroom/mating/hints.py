@@ -106,10 +106,10 @@ class _Hinted:
                 self._say(key, f"is not known; it must be one of {', '.join(known)}")
         thicknesses = self._raw.get("thicknesses", {})
         if not isinstance(thicknesses, dict):
-            self._say("thicknesses", 'must be a table, such as thicknesses = {lid = 2.8}')
+            self._say("thicknesses", "must be a table, such as thicknesses = {lid = 2.8}")
             thicknesses = {}
         joins = tuple(found for i, value in enumerate(self._list("join")) if (found := self._join(i, value)))
-        plates = tuple(found for i, value in enumerate(self._list("plate")) if (found := self._plate(i, value)))
+        plates = tuple(plate for i, value in enumerate(self._list("plate")) if (plate := self._plate(i, value)))
         result = Hints(
             thickness=self._length("thickness", self._raw.get("thickness")),
             thicknesses={n: size for n, v in thicknesses.items() if (size := self._length(n, v)) is not None},
@@ -150,7 +150,9 @@ class _Hinted:
     def _join(self, i: int, value: Any) -> Join | None:
         ends = [str(end).rpartition(":") for end in value] if isinstance(value, list) else []
         if len(ends) != 2 or any(side not in SIDES or not name for name, _, side in ends):
-            self._say(f"join[{i}]", f'must be two edges, such as ["lid:top", "back:bottom"]; edges are {", ".join(SIDES)}')
+            self._say(
+                f"join[{i}]", f'must be two edges, such as ["lid:top", "back:bottom"]; edges are {", ".join(SIDES)}'
+            )
             return None
         return Join((ends[0][0], ends[1][0]), (ends[0][2], ends[1][2]))
 
@@ -166,7 +168,11 @@ class _Hinted:
                 self._say(f"plate[{i}]", f"{key} must be three numbers")
                 return None
             rows.append((float(row[0]), float(row[1]), float(row[2])))
-        if abs(sum(a * b for a, b in zip(rows[1], rows[2], strict=True))) > 1e-6 or not any(rows[1]) or not any(rows[2]):
+        if (
+            abs(sum(a * b for a, b in zip(rows[1], rows[2], strict=True))) > 1e-6
+            or not any(rows[1])
+            or not any(rows[2])
+        ):
             self._say(f"plate[{i}]", "right and up must be square to each other and not zero")
             return None
         return FixedPlate(str(value["panel"]), rows[0], rows[1], rows[2], str(value["frame"]))

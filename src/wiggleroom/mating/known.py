@@ -72,9 +72,7 @@ def _lines(plate: Plate, side: str) -> list[FlankLine]:
     return lines
 
 
-def with_fixed_plates(
-    bench: Bench, bodies: Sequence[Placement], hints: Hints
-) -> tuple[list[Placement], list[int]]:
+def with_fixed_plates(bench: Bench, bodies: Sequence[Placement], hints: Hints) -> tuple[list[Placement], list[int]]:
     """Bodies with the panels added whose place is given, and the rows of panels in no body.
 
     Raises

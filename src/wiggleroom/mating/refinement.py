@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -40,11 +42,11 @@ def refined(bench: Bench, state: Placement) -> Placement:
         matrix[q, i], matrix[q, j] = weight, -weight
         wanted[q] = weight * apart.mean(axis=0)
     matrix[-1, 0] = 1.0
-    moves = np.linalg.lstsq(matrix, wanted, rcond=None)[0]
+    moves: Floats = np.linalg.lstsq(matrix, wanted, rcond=None)[0].astype(np.float64)
     return Placement(state.rows, state.turns, moves, state.met, {})
 
 
-def solid(plate: Plate, thickness: float, turn: Floats, move: Floats, relief: float = 0.0):  # noqa: ANN201
+def solid(plate: Plate, thickness: float, turn: Floats, move: Floats, relief: float = 0.0) -> Any:
     """Plate in space as a manifold of manifold3d; its outline moved inward by `relief` [mm].
 
     Raises
