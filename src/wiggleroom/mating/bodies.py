@@ -27,7 +27,8 @@ _LOOSE = 0.5
 _RELIEF = 0.12
 """Outlines are relieved by at most this share of the thickness; what still overlaps then is taken out again."""
 _APART = 20.0
-_SECONDS = 4.0
+_SECONDS = 3.0
+"""Processor time of the exhaustive search for one body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,8 +227,9 @@ def _body(
             doubts.append(f"not every other way to put panels round {bench.plates[root].name} was tried")
         return body, doubts
     best: tuple[float, Placement] | None = None
-    for effort in EFFORTS:
-        found = grow(bench, start, left, effort, deadline=deadline, stop=stop, progress=progress)[0]
+    for effort in EFFORTS:  # the first one is always brought to its end: half a body helps nobody
+        until = np.inf if best is None else deadline
+        found = grow(bench, start, left, effort, deadline=until, stop=stop, progress=progress)[0]
         met = sum(len(pairs) for *_, pairs in bench.met(found)[0])
         if best is None or met > best[0]:
             best = met, found

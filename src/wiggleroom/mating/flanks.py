@@ -105,10 +105,7 @@ def inset(polygon: shapely.Polygon, distance: float) -> shapely.Polygon:
     >>> inset(shapely.box(0, 0, 4, 3), 0.5).area
     6.0
     """
-    if distance:
-        moved = polygon.buffer(-distance, join_style="mitre", mitre_limit=5.0)
-    else:
-        moved = polygon
+    moved = polygon.buffer(-distance, join_style="mitre", mitre_limit=5.0) if distance else polygon
     pieces = shapely.get_parts(moved)
     if not len(pieces):
         return polygon
