@@ -19,10 +19,16 @@ from wiggleroom.mating.bodies import assemble_sheet
 from wiggleroom.mating.congruence import congruent
 from wiggleroom.mating.hints import Hints, Join, read_hints
 from wiggleroom.mating.plates_writer import fixed_axis_turns
-from wiggleroom.mating.sheet import read_sheet
+from wiggleroom.mating.sheet import CuttingSheet, read_sheet
 
 SHEETS = Path(__file__).parent / "sheets"
 OVERLAP = 1e-5
+
+
+def sheet_of(folder: Path, text: str) -> CuttingSheet:
+    path = folder / "sheet.svg"
+    path.write_text(text)
+    return read_sheet(path)
 
 
 @pytest.mark.parametrize(
@@ -58,15 +64,15 @@ def test_sheets_come_together_as_they_were_designed(
 @pytest.mark.parametrize("seed", range(4))
 def test_panels_may_lie_turned_and_mirrored(tmp_path: Path, seed: int) -> None:
     design = box("box", 75, 52, 38, 3, 8)
-    found = assemble_sheet(read_sheet(design.svg(seed)), 3)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg(seed)), 3)
     assert found.sure
     assert len(found.joints) == 12
 
 
-def test_an_assembly_with_an_equal_alternative_is_not_sure() -> None:
+def test_an_assembly_with_an_equal_alternative_is_not_sure(tmp_path: Path) -> None:
     """Strips whose slots are as far apart when turned round, with ends of different length: each may be either way."""
     design = egg_crate("crate", [30, 75, 110], [25, 60], 40, 3, 150, 90)
-    found = assemble_sheet(read_sheet(design.svg()), 3)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
     assert not found.sure
     assert any("more than one way" in doubt for doubt in found.doubts)
 
@@ -74,7 +80,7 @@ def test_an_assembly_with_an_equal_alternative_is_not_sure() -> None:
 def test_a_flank_without_partner_is_said(tmp_path: Path) -> None:
     design = shelf("shelf", 120, 80, [40, 110], 4, 150)
     del design.panels["board 1"]
-    found = assemble_sheet(read_sheet(design.svg()), 4)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 4)
     assert not found.sure
     assert sum(map(len, found.open.values())) == 8
     assert not found.unplaced
@@ -93,11 +99,11 @@ def test_a_panel_without_joints_is_left_out_and_the_rest_is_written(
     assert len(judge(out).names) == 3
 
 
-def test_two_boxes_on_one_sheet_are_two_bodies() -> None:
+def test_two_boxes_on_one_sheet_are_two_bodies(tmp_path: Path) -> None:
     design = box("a", 75, 52, 38, 3, 8)
     other = stool("b", 60, 50, 3)
     design.panels |= other.panels
-    found = assemble_sheet(read_sheet(design.svg()), 3)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
     assert sorted(len(body.rows) for body in found.bodies) == [3, 6]
     assert found.sure
 
@@ -105,7 +111,7 @@ def test_two_boxes_on_one_sheet_are_two_bodies() -> None:
 def test_the_burn_is_taken_off(tmp_path: Path) -> None:
     design = box("box", 75, 52, 38, 3, 8)
     design.panels = {name: panel.buffer(0.1, join_style="mitre") for name, panel in design.panels.items()}
-    found = assemble_sheet(read_sheet(design.svg()), 3, burn=0.1)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3, burn=0.1)
     assert found.sure
     assert found.plates[0].polygon.area == pytest.approx(
         box("box", 75, 52, 38, 3, 8).panels[found.plates[0].name].area, rel=1e-3
@@ -121,9 +127,9 @@ def test_one_panel_may_be_thinner_than_its_slots(command: Callable[..., int], tm
     assert judge(out).overlap < OVERLAP
 
 
-def test_a_join_that_is_told_is_kept() -> None:
+def test_a_join_that_is_told_is_kept(tmp_path: Path) -> None:
     design = box("box", 75, 52, 38, 3, 8)
-    sheet = read_sheet(design.svg(2))
+    sheet = sheet_of(tmp_path, design.svg(2))
     names = [panel.name for panel in sheet.panels]
     free = assemble_sheet(sheet, 3)
     first = free.joints[0]
@@ -200,8 +206,8 @@ def test_congruence_sees_one_small_hole_on_the_other_side() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("design", designs(), ids=lambda design: design.name)
-def test_no_wrong_assembly_is_sure(design: Design) -> None:
+def test_no_wrong_assembly_is_sure(tmp_path: Path, design: Design) -> None:
     for seed in range(3):
-        found = assemble_sheet(read_sheet(design.svg(seed)), design.thickness)
+        found = assemble_sheet(sheet_of(tmp_path, design.svg(seed)), design.thickness)
         if found.sure:
             assert len(found.joints) == len(design.joined)
