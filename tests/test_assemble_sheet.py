@@ -146,6 +146,25 @@ def test_a_join_that_is_told_is_kept(tmp_path: Path) -> None:
     assert len(found.joints) == 12
 
 
+def test_a_panel_goes_where_a_hint_puts_it(command: Callable[..., int], tmp_path: Path) -> None:
+    import shapely
+
+    design = stool("stool", 60, 50, 3)
+    design.panels["plain"] = shapely.box(0, 0, 50, 40)
+    sheet, hints, out = tmp_path / "sheet.svg", tmp_path / "hints.toml", tmp_path / "out.json"
+    sheet.write_text(design.svg())
+    place = 'panel = "plain"\nframe = "seat"\nright = [0, 1, 0]\nup = [-1, 0, 0]'
+    hints.write_text(f"thickness = 3\n[[plate]]\n{place}\ncentre = [5, 0, 60]\n")
+    assert command("assemble", sheet, "--hints", hints, "-o", out) == 0
+    parts = {part["name"]: part for part in json.loads(out.read_text())["parts"]}
+    frame = rotation(parts["seat"]["rotate"])
+    apart = (np.array(parts["plain"]["at"]) - parts["seat"]["at"]) @ frame
+    assert apart == pytest.approx([5, 0, 60], abs=1e-6)
+    assert frame.T @ rotation(parts["plain"]["rotate"]) @ [1, 0, 0] == pytest.approx([0, 1, 0], abs=1e-9)
+    hints.write_text(f"thickness = 3\n[[plate]]\n{place}\ncentre = [5, 0, 0]\n")
+    assert command("assemble", sheet, "--hints", hints, "-o", out) == 2
+
+
 @pytest.mark.parametrize(
     ("text", "said"),
     [

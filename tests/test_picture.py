@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from tests.answers import answer, block, grid, row
-from wiggleroom.assembly.inventory import inventory
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
+from wiggleroom.assembly.inventory import inventory
 from wiggleroom.report.picture import picture
-from wiggleroom.report.png import png
 from wiggleroom.report.read_picture import picture_of_reading
+from wiggleroom.report.png import png
 from wiggleroom.report.text import width
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict

@@ -272,7 +272,7 @@ STYLES = [
     Case(
         "illustrator_compound.svg",
         "Illustrator",
-        svg('<path fill="#fff" stroke="#000" d="M0 0h60v40H0V0zM10 10v5h5v-5H10zM30 10v20h10V10H30z"/>'),
+        svg(f'<path fill="#fff" stroke="#000" d="M0 0h60v40H0V0zM10 10v5h5v-5H10zM30 10v20h10V10H30z"/>'),
         1,
         2,
     ),
@@ -282,7 +282,7 @@ STYLES = [
         "Affinity",
         svg(
             '<g transform="matrix(1,0,0,1,10,10)"><g id="Artboard1" transform="matrix(0.5,0,0,0.5,0,0)">'
-            '<path d="M0,0L60,0L60,60L0,60L0,0Z" style="fill:none;stroke:black;stroke-width:1px;"/>'
+            f'<path d="M0,0L60,0L60,60L0,60L0,0Z" style="fill:none;stroke:black;stroke-width:1px;"/>'
             '<g transform="matrix(1,0,0,1,60,0)"><path d="M0,0L60,0L60,60L0,60L0,0Z" style="fill:none;stroke:black;"/></g></g></g>',
             '<svg width="100%" height="100%" viewBox="0 0 100 80" xmlns="http://www.w3.org/2000/svg">',
         ),
@@ -324,7 +324,7 @@ STYLES = [
     Case(
         "figma_groups.svg",
         "Figma",
-        svg('<g id="Frame 1"><rect id="lid" x="0.5" y="0.5" width="29" height="29" stroke="black"  fill="none"/><g id="pin"><circle cx="50" cy="15" r="8" stroke="black" fill="none"/></g></g>'),
+        svg(f'<g id="Frame 1"><rect id="lid" x="0.5" y="0.5" width="29" height="29" stroke="black"  fill="none"/><g id="pin"><circle cx="50" cy="15" r="8" stroke="black" fill="none"/></g></g>'),
         2,
         names=("lid", "pin"),
     ),

@@ -133,9 +133,9 @@ def assemble_sheet(
     plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
     bench = Bench(plates)
     found, doubts = _bodies(bench, hints, time.process_time() + seconds, stop, progress)
-    bodies, unplaced = with_fixed_plates(bench, found, hints)
+    bodies, unplaced = with_fixed_plates(bench, [refined(bench, body) for body in found], hints)
     notes = [*sheet.notes]
-    bodies, relief, pressed = _relieved(bench, [refined(bench, body) for body in bodies], real, thickness)
+    bodies, relief, pressed = _relieved(bench, bodies, real, thickness)
     unplaced = sorted({*unplaced, *pressed})
     doubts += [f'panel "{names[row]}" overlaps others where its flanks meet, and is left out' for row in pressed]
     if relief > 1e-3:

@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 _FREE = 1e-9
 """Volume [mm3] that two plates may share through rounding, for every mm of the smaller outline's length."""
 _FINEST = 1e-6
+_LIGHT = 1e-6
+"""Weight of staying in place against one flank that meets another."""
 _SKIN = 2e-6
 """Added to the relief that was found to be enough [mm]."""
 
@@ -32,8 +34,10 @@ def refined(bench: Bench, state: Placement) -> Placement:
     if not joints:
         return state
     place = {row: k for k, row in enumerate(state.rows)}
-    matrix = np.zeros((len(joints) + 1, len(state.rows)))
-    wanted = np.zeros((len(joints) + 1, 3))
+    count = len(state.rows)
+    # A panel that no joint holds, such as one whose place was told, stays where it is.
+    matrix = np.vstack([np.zeros((len(joints), count)), _LIGHT * np.eye(count)])
+    wanted = np.vstack([np.zeros((len(joints), 3)), _LIGHT * state.moves])
     for q, (a, b, found) in enumerate(joints):
         i, j = place[a], place[b]
         apart = bench.flanks[b][found[:, 1], :2] @ state.turns[j][:, :2].T
@@ -41,7 +45,7 @@ def refined(bench: Bench, state: Placement) -> Placement:
         weight = np.sqrt(len(found))
         matrix[q, i], matrix[q, j] = weight, -weight
         wanted[q] = weight * apart.mean(axis=0)
-    matrix[-1, 0] = 1.0
+    matrix[len(joints), 0], wanted[len(joints)] = 1.0, state.moves[0]
     moves: Floats = np.linalg.lstsq(matrix, wanted, rcond=None)[0].astype(np.float64)
     return Placement(state.rows, state.turns, moves, state.met, {})
 
