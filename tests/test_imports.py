@@ -16,6 +16,7 @@ ORDER = [
     "verdict",
     "drawing",
     "assembly",
+    "mating",
     "geometry",
     "audit",
     "freespace",

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from cyclopts import App
 
+from wiggleroom.cli.assemble import assemble
 from wiggleroom.cli.bench import bench
 from wiggleroom.cli.check import check
 from wiggleroom.cli.convert import convert
@@ -50,7 +51,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, rank, tighten, sweep, sample, space, serve, draw, parts, convert, maker, coupon, verify, bench
+        flex, check, rank, tighten, sweep, sample, space, serve, draw, parts, convert, assemble, maker, coupon, verify, bench
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):
