@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from wiggleroom.analysis.allowable_gap import AllowableGap, allowable_gap
     from wiggleroom.analysis.answer import Answer, Bound, Contact
     from wiggleroom.analysis.blocking import Blocking, blocking
     from wiggleroom.analysis.flex import flex
@@ -40,6 +41,7 @@ if TYPE_CHECKING:
     from wiggleroom.solve.verdict import Verdict
 
 _HOME = {
+    "AllowableGap": "analysis.allowable_gap",
     "Answer": "analysis.answer",
     "Assembly": "assembly.model",
     "Blocking": "analysis.blocking",
@@ -78,6 +80,7 @@ _HOME = {
     "Verdict": "solve.verdict",
     "W": "drawing.model",
     "WiggleroomError": "errors",
+    "allowable_gap": "analysis.allowable_gap",
     "assemble": "assembly.build",
     "blocking": "analysis.blocking",
     "check": "analysis.interlock",
@@ -98,6 +101,7 @@ _HOME = {
 }
 
 __all__ = [
+    "AllowableGap",
     "Answer",
     "Assembly",
     "Blocking",
@@ -136,6 +140,7 @@ __all__ = [
     "Verdict",
     "W",
     "WiggleroomError",
+    "allowable_gap",
     "assemble",
     "blocking",
     "check",

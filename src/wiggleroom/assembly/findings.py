@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -103,13 +103,46 @@ def asked_goals(drawing: Drawing, goals: Goal | Sequence[Goal] | None) -> tuple[
 
 def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
     """One line per pair that overlaps at rest and may not."""
+    right = "draw them apart, ask for a larger gap, or glue or ignore them"
+    return [
+        f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}'
+        for a, b, depth in _forbidden(drawing, parts)
+    ]
+
+
+def _forbidden(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:
+    """Pairs that overlap at rest and may not, with depth [mm]."""
     group = glue_groups(drawing)
     ignored = {frozenset(pair) for pair in drawing.ignore}
-    found = []
-    for i, j, depth in overlaps(parts):
-        a, b = parts[i].name, parts[j].name
-        if frozenset((a, b)) in ignored or (a in group and group[a] == group.get(b)):
-            continue
-        right = "draw them apart, ask for a larger gap, or glue or ignore them"
-        found.append(f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}')
-    return found
+    named = [(parts[i].name, parts[j].name, depth) for i, j, depth in overlaps(parts)]
+    return [
+        (a, b, depth)
+        for a, b, depth in named
+        if frozenset((a, b)) not in ignored and not (a in group and group[a] == group.get(b))
+    ]
+
+
+def overlap_depth(drawing: Drawing, *, gap: float, offset: Mapping[str, float]) -> float | None:
+    """Deepest overlap [mm] at rest of parts that may not overlap, 0 where none does; None where parts cannot be made.
+
+    Parameters
+    ----------
+    drawing : Drawing [mm]
+        Sound, as from an assembly.
+    gap : float [mm]
+        In place of the drawing's.
+    offset : mapping of names to float [mm]
+        Added to the offsets of parts: how far their outlines lie further out.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
+    >>> two = Drawing((Part("a", (square,)), Part("b", (square,), at=(2.5, 0.0, 0.0))))
+    >>> overlap_depth(two, gap=0.0, offset={"a": 0.5, "b": 0.5})
+    0.5
+    """
+    parts = tuple(replace(p, offset=p.offset + offset.get(p.name, 0.0)) for p in drawing.parts)
+    used = replace(drawing, parts=parts, gap=gap)
+    made, gone = make(used)
+    return None if gone else max((depth for *_, depth in _forbidden(used, made)), default=0.0)
