@@ -8,10 +8,12 @@ from cyclopts import App
 
 from wiggleroom.cli.bench import bench
 from wiggleroom.cli.check import check
+from wiggleroom.cli.completion import completion
 from wiggleroom.cli.convert import convert
 from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw
 from wiggleroom.cli.flex import flex
+from wiggleroom.cli.gap import gap
 from wiggleroom.cli.make import make
 from wiggleroom.cli.make_image import image
 from wiggleroom.cli.rank import rank
@@ -50,7 +52,8 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, rank, tighten, sweep, sample, space, serve, draw, convert, maker, coupon, verify, bench
+        flex, check, gap, rank, tighten, sweep, sample, space, serve, draw, convert, maker, coupon, verify, bench,
+        completion,
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):

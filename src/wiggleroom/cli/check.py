@@ -8,9 +8,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import Outputs, tell
+from wiggleroom.cli.outputs import Outputs, tell, write_moved
+from wiggleroom.cli.running import TimeLimit
 
-_NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), Outputs(), TimeLimit()
 CODES = {"interlocked": 0, "comes apart": 1, "unknown": 3}
 
 
@@ -20,6 +21,7 @@ def check(
     *,
     asked: Asked = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
+    limit: TimeLimit = _ENDLESS,
     largest_gap: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Say whether it comes apart: whether some parts can be moved without limit away from the others.
@@ -35,15 +37,17 @@ def check(
     file
         A drawing (.svg, .dxf) or an assembly file (.json).
     largest_gap
-        Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides.
+        Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides; wiggleroom gap --holds
+        asks that alone.
     """
     import shlex
 
+    from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
 
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
-    with interruptible() as stop, progress() as show:
+    with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked)
 
         from wiggleroom.analysis.interlock import check as work_out
@@ -56,4 +60,8 @@ def check(
 
     shown = Checked(found, border)
     tell(outputs, lambda: check_record(found, border, command), lambda: check_table(found, border), shown, command)
+    if outputs.moved is not None:
+        from wiggleroom.report.apart import as_answer
+
+        write_moved(assembly, as_answer(found).motion, outputs.moved)
     return CODES[found.verdict]

@@ -12,59 +12,96 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import RESULTS
+from wiggleroom.provenance import is_own
 from wiggleroom.report.endings import ANSWERS, PAGE, STUDIES, ending, unlike
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
     from rich.console import RenderableType
 
     from wiggleroom.analysis.answer import Answer
+    from wiggleroom.assembly.model import Assembly
     from wiggleroom.report.draw_study import Study
 
+Places = dict[str, tuple[str | Path | None, tuple[str, ...]]]
 _Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+Force = Annotated[bool, Parameter(negative="", group=RESULTS)]
+MOVED = (".dxf", ".svg", ".json")
+TABLE = (".csv",)
 
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
-class Outputs:
-    """Where the answer goes besides the terminal.
-
-    Parameters
-    ----------
-    json
-        Write the answer as JSON to this file; - is stdout, which then holds nothing else.
-    picture
-        Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
-    """
-
-    ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
-    json: _Text = None
-    picture: Path | None = None
-
-    def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
-        """See that everything asked for can be written; see the function `check`."""
-        check(source, {"--json": (self.json, ()), "--picture": (self.picture, self.ENDINGS)} | more)
-
-
-@Parameter(name="*", group=RESULTS)
-@dataclass(frozen=True, kw_only=True)
-class StudyOutputs(Outputs):
+class PictureOutputs:
     """Where what was found goes besides the terminal.
 
     Parameters
     ----------
     json
-        Write what was found as JSON to this file; - is stdout, which then holds nothing else.
+        Write what was found as JSON to this file. Alone, or with -, to stdout, which then holds nothing else.
     picture
         Show what was found in this file: .svg or .png a picture, .html a report with all.
+    force
+        Write over files that were not made by this program, or were changed since.
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = STUDIES
     json: _Text = None
     picture: Path | None = None
+    force: Force = False
+
+    def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
+        """See that everything asked for can be written; see the function `check`."""
+        check(source, self.places() | more, self.force)
+
+    def places(self) -> Places:
+        """Where everything goes, by the name of its option, and which endings are right."""
+        return {"--json": (self.json, ()), "--picture": (self.picture, self.ENDINGS)}
 
 
-def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...]]]) -> None:
-    """See that every output can be written: a known ending, a folder that is there, never over the source.
+@Parameter(name="*", group=RESULTS)
+@dataclass(frozen=True, kw_only=True)
+class StudyOutputs(PictureOutputs):
+    """The same with a table.
+
+    Parameters
+    ----------
+    csv
+        Write a table of what was found: .csv.
+    """
+
+    csv: Path | None = None
+
+    def places(self) -> Places:
+        """Where everything goes, the table too."""
+        return super().places() | {"--csv": (self.csv, TABLE)}
+
+
+@Parameter(name="*", group=RESULTS)
+@dataclass(frozen=True, kw_only=True)
+class Outputs(StudyOutputs):
+    """The same of an answer that has moved parts, and so a film.
+
+    Parameters
+    ----------
+    picture
+        Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
+    moved
+        Write the outlines of the parts where they ended: .dxf or .svg to draw on, .json an assembly file.
+    """
+
+    ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
+    picture: Path | None = None
+    moved: Path | None = None
+
+    def places(self) -> Places:
+        """Where everything goes, the moved parts too."""
+        return super().places() | {"--moved": (self.moved, MOVED)}
+
+
+def check(source: str, places: Places, force: bool = False) -> None:
+    """See that every output can be written: a known ending, a folder that is there, never over the source or somebody's own file.
 
     Parameters
     ----------
@@ -72,6 +109,8 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
         The file that is read.
     places : dict
         By the name of the option: where it goes (None: nowhere, "-": stdout), and the endings it may have (none: any).
+    force : bool
+        True: also over files that the program did not make.
 
     Raises
     ------
@@ -86,7 +125,7 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
     for option, (place, endings) in places.items():
         if place is None or place == "-":
             continue
-        problem = _problem(Path(place), source, endings)
+        problem = _problem(Path(place), source, endings, force)
         if problem:
             wrong.append(f"{option} {place}: {problem}")
     if wrong:
@@ -98,7 +137,7 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
             see_library(ending(Path(place)))
 
 
-def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
+def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> str:
     """Say what is wrong with an output path, or nothing."""
     odd = unlike(path, endings)
     if odd:
@@ -111,23 +150,29 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
         return f"the folder {path.parent} cannot be written"
     if path.exists() and os.path.exists(source) and path.samefile(source):
         return "this would overwrite the file that is read; give another name"
+    if not force and path.is_file() and path.stat().st_size and not is_own(path):
+        return "this file is there already, and is not as wiggleroom made it; give another name, or --force"
     return ""
 
 
 def tell(
-    outputs: Outputs,
+    outputs: StudyOutputs,
     record: Callable[[], dict[str, Any]],
     page: Callable[[], RenderableType],
     found: Answer | Study,
     command: str,
 ) -> None:
-    """What was found as JSON, as a page on stdout (unless the JSON goes there), and as a picture."""
+    """What was found as JSON, as a page on stdout (unless the JSON goes there), as a table, and as a picture."""
     if outputs.json is not None:
         write_record(record(), outputs.json)
     if outputs.json != "-":
         from wiggleroom.cli.say import show
 
         show(page())
+    if outputs.csv is not None:
+        from wiggleroom.report.tables import csv_of
+
+        write_table(csv_of(found), outputs.csv)
     if outputs.picture is not None:
         from wiggleroom.cli.say import note
         from wiggleroom.cli.watch import bar
@@ -136,6 +181,27 @@ def tell(
         with bar("frames", "drawing") as count:
             draw(found, outputs.picture, command=command, progress=count)
         note(f"picture: {outputs.picture}")
+
+
+def write_moved(assembly: Assembly, motion: NDArray[np.float64], path: Path | None) -> None:
+    """Outlines of the parts as made, moved by (n, 3) [mm, mm, rad], as a drawing or an assembly file."""
+    if path is None:
+        return
+    from wiggleroom.assembly.model import moved_drawing
+    from wiggleroom.cli.say import note
+    from wiggleroom.drawing import write_drawing
+
+    write_drawing(moved_drawing(assembly, motion), path)
+    note(f"moved parts: {path}")
+
+
+def write_table(table: str, path: Path) -> None:
+    """Table as comma-separated values."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.files import write_whole
+
+    write_whole(path, table)
+    note(f"table: {path}")
 
 
 def write_record(record: dict[str, Any], place: str) -> None:

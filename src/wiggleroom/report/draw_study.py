@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from wiggleroom.analysis.allowable_gap import AllowableGap
 from wiggleroom.analysis.interlock import Interlock
 from wiggleroom.analysis.rank import Ranking
 from wiggleroom.analysis.sample import Sample
@@ -14,9 +15,10 @@ from wiggleroom.files import write_whole
 from wiggleroom.report import blame, pages, study_plots
 from wiggleroom.report.apart_picture import Checked, film_of_check, picture_of_check
 from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
+from wiggleroom.report.gap_limit import picture_of_gap
 from wiggleroom.report.stills import write_svg
 
-Study = Ranking | Tightening | Sweep | Sample | Checked
+Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap
 
 
 def draw_study(
@@ -47,6 +49,8 @@ def _picture(found: Study, command: str) -> str:
             return study_plots.picture_of_sweep(found, command=command)
         case Sample():
             return study_plots.picture_of_sample(found, command=command)
+        case AllowableGap():
+            return picture_of_gap(found, command=command)
 
 
 def _page(found: Study, command: str) -> str:
@@ -61,3 +65,5 @@ def _page(found: Study, command: str) -> str:
             return pages.page_of_sweep(found, command=command)
         case Sample():
             return pages.page_of_sample(found, command=command)
+        case AllowableGap():
+            return pages.page_of_gap(found, command=command)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
 
+from wiggleroom.analysis.allowable_gap import AllowableGap
 from wiggleroom.analysis.answer import Answer
 from wiggleroom.analysis.audit import Audit
 from wiggleroom.analysis.interlock import Interlock
@@ -20,6 +23,7 @@ from wiggleroom.report.apart import check_facts, check_title
 from wiggleroom.report.apart_picture import Checked
 from wiggleroom.report.baked import answered, baked, opened, section, way
 from wiggleroom.report.blame import ranking_facts, tightening_facts
+from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
 from wiggleroom.report.plots import histogram
 from wiggleroom.report.solid import space_told
 from wiggleroom.report.space import headline as space_headline
@@ -147,6 +151,32 @@ def page_of_sample(found: Sample, *, command: str = "") -> str:
             ],
         },
         "tints": {"per": "% of the variance", "values": dict(zip(names, share.tolist(), strict=True))},
+    }
+    return baked(title, told)
+
+
+def page_of_gap(found: AllowableGap, *, command: str = "") -> str:
+    """Gap that answers a maker's question as one HTML page: the curve, the trials, and the motion at the answer."""
+    held, apart = found.sides
+    if (apart or held) is not None:
+        return page_of_check(Checked(cast(Interlock, apart or held)), command=command)
+    title = gap_sentence(found)
+    rows = [
+        (t.gap, "" if t.value is None else t.value, "" if t.at_most is None else t.at_most, t.verdict)
+        for t in found.trials
+    ]
+    what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
+    sections = [
+        section("Against the gap", svg=picture_of_gap(found, framed=False)),
+        section("How sure is it", terms=gap_sure(found)),
+        section("Everything that was tried", columns=["gap mm", what, "at most", "verdict"], rows=rows),
+    ]
+    near = [t.answer for t in found.trials if t.answer is not None and t.gap == found.gap]
+    shown = _about(near[0], command) if near else {"opened": opened(found.assembly, found.goals)}
+    told = shown | {
+        "said": {"title": title, "facts": gap_facts(found)},
+        "tab": "study",
+        "study": {"tab": "Gap", "sections": sections},
     }
     return baked(title, told)
 
