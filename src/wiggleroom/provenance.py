@@ -42,7 +42,7 @@ def marked(content: bytes, kind: str) -> bytes:
     Examples
     --------
     >>> marked(b"<svg/>", ".svg")
-    b'<svg/><!-- Made with wiggleroom ddc3ed12 -->\\n'
+    b'<svg/><!-- Made with wiggleroom acb9fb49 -->\\n'
     """
     mark = SAYS + _checksum(content)
     match kind:

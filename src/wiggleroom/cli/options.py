@@ -56,7 +56,7 @@ class Asked:
 
 
 def read(file: str, asked: Asked) -> Assembly:
-    """Assembly that a file and the options describe; its notes go to stderr.
+    """Assembly that a file and the options describe; its notes, and what looks odd about it, go to stderr.
 
     Raises
     ------
@@ -65,8 +65,13 @@ def read(file: str, asked: Asked) -> Assembly:
     """
     drawing, fixed, wanted = _said(file, asked)
     from wiggleroom.assembly.build import assemble
+    from wiggleroom.assembly.plausibility import doubts
+    from wiggleroom.cli.say import note
 
-    return assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted)
+    assembly = assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted)
+    for line in doubts(assembly.drawing):
+        note(f"{assembly.drawing.source or file}: {line}")
+    return assembly
 
 
 def asked_drawing(file: str, asked: Asked) -> Drawing:
