@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
-from wiggleroom.analysis import many as module
-from wiggleroom.analysis.many import Many
+from wiggleroom.sensitivity import parallel as module
+from wiggleroom.sensitivity.parallel import Many
 
 
 def square(shared: float, task: float) -> float:

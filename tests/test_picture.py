@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from tests.answers import answer, block, grid, row
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
 from wiggleroom.report.picture import picture, picture_of_assembly
 from wiggleroom.report.png import png
 from wiggleroom.report.text import width
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.search.answer import Answer
+from wiggleroom.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"
@@ -239,13 +239,13 @@ def test_4096_parts_of_different_shapes_are_drawn_quickly() -> None:
 
 
 def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
-    path = tmp_path / "a.svg"
+    path = tmp_path / "a.txt"
     write_whole(path, "one")
     path.chmod(0o640)
     write_whole(path, b"two")
     assert path.read_text() == "two"
     assert path.stat().st_mode & 0o777 == 0o640
-    link = tmp_path / "link.svg"
+    link = tmp_path / "link.txt"
     link.symlink_to(path)
     write_whole(link, "three")
     assert link.is_symlink()

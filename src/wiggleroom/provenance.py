@@ -32,7 +32,7 @@ TABLES = (
 
 
 def marked(content: bytes, kind: str) -> bytes:
-    """File content with its mark; of formats that hold no comment, as it is.
+    r"""File content with its mark; of formats that hold no comment, as it is.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def marked(content: bytes, kind: str) -> bytes:
     Examples
     --------
     >>> marked(b"<svg/>", ".svg")
-    b'<svg/><!-- Made with wiggleroom acb9fb49 -->\\n'
+    b'<svg/><!-- Made with wiggleroom acb9fb49 -->\n'
     """
     mark = SAYS + _checksum(content)
     match kind:

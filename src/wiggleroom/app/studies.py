@@ -16,13 +16,13 @@ from wiggleroom.report.ways import way_frames
 from wiggleroom.report.words import bounded
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.sweep import Step
     from wiggleroom.app.sheet import Sheet
+    from wiggleroom.sensitivity.sweep import Step
 
 
 def rank(sheet: Sheet, request: Rank, out: Out) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
-    from wiggleroom.analysis.rank import rank as work_out
+    from wiggleroom.sensitivity.rank import rank as work_out
 
     found = work_out(sheet.answer(request.design, out), stop=out.stop, progress=out.counted)
     out.check()
@@ -38,7 +38,7 @@ def check(sheet: Sheet, request: Check, out: Out) -> None:
 
 def sweep(sheet: Sheet, request: Sweep, out: Out) -> None:
     """Motion against gap, told gap by gap."""
-    from wiggleroom.analysis.sweep import sweep as work_out
+    from wiggleroom.sensitivity.sweep import sweep as work_out
 
     def tell(step: Step, motion: np.ndarray | None) -> None:
         out.check()
@@ -59,7 +59,7 @@ def _gaps(request: Sweep) -> tuple[str, ...]:
 
 def prove(sheet: Sheet, request: Prove, out: Out) -> None:
     """A value that no motion exceeds."""
-    from wiggleroom.analysis.prove import prove as work_out
+    from wiggleroom.bound.prove import prove as work_out
 
     answer = sheet.answer(request.design, out)
     done = work_out(answer, request.share, seconds=request.seconds, stop=out.stop, progress=out.progress)

@@ -75,6 +75,7 @@ def moved_drawing(assembly: Assembly, motion: NDArray[np.float64]) -> Drawing:
     (1.0, 2.0, 0.0)
     """
     parts = tuple(
-        replace(part, at=tuple(pose)) for part, pose in zip(assembly.parts, (assembly.rest + motion).tolist(), strict=True)
+        replace(part, at=tuple(pose))
+        for part, pose in zip(assembly.parts, (assembly.rest + motion).tolist(), strict=True)
     )
     return replace(assembly.drawing, parts=parts, gap=0.0, gaps=(), goals=())

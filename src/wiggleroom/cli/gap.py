@@ -68,13 +68,13 @@ def gap(
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked)
 
-        from wiggleroom.analysis.allowable_gap import allowable_gap
+        from wiggleroom.sensitivity.allowable_gap import allowable_gap
 
         found = allowable_gap(assembly, at_most=at_most, holds=holds, fits=fits, stop=stop, progress=show)
     from dataclasses import replace
 
-    from wiggleroom.report.gap_limit import gap_record, gap_table
+    from wiggleroom.report.gap_limit import gap_result, gap_table
 
     shown = outputs if found.trials else replace(outputs, picture=None)  # nothing was found that could be drawn
-    tell(shown, lambda: gap_record(found, command, kerf), lambda: gap_table(found, kerf), found, command)
+    tell(shown, lambda: gap_result(found, command, kerf), lambda: gap_table(found, kerf), found, command)
     return 3 if found.gap is None or found.stopped else 0

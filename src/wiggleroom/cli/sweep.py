@@ -39,8 +39,8 @@ def sweep(
     import shlex
     from dataclasses import replace
 
-    from wiggleroom.cli.say import note
     from wiggleroom.cli.running import unless_stopped
+    from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
 
     outputs.check(file, **{"--html": (html, (".html",))})
@@ -49,14 +49,14 @@ def sweep(
     with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
         assembly = complete(read(file, asked))
 
-        from wiggleroom.analysis.sweep import sweep as work_out
+        from wiggleroom.sensitivity.sweep import sweep as work_out
 
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
-    from wiggleroom.report.studies import sweep_record, sweep_table
+    from wiggleroom.report.studies import sweep_result, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
-    tell(shown, lambda: sweep_record(found, command), lambda: sweep_table(found), found, command)
+    tell(shown, lambda: sweep_result(found, command), lambda: sweep_table(found), found, command)
     if html is not None and any(step.answer is not None for step in found.steps):
         from wiggleroom.report.draw import draw
 

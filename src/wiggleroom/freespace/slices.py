@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.relative import turn
+from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W, part_of
 from wiggleroom.errors import InputError
-from wiggleroom.pairs.shapes import Bodies
+from wiggleroom.geometry.bodies import Bodies
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -13,13 +13,13 @@ from pathlib import PurePath
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.text import escape
 from wiggleroom.report.told import Json, answer_told, digits_of, drawing_told
 from wiggleroom.report.ways import way_frames
+from wiggleroom.search.answer import Answer
 
 
 def baked(title: str, told: Json) -> str:

@@ -6,13 +6,15 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import UNSET
 
-from wiggleroom.analysis.allowable_gap import AllowableGap, Trial
 from wiggleroom.report.apart_picture import Checked, picture_of_check
 from wiggleroom.report.plots import curve
-from wiggleroom.report.records import Record
 from wiggleroom.report.table import columns
 from wiggleroom.report.words import asked, number, unit
+from wiggleroom.schema.results import GapResult, GapTrial
+from wiggleroom.sensitivity.allowable_gap import AllowableGap, Trial
+from wiggleroom.verdict import Certainty
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -21,35 +23,34 @@ _MOST = 12
 _DIGITS = 5
 
 
-def gap_record(found: AllowableGap, command: str = "", kerf: float | None = None) -> Record:
-    """Everything `gap --json` says; format `wiggleroom.gap/1`."""
-    record: Record = {
-        "format": "wiggleroom.gap/1",
-        "question": found.question,
-        "limit": found.limit,
-        "gap": found.gap,
-        "certainty": found.certainty or None,
-        "beyond": found.beyond,
-        "searched_gap": found.searched_gap,
-        "proven_gap": found.proven_gap,
-        "stopped": found.stopped,
-        "note": found.why,
-    }
-    if kerf is not None:
-        record |= {"kerf": kerf, "offset": found.cut_offset(kerf)}
-    return record | {
-        "trials": [
-            {
-                "gap": t.gap,
-                "overlap" if found.question == "fits" else "objective": t.value,
-                "at_most": t.at_most,
-                "verdict": t.verdict,
-                "path": "checked" if t.checked else "not checked",
-            }
+def gap_result(found: AllowableGap, command: str = "", kerf: float | None = None) -> GapResult:
+    """Everything `gap --json` says."""
+    fits = found.question == "fits"
+    return GapResult(
+        question=found.question,
+        limit=found.limit,
+        gap=found.gap,
+        certainty=found.certainty,
+        beyond=found.beyond,
+        searched_gap=found.searched_gap,
+        proven_gap=found.proven_gap,
+        stopped=found.stopped,
+        note=found.why,
+        kerf=UNSET if kerf is None else kerf,
+        offset=UNSET if kerf is None else found.cut_offset(kerf),
+        trials=[
+            GapTrial(
+                gap=t.gap,
+                objective=UNSET if fits else t.value,
+                overlap=t.value if fits else UNSET,
+                at_most=t.at_most,
+                verdict=str(t.verdict),
+                path="checked" if t.checked else "not checked",
+            )
             for t in found.trials
         ],
-        "command": command,
-    }
+        command=command,
+    )
 
 
 def gap_sentence(found: AllowableGap) -> str:
@@ -70,11 +71,11 @@ def gap_sure(found: AllowableGap) -> list[tuple[str, str]]:
     """How sure the answer is, and what lies on its other side: a word and a sentence each."""
     said = []
     if found.gap is not None:
-        said.append((found.certainty, _certainty(found)))
+        said.append((str(found.certainty), _certainty(found)))
     if found.beyond is not None:
         said.append(("beyond", _beyond(found, found.beyond)))
     proven, searched = found.proven_gap, found.searched_gap
-    if found.question == "at most" and found.certainty == "searched":
+    if found.question == "at most" and found.certainty is Certainty.SEARCHED:
         lower = "no gap was proven" if proven is None else f"proven up to {number(proven, _DIGITS)} mm"
         said.append(("proof", lower))
     elif found.question == "at most" and searched is not None and searched != found.gap:
@@ -89,12 +90,16 @@ def gap_sure(found: AllowableGap) -> list[tuple[str, str]]:
 def _certainty(found: AllowableGap) -> str:
     trial = next((t for t in found.trials if t.gap == found.gap), None)
     match found.question:
-        case "at most" if found.certainty == "proven" and trial is not None and trial.at_most is not None:
+        case "at most" if found.certainty is Certainty.PROVEN and trial is not None and trial.at_most is not None:
             return f"no motion at this gap is worth more than {number(trial.at_most)}"
         case "at most":
             return "no further motion was found at this gap, which is no proof"
         case "holds":
-            return "every way out is closed" if found.certainty == "proven" else "no way out was found, which is no proof"
+            return (
+                "every way out is closed"
+                if found.certainty is Certainty.PROVEN
+                else "no way out was found, which is no proof"
+            )
     return "by exact geometry; smaller outlines fit all the more"
 
 

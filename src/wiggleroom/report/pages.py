@@ -5,19 +5,12 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
+from msgspec.structs import asdict
 
-from wiggleroom.analysis.allowable_gap import AllowableGap
-from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.audit import Audit
-from wiggleroom.analysis.interlock import Interlock
-from wiggleroom.analysis.rank import Ranking, rank_at_once
-from wiggleroom.analysis.sample import Sample
-from wiggleroom.analysis.sweep import Sweep
-from wiggleroom.analysis.tighten import Tightening
-from wiggleroom.analysis.vary import can_be_ranked
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.compare.monte_carlo import Audit
 from wiggleroom.errors import InputError
-from wiggleroom.freespace.space import FreeSpace
+from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
 from wiggleroom.report.apart import check_facts, check_title
 from wiggleroom.report.apart_picture import Checked
@@ -27,11 +20,19 @@ from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, pictu
 from wiggleroom.report.plots import histogram
 from wiggleroom.report.solid import space_told
 from wiggleroom.report.space import headline as space_headline
-from wiggleroom.report.space import said, space_picture, space_record
+from wiggleroom.report.space import said, space_picture, space_result
 from wiggleroom.report.studies import QUANTILES, lost_sentence, sample_sure
 from wiggleroom.report.told import Json
 from wiggleroom.report.told_studies import check_told, ranking_told, step_told
 from wiggleroom.report.words import headline, number, unit
+from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.perturbation import can_be_ranked
+from wiggleroom.sensitivity.rank import Ranking, rank_at_once
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.separate.interlock import Interlock
 
 
 def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
@@ -183,15 +184,15 @@ def page_of_gap(found: AllowableGap, *, command: str = "") -> str:
 
 def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
     """Free space of a pair as one HTML page: the solid to be turned, slices, cells, and how they were judged."""
-    record = space_record(space, judged, command)
-    cells = [(k + 1, c["walls"], *c["angles_deg"]) for k, c in enumerate(record["cells"])]
+    result = space_result(space, judged, command)
+    cells = [(k + 1, c.walls, *c.angles_deg) for k, c in enumerate(result.cells)]
     sections = [
         section("Picture", svg=space_picture(space, assembly, judged, framed=False)),
-        section("Slices", columns=["turn °", "area mm²"], rows=[(s["angle_deg"], s["area"]) for s in record["slices"]]),
+        section("Slices", columns=["turn °", "area mm²"], rows=[(s.angle_deg, s.area) for s in result.slices]),
         section("Cells", columns=["cell", "walls", "from °", "to °"], rows=cells),
     ]
-    if judged is not None:
-        judgement = [(term, str(value)) for term, value in record["audit"].items()]
+    if result.audit is not None:
+        judgement = [(term, str(value)) for term, value in asdict(result.audit).items()]
         sections.append(section("Judged against polygon intersection", terms=judgement))
     told = {
         "opened": opened(assembly),

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.allowable_gap import AllowableGap
-from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.rank import Ranking
-from wiggleroom.analysis.sample import Sample
-from wiggleroom.analysis.sweep import Sweep
-from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report.apart_picture import Checked
+from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.rank import Ranking
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.sensitivity.tighten import Tightening
 
 
 def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap) -> str:
@@ -29,6 +29,8 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
     >>> print(csv_of(wr.sweep(wr.patterns.chain(2, joint="tee"), [0.02])).splitlines()[0])
     gap,objective,verdict
     """
+    heads: tuple[str, ...]
+    rows: Sequence[Sequence[Any]]
     match found:
         case Answer():
             heads, rows = ("step", *_MOTION), _steps(found.assembly.names, found.waypoints)
@@ -78,7 +80,7 @@ def _escapes(checked: Checked) -> list[tuple[Any, ...]]:
     """Ways of those that leave, one after the other; only parts that have moved."""
     rows = []
     for k, escape in enumerate(checked.found.escapes):
-        moves = escape.path.any(axis=(0, 2))
+        moves = np.asarray(escape.path.any(axis=(0, 2)))
         names = [name for name, move in zip(checked.found.assembly.names, moves, strict=True) if move]
         rows += [(k + 1, *row) for row in _steps(names, escape.path[:, moves])]
     return rows
@@ -102,9 +104,7 @@ def _ranks(ranking: Ranking) -> list[tuple[Any, ...]]:
 def _tightened(found: Tightening) -> list[tuple[Any, ...]]:
     names = found.before.assembly.names
     before, after = (np.hypot(*a.motion[:, :2].T).tolist() for a in (found.before, found.after))
-    return [
-        (k + 1, name, before[names.index(name)], after[names.index(name)]) for k, name in enumerate(found.chosen)
-    ]
+    return [(k + 1, name, before[names.index(name)], after[names.index(name)]) for k, name in enumerate(found.chosen)]
 
 
 def _draws(found: Sample) -> list[tuple[Any, ...]]:

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.assembly.model import rings_at
 from wiggleroom.drawing.assembly_writer import goal_entries
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.report.words import answer_sure, facts, headline, holding
+from wiggleroom.search.answer import Answer, Contact
 
 Json = dict[str, Any]
 

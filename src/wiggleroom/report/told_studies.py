@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from wiggleroom.analysis.interlock import Interlock
-from wiggleroom.analysis.largest_gap import LargestGap
-from wiggleroom.analysis.rank import Ranking
-from wiggleroom.analysis.sweep import Step
 from wiggleroom.report.apart import border_sentence, check_sure, leaves, why
 from wiggleroom.report.ranking import ranking_sure
 from wiggleroom.report.told import Json
 from wiggleroom.report.words import per_gap
+from wiggleroom.sensitivity.rank import Ranking
+from wiggleroom.sensitivity.sweep import Step
+from wiggleroom.separate.interlock import Interlock
+from wiggleroom.separate.largest_gap import LargestGap
 
 
 def ranking_told(ranking: Ranking, command: str) -> Json:
