@@ -255,7 +255,7 @@ def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
         write_whole(tmp_path / "busy", "x")
     with pytest.raises(FileNotFoundError):
         write_whole(tmp_path / "none" / "a", "x")
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.svg", "busy", "link.svg"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.txt", "busy", "link.txt"]
 
 
 @pytest.mark.parametrize("side", [0.0, 0.3, -0.8])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -30,6 +30,7 @@ _Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 Force = Annotated[bool, Parameter(negative="", group=RESULTS)]
 MOVED = (".dxf", ".svg", ".json")
 TABLE = (".csv",)
+PIXELS = (".png", ".gif", ".mp4")
 
 
 @Parameter(name="*", group=RESULTS)
@@ -182,6 +183,10 @@ def tell(
         with bar("frames", "drawing") as count:
             draw(found, outputs.picture, command=command, progress=count)
         note(f"picture: {outputs.picture}")
+        if ending(outputs.picture) in PIXELS:
+            from wiggleroom.report.draw_study import assembly_of
+
+            _note_missing_letters(outputs.picture, assembly_of(found).names)
 
 
 def write_moved(assembly: Assembly, motion: NDArray[np.float64], path: Path | None) -> None:
@@ -230,3 +235,19 @@ def write_picture(made: str, path: Path) -> None:
     else:
         write_svg(made, path)
     note(f"picture: {path}")
+    if ending(path) in PIXELS:
+        _note_missing_letters(path, [made])
+
+
+def _note_missing_letters(path: Path, texts: Iterable[str]) -> None:
+    """Say which letters no font on this machine has."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.report.letters import missing_letters
+
+    letters = missing_letters(texts)
+    if letters:
+        some = letters[:20] + ("..." if len(letters) > 20 else "")
+        note(
+            f"{path}: no font on this machine has the letters {some}; install one, such as Noto Sans, or write .svg, "
+            "where the viewer's fonts are used"
+        )
