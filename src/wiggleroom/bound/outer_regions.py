@@ -19,7 +19,7 @@ from wiggleroom.search.prepare import Survey
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NEAR = 3.0
+PIVOT_REACH = 3.0
 """The pivot of a pair is found from the edges within so many clearances."""
 
 
@@ -53,7 +53,7 @@ def facing_of(
     them: Bodies, geometry: NDArray[np.object_], a: int, b: int, clearance: float
 ) -> tuple[Facing, Floats, float]:
     """Two bodies about the pivot of their joint, the pivot in the frame of body `a`, and its lever [mm]; `geometry` (n,) lies at rest."""
-    pivot, lever = pivot_of(geometry[a], geometry[b], NEAR * clearance)
+    pivot, lever = pivot_of(geometry[a], geometry[b], PIVOT_REACH * clearance)
     x, y, angle = them.rest[a]
 
     def seen(shape: shapely.Geometry) -> shapely.Geometry:

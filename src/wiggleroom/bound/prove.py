@@ -21,7 +21,7 @@ from wiggleroom.search.answer import Answer, Bound
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import survey
 
-CUT = 0.6
+CUTOFF_SHARE = 0.6
 """Motions worth more than the witness by this share of what is asked for are looked for."""
 
 
@@ -108,7 +108,7 @@ def prove(
         return _not_proven(answer, clock, why)
     proof = Step() if certify else None
     bounding = Bounding(
-        ground, links, regions, goal, witness + CUT * aim, clock, lambda most: tell("prove", most), proof
+        ground, links, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most: tell("prove", most), proof
     )
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):

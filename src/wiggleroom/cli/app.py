@@ -22,6 +22,7 @@ from wiggleroom.cli.serve import serve
 from wiggleroom.cli.space import space
 from wiggleroom.cli.sweep import sweep
 from wiggleroom.cli.tighten import tighten
+from wiggleroom.cli.tolerances import tolerances
 from wiggleroom.cli.verify import verify
 
 _HELP = """How far loose interlocking flat parts can move.
@@ -52,7 +53,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, gap, rank, tighten, sweep, sample, space, serve, draw, convert, maker, coupon, verify, bench,
+        flex, check, gap, rank, tighten, sweep, sample, tolerances, space, serve, draw, convert, maker, coupon, verify, bench,
         completion,
     ]  # fmt: skip
     for place, command in enumerate(commands):

@@ -22,7 +22,7 @@ from wiggleroom.freespace.models.pair_hulls import Hulls, hulls
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import hulls_meet
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.answer import Answer
@@ -34,7 +34,7 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LEAST_WAY = 0.5
+WAYPOINT_SPACING = 0.5
 """Way-points are kept where a body has moved by this many clearances since the last."""
 
 
@@ -153,7 +153,7 @@ def answer_from(
         waypoints=part_motions(assembly, bodies, end.motions),
         contacts=(),
         path="checked" if free else "not checked",
-        collision_free=deepest <= SAFE * ready.size,
+        collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
         deepest_overlap=deepest,
         model=ready.model.name,
         solver=solver,
@@ -171,6 +171,6 @@ def thinned(bodies: Bodies, motions: Sequence[Floats], clearance: float) -> Floa
     kept = [motions[0]]
     for motion in motions[1:-1]:
         step = np.abs(motion - kept[-1])
-        if (step[:, :2].max(axis=1) + bodies.radius * step[:, 2]).max() > LEAST_WAY * clearance:
+        if (step[:, :2].max(axis=1) + bodies.radius * step[:, 2]).max() > WAYPOINT_SPACING * clearance:
             kept.append(motion)
     return np.array([*kept, motions[-1]] if len(motions) > 1 else kept)

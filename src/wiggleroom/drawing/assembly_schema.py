@@ -54,7 +54,18 @@ class GapEntry(Entry):
     gap: float
 
 
-class PullEntry(Entry):
+class ToleranceEntry(Entry, omit_defaults=True):
+    """How far a part, one outline of it, or the gap of a joint may lie from where it should."""
+
+    plus: float
+    minus: float
+    part: str | None = None
+    parts: tuple[str, str] | None = None
+    outline: int | None = None
+    nominal: float | None = None
+
+
+class PullEntry(Entry, omit_defaults=True):
     """One term of what is asked: a direction, a turn, or the paper's W."""
 
     part: str
@@ -76,8 +87,25 @@ class FileEntry(Entry):
     glue: list[Any] = []
     ignore: list[Any] = []
     gaps: list[Any] = []
+    tolerances: list[Any] = []
     pull: list[Any] = []
     objective: str | None = None
+
+
+class AssemblyFile(Entry, kw_only=True):
+    """The whole file with everything in it: what its published schema says."""
+
+    format: Literal["wiggleroom/1"]
+    unit: Literal["mm", "cm", "m", "in"] = "mm"
+    gap: float = 0.0
+    shapes: dict[str, ShapeEntry] = {}
+    parts: list[PartEntry]
+    glue: list[list[str]] = []
+    ignore: list[tuple[str, str]] = []
+    gaps: list[GapEntry] = []
+    tolerances: list[ToleranceEntry] = []
+    pull: list[PullEntry] = []
+    objective: Literal["translation", "closer"] | None = None
 
 
 def decode(source: Source) -> Any:

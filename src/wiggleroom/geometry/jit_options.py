@@ -8,9 +8,9 @@ from __future__ import annotations
 
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
 """For functions that make arrays."""
-FILLING = {**OPTIONS, "no_cfunc_wrapper": True, "_nrt": False}
+NO_ALLOCATION = {**OPTIONS, "no_cfunc_wrapper": True, "_nrt": False}
 """For functions that only fill the arrays they are given: without the counting of references they compile much quicker."""
-INNER = {**FILLING, "no_cpython_wrapper": True}
+COMPILED_CALLERS_ONLY = {**NO_ALLOCATION, "no_cpython_wrapper": True}
 """For functions that moreover only compiled code calls."""
-ONCE = {**INNER, "inline": "always"}
+INLINED = {**COMPILED_CALLERS_ONLY, "inline": "always"}
 """For long functions with one caller: compiled as part of it, not twice."""

@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, select
 from wiggleroom.geometry.neighbours import relative_rest
-from wiggleroom.geometry.overlap import SAFE, Overlaps, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, Overlaps, overlaps
 from wiggleroom.program.nonlinear_program import build
-from wiggleroom.program.objectives import NOTHING, Objective
+from wiggleroom.program.objectives import ZERO_MOTION, Objective
 from wiggleroom.search.loop import AGAIN, FINE, Found, Search, silent
 from wiggleroom.search.path_check import strangers
 from wiggleroom.search.prepare import REACH, Prepared
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.solve.interior_point import FIRST_MU, solve
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, solve
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -72,7 +72,7 @@ class State:
     cells: Cells
     inner: Floats
     motion: Floats
-    mu: float = FIRST_MU
+    mu: float = INITIAL_BARRIER
     near: bool = False
     linked: bool = True
     ended: Floats | None = None
@@ -109,7 +109,7 @@ class Warm(Search):
     state: State = field(kw_only=True)
     precise: bool = False
     last: Found | None = None
-    mu: float = FIRST_MU
+    mu: float = INITIAL_BARRIER
     near: bool = False
     done: bool = False
     seen: tuple[Floats, Overlaps] | None = None
@@ -194,7 +194,7 @@ class Warm(Search):
             if motion is None or (not settled and self.objective.value(motion) < self.objective.value(before.motion)):
                 motion = before.motion
             return self._state(motion, before), settled
-        return replace(before, cells=self.cells, inner=self.inner, mu=FIRST_MU), False
+        return replace(before, cells=self.cells, inner=self.inner, mu=INITIAL_BARRIER), False
 
     @property
     def stopped(self) -> bool:
@@ -206,7 +206,7 @@ class Warm(Search):
         motion = found.motion
         if found.solution.status not in ENDED:  # the last iterate may be on its way through a wall; these are not
             motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
-        if self._overlaps(motion).deepest > SAFE * self.ready.size:
+        if self._overlaps(motion).deepest > OVERLAP_TOLERANCE * self.ready.size:
             self.begin()
             self._add_missed(found)
             return None
@@ -271,7 +271,7 @@ def warm(ready: Prepared, objective: Objective, state: State, stop: Stop | None,
 
 def pushed(ready: Prepared, state: State) -> State | None:
     """Return the state with its inner point moved a little, until it is strictly inside all cells; None where that does not help."""
-    program = build(ready.bodies, state.cells, NOTHING, length=ready.clearance)
+    program = build(ready.bodies, state.cells, ZERO_MOTION, length=ready.clearance)
     u, matrix = program.variables(state.inner), factor(program.pattern)
     for _ in range(MOST_PUSHES):
         at = program.linearise(u)

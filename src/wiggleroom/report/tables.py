@@ -18,9 +18,10 @@ from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.sensitivity.worst_case import WorstCase
 
 
-def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap) -> str:
+def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase) -> str:
     """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty.
 
     Examples
@@ -46,9 +47,12 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
             heads, rows = ("draw", "objective", *found.answer.assembly.names), _draws(found)
         case AllowableGap():
             heads, rows = ("gap", "objective", "at_most", "verdict", "path"), _trials(found)
+        case WorstCase():
+            heads, rows = (*_TOLERANCE, "per_mm", "looser_mm", "tighter_mm", "percent"), _contributions(found)
     return text_of(heads, rows)
 
 
+_TOLERANCE = ("kind", "name", "other", "outline", "nominal_mm", "plus_mm", "minus_mm")
 _MOTION = ("part", "dx_mm", "dy_mm", "turn_deg")
 
 
@@ -117,3 +121,14 @@ def _draws(found: Sample) -> list[tuple[Any, ...]]:
 
 def _trials(found: AllowableGap) -> list[tuple[Any, ...]]:
     return [(t.gap, t.value, t.at_most, t.verdict, "checked" if t.checked else "not checked") for t in found.trials]
+
+
+def _contributions(found: WorstCase) -> list[tuple[Any, ...]]:
+    """Tolerances and what each contributes, the largest first."""
+    rows = []
+    for share, one in zip(found.percent.tolist(), found.contributions, strict=True):
+        t = one.tolerance
+        kind = "joint" if len(t.parts) == 2 else "part" if t.outline is None else "outline"
+        names = (*t.parts, "")[:2]
+        rows.append((kind, *names, t.outline, t.nominal, t.plus, t.minus, one.slope, one.looser, one.tighter, share))
+    return rows

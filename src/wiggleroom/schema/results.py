@@ -311,5 +311,51 @@ class GapResult(Struct, tag_field="format", tag="wiggleroom.gap/1", kw_only=True
     command: Command
 
 
-RESULTS = (FlexResult, CheckResult, GapResult, RankResult, TightenResult, SweepResult, SampleResult, SpaceResult)
+class ContributionEntry(Struct, kw_only=True):
+    """What one tolerance does to the motion, the others at their nominal."""
+
+    parts: Annotated[list[str], Meta(description="a part, or the two of a joint")]
+    outline: Annotated[int | None, Meta(description="number of the only outline that is meant")]
+    nominal: Annotated[float | None, Meta(description="[mm]; null: as the drawing has it")]
+    plus: Mm
+    minus: Mm
+    mm_per_mm: Annotated[
+        float, Meta(description="motion gained per mm that the outline lies further in, or the joint is wider")
+    ]
+    looser: Annotated[float, Meta(description="motion gained at the loose end, to first order [mm]")]
+    tighter: Annotated[float, Meta(description="motion lost at the tight end, to first order [mm]")]
+    percent: Percent
+
+
+class CornerEntry(Struct, kw_only=True):
+    """The largest motion at one corner of the tolerances."""
+
+    objective: Objective
+    at_most: AtMost
+    verdict: Verdict
+    path: PathState
+
+
+class TolerancesResult(Struct, tag_field="format", tag="wiggleroom.tolerances/1", kw_only=True):
+    """Worst case within tolerances: `wiggleroom tolerances --json`."""
+
+    objective: Annotated[float | None, Meta(description="with everything where it should be [mm], turns in [rad]")]
+    worst: Annotated[CornerEntry, Meta(description="every outline as far in, every joint as wide, as allowed")]
+    best: Annotated[
+        CornerEntry | None, Meta(description="the other corner; null where parts then do not fit, see misfit")
+    ]
+    misfit: str
+    first_order: Annotated[float, Meta(description="worst case as the sum of all contributions [mm]")]
+    root_sum_square: Annotated[float, Meta(description="the same with independent contributions [mm]")]
+    limit: float | None
+    keeps_limit: bool | None
+    certainty: Certainty
+    stopped: bool
+    contributions: Annotated[list[ContributionEntry], Meta(description="the largest first")]
+    command: Command
+
+
+RESULTS = (
+    FlexResult, CheckResult, GapResult, RankResult, TightenResult, SweepResult, SampleResult, TolerancesResult, SpaceResult,
+)  # fmt: skip
 """All formats."""

@@ -12,7 +12,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import about
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.search.contact_forces import contacts
@@ -30,7 +30,7 @@ def answer_of(search: Search, asked: tuple[Goal, ...], solver: str, began: float
     if found is None:
         raise WiggleroomError("the search ended before its first round")
     search.tell(Progress("check", search.rounds, 0, found.value))
-    way, safe = search.way(found), SAFE * ready.size
+    way, safe = search.way(found), OVERLAP_TOLERANCE * ready.size
     motions, deepest = way.motions, overlaps(ready.bodies, found.motion, ready.barred).deepest
     verdict, value = _verdict(search, found, way.sure), found.value
     sure = way.sure

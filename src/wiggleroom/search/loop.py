@@ -12,14 +12,14 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, joined, replaced, select
 from wiggleroom.geometry.neighbours import relative_rest
-from wiggleroom.geometry.overlap import SAFE, Overlaps, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, Overlaps, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import Touch, touching, wishes
 from wiggleroom.search.congruent_swap import Twin, exchanged, followed, twins
 from wiggleroom.search.path_check import Way, whole_way
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.solve.interior_point import FIRST_MU, Solution
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, Solution
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -127,7 +127,7 @@ class Search:
     inner: Floats = field(init=False)
     legs: tuple[Leg, ...] = ()
     best: Found | None = None
-    first_mu: float = FIRST_MU
+    first_mu: float = INITIAL_BARRIER
     restarts: int = 0
     rounds: int = 0
     iterations: int = 0
@@ -170,7 +170,7 @@ class Search:
                 return
             if self.unlimited:
                 if self._meets_strangers(found):
-                    tolerance, mu = ROUGH, FIRST_MU
+                    tolerance, mu = ROUGH, INITIAL_BARRIER
                     continue
                 return
             best, mu = self.best or found, AGAIN * found.solution.inner_mu
@@ -178,7 +178,7 @@ class Search:
             if gained and len(stale):
                 branches, nearer = None, 0
                 if found.solution.status == "failed":  # still on its way: go on in larger steps
-                    tolerance, mu = ROUGH, FIRST_MU
+                    tolerance, mu = ROUGH, INITIAL_BARRIER
                 self._rebuild(found, stale)
             elif tolerance == ROUGH and found.value >= best.value - ROUGH * abs(best.value):
                 tolerance = fine
@@ -199,7 +199,7 @@ class Search:
                     if self._add_missed(best):
                         self.best = branches = None
                     elif self.thorough and self._meets_strangers(best):
-                        tolerance, mu, branches = ROUGH, FIRST_MU, None
+                        tolerance, mu, branches = ROUGH, INITIAL_BARRIER, None
                     else:
                         return
                     continue
@@ -291,7 +291,7 @@ class Search:
             bodies, cells = self.ready.bodies, found.program.cells
             legs = [(leg.program, leg.points) for leg in (*found.legs, found.leg(found.solution.u))]
             known = cells.a * len(bodies.fixed) + cells.b
-            slack = 0.1 * SAFE * self.ready.size
+            slack = 0.1 * OVERLAP_TOLERANCE * self.ready.size
             self.checked = found, whole_way(bodies, self.ready.arm, legs, known, self.ready.barred, slack)
         return self.checked[1]
 

@@ -18,7 +18,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.geometry.offset_bodies import moved
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build
@@ -31,7 +31,7 @@ from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
-FINE = 1e-10
+FINE_TOLERANCE = 1e-10
 """Share of the objective that a program solved for a difference may leave on the table."""
 
 
@@ -98,7 +98,7 @@ def can_be_ranked(answer: Answer) -> bool:
 def base(ready: Prepared, found: Found) -> Base:
     """What variations start from: the last program of a search, solved to ten digits."""
     program, solution = found.program, found.solution
-    finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE)
+    finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE_TOLERANCE)
     solution = finer if finer.status is SolverStatus.CONVERGED else solution
     value = program.objective.value(program.motion(solution.u))
     return Base(ready, program, solution, program.motion(found.solution.inner), value)
@@ -112,9 +112,9 @@ def follow(base: Base, inward: Floats) -> float:
     old = base.program
     bodies = moved(old.bodies, inward)
     program = build(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
-    solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE)
+    solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
     motion = program.motion(solution.u)
-    overlapping = overlaps(bodies, motion, base.ready.barred).deepest > SAFE * base.ready.size
+    overlapping = overlaps(bodies, motion, base.ready.barred).deepest > OVERLAP_TOLERANCE * base.ready.size
     return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
 
 
@@ -137,7 +137,7 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
     found = finder.best
     if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return afresh(ready.assembly, goals, inward)
-    if overlaps(bodies, found.motion, ready.barred).deepest > SAFE * ready.size:
+    if overlaps(bodies, found.motion, ready.barred).deepest > OVERLAP_TOLERANCE * ready.size:
         return afresh(ready.assembly, goals, inward)
     return Varied(found.value, Verdict.OPTIMAL)
 

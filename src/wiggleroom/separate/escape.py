@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.separate.closed_pairs import BOXES, Links, links, surer
@@ -145,6 +145,6 @@ def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
     whole = np.concatenate([way, out[None], back])
     deepest = max(overlaps(bodies, m, ready.barred).deepest for m in whole)
     none = np.zeros(0, dtype=np.int64)
-    if deepest > SAFE * ready.size:
+    if deepest > OVERLAP_TOLERANCE * ready.size:
         return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none, 0)
     return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, 0)

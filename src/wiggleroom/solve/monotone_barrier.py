@@ -12,23 +12,23 @@ from numpy.typing import NDArray
 from wiggleroom.program.nonlinear_program import Linearised
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.newton_step import TINY_SHIFT, State, dot, longest, newton
+from wiggleroom.solve.newton_step import MIN_SHIFT, State, dot, longest, newton
 
 Floats = NDArray[np.float64]
 
-FRACTION = 0.995
+FRACTION_TO_BOUNDARY = 0.995
 """Share of the way to the nearest wall that a step may use."""
-LESS = 0.2
+BARRIER_REDUCTION = 0.2
 """mu becomes this share of itself when the problem at one mu is solved."""
-SOLVED = 10.0
+SUBPROBLEM_TOLERANCE = 10.0
 """A problem is solved when its residual is below this multiple of mu."""
-DOWNHILL = 1e-4
+ARMIJO_SHARE = 1e-4
 """Share of the foreseen descent that a step must bring."""
-APART = 1e8
+MAX_MULTIPLIER_RATIO = 1e8
 """A multiplier may differ from mu / slack by this factor."""
-MOST_HALVINGS = 40
-LONGEST_STRIDE = 1024.0
-FREE = 1e-3
+MAX_BACKTRACKS = 40
+MAX_STRIDE = 1024.0
+MAX_FREE_SHIFT = 1e-3
 """A diagonal strengthened by more than this keeps steps short; then longer ones are tried."""
 
 
@@ -49,14 +49,17 @@ class Careful:
 
     def __init__(self, matrix: Factor, retraction: Retraction, mu: float, farthest: float) -> None:
         self._matrix, self._retraction, self._mu, self._farthest = matrix, retraction, mu, farthest
-        self._shift = TINY_SHIFT
+        self._shift = MIN_SHIFT
 
     def advance(self, state: State, primal: Floats, dual: Floats, least: float) -> bool:
         """Improve the state by one step; False where nothing does. mu stays above `least`."""
         s, lam, at = state.s, state.lam, state.at
         wrong = float(np.abs(dual).max(initial=0.0))
-        while self._mu > least and max(wrong, np.abs(s * lam - self._mu).max(initial=0.0)) < SOLVED * self._mu:
-            self._mu = max(LESS * self._mu, least)
+        while (
+            self._mu > least
+            and max(wrong, np.abs(s * lam - self._mu).max(initial=0.0)) < SUBPROBLEM_TOLERANCE * self._mu
+        ):
+            self._mu = max(BARRIER_REDUCTION * self._mu, least)
         mu, shift = self._mu, self._shift
         data = at.condensed(lam / s, lam, self._retraction.balance(dual, at), 1.0 / state.unit)
         while not self._matrix.update(data, shift + state.pull_home):
@@ -64,20 +67,20 @@ class Careful:
         du, ds, dlam = newton(state, self._matrix, primal, dual, mu - s * lam)
         far = float(np.abs(du).max(initial=0.0))
         share = min(_to_the_wall(s, ds), 1.0, self._farthest / far if far > 0 else 1.0)
-        if not _descend(state, self._retraction, du, share, mu, strides=shift > FREE):
+        if not _descend(state, self._retraction, du, share, mu, strides=shift > MAX_FREE_SHIFT):
             return False
         reach = longest(lam, dlam)
-        lam = lam + (FRACTION * reach if reach < 1 else 1.0) * dlam
-        state.lam = np.clip(lam, mu / (APART * state.s), APART * mu / state.s)
+        lam = lam + (FRACTION_TO_BOUNDARY * reach if reach < 1 else 1.0) * dlam
+        state.lam = np.clip(lam, mu / (MAX_MULTIPLIER_RATIO * state.s), MAX_MULTIPLIER_RATIO * mu / state.s)
         state.move = du
-        self._shift = TINY_SHIFT if shift <= 1e-8 else shift / 3
+        self._shift = MIN_SHIFT if shift <= 1e-8 else shift / 3
         return True
 
 
 def _to_the_wall(s: Floats, ds: Floats) -> float:
     """Share of a step that uses up FRACTION of the room to the nearest wall, as the rows' derivatives foresee it."""
     shrinking = ds < 0
-    return FRACTION * float((-s[shrinking] / ds[shrinking]).min()) if shrinking.any() else np.inf
+    return FRACTION_TO_BOUNDARY * float((-s[shrinking] / ds[shrinking]).min()) if shrinking.any() else np.inf
 
 
 def _descend(state: State, retraction: Retraction, du: Floats, share: float, mu: float, strides: bool) -> bool:
@@ -85,17 +88,17 @@ def _descend(state: State, retraction: Retraction, du: Floats, share: float, mu:
     here, weight = state.at, state.pull_home
     now = _barrier(here, state.u, mu, state.unit, weight)
     slope = dot(weight * state.u - here.gradient / state.unit - here.against(mu / here.h), du)
-    for _ in range(MOST_HALVINGS):
+    for _ in range(MAX_BACKTRACKS):
         u = retraction.step(state.u, share * du, here)
         at = here.program.linearise(u)
         after = _barrier(at, u, mu, state.unit, weight)
-        if after <= now + DOWNHILL * share * min(slope, 0.0) + 1e-13 * abs(now):
+        if after <= now + ARMIJO_SHARE * share * min(slope, 0.0) + 1e-13 * abs(now):
             break
         share /= 2
     else:
         return False
     longer = 4 * share
-    while strides and longer <= LONGEST_STRIDE:
+    while strides and longer <= MAX_STRIDE:
         v = retraction.step(state.u, longer * du, here)
         further = here.program.linearise(v)
         value = _barrier(further, v, mu, state.unit, weight)

@@ -12,7 +12,7 @@ from wiggleroom.solve.factorisation import Factor
 
 Floats = NDArray[np.float64]
 
-TINY_SHIFT = 1e-11
+MIN_SHIFT = 1e-11
 """Added to the diagonal always."""
 
 
@@ -27,7 +27,7 @@ class State:
     unit: float
     move: Floats
     home: float
-    shift: float = TINY_SHIFT
+    shift: float = MIN_SHIFT
     stride: float = 1.0
     way: list[Floats] = field(default_factory=list)
 

@@ -11,9 +11,9 @@ from wiggleroom.solve.newton_step import State
 
 Floats = NDArray[np.float64]
 
-LEAST = 1e-4
+MIN_CURVATURE = 1e-4
 """Curvature upwards [objective's unit per clearance squared] that counts."""
-POWER_STEPS = 6
+POWER_ITERATIONS = 6
 
 
 def uphill(state: State, matrix: Factor, tolerance: float) -> Floats | None:
@@ -23,13 +23,13 @@ def uphill(state: State, matrix: Factor, tolerance: float) -> Floats | None:
     vector of its least eigenvalue runs along the walls.
     """
     data = state.at.condensed(state.lam / state.s, state.lam, share=1.0 / state.unit)
-    shift = max(LEAST, 10 * tolerance * max(abs(state.at.value) / state.unit, 1.0))
+    shift = max(MIN_CURVATURE, 10 * tolerance * max(abs(state.at.value) / state.unit, 1.0))
     if matrix.update(data, shift):
         return None
     while not matrix.update(data, shift):
         shift *= 2
     v = np.random.default_rng(0).standard_normal(len(state.u))
-    for _ in range(POWER_STEPS):
+    for _ in range(POWER_ITERATIONS):
         v = matrix.solve(v / np.abs(v).max())
     return v / np.abs(v).max()
 

@@ -21,13 +21,13 @@ Floats = NDArray[np.float64]
 Shapes = dict[tuple[float, float], Floats]
 Ints = NDArray[np.int64]
 
-COARSE = 0.15
+FIRST_BLUR = 0.15
 """The first intervals blur outer slices by this share of the clearance."""
-WIDEST = 0.05
+MAX_HALF_WIDTH = 0.05
 """Half of the widest interval [rad]."""
-SPLIT = 4
+REFINEMENT_FACTOR = 4
 """Intervals are refined into so many."""
-MOST_TURNS = 1100
+MAX_INTERVALS = 1100
 """So many intervals are looked at to see whether B can turn all the way round."""
 
 
@@ -135,7 +135,7 @@ def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
     limit : float [mm]
         The pivot is followed so far.
     """
-    half = min(COARSE * facing.clearance / (2 * lever), WIDEST)
+    half = min(FIRST_BLUR * facing.clearance / (2 * lever), MAX_HALF_WIDTH)
     window = min(4 * facing.clearance, limit)
     while True:
         found = _followed(facing, half, window)
@@ -143,8 +143,10 @@ def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
             break
         if found and window < limit:
             window = min(2 * window, limit)
-        elif not found and SPLIT * np.pi / half < MOST_TURNS:  # perhaps it only seems to turn all the way round
-            half /= SPLIT
+        elif (
+            not found and REFINEMENT_FACTOR * np.pi / half < MAX_INTERVALS
+        ):  # perhaps it only seems to turn all the way round
+            half /= REFINEMENT_FACTOR
         else:
             return None
     order = sorted(found)
@@ -210,7 +212,7 @@ def refined(outer: Outer, wanted: Ints) -> Outer:
     lows, highs, pieces = [], [], []
     cut = np.isin(np.arange(len(outer.low)), wanted)
     for k, mine in enumerate(outer.pieces):
-        ends = np.linspace(outer.low[k], outer.high[k], SPLIT + 1 if cut[k] else 2)
+        ends = np.linspace(outer.low[k], outer.high[k], REFINEMENT_FACTOR + 1 if cut[k] else 2)
         for one, other in pairwise(ends):
             left = mine
             if cut[k]:

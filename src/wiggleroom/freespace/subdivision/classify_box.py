@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from wiggleroom.geometry.jit_options import INNER, OPTIONS
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS
 
 DEEPEST_TREE = 96
 """Room for the nodes that wait while a tree is walked."""
@@ -19,7 +19,7 @@ MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
 FOUND, CLOSED, SPENT = 0, 1, 2
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def depth_at(x, y, edge, normal, disc, kid, stack):
     """Signed distance of a point from the boundary, negative inside the material.
 
@@ -62,7 +62,7 @@ def depth_at(x, y, edge, normal, disc, kid, stack):
     return sign * best
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces):
     """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad]."""
     c, s = np.cos(turn), np.sin(turn)
@@ -179,7 +179,7 @@ def beside(n, middle, level, first, wrap, out):
     return found
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _sift_up(heap_cost, heap, k):
     while k > 0:
         up = (k - 1) // 2
@@ -190,7 +190,7 @@ def _sift_up(heap_cost, heap, k):
         k = up
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _sift_down(heap_cost, heap, count):
     k = 0
     while True:
