@@ -31,6 +31,8 @@ Question = Literal["at most", "holds", "fits"]
 
 WITHIN = 1e-3
 """Both sides end no further apart than this share of the gap."""
+EXACT = 1e-6
+"""The same where nothing but geometry is asked."""
 NEAR = 1e-2
 """A gap that is proven is the answer where it lies no further than this share below a gap that fails."""
 SMALLEST = 1e-5
@@ -409,14 +411,14 @@ def _fitting(assembly: Assembly, larger: float) -> AllowableGap:
     while at(high).verdict == "overlaps" and high < 4 * size:
         low, high = high, 2 * high
     if at(high).verdict == Verdict.NOT_MAKEABLE:
-        while high - low > WITHIN * high and at((low + high) / 2).verdict != "fits":
+        while high - low > EXACT * high and at((low + high) / 2).verdict != "fits":
             middle = (low + high) / 2
             low, high = (middle, high) if at(middle).verdict == "overlaps" else (low, middle)
         high = (low + high) / 2
     if at(high).verdict != "fits":
         why = "no gap makes room: parts overlap at every gap at which they can be made"
         return _fits(assembly, larger, None, low, trials, why)
-    while high - low > WITHIN * high:
+    while high - low > EXACT * high:
         middle = (low + high) / 2
         low, high = (low, middle) if at(middle).verdict == "fits" else (middle, high)
     return _fits(assembly, larger, high, low, trials, "")
