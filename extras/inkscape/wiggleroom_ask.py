@@ -90,7 +90,8 @@ class Ask(inkex.EffectExtension):
             for name in (one.get("inkscape:label"), one.get("id")):
                 if name in names:
                     return name
-        raise inkex.AbortExtension(f"The selected object is none of the parts: {', '.join(sorted(names))}")
+        msg = f"The selected object is none of the parts: {', '.join(sorted(names))}"
+        raise inkex.AbortExtension(msg)
 
     def _run(self, words: list[str]) -> subprocess.CompletedProcess[str]:
         """Run the command line."""
