@@ -39,10 +39,12 @@ SMALLEST = 1e-5
 """No gap below this share of the drawing's size is tried."""
 START = 1e-2
 """Where the drawing gives no gap, the search begins at this share of its size."""
-PROOF_SECONDS = 30.0
+PROOF_SECONDS = 10.0
 """Time that proofs may take where no time was given [s]."""
 BELOW = (0.004, 0.02, 0.08, 0.3)
 """Shares below the border at which a proof is tried, one after the other."""
+FINEST = 2e-3
+"""No proof is tried that would have to come nearer to the motion than this share of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,20 +222,20 @@ class _MotionBorder:
                 return gap
             if trial.verdict == Verdict.TOUCHING:
                 break
-            value = trial.value
-            gap *= 0.95 * self.limit / value if value is not None and self.limit < value < math.inf else 0.5
+            value, first = trial.value, len(self.trials) == 1
+            gap *= 0.95 * self.limit / value if first and value is not None and value < math.inf else 0.5
         if self._keeps(self._at(0.0)):
             return 0.0
         return None
 
     def _above(self, low: float, size: float) -> tuple[float | None, str]:
         """A gap at which a larger motion was found, or None and why there is none."""
-        gap = low or START * size
-        made = low
+        gap, made, step = low or START * size, low, 0.0
         while not self.deadline.is_set():
             value = self.trials[low].value
-            ratio = 1.02 * self.limit / value if gap == low and value else 2.0
-            gap = gap * min(max(ratio, 1.02), 4.0)
+            share = min(max(1.02 * self.limit / value - 1, 0.02), 3.0) if value else 1.0
+            step = 2 * step or gap * share
+            gap += step
             trial = self._at(gap)
             if self._fails(trial):
                 return gap, ""
@@ -284,10 +286,11 @@ class _MotionBorder:
             trial = self._at(gap)
             if trial.at_most is not None and trial.at_most <= self.limit:
                 return gap
-            if share and trial.answer is not None and trial.value and not limit.is_set():
+            within = self.limit / trial.value - 1 if trial.value else 0.0
+            if trial.answer is not None and within >= FINEST and not limit.is_set():
                 try:
                     most = prove(
-                        trial.answer, min(0.9 * (self.limit / trial.value - 1), 9.0), seconds=limit.left / 2,
+                        trial.answer, min(0.9 * within, 9.0), seconds=limit.left / 2,
                         stop=limit, progress=self.progress,
                     ).at_most  # fmt: skip
                 except (InputError, MissingExtraError):  # sums of squares have no bound, or the extra is not there
