@@ -116,8 +116,10 @@ def test_a_sum_of_squares_is_searched_and_says_so() -> None:
 
 def test_a_joint_of_its_own_gap_stays() -> None:
     drawing = replace(peg_in_slot(), gaps=(JointGap(("rim", "peg"), 0.4),))
-    found = wr.allowable_gap(assemble(drawing, gap=0.1), at_most=10.0)
-    assert found.beyond is None  # the only joint does not follow the gap
+    found = wr.allowable_gap(assemble(drawing, gap=0.1), Pull("peg", (-1.0, 0.0)), at_most=0.5)
+    assert found.gap is not None
+    assert found.gap > 1
+    assert found.beyond is None  # on the left the joint's own gap stays, whatever the gap is
     assert found.why
 
 
