@@ -123,7 +123,9 @@ def test_a_joint_of_its_own_gap_stays() -> None:
     assert found.why
 
 
-@pytest.mark.parametrize(("larger", "side", "truth"), [(0.1, 0.0, 0.2), (0.3, 0.2, 0.4), (0.1, 0.2, 0.0), (0.0, 0.0, 0.0)])
+@pytest.mark.parametrize(
+    ("larger", "side", "truth"), [(0.1, 0.0, 0.2), (0.3, 0.2, 0.4), (0.1, 0.2, 0.0), (0.0, 0.0, 0.0)]
+)
 def test_the_smallest_gap_that_fits(larger: float, side: float, truth: float) -> None:
     found = wr.allowable_gap(assemble(peg_in_slot(right=3.0, side=side), gap=0.5), fits=larger)
     assert found.gap == pytest.approx(truth, rel=2e-6, abs=1e-9)

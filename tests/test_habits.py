@@ -35,7 +35,9 @@ def run(
     return here
 
 
-@pytest.mark.parametrize("words", [["--json"], ["--json", "--gap", "0.03"], ["--json", "-"], ["--gap", "0.03", "--json"]])
+@pytest.mark.parametrize(
+    "words", [["--json"], ["--json", "--gap", "0.03"], ["--json", "-"], ["--gap", "0.03", "--json"]]
+)
 def test_json_alone_goes_to_stdout(run: Run, words: list[str]) -> None:
     code, out, err = run("flex", "chain.json", *words)
     assert (code, err) == (0, "")
@@ -45,7 +47,9 @@ def test_json_alone_goes_to_stdout(run: Run, words: list[str]) -> None:
 
 def test_json_before_a_drawing_reads_the_drawing(run: Run) -> None:
     svg = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewBox="0 0 20 10">'
-    Path("two.svg").write_text(f'{svg}<path id="a" fill="red" d="M0 0H10V10H0z"/><path id="b" d="M10 0H20V10H10z"/></svg>')
+    Path("two.svg").write_text(
+        f'{svg}<path id="a" fill="red" d="M0 0H10V10H0z"/><path id="b" d="M10 0H20V10H10z"/></svg>'
+    )
     code, out, _ = run("check", "--json", "two.svg", "--gap", "0.1")
     assert code == 1
     assert json.loads(out)["verdict"] == "comes apart"

@@ -17,6 +17,7 @@ ORDER = [
     "drawing",
     "assembly",
     "geometry",
+    "audit",
     "freespace",
     "program",
     "solve",

@@ -151,7 +151,10 @@ def test_the_command_lists_who_contributes(
     assert "3.26 mm at worst" in said
     assert "3.25 mm is not kept (proven)" in said
     rows = list(csv.DictReader(out["csv"].read_text().splitlines()))
-    assert [(row["kind"], row["name"], row["outline"]) for row in rows] == [("outline", "rim", "2"), ("part", "peg", "")]
+    assert [(row["kind"], row["name"], row["outline"]) for row in rows] == [
+        ("outline", "rim", "2"),
+        ("part", "peg", ""),
+    ]
     assert float(rows[0]["looser_mm"]) == pytest.approx(0.04, rel=1e-4)
     told = json.loads(out["json"].read_text())
     assert told["format"] == "wiggleroom.tolerances/1"

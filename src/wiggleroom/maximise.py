@@ -23,7 +23,10 @@ from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.loop import Found, Progress, Search, silent
+from wiggleroom.search.global_search import search_on
+from wiggleroom.search.incumbent import Incumbent, at_rest
+from wiggleroom.search.loop import LocalSearch, Progress, silent
+from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import solver_named
@@ -160,6 +163,7 @@ def witness(
     model: str | PairModel | None = None,
     solver: str = "interior-point",
     start: Answer | None = None,
+    starts: int = 0,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
@@ -177,29 +181,28 @@ def witness(
             raise InputError("start: only the model walls begins at an earlier answer; leave it out")
         return _approximately(ready, asked, solver, stop, tell, time.perf_counter() - began)
     goal = ready.objective(asked)
-    search = Search(ready, goal, solve, stop, tell)
+    search = LocalSearch(ready, goal, solve, THOROUGH, stop, tell)
     search.seconds["freespace"] += time.perf_counter() - began
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
         return _from_several(search, first, asked, solver, began)
-    if start is not None:
-        search.resume(_trail(start, ready))
-    search.run()
+    search.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
+    if starts:
+        search, effort = search_on(search, starts)
+        return replace(answer_of(search, asked, solver, began), search=effort)
     return answer_of(search, asked, solver, began)
 
 
 def _from_several(
-    search: Search, first: Sequence[Objective], asked: tuple[Goal, ...], solver: str, began: float
+    search: LocalSearch, first: Sequence[Objective], asked: tuple[Goal, ...], solver: str, began: float
 ) -> Answer:
     """Best answer of searches that begin at the ends of several pulls, for objectives without a direction at rest."""
     answers = []
     for pull in first:
-        way_out = Search(search.ready, pull, search.solve, search.stop, search.tell)
-        way_out.run()
-        again = Search(search.ready, search.objective, search.solve, search.stop, search.tell)
-        if way_out.best is not None:
-            again.resume(way_out.best)
-        again.run()
+        way_out = LocalSearch(search.ready, pull, search.solve, THOROUGH, search.stop, search.tell)
+        end = way_out.improve(at_rest(search.ready))
+        again = LocalSearch(search.ready, search.objective, search.solve, THOROUGH, search.stop, search.tell)
+        again.improve(at_rest(search.ready) if end is None else end.start())
         for stage in search.seconds:
             search.seconds[stage] += way_out.seconds[stage] + again.seconds[stage]
         search.rounds += way_out.rounds + again.rounds
@@ -235,9 +238,9 @@ def _approximately(
     return answer_from(ready, asked, solver, end, seconds)
 
 
-def _trail(start: Answer, ready: Prepared) -> Found:
+def _incumbent(start: Answer, ready: Prepared) -> Incumbent:
     """How an earlier answer for the same prepared assembly was found."""
-    if not isinstance(start.trail, Found) or start.trail.program.bodies is not ready.bodies:
+    if start.warm_start is None or start.warm_start.program.bodies is not ready.bodies:
         finding = "start: the earlier answer belongs to another prepared assembly; ask the same one, from prepare()"
         raise InputError(finding)
-    return start.trail
+    return start.warm_start

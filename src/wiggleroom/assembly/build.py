@@ -7,10 +7,12 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from wiggleroom.assembly.findings import examine
+from wiggleroom.assembly.findings import examine, opened_overlaps
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.assembly.statements import unknown
-from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.assembly.plausibility import doubts
+from wiggleroom.assembly.statements import PartNames, unknown
+from wiggleroom.drawing.layers import ReadOptions
+from wiggleroom.drawing.model import Drawing, Goal, part_of
 from wiggleroom.errors import InputError
 
 
@@ -71,6 +73,17 @@ def assemble(
     return Assembly(made, used)
 
 
+def with_notes(assembly: Assembly) -> Assembly:
+    """The same with notes on what looks odd: parts drawn into each other that the gap opens, a gap or a size that may not be meant."""
+    drawing = assembly.drawing
+    if not drawing.source:
+        return assembly
+    drawn = not drawing.source.lower().endswith(".json")  # outlines in an assembly file are meant
+    lines = [f"{drawing.source}: {line}" for line in doubts(drawing, drawn=drawn)]
+    opened = opened_overlaps(drawing) if drawn else ()
+    return Assembly(assembly.parts, replace(drawing, notes=(*drawing.notes, *opened, *lines)))
+
+
 def read(
     path: str | PathLike[str],
     gap: float | None = None,
@@ -78,13 +91,17 @@ def read(
     flatten: float | None = None,
     fix: Sequence[str] = (),
     goals: Sequence[Goal] = (),
+    only: Sequence[str] = (),
+    skip: Sequence[str] = (),
+    join: float | None = None,
+    solid: Sequence[str] = (),
 ) -> Assembly:
     """Assembly from a file: `wiggleroom.drawing.read_drawing`, then `assemble`.
 
     Parameters
     ----------
     path : str or path
-        Assembly file (.json) or drawing (.svg, .dxf).
+        Assembly file (.json) or drawing (.svg, .dxf, .lbrn2).
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional
@@ -92,7 +109,13 @@ def read(
     flatten : float, optional [mm]
         Largest distance between a curve and the straight edges that replace it.
     fix, goals
-        As for `assemble`.
+        As for `assemble`; a part may also be given by a point of it, as "@12,30" [mm].
+    only, skip : sequence of str
+        Layers, colours or names of a drawing that alone are read, or that are left out.
+    join : float, optional [mm]
+        Open ends nearer than this are joined.
+    solid : sequence of str
+        Outlines inside others that are parts, not holes: names, points or "all".
 
     Raises
     ------
@@ -101,4 +124,11 @@ def read(
     """
     from wiggleroom.drawing import read_drawing
 
-    return assemble(read_drawing(Path(path), unit=unit, flatten=flatten, gap=gap), gap=gap, fix=fix, goals=goals)
+    named = [name for goal in goals if (name := part_of(goal)) is not None]
+    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named))
+    drawing = read_drawing(Path(path), unit=unit, flatten=flatten, gap=gap, options=options)
+    known = PartNames(drawing)
+    fixed = [known(name) for name in fix]
+    if known.wrong:
+        raise InputError(known.wrong)
+    return with_notes(assemble(drawing, gap=gap, fix=fixed, goals=goals))

@@ -101,23 +101,48 @@ def asked_goals(drawing: Drawing, goals: Goal | Sequence[Goal] | None) -> tuple[
     return asked
 
 
+def opened_overlaps(drawing: Drawing) -> tuple[str, ...]:
+    """Note parts that overlap as drawn, where the gap opens that.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
+    >>> opened_overlaps(Drawing((Part("a", (square,)), Part("b", (square,), at=(1.99, 0.0, 0.0))), gap=0.1))
+    ('parts "a" and "b" overlap by 0.01 mm as drawn; the gap of 0.1 opens that',)
+    """
+    pairs = _free_overlaps(drawing, drawing.parts) if drawing.gap > 0 else []
+    lines = [
+        f'parts "{a}" and "{b}" overlap by {depth:.3g} mm as drawn; the gap of {drawing.gap:g} opens that'
+        for a, b, depth in pairs
+        if depth > _ROUNDING * drawing.gap
+    ]
+    more = [f"{len(lines) - _MOST_LINES} more pairs overlap as drawn; the gap opens that"]
+    return _located(drawing, lines if len(lines) <= _MOST_LINES else [*lines[:_MOST_LINES], *more])
+
+
+_ROUNDING = 0.041
+"""Parts that share a curve may overlap by its chord error, a fiftieth of the gap on either side."""
+_MOST_LINES = 5
+
+
 def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
     """One line per pair that overlaps at rest and may not."""
-    right = "draw them apart, ask for a larger gap, or glue or ignore them"
-    return [
-        f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}'
-        for a, b, depth in _forbidden(drawing, parts)
-    ]
+    found = []
+    for a, b, depth in _free_overlaps(drawing, parts):
+        right = f"draw them apart, ask for a larger gap, or --glue {a},{b} or --ignore {a},{b}"
+        found.append(f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}')
+    return found
 
 
-def _forbidden(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:
-    """Pairs that overlap at rest and may not, with depth [mm]."""
+def _free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:
+    """Names of parts that overlap at rest and are neither glued nor ignored, and how deep [mm]."""
     group = glue_groups(drawing)
     ignored = {frozenset(pair) for pair in drawing.ignore}
-    named = [(parts[i].name, parts[j].name, depth) for i, j, depth in overlaps(parts)]
+    found = [(parts[i].name, parts[j].name, depth) for i, j, depth in overlaps(parts)]
     return [
         (a, b, depth)
-        for a, b, depth in named
+        for a, b, depth in found
         if frozenset((a, b)) not in ignored and not (a in group and group[a] == group.get(b))
     ]
 
@@ -145,4 +170,4 @@ def overlap_depth(drawing: Drawing, *, gap: float, offset: Mapping[str, float]) 
     parts = tuple(replace(p, offset=p.offset + offset.get(p.name, 0.0)) for p in drawing.parts)
     used = replace(drawing, parts=parts, gap=gap)
     made, gone = make(used)
-    return None if gone else max((depth for *_, depth in _forbidden(used, made)), default=0.0)
+    return None if gone else max((depth for *_, depth in _free_overlaps(used, made)), default=0.0)

@@ -18,13 +18,15 @@ FAR = 0.02
 """A part is alone where the next one is further than this share of its own size, and than four gaps."""
 
 
-def doubts(drawing: Drawing) -> tuple[str, ...]:
+def doubts(drawing: Drawing, *, drawn: bool = True) -> tuple[str, ...]:
     """One line for each number that looks as if something else was meant.
 
     Parameters
     ----------
     drawing : Drawing [mm]
         Sound, as from an assembly.
+    drawn : bool
+        False: outlines come from numbers that are meant; only the gap is doubted.
 
     Examples
     --------
@@ -43,6 +45,8 @@ def doubts(drawing: Drawing) -> tuple[str, ...]:
     np.minimum.at(low, owner, box[:, :2])
     np.maximum.at(high, owner, box[:, 2:])
     sizes = (high - low).min(axis=1)
+    if not drawn:
+        return tuple(_gap_doubts(drawing, sizes))
     return (
         *_size_doubts(float((high.max(axis=0) - low.min(axis=0)).max())),
         *_gap_doubts(drawing, sizes),

@@ -11,7 +11,7 @@ from wiggleroom.cli.check import check
 from wiggleroom.cli.completion import completion
 from wiggleroom.cli.convert import convert
 from wiggleroom.cli.coupon import coupon
-from wiggleroom.cli.draw import draw
+from wiggleroom.cli.draw import draw, parts
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.gap import gap
 from wiggleroom.cli.make import make
@@ -53,7 +53,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, gap, rank, tighten, sweep, sample, tolerances, space, serve, draw, convert, maker, coupon, verify, bench,
+        flex, check, gap, rank, tighten, sweep, sample, tolerances, space, serve, draw, parts, convert, maker, coupon, verify, bench,
         completion,
     ]  # fmt: skip
     for place, command in enumerate(commands):

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from wiggleroom.search.answer import Answer
 
 Places = dict[str, tuple[str | Path | None, tuple[str, ...]]]
-_Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 Force = Annotated[bool, Parameter(negative="", group=RESULTS)]
 MOVED = (".dxf", ".svg", ".json")
 TABLE = (".csv",)
@@ -49,7 +49,7 @@ class PictureOutputs:
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = STUDIES
-    json: _Text = None
+    json: Text = None
     picture: Path | None = None
     force: Force = False
 

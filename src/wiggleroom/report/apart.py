@@ -35,6 +35,7 @@ def check_result(found: Interlock, border: LargestGap | None = None, command: st
         gap=found.assembly.gap,
         largest_gap=largest_gap,
         seconds=round(found.seconds, 4),
+        notes=list(found.assembly.drawing.notes),
         command=command,
     )
 

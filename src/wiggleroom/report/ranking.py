@@ -46,6 +46,7 @@ def rank_result(ranking: Ranking, command: str = "") -> RankResult:
         joints=joints,
         ranges=ranking.ends,
         virtual_percent=float(100 * ranking.virtual),
+        notes=list(answer.assembly.drawing.notes),
         command=command,
     )
 

@@ -38,6 +38,7 @@ def flex_result(answer: Answer) -> FlexResult:
         solver=answer.solver,
         rounds=int(answer.rounds),
         seconds={stage: round(float(spent), 4) for stage, spent in answer.seconds.items()},
+        notes=list(answer.assembly.drawing.notes),
         command=answer.command,
     )
 

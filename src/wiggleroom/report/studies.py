@@ -46,6 +46,7 @@ def tighten_result(found: Tightening, command: str = "") -> TightenResult:
         random=RandomChoices(
             len(found.random), float(np.mean(found.random)) if len(found.random) else None, found.lowered_at_random
         ),
+        notes=list(found.before.assembly.drawing.notes),
         command=command,
     )
 
@@ -84,6 +85,7 @@ def sweep_result(found: Sweep, command: str = "") -> SweepResult:
             SweepEntry(s.gap, s.objective, s.verdict, "checked" if s.checked else "not checked") for s in found.steps
         ],
         lost_between=found.lost,
+        notes=list(found.assembly.drawing.notes),
         command=command,
     )
 
@@ -136,6 +138,7 @@ def sample_result(found: Sample, command: str = "") -> SampleResult:
         yields=YieldEntry(good, float(low), float(high)),
         contributions_percent={names[k]: float(share[k]) for k in order},
         checked=CheckedDraws(len(found.checked), found.largest_difference),
+        notes=list(found.answer.assembly.drawing.notes),
         command=command,
     )
 

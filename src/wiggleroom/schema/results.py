@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from wiggleroom.schema.fields import (
@@ -13,6 +14,7 @@ from wiggleroom.schema.fields import (
     Degrees,
     Mm,
     Names,
+    Notes,
     Objective,
     Pair,
     PartMotion,
@@ -60,6 +62,7 @@ class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=Tr
     solver: str
     rounds: Annotated[int, Meta(description="programs that were solved")]
     seconds: Annotated[dict[str, float], Meta(description="time by stage, and in total [s]")]
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -101,6 +104,7 @@ class CheckResult(SeparabilityEntry, tag_field="format", tag="wiggleroom.check/1
     gap: Mm
     largest_gap: LargestGapEntry | UnsetType = UNSET
     seconds: Seconds
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -135,6 +139,7 @@ class RankResult(Struct, tag_field="format", tag="wiggleroom.rank/1", kw_only=Tr
     joints: list[JointImportance]
     ranges: Annotated[str, Meta(description="whether ranges of multipliers are whole or at least so wide")]
     virtual_percent: Annotated[float, Meta(description="share of the force that is held where nothing touches [%]")]
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -158,6 +163,7 @@ class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_o
     limit: float | None
     reached: bool
     random: RandomChoices
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -177,6 +183,7 @@ class SweepResult(Struct, tag_field="format", tag="wiggleroom.sweep/1", kw_only=
     lost_between: Annotated[
         tuple[float, float] | None, Meta(description="gaps [mm] between which the motion loses its end")
     ]
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -231,6 +238,7 @@ class SampleResult(Struct, tag_field="format", tag="wiggleroom.sample/1", kw_onl
     yields: YieldEntry
     contributions_percent: dict[str, float]
     checked: CheckedDraws
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -359,3 +367,27 @@ RESULTS = (
     FlexResult, CheckResult, GapResult, RankResult, TightenResult, SweepResult, SampleResult, TolerancesResult, SpaceResult,
 )  # fmt: skip
 """All formats."""
+
+
+class PartEntry(Struct):
+    """One part as drawn."""
+
+    name: str
+    layer: str
+    x: Annotated[float, Meta(description="reference point [mm]")]
+    y: Mm
+    width: Annotated[float, Meta(description="of the box round it [mm]")]
+    height: Mm
+    area: Annotated[float, Meta(description="[mm2]")]
+    pieces: int
+    holes: int
+    fixed: bool
+
+
+class PartsResult(Struct, tag_field="format", tag="wiggleroom.parts/1", kw_only=True):
+    """What a file holds: `wiggleroom parts --json`."""
+
+    parts: list[PartEntry]
+    notes: Notes
+    findings: Annotated[list[str], Meta(description="what is wrong with the file, one line each")]
+    command: Command

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.global_search import SearchEffort
+from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.verdict import Verdict
 
 
@@ -89,7 +91,9 @@ class Answer(Drawable):
         A value that no motion can exceed, where one was worked out.
     bound : Bound or None
         How that was proven, or why not; None where nobody asked.
-    trail : object
+    search : SearchEffort or None
+        What the search beyond the nearest hill came to; None where there was none.
+    warm_start : Incumbent or None
         How it was found, from which another question about the same prepared assembly can start.
     """
 
@@ -113,7 +117,8 @@ class Answer(Drawable):
     at_most: float | None = None
     bound: Bound | None = None
     command: str = ""
-    trail: object = field(default=None, repr=False)
+    search: SearchEffort | None = None
+    warm_start: Incumbent | None = field(default=None, repr=False)
 
 
 def witnessed(

@@ -58,11 +58,6 @@ class Prepared:
     corners: Ints
     model: Walls = field(default_factory=Walls)
 
-    @property
-    def arm(self) -> Floats:
-        """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
-        return arms(self.assembly, self.bodies)
-
     def objective(self, goals: tuple[Goal, ...]) -> Objective:
         """What the program maximises for some goals."""
         n = len(self.bodies.fixed)
@@ -140,14 +135,6 @@ def survey(assembly: Assembly) -> Survey:
     if len(near.a) and near.clearance.min() < TOUCHING * size:
         _refuse_touching(assembly, them, near, size)
     return Survey(them, geometry, barred, clearance, size, near)
-
-
-def arms(assembly: Assembly, them: Bodies) -> Floats:
-    """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
-    arm = np.zeros(len(them.fixed))
-    away = np.hypot(*(assembly.rest[:, :2] - them.rest[them.body_of, :2]).T)
-    np.maximum.at(arm, them.body_of, away)
-    return arm
 
 
 def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:

@@ -16,7 +16,7 @@ from wiggleroom.program.gap_sensitivity import gains
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.loop import Found
+from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.dual_face import face, is_unique, worths
 from wiggleroom.sensitivity.parallel import Many
@@ -166,7 +166,7 @@ def rank_at_once(answer: Answer) -> Ranking:
     return _by_duals(answer, ended(answer), most_rows=0)
 
 
-def _by_duals(answer: Answer, found: Found, most_rows: int = MOST_ROWS) -> Ranking:
+def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MOST_ROWS) -> Ranking:
     """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
     program, solution = found.program, found.solution
     touch = touching(program, solution.u, solution.lam)

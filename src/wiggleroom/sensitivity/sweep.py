@@ -24,7 +24,9 @@ from wiggleroom.program.objectives import objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.loop import Search, silent
+from wiggleroom.search.incumbent import Start
+from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.solve.interior_point import solve
@@ -202,7 +204,7 @@ def _step(
         return Step(gap, None, Verdict.TOUCHING, False), None
     checked = checked and answer.path == "checked"
     answer = replace(answer, assembly=made, path="checked" if checked else "not checked")
-    step = Step(gap, answer.objective, answer.verdict, checked, replace(answer, trail=None))
+    step = Step(gap, answer.objective, answer.verdict, checked, replace(answer, warm_start=None))
     good = answer.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)
     return step, _State(gap, ready, answer, checked) if good else last
 
@@ -241,10 +243,8 @@ def _from(last: _State, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | N
     """Answer for a larger gap, begun where a smaller one ended."""
     began = time.perf_counter()
     found = ended(last.answer)
-    search = Search(ready, objective(ready.assembly, ready.bodies, goals), solve, stop, silent)
-    search.cells = carried(found.program.cells, found.program.bodies, ready.bodies)
-    search.inner = found.motion
-    search.run()
+    search = LocalSearch(ready, objective(ready.assembly, ready.bodies, goals), solve, THOROUGH, stop)
+    search.improve(Start(carried(found.program.cells, found.program.bodies, ready.bodies), found.motion))
     answer = answer_of(search, goals, "interior-point", began)
     return replace(answer, waypoints=np.concatenate([last.answer.waypoints, answer.waypoints]))
 

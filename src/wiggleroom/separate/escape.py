@@ -10,9 +10,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.separate.closed_pairs import BOXES, Links, links, surer
@@ -143,8 +144,7 @@ def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
     back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]
     back[:, who] = out[who]
     whole = np.concatenate([way, out[None], back])
-    deepest = max(overlaps(bodies, m, ready.barred).deepest for m in whole)
     none = np.zeros(0, dtype=np.int64)
-    if deepest > OVERLAP_TOLERANCE * ready.size:
+    if not audit_path(ready.assembly, of_parts(ready.assembly, bodies, whole)).free:
         return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none, 0)
     return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, 0)

@@ -16,8 +16,8 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.maximise import witness
-from wiggleroom.search.build_answer import part_motions
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import Prepared, prepare
@@ -159,7 +159,7 @@ def check(
             break
         who = np.array([p for b in stage.who for p in ready.bodies.members[b]])
         path = np.repeat(far[None], len(stage.way), 0)
-        path[:, alive] = part_motions(left, ready.bodies, stage.way)
+        path[:, alive] = of_parts(left, ready.bodies, stage.way)
         escapes.append(Escape(tuple(names[np.sort(alive[who])]), path))
         far = np.zeros_like(far)
         gone = np.setdiff1d(np.arange(len(names)), np.delete(alive, who))

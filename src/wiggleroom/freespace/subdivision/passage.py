@@ -17,6 +17,8 @@ DEEPEST = 22
 """Boxes are halved at most this often."""
 ASIDE = np.array([0.0371, 0.0213, 0.0157])
 """The window's middle lies a little beside rest, as a share of its half sides: rest must not lie on the faces of boxes."""
+NOTHING_ASKED = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf, np.inf])
+"""Only the rim is a goal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +60,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
     >>> passage(ring, shapely.box(3.2, 3.2, 5.8, 5.8)).held
     True
     """
-    pivot = _pivot(a, b)
+    pivot = middle_of_contact(a, b)
     one, other = solid(a, pivot), solid(b, pivot)
     scale = np.array([1.1 * (one.radius + other.radius), np.pi])
     origin = ASIDE * scale[[0, 0, 1]]
@@ -68,19 +70,20 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
     pair = (*one.arrays, other.edge, other.disc, other.kid)
     for turning in (True, False):  # first without going round, which is the smaller question
         how, count, length = search(
-            middle, level, state, first, count, origin, scale, DEEPEST, not turning, turning, *pair, way
-        )
+            middle, level, state, first, count, most, origin, scale, DEEPEST, not turning, turning, NOTHING_ASKED, 1,
+            *pair, way,
+        )  # fmt: skip
         if how == CLOSED:
             return Passage(turning, True, None, pivot)
         if how == SPENT:
             break
         if not turning:
-            points = _points(way[:length], middle, level, origin, scale)
-            return Passage(False, False, _shorter(points, pair), pivot)
+            points = way_through(way[:length], middle, level, origin, scale)
+            return Passage(False, False, shorter(points, pair), pivot)
     return Passage(False, False, None, pivot)
 
 
-def _pivot(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
+def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
     """Middle of the place where both are nearest: points there are carried least far by a turn about it."""
     apart = shapely.distance(a, b)
     near = shapely.intersection(shapely.boundary(b), shapely.buffer(a, 3 * apart))
@@ -88,7 +91,9 @@ def _pivot(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
     return (box[:2] + box[2:]) / 2
 
 
-def _points(way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats) -> Floats:
+def way_through(
+    way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
+) -> Floats:
     """Way-points: rest, middles of boxes and of the faces between them, turns unwrapped."""
     box, half = middle[way].copy(), 0.5 ** level[way]
     for k in range(1, len(box)):
@@ -100,7 +105,7 @@ def _points(way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], or
     return np.vstack([np.zeros(3), origin + points * scale[[0, 0, 1]]])
 
 
-def _shorter(points: Floats, pair: tuple) -> Floats:
+def shorter(points: Floats, pair: tuple) -> Floats:
     """The way without the detours from box to box: as long straight pieces as are certainly free."""
     kept, k = [0], 0
     while k < len(points) - 1:
