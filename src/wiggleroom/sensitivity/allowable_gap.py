@@ -208,6 +208,7 @@ class _MotionBorder:
         if low is None:
             return self._answer(None, self._least_trial_words())
         high, why = self._above(low, size)
+        low = max(t.gap for t in self.trials.values() if self._keeps(t) and (high is None or t.gap < high))
         if high is not None:
             low, high = self._narrow(low, high)
         proven = self._proven(low)
