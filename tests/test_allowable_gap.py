@@ -153,6 +153,13 @@ def test_fits_of_slanted_parts_by_shapely(seed: int) -> None:
     assert found.gap == 0 or area(found.gap * 0.999) > 0
 
 
+def test_no_gap_holds_what_slides_apart() -> None:
+    found = wr.allowable_gap(wr.patterns.chain(2, joint="finger", gap=0.02), holds=True)
+    assert found.gap is None
+    assert found.beyond is not None
+
+
+@pytest.mark.slow
 def test_holds_agrees_with_the_largest_gap() -> None:
     assembly = wr.patterns.chain(2, joint="tee", gap=0.05)
     found, border = wr.allowable_gap(assembly, holds=True), wr.largest_gap(assembly)

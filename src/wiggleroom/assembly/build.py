@@ -64,7 +64,7 @@ def assemble(
     used = replace(
         drawing,
         parts=parts,
-        gap=drawing.gap if gap is None else gap,
+        gap=float(drawing.gap if gap is None else gap),
         goals=tuple(goals) or drawing.goals,
     )
     made, findings = examine(used)

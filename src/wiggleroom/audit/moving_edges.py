@@ -10,9 +10,8 @@ all along it if (sqrt g + sqrt h)^2 is more than half that bound. Where this sho
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 MOST_HALVINGS = 40
 MOST_PIECES = 20_000

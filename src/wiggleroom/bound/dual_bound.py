@@ -28,9 +28,8 @@ from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_rest
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
-from wiggleroom.search.answer import Answer, Bound
+from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.incumbent import Incumbent
-from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -47,7 +46,7 @@ def with_quick_bound(answer: Answer) -> Answer:
     """The answer with a bound, where that takes less work than the answer did and says something."""
     began = time.perf_counter()
     found = answer.warm_start
-    if not answer.objective or answer.verdict not in (Verdict.OPTIMAL, Verdict.STATIONARY):
+    if answer.bound is not None or not answer.objective or not answer.verdict.ends:
         return answer
     if found is None or not isinstance(found.program.objective, PointMotion):
         return answer
@@ -58,7 +57,7 @@ def with_quick_bound(answer: Answer) -> Answer:
     if most is None or not answer.objective <= most <= MAX_BOUND_RATIO * answer.objective:
         return replace(answer, seconds=seconds)
     bound = Bound(most, most / answer.objective - 1, spent, kind="quick")
-    return replace(answer, at_most=most, bound=bound, seconds=seconds)
+    return with_bound(replace(answer, seconds=seconds), bound)
 
 
 def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float | None:

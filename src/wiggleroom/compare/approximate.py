@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.halfspaces import Faces
 from wiggleroom.freespace.models.pair_hulls import Hulls, hulls
@@ -104,7 +104,7 @@ class End:
         return replace(self, rounds=rounds, iterations=iterations)
 
 
-def approximate(assembly: Assembly, model: Hull | HalfPlane) -> Approximation:
+def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None = None) -> Approximation:
     """Make an assembly ready; raises as `wiggleroom.prepare` does."""
     began = time.perf_counter()
     ground = survey(assembly)
@@ -112,7 +112,7 @@ def approximate(assembly: Assembly, model: Hull | HalfPlane) -> Approximation:
     found = None
     if isinstance(model, Hull):
         pairs = hulls_meet(them, ground.geometry, barred=ground.barred)
-        found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model)
+        found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)
         if found is None:
             finding = f"{assembly.drawing.source or 'the assembly'}: no free space was found round rest; parts touch"
             raise InputError(finding)

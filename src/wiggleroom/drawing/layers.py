@@ -191,7 +191,7 @@ def _chosen(artwork: Artwork, options: ReadOptions) -> Callable[[Stroke], str]:
 
 def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
     """Why a stroke is not cut, by the names and colours around it, or nothing."""
-    if any(LABELS == mark.lower() for group in stroke.groups for mark in (group.name, *group.marks)):
+    if any(mark.lower() == LABELS for group in stroke.groups for mark in (group.name, *group.marks)):
         return _SILENT
     if artwork.program == "boxes.py" and stroke.colour in _BOXES:
         return f"{_BOXES[stroke.colour]} (colour {name_of(stroke.colour)} of boxes.py); --only {name_of(stroke.colour)} reads it"

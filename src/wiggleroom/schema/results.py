@@ -40,6 +40,14 @@ class BoundEntry(Struct):
     seconds: Seconds
 
 
+class SearchEntry(Struct):
+    """What the search beyond the nearest hill came to."""
+
+    starts: Annotated[int, Meta(description="climbs that were made, the one from rest among them")]
+    at_value: Annotated[int, Meta(description="how many of them ended at the objective, to 0.1 %")]
+    next_best: Annotated[float | None, Meta(description="best value at which others ended; null where there is none")]
+
+
 class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=True):
     """The largest motion that was found: `wiggleroom flex --json`."""
 
@@ -47,6 +55,7 @@ class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=Tr
     objective: Objective
     at_most: AtMost
     bound: BoundEntry | UnsetType = UNSET
+    search: SearchEntry | UnsetType = UNSET
     leaves: Annotated[
         list[str] | UnsetType, Meta(description="parts that move away without limit; of unbounded answers")
     ] = UNSET
@@ -118,6 +127,7 @@ class PartImportance(Struct):
     ]
     duals_mm_per_mm: Annotated[float, Meta(description="the same from one set of multipliers")]
     unique: Annotated[bool, Meta(description="both sides agree")]
+    importance: Annotated[float, Meta(description="middle of both sides: what order and percent go by")]
 
 
 class JointImportance(Struct):
@@ -127,6 +137,10 @@ class JointImportance(Struct):
     mm_per_mm: float
     percent: Percent
     unique: bool
+    tighter_mm_per_mm: Annotated[
+        float, Meta(description="loss per mm of smaller gap; differs where joints share a load")
+    ]
+    importance: Annotated[float, Meta(description="middle of both sides: what order and percent go by")]
 
 
 class RankResult(Struct, tag_field="format", tag="wiggleroom.rank/1", kw_only=True):
@@ -149,6 +163,7 @@ class RandomChoices(Struct):
     draws: int
     mean: float | None
     lowered_percent: float | None
+    misfits: Annotated[int, Meta(description="choices whose parts do not fit then; the mean is of the others")]
 
 
 class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_only=True):
@@ -157,7 +172,7 @@ class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_o
     objective: Objective
     tightened: Annotated[float | None, Meta(description="objective with the chosen parts tight")]
     verdict: Verdict
-    lowered_percent: Percent
+    lowered_percent: float | None
     parts: Annotated[list[str], Meta(description="in the order in which they were chosen")]
     gap: Annotated[float, Meta(description="their share of the gap then [mm]")]
     limit: float | None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,9 @@ from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.global_search import SearchEffort
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.verdict import Verdict
+
+PROVEN_WITHIN = 1.001
+"""An answer is proven where no motion is worth more than this multiple of it."""
 
 
 @dataclass(frozen=True)
@@ -119,6 +122,14 @@ class Answer(Drawable):
     command: str = ""
     search: SearchEffort | None = None
     warm_start: Incumbent | None = field(default=None, repr=False)
+
+
+def with_bound(answer: Answer, bound: Bound) -> Answer:
+    """The answer with a bound, its verdict `proven` where that is near enough."""
+    value, most = answer.objective, bound.at_most
+    near = value is not None and most is not None and 0 < value <= most <= PROVEN_WITHIN * value
+    verdict = Verdict.PROVEN if near and answer.verdict.ends and answer.path == "checked" else answer.verdict
+    return replace(answer, at_most=most, bound=bound, verdict=verdict)
 
 
 def witnessed(

@@ -47,7 +47,7 @@ def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: 
         unlimited(ready.assembly, ready.bodies, found.motion, ready.size) if verdict is Verdict.UNBOUNDED else ((), ())
     )
     held: tuple[Contact, ...] = ()
-    if verdict in (Verdict.OPTIMAL, Verdict.STATIONARY):
+    if verdict.ends:
         held = contacts(ready.assembly, found.program, found.solution.u, found.touch)
     seconds = {k: v for k, v in search.seconds.items() if k != "check"}
     seconds["check"] = search.seconds["check"] + time.perf_counter() - started

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.program.objectives import Objective, PointMotion
-from wiggleroom.search.incumbent import Incumbent, Start
+from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.loop import LocalSearch, Policy
 from wiggleroom.search.moves import ASIDE, CLIMB, THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.state_tree import StateTree
-from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 
 MOST_BODIES = 50
 """Assemblies of more free bodies are climbed once."""
-WORK = 96
-"""By default so many starts divided by the number of free bodies to the power 0.5."""
-LEAST_STARTS = 12
+WORK = 2000.0
+"""Work that a direct question may take, in iterations of a small program: about a millisecond each."""
+ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
+"""Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
 BETTER = 1e-4
 """An end better by this share is followed to its own end."""
 ALONE = 0.5
@@ -49,21 +49,15 @@ class SearchEffort:
     next_best: float | None
 
 
-def default_starts(ready: Prepared) -> int:
-    """So many starts a direct question gets."""
-    free = int((~ready.bodies.fixed).sum())
-    return 0 if free > MOST_BODIES else max(LEAST_STARTS, int(WORK / np.sqrt(free)))
-
-
-def search_on(first: LocalSearch, starts: int) -> tuple[LocalSearch, SearchEffort]:
+def search_on(first: LocalSearch, starts: int | None = None) -> tuple[LocalSearch, SearchEffort]:
     """Go on after a first search has come to its end.
 
     Parameters
     ----------
     first : LocalSearch
         Ended on the hill that rest leads to.
-    starts : int
-        Further climbs.
+    starts : int, optional
+        Further climbs; by default as many as a fixed amount of work allows, none in large assemblies.
 
     Returns
     -------
@@ -75,76 +69,89 @@ def search_on(first: LocalSearch, starts: int) -> tuple[LocalSearch, SearchEffor
     """
     whole = _GlobalSearch(first)
     random, sides = np.random.default_rng(0), _turns(first.ready)
-    while whole.made < starts and not whole.best.unlimited and not first.stopped:
+    while whole.goes_on(starts):
         if whole.made < len(sides):
             whole.start_from(0, sides[whole.made])
         else:
             whole.start_from(whole.tree.pick(random), _random_objective(first.ready, random))
-    whole.best.rounds, whole.best.iterations, whole.best.seconds = whole.rounds, whole.iterations, whole.seconds
-    whole.best.ended = whole.best.ended and not first.stopped
-    return whole.best, whole.effort
+    return whole.result()
 
 
 class _GlobalSearch:
     """State of a search: the tree of states, the ends of all climbs, and the search that found the best of them."""
 
     def __init__(self, first: LocalSearch) -> None:
-        self.best, self.made, self.tree = first, 0, StateTree(first.ready)
+        ready = first.ready
+        self.first, self.best, self.made, self.work = first, first, 0, 0.0
+        self.tree = StateTree(at_rest(ready), ready.bodies.radius, ready.clearance)
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
-        self.values: list[float] = []
-        if first.best is not None:
-            self.values.append(first.best.value)
+        self.value, self.free = _certain_value(first)
+        self.values = [self.value]
+        if first.best is not None and not self.free and first.way(first.best).sure:
             self.tree.add(first.best, 0)
 
+    def goes_on(self, starts: int | None) -> bool:
+        """True while there is more to do."""
+        free = int((~self.first.ready.bodies.fixed).sum())
+        more = self.made < starts if starts is not None else free <= MOST_BODIES and self.work < WORK
+        return more and not self.first.stopped and not self.free and not (starts is None and self._saturated)
+
     @property
-    def effort(self) -> SearchEffort:
-        """How the ends compare with the best."""
-        best = max(self.values, default=0.0) if self.best.best is None else self.best.best.value
-        margin = SAME * abs(best)
-        others = [value for value in self.values if value < best - margin]
-        return SearchEffort(self.made + 1, sum(abs(v - best) <= margin for v in self.values), max(others, default=None))
+    def _saturated(self) -> bool:
+        """True where the number of hills, as estimated from how often each was met, is that of those that were met.
+
+        Source: Boender and Rinnooy Kan, "Bayesian stopping rules for multistart global optimization methods" (1987).
+        """
+        ends = np.sort(self.values)
+        n = len(ends)
+        met = 1 + int((np.diff(ends) > SAME * np.abs(ends[1:])).sum())
+        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + 0.5
+
+    def result(self) -> tuple[LocalSearch, SearchEffort]:
+        """The search that found the best end, with the work of all, and how the ends compare with it."""
+        best = self.best
+        best.rounds, best.iterations, best.seconds = self.rounds, self.iterations, self.seconds
+        best.ended = best.ended and not self.first.stopped
+        margin = SAME * abs(self.value)
+        others = [v for v in self.values if v < self.value - margin]
+        at_value = sum(abs(v - self.value) <= margin for v in self.values)
+        return best, SearchEffort(self.made + 1, at_value, max(others, default=None))
 
     def start_from(self, state: int, aside: Objective) -> None:
         """Climb another objective from a state for a short while, and then the true one."""
         self.made += 1
-        there = self._climb(aside, ASIDE, state)
-        if there.best is None or there.unlimited:
-            return
-        between = self.tree.add(there.best, state)
+        between = self._climb(aside, ASIDE, state)[1]
         if between is None:
             return
-        end = self._climb(self.best.objective, CLIMB, between)
-        if end.best is None or end.best.solution.status is SolverStatus.FAILED:
+        climb, _ = self._climb(self.first.objective, CLIMB, between)
+        found = climb.best
+        if found is None or not climb.ended or not climb.way(found).sure:
             return
-        self.tree.add(end.best, between)
-        old = self.best.best
-        if (
-            end.unlimited
-            or old is None
-            or end.best.value > old.value + BETTER * max(abs(old.value), self.best.ready.clearance)
-        ):
-            self._follow(end.best)
-        else:
-            self.values.append(end.best.value)
+        self.values.append(found.value)
+        least = BETTER * max(abs(found.value), self.first.ready.clearance)
+        if climb.unlimited or found.value > self.value + least:
+            self._follow(replace(found, legs=(*self.tree.legs_to(between), *found.legs[1:])))
 
     def _follow(self, incumbent: Incumbent) -> None:
         """Follow a better end to its own end; it becomes the best where its path is certain."""
-        search = self._search(self.best.objective, THOROUGH)
+        search = self._search(self.first.objective, THOROUGH)
         found = self._run(search, incumbent.start())
-        if found is None or found.solution.status in (SolverStatus.FAILED, SolverStatus.STOPPED):
+        if found is None or not search.ended or not search.way(found).sure:
             return
-        old = self.best.best
-        if (old is None or search.unlimited or found.value > old.value) and search.way(found).sure:
-            self.best = search
-            self.values.append(found.value)
+        if search.unlimited or found.value > self.value:
+            self.best, self.value, self.free = search, found.value, search.unlimited
+            self.values[-1] = found.value
 
-    def _climb(self, objective: Objective, policy: Policy, state: int) -> LocalSearch:
+    def _climb(self, objective: Objective, policy: Policy, state: int) -> tuple[LocalSearch, int | None]:
+        """Climb from a state; the number of the new state where the end is one that is certainly reached."""
         search = self._search(objective, policy)
-        self._run(search, self.tree.states[state].start)
-        return search
+        found = self._run(search, self.tree.states[state].start)
+        if found is None or search.unlimited or search.stopped or not self.tree.novel(found.motion):
+            return search, None
+        return search, self.tree.add(found, state) if search.way(found).sure else None
 
     def _search(self, objective: Objective, policy: Policy) -> LocalSearch:
-        first = self.best
+        first = self.first
         return LocalSearch(first.ready, objective, first.solve, policy, first.stop, first.tell)
 
     def _run(self, search: LocalSearch, start: Start) -> Incumbent | None:
@@ -152,7 +159,19 @@ class _GlobalSearch:
         found = search.improve(start)
         self.rounds, self.iterations = self.rounds + search.rounds, self.iterations + search.iterations
         self.seconds = {stage: spent + search.seconds[stage] for stage, spent in self.seconds.items()}
+        rows = len(start.cells.kind)
+        self.work += search.rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
         return found
+
+
+def _certain_value(search: LocalSearch) -> tuple[float, bool]:
+    """Value of what a search has certainly reached, and whether nothing stops it there."""
+    if search.best is None:
+        return 0.0, False
+    way = search.way(search.best)
+    if way.sure:
+        return search.best.value, search.unlimited
+    return search.objective.value(way.motions[max(way.certain, 1) - 1]), False
 
 
 def _turns(ready: Prepared) -> list[Objective]:

@@ -158,7 +158,7 @@ PLAIN = Policy(moves=(regrow_stale, tighten, regrow_nearer), stale=stale, fine=_
 """The best motion in reach of the cells; other sides of corner contacts are not tried, and nobody looks at the path."""
 THOROUGH = replace(PLAIN, moves=(*PLAIN.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked)
 """What an answer needs."""
-CLIMB = replace(PLAIN, moves=(regrow_stale, tighten), fine=lambda _: 1e-4)
+CLIMB = replace(PLAIN, moves=(regrow_stale, tighten), unchecked=_unchecked, fine=lambda _: 1e-4)
 """A climb that only shows how high a hill is."""
-ASIDE = replace(PLAIN, moves=(regrow_stale,), fine=lambda _: ROUGH, most_rounds=8)
+ASIDE = replace(PLAIN, moves=(regrow_stale,), unchecked=_unchecked, fine=lambda _: ROUGH, most_rounds=8)
 """A short climb, with another objective than the true one."""

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.search.incumbent import Incumbent, Start, at_rest
-from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.incumbent import Incumbent, Leg, Start
 
 Floats = NDArray[np.float64]
 
@@ -18,49 +17,70 @@ NOVEL = 0.5
 
 @dataclass(frozen=True, eq=False)
 class VisitedState:
-    """A state, and how it was reached from rest.
+    """A state, and how it was reached.
 
     Parameters
     ----------
     motion : (n, 3) float64 [mm, mm, rad]
         Of the bodies.
     start : Start
-        Where a search from here begins: the path from rest is that of its legs.
+        Where a search from here begins; its only leg is the point where it does.
     parent : int
         State from which it was reached; -1 for rest.
+    legs : tuple of Leg
+        The path from where the search from the parent begins to where that from here does.
     """
 
     motion: Floats
     start: Start
-    parent: int
+    parent: int = -1
+    legs: tuple[Leg, ...] = ()
 
 
 @dataclass(eq=False)
 class StateTree:
-    """States that were reached from rest; the first is rest."""
+    """States that were reached from rest, which is the first of them.
 
-    ready: Prepared
+    Parameters
+    ----------
+    rest : Start
+    radius : (n,) float64 [mm]
+        Of the bodies.
+    clearance : float [mm]
+    """
+
+    rest: Start
+    radius: Floats
+    clearance: float
     states: list[VisitedState] = field(default_factory=list)
     visits: list[int] = field(default_factory=list)
     """How often a search began at each state."""
 
     def __post_init__(self) -> None:
         """Begin with rest."""
-        start = at_rest(self.ready)
-        self._append(VisitedState(start.inner, start, -1))
+        self._append(VisitedState(self.rest.inner, self.rest))
 
     def add(self, end: Incumbent, parent: int) -> int | None:
-        """Keep the end of a search if it is new; its number, or None."""
+        """Keep the end of a search from a state if it is new; its number, or None."""
         if not self.novel(end.motion):
             return None
-        self._append(VisitedState(end.motion, end.start(), parent))
+        start = end.start()
+        here = Leg(start.legs[-1].program, start.legs[-1].points[-1:])
+        self._append(VisitedState(end.motion, replace(start, legs=(here,)), parent, start.legs))
         return len(self.states) - 1
+
+    def legs_to(self, state: int) -> tuple[Leg, ...]:
+        """The path from rest to where the search from a state begins."""
+        legs: tuple[Leg, ...] = ()
+        while state >= 0:
+            legs, state = (*self.states[state].legs, *legs), self.states[state].parent
+        return legs
 
     def novel(self, motion: Floats) -> bool:
         """True where a body lies otherwise than in every state before."""
         change = np.abs(np.array([state.motion for state in self.states]) - motion)
-        moved = np.hypot(change[..., 0], change[..., 1]) + self.ready.bodies.radius * change[..., 2]
-        return bool(moved.max(axis=1).min() > NOVEL * self.ready.clearance)
+        moved = np.hypot(change[..., 0], change[..., 1]) + self.radius * change[..., 2]
+        return bool(moved.max(axis=1).min() > NOVEL * self.clearance)
 
     def pick(self, random: np.random.Generator) -> int:
         """A state to go on from: at random, those that were seldom chosen rather than others."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.outlines import outlines
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import passage
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import about, of_parts
@@ -42,7 +43,7 @@ class Rigid:
     way: Floats | None
 
 
-def leaves_as_one(ready: Prepared, who: Ints, most: int) -> Rigid:
+def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = None) -> Rigid:
     """Look for a way on which the bodies `who` leave as one, the others staying where they are.
 
     Parameters
@@ -51,6 +52,8 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int) -> Rigid:
     who : (k,) int64
     most : int
         Boxes judged at most.
+    stop : optional
+        Asked now and then.
     """
     bodies, n = ready.bodies, len(ready.bodies.fixed)
     geometry = placed(bodies)
@@ -58,7 +61,7 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int) -> Rigid:
     a, b = ready.barred // n, ready.barred % n
     if (np.isin(a, who) != np.isin(b, who)).any():  # pairs that pass through each other are not one solid
         return Rigid(False, False, None)
-    found = passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most)
+    found = passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most, stop=stop)
     if found.way is None:
         return Rigid(found.held, found.closed, None)
     points = _finer(found.way)

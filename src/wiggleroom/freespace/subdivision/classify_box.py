@@ -9,9 +9,8 @@ Source of the idea: Varava et al., "Free Space of Rigid Objects", 2020.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 
 DEEPEST_TREE = 96
 """Room for the nodes that wait while a tree is walked."""

@@ -23,7 +23,7 @@ Ints = NDArray[np.int64]
 
 DEEPEST = 30
 """Boxes are halved at most this often."""
-GOALS = 64
+GOALS = 256
 """Ways looked at in every lap."""
 OFTEN = 2000
 """After so many boxes, whether to stop is asked again."""

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.subdivision.classify_box import CLOSED, SPENT, search, straight
+from wiggleroom.errors import Stop
+from wiggleroom.freespace.subdivision.classify_box import CLOSED, PAUSED, SPENT, search, straight
 from wiggleroom.freespace.subdivision.disc_tree import solid
 
 Floats = NDArray[np.float64]
 
 DEEPEST = 22
 """Boxes are halved at most this often."""
+OFTEN = 0.2
+"""About so often the search is asked whether it should stop [s]; it goes on as if it had not been interrupted."""
 ASIDE = np.array([0.0371, 0.0213, 0.0157])
 """The window's middle lies a little beside rest, as a share of its half sides: rest must not lie on the faces of boxes."""
 NOTHING_ASKED = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf, np.inf])
@@ -43,7 +47,7 @@ class Passage:
     pivot: Floats
 
 
-def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> Passage:
+def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, stop: Stop | None = None) -> Passage:
     """Look for a way of `b` out of `a`, or a proof that there is none.
 
     Parameters
@@ -52,6 +56,8 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
         Material at rest, not touching; a stands.
     most : int
         Boxes judged at most; where they do not suffice, neither `closed` nor `way` is said.
+    stop : optional
+        Asked now and then; then neither is said.
 
     Examples
     --------
@@ -69,10 +75,16 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
     way, count = np.zeros(most, dtype=np.int64), 1
     pair = (*one.arrays, other.edge, other.disc, other.kid)
     for turning in (True, False):  # first without going round, which is the smaller question
-        how, count, length = search(
-            middle, level, state, first, count, most, origin, scale, DEEPEST, not turning, turning, NOTHING_ASKED, 1,
-            *pair, way,
-        )  # fmt: skip
+        how, pace = PAUSED, 1000
+        while how == PAUSED:
+            if stop is not None and stop.is_set():
+                return Passage(False, False, None, pivot)
+            began, before = time.perf_counter(), count
+            how, count, length = search(
+                middle, level, state, first, count, count + pace, origin, scale, DEEPEST, not turning, turning,
+                NOTHING_ASKED, 1, *pair, way,
+            )  # fmt: skip
+            pace = max(100, int((count - before) * OFTEN / max(time.perf_counter() - began, 1e-9)))
         if how == CLOSED:
             return Passage(turning, True, None, pivot)
         if how == SPENT:
