@@ -8,7 +8,7 @@ from cyclopts import App
 
 from wiggleroom.cli.bench import bench
 from wiggleroom.cli.check import check
-from wiggleroom.cli.completion import completion
+from wiggleroom.cli.completion import completion_of
 from wiggleroom.cli.convert import convert
 from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw, parts
@@ -54,7 +54,7 @@ def build() -> App:
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
         flex, check, gap, rank, tighten, sweep, sample, tolerances, space, serve, draw, parts, convert, maker, coupon, verify, bench,
-        completion,
+        completion_of(app),
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):

@@ -3,24 +3,31 @@
 from __future__ import annotations
 
 import sys
-from typing import Literal
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Literal
+
+if TYPE_CHECKING:
+    from cyclopts import App
 
 
-def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
-    """Print what makes the Tab key complete commands, options and files in your shell.
+def completion_of(app: App) -> Callable[..., int]:
+    """The command that makes the Tab key know the commands of a program."""
 
-    Example: wiggleroom completion bash > ~/.local/share/bash-completion/completions/wiggleroom
+    def completion(shell: Literal["bash", "zsh", "fish"], /) -> int:
+        """Print what makes the Tab key complete commands, options and files in your shell.
 
-    Example: wiggleroom completion zsh > "${fpath[1]}/_wiggleroom"
+        Example: wiggleroom completion bash > ~/.local/share/bash-completion/completions/wiggleroom
 
-    Example: wiggleroom completion fish > ~/.config/fish/completions/wiggleroom.fish
+        Example: wiggleroom completion zsh > "${fpath[1]}/_wiggleroom"
 
-    Parameters
-    ----------
-    shell
-        bash, zsh or fish.
-    """
-    from wiggleroom.cli.app import build
+        Example: wiggleroom completion fish > ~/.config/fish/completions/wiggleroom.fish
 
-    sys.stdout.write(build().generate_completion(shell=shell))
-    return 0
+        Parameters
+        ----------
+        shell
+            bash, zsh or fish.
+        """
+        sys.stdout.write(app.generate_completion(shell=shell))
+        return 0
+
+    return completion
