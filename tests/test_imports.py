@@ -12,6 +12,8 @@ import pytest
 ROOT = Path(__file__).parents[1] / "src" / "wiggleroom"
 ORDER = [
     "errors",
+    "deadline",
+    "provenance",
     "files",
     "verdict",
     "drawing",

@@ -248,13 +248,13 @@ def test_4096_parts_of_different_shapes_are_drawn_quickly() -> None:
 
 
 def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
-    path = tmp_path / "a.svg"
+    path = tmp_path / "a.txt"
     write_whole(path, "one")
     path.chmod(0o640)
     write_whole(path, b"two")
     assert path.read_text() == "two"
     assert path.stat().st_mode & 0o777 == 0o640
-    link = tmp_path / "link.svg"
+    link = tmp_path / "link.txt"
     link.symlink_to(path)
     write_whole(link, "three")
     assert link.is_symlink()
@@ -264,7 +264,7 @@ def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
         write_whole(tmp_path / "busy", "x")
     with pytest.raises(FileNotFoundError):
         write_whole(tmp_path / "none" / "a", "x")
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.svg", "busy", "link.svg"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.txt", "busy", "link.txt"]
 
 
 @pytest.mark.parametrize("side", [0.0, 0.3, -0.8])

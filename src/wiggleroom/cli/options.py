@@ -96,7 +96,7 @@ def read_options(asked: Asked) -> ReadOptions:
 
 
 def read(file: str, asked: Asked) -> Assembly:
-    """Assembly that a file and the options describe; its notes go to stderr.
+    """Assembly that a file and the options describe; its notes, and what looks odd about it, go to stderr.
 
     Raises
     ------
