@@ -1,0 +1,293 @@
+"""Primal-dual interior-point method over bodies and planes.
+
+The method is that of `wiggleroom.solve.interior_point`: slacks, multipliers and here also the planes are eliminated, so one symmetric
+matrix of 6 x 6 blocks on the graph of neighbours is factorised per iteration. Two modes: with slacks that may run ahead of the rows,
+which needs few iterations but may carry a part through another one, and one whose every iterate is inside all rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import Stop
+from wiggleroom.solve.factor import Factor, factor
+from wiggleroom.solve.newton import dot, longest
+from wiggleroom.spatial.plane_program import GraphRetraction, LinearisedPlanes, PlanePoint, PlaneProgram
+from wiggleroom.spatial.rotations import logarithm
+
+Floats = NDArray[np.float64]
+
+FRACTION = 0.99
+CORRECTION = 10.0
+SHORT = 0.05
+FIRST_MU = 0.1
+FIRST_SLACK = 1e-3
+LEAST_SLACK = 1e-15
+LONGEST = 0.1
+LARGEST_TURN = 0.5
+"""No body turns further in one iteration [rad]."""
+HOME = 0.01
+TINY_SHIFT = 1e-11
+BALANCED = 1e-3
+LEAST_ITERATIONS = 3
+PATIENCE = 40
+KEEP = 0.01
+"""Share of its room to the others that every row keeps in one iteration, where all iterates are to be inside."""
+HEAVIEST = 1e12
+"""Largest weight of a row in the fit of the planes, against the lightest."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneSolution:
+    """Where the method ended.
+
+    Parameters
+    ----------
+    point : PlanePoint
+        The last point inside all rows.
+    lam : (R,) float64
+        Multipliers: objective per mm of each row.
+    status : str
+        "converged", "stopped", "escaping" or "failed".
+    iterations : int
+    way : tuple of PlanePoint
+        Points inside all rows, from the start.
+    error : float
+        Largest of complementarity, violation and imbalance, in units of the objective.
+    """
+
+    point: PlanePoint
+    lam: Floats
+    value: float
+    status: str
+    iterations: int
+    way: tuple[PlanePoint, ...]
+    error: float
+
+
+@dataclass(eq=False)
+class PlaneState:
+    """Iterate of the method; `s` are slacks of the rows, `at` the program at the point."""
+
+    at: LinearisedPlanes
+    s: Floats
+    lam: Floats
+    unit: float
+    tolerance: float
+    shift: float = TINY_SHIFT
+    stride: float = 1.0
+
+    @property
+    def displacement(self) -> Floats:
+        """Scaled motion (V,) from rest."""
+        P, pose = self.at.program, self.at.point.pose
+        x = np.hstack([pose.T - P.bodies.at, logarithm(pose.R)])
+        return P.packed(x / P.scale)
+
+    def residuals(self) -> tuple[Floats, Floats, Floats, float]:
+        """Primal residual (R,), dual residuals of bodies (V,) and planes (K, 3), and complementarity."""
+        u = self.displacement
+        self.home = HOME * self.tolerance * max(abs(self.at.value) / self.unit, 1.0) / max(dot(u, u), 1.0)
+        force, moment = self.at.against(self.lam)
+        dual = self.home * u - self.at.gradient / self.unit - force
+        return self.s - self.at.h, dual, -moment, dot(self.s, self.lam)
+
+
+class _System:
+    """The condensed system of one iterate, factorised."""
+
+    def __init__(self, matrix: Factor, retraction: GraphRetraction) -> None:
+        self._matrix, self._retraction = matrix, retraction
+
+    def set(self, state: PlaneState, dual: Floats) -> None:
+        """Work the matrix out."""
+        at = state.at
+        self._at = at
+        balance = self._retraction.balance(dual, at)
+        self._data, self._inverse, self._mixed = at.condensed(state.lam / state.s, state.lam, balance, 1.0 / state.unit)
+
+    def factorise(self, shift: float) -> bool:
+        """Factorise with a shift of the diagonal; False where the matrix is not positive definite."""
+        return bool(np.isfinite(self._data).all()) and self._matrix.update(self._data, shift)
+
+    def newton(
+        self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, goal: Floats
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """Directions (du, dy, ds, dlam) that change s * lam by `goal` and remove the residuals, to first order."""
+        from wiggleroom.spatial import plane_kernel as kernel
+
+        at, P, s, lam = self._at, self._at.program, state.s, state.lam
+        x, y = at.against((lam * primal + goal) / s)
+        y = y - dual_planes
+        bodies, share = P.unpacked(x - dual), np.empty_like(y)
+        on_bodies = np.zeros_like(bodies)
+        kernel.eliminate(
+            at.Psi, at.point.pose.R, P.a, P.b, P.plane, self._inverse, self._mixed, y, P.scale, share, on_bodies
+        )
+        du = self._matrix.solve(P.packed(bodies + on_bodies))
+        kernel.substitute(P.plane, self._inverse, self._mixed, at.seen(du), share)
+        ds = at.along(du, share) - primal
+        return du, share, ds, (goal - lam * ds) / s
+
+
+@dataclass(eq=False)
+class _Step:
+    u: Floats
+    y: Floats
+    s: Floats
+    lam: Floats
+    primal: float
+    dual: float
+    shift: float
+
+
+@dataclass(eq=False)
+class PlaneSolver:
+    """Largest objective of a program from rest.
+
+    Parameters
+    ----------
+    program : PlaneProgram
+    inside : bool
+        True: every iterate stays inside all rows, so that nothing can pass through anything.
+    tolerance : float
+        Share of the objective that may be left on the table.
+    most : int
+        Iterations at most.
+    horizon : float [mm]
+        A body that moves further than this is taken to escape.
+    stop, progress : optional
+        Asked and told (iteration, objective) every iteration.
+    """
+
+    program: PlaneProgram
+    inside: bool = False
+    tolerance: float = 1e-8
+    most: int = 150
+    horizon: float = np.inf
+    stop: Stop | None = None
+    progress: Callable[[int, float], None] | None = None
+    iterations: int = 0
+    way: list[PlanePoint] = field(default_factory=list)
+
+    def solve(self, start: PlanePoint | None = None, mu: float = FIRST_MU) -> PlaneSolution:
+        """Run the method from a point inside all rows."""
+        P = self.program
+        self._retraction = GraphRetraction(P)
+        self._system = _System(factor(P.pattern), self._retraction)
+        at = P.linearise(P.start if start is None else start)
+        unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
+        s = np.maximum(at.h, 0.0 if self.inside else FIRST_SLACK)
+        state = PlaneState(at, s, mu / s, unit, self.tolerance)
+        status, error = self._follow(state)
+        last = state.at
+        if last.h.min(initial=np.inf) <= 0 and self.way:
+            last = P.linearise(self.way[-1], last.value)
+        return PlaneSolution(
+            last.point, state.lam * unit / P.length, last.value, status, self.iterations, tuple(self.way), error
+        )
+
+    def _follow(self, state: PlaneState) -> tuple[str, float]:
+        before, best, since = np.inf, np.inf, 0
+        for k in range(self.most + 1):
+            primal, dual, dual_planes, gap = state.residuals()
+            value = state.at.value / state.unit
+            if self.progress is not None:
+                self.progress(self.iterations, state.at.value)
+            self._mu = gap / max(len(primal), 1)
+            size = max(abs(value), 1.0)
+            infeasible = dot(state.lam, np.abs(primal))
+            unheld = dot(np.abs(dual), np.abs(state.displacement))
+            self._lag = infeasible / gap if gap > 0 else 0.0
+            error = max(gap, infeasible, abs(value - before), min(unheld, 1e3)) / size
+            legal = state.at.h.min(initial=np.inf) > 0
+            if legal:
+                self.way.append(state.at.point)
+            wrong = float(np.abs(dual).max(initial=0.0))
+            if (
+                k >= LEAST_ITERATIONS
+                and legal
+                and max(gap, infeasible, abs(value - before)) < self.tolerance * size
+                and unheld < np.sqrt(self.tolerance) * size
+                and wrong < max(10 * self.tolerance, BALANCED)
+            ):
+                return "converged", error
+            if self.stop is not None and self.stop.is_set():
+                return "stopped", error
+            moved = np.abs(state.at.point.pose.T - state.at.program.bodies.at).max(initial=0.0)
+            if moved > self.horizon:
+                return ("escaping" if legal else "failed"), error
+            best, since = (error, 0) if error < 0.9 * best else (best, since + 1)
+            if k == self.most or since > PATIENCE or not self._advance(state, primal, dual, dual_planes, size):
+                break
+            before = value
+            self.iterations += 1
+        return "failed", error
+
+    def _advance(self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, size: float) -> bool:
+        least = 0.2 * self.tolerance * size / max(len(primal), 1)
+        step = self._direction(state, primal, dual, dual_planes, least)
+        return step is not None and self._take(state, step)
+
+    def _direction(
+        self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, least: float
+    ) -> _Step | None:
+        """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step no stub."""
+        s, lam, mu, system = state.s, state.lam, self._mu, self._system
+        system.set(state, dual)
+        shift = TINY_SHIFT if state.shift <= 1e-8 else state.shift / 5
+        found = None
+        for attempt in range(24):
+            if not system.factorise(shift + state.home):
+                shift = max(10 * shift, 1e-5)
+                continue
+            _, _, ds, dl = system.newton(state, primal, dual, dual_planes, -s * lam)
+            after = dot(s + longest(s, ds) * ds, lam + longest(lam, dl) * dl) / max(len(s), 1)
+            centring = (after / mu) ** 3 if mu > 0 else 0.0
+            if self._lag > 0.3:
+                centring = max(centring, min(10.0, self._lag))
+            goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)
+            du, dy, ds, dl = system.newton(state, primal, dual, dual_planes, goal)
+            far, dfar = longest(s, ds), longest(lam, dl)
+            found = _Step(
+                du, dy, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift
+            )
+            if found.primal > SHORT or attempt >= 5:
+                break
+            shift = max(10 * shift, 1e-6)
+        return found
+
+    def _take(self, state: PlaneState, step: _Step) -> bool:
+        """Take the step; halve it while rows fall behind, or, where iterates stay inside, while one is lost."""
+        P, at = state.at.program, state.at
+        change = P.unpacked(step.u) * P.scale
+        turn = float(np.abs(change[:, 3:]).max(initial=0.0))
+        move = float(np.abs(change[:, :3]).max(initial=0.0))
+        share = min(step.primal, LARGEST_TURN / max(turn, 1e-300), LONGEST * self.horizon / max(move, 1e-300))
+        lam = state.lam + step.dual * step.lam
+        before = dot(state.lam, np.abs(state.s - at.h))
+        foreseen = at.along(step.u, step.y)
+        weight = state.lam / state.s
+        weight = np.maximum(weight, weight.max(initial=1.0) / HEAVIEST)
+        for _ in range(30 if self.inside else 8):
+            goal = np.maximum(at.h + share * foreseen, LEAST_SLACK)
+            point = self._retraction.step(at, step.u, step.y, share, goal, weight)
+            ahead = P.linearise(point, at.value)
+            if self.inside:
+                if (ahead.h > KEEP * at.h).all():
+                    break
+            else:
+                s = np.maximum(np.maximum(state.s + share * step.s, ahead.h), LEAST_SLACK)
+                if dot(lam, s - ahead.h) <= max(0.5 * dot(s, lam), 2.0 * before):
+                    break
+            share /= 2
+        else:
+            if self.inside:
+                return False
+        state.shift, state.lam, state.at = step.shift, lam, ahead
+        state.s = ahead.h if self.inside else s
+        return True
