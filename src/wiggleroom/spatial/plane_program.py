@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -223,14 +224,9 @@ def build_planes(
     n, d, c = np.empty((K, 3)), np.empty(K), np.empty((K, 3))
     clearance, lever = np.empty(K), np.empty(K)
     corners, own, count = [], np.empty(K, dtype=np.int64), np.empty(K, dtype=np.int64)
-    for k, (i, pi, j, pj) in enumerate(pieces.tolist()):
-        P, Q = bodies.pieces[i][pi], bodies.pieces[j][pj]
-        Psi = np.ascontiguousarray(pose.R[i].T @ pose.R[j])
-        q = pose.R[i].T @ (pose.T[j] - pose.T[i])
-        other, zero = turned(Q.corners, Psi, q), np.zeros(3)
-        clearance[k] = separation(
-            P.corners, P.normals, P.edges, other, turned(Q.normals, Psi, zero), turned(Q.edges, Psi, zero), n[k]
-        )
+    for k, who in enumerate(pieces.tolist()):
+        P, Q = bodies.pieces[who[0]][who[1]], bodies.pieces[who[2]][who[3]]
+        clearance[k], other = best_axis(bodies, pose, who, n[k])
         p, v = P.corners @ n[k], other @ n[k]
         middle, band = (p.max() + v.min()) / 2, max(abs(clearance[k]), 1e-6 * length)
         near = np.vstack([P.corners[p > p.max() - band], other[v < v.min() + band]])
@@ -249,6 +245,46 @@ def build_planes(
         np.ascontiguousarray(np.vstack([*corners, np.zeros((0, 3))])), c, lever, slot, scale, length,
         PlanePoint(pose, n, d), clearance, _pattern(a, b, slot),
     )  # fmt: skip
+
+
+def best_axis(bodies: RigidBodies, pose: Pose, who: Sequence[int], axis: Floats) -> tuple[float, Floats]:
+    """Separation of two pieces [mm], and the second one's corners in the first one's frame; `axis` (3,) becomes the best one there."""
+    i, pi, j, pj = who
+    P, Q = bodies.pieces[i][pi], bodies.pieces[j][pj]
+    Psi = np.ascontiguousarray(pose.R[i].T @ pose.R[j])
+    other, zero = turned(Q.corners, Psi, pose.R[i].T @ (pose.T[j] - pose.T[i])), np.zeros(3)
+    normals, edges = turned(Q.normals, Psi, zero), turned(Q.edges, Psi, zero)
+    return separation(P.corners, P.normals, P.edges, other, normals, edges, axis), other
+
+
+def beside_rest(program: PlaneProgram, share: float = 1e-2) -> PlanePoint:
+    """A point inside all rows, up to `share` clearances beside rest.
+
+    A symmetric assembly would stay on the ridge between two equal ways. The point is the same each time.
+    """
+    P, rest = program, program.start
+    step = np.random.default_rng(0).uniform(-1.0, 1.0, P.slot.shape) * P.scale * P.bodies.free
+    room = P.values(rest)
+    while share > 1e-9:
+        pose = Pose(rest.pose.T + share * step[:, :3], rest.pose.R @ exponential(share * step[:, 3:]))
+        point = PlanePoint(pose, rest.n, rest.d)
+        if (P.values(point) > 0.5 * room).all():
+            return point
+        share /= 2
+    return rest
+
+
+def parted(program: PlaneProgram, point: PlanePoint, h: Floats) -> PlanePoint:
+    """The point with every plane that a corner lies beyond set anew, where it parts its pieces best."""
+    P = program
+    worst = np.minimum.reduceat(h, P.row[:-1])
+    n, d = point.n.copy(), point.d.copy()
+    for k in np.flatnonzero(worst <= 0).tolist():
+        axis = np.empty(3)
+        apart, other = best_axis(P.bodies, point.pose, P.pieces[k].tolist(), axis)
+        if apart > 0:
+            n[k], d[k] = axis, float((other @ axis).min()) - apart / 2 - axis @ P.c[k]
+    return PlanePoint(point.pose, n, d)
 
 
 def _framed(bodies: RigidBodies, pieces: Ints) -> Ints:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.solve.factor import Factor, factor
 from wiggleroom.solve.newton import dot, longest
-from wiggleroom.spatial.plane_program import GraphRetraction, LinearisedPlanes, PlanePoint, PlaneProgram
+from wiggleroom.spatial.plane_program import GraphRetraction, LinearisedPlanes, PlanePoint, PlaneProgram, beside_rest, parted
 from wiggleroom.spatial.rotations import logarithm
 
 Floats = NDArray[np.float64]
@@ -33,10 +33,17 @@ LARGEST_TURN = 0.5
 HOME = 0.01
 TINY_SHIFT = 1e-11
 BALANCED = 1e-3
+UNHELD, EARLY = 0.3, 0.05
 LEAST_ITERATIONS = 3
 PATIENCE = 40
-KEEP = 0.01
-"""Share of its room to the others that every row keeps in one iteration, where all iterates are to be inside."""
+LESS, FASTER, LEAST_SHARE, SOLVED = 0.2, 1.4, 0.04, 10.0
+"""mu becomes this share or this power of itself, and no less than a third share, when the problem at one mu is solved: its residual is below this multiple of mu."""
+DOWNHILL = 1e-4
+"""Share of the foreseen descent that a step must bring."""
+APART = 10
+"""A multiplier may differ from mu / slack by this factor."""
+FREE = 1e-3
+"""A diagonal strengthened by more than this keeps steps short; then longer ones are tried."""
 HEAVIEST = 1e12
 """Largest weight of a row in the fit of the planes, against the lightest."""
 
@@ -160,6 +167,8 @@ class PlaneSolver:
         Iterations at most.
     horizon : float [mm]
         A body that moves further than this is taken to escape.
+    most_turn : float
+        An objective beyond this, where twists are maximised, is taken to turn without limit [rad].
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
     """
@@ -169,6 +178,7 @@ class PlaneSolver:
     tolerance: float = 1e-8
     most: int = 150
     horizon: float = np.inf
+    most_turn: float = np.inf
     stop: Stop | None = None
     progress: Callable[[int, float], None] | None = None
     iterations: int = 0
@@ -179,13 +189,15 @@ class PlaneSolver:
         P = self.program
         self._retraction = GraphRetraction(P)
         self._system = _System(factor(P.pattern), self._retraction)
-        at = P.linearise(P.start if start is None else start)
+        at = P.linearise(beside_rest(P) if start is None else start)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
         s = np.maximum(at.h, 0.0 if self.inside else FIRST_SLACK)
         state = PlaneState(at, s, mu / s, unit, self.tolerance)
+        self._barrier = mu
+        self.way = [P.start]
         status, error = self._follow(state)
         last = state.at
-        if last.h.min(initial=np.inf) <= 0 and self.way:
+        if self.way and last.point is not self.way[-1]:
             last = P.linearise(self.way[-1], last.value)
         return PlaneSolution(
             last.point, state.lam * unit / P.length, last.value, status, self.iterations, tuple(self.way), error
@@ -193,6 +205,7 @@ class PlaneSolver:
 
     def _follow(self, state: PlaneState) -> tuple[str, float]:
         before, best, since = np.inf, np.inf, 0
+        self._move = np.zeros_like(state.displacement)
         for k in range(self.most + 1):
             primal, dual, dual_planes, gap = state.residuals()
             value = state.at.value / state.unit
@@ -202,25 +215,26 @@ class PlaneSolver:
             size = max(abs(value), 1.0)
             infeasible = dot(state.lam, np.abs(primal))
             unheld = dot(np.abs(dual), np.abs(state.displacement))
-            self._lag = infeasible / gap if gap > 0 else 0.0
+            wrong = dot(np.abs(dual), np.minimum(np.abs(self._move), 1.0)) if k else 0.0
+            far_off = UNHELD * unheld if unheld > EARLY * size else 0.0
+            self._lag = max(infeasible, wrong, far_off) / gap if gap > 0 else 0.0
             error = max(gap, infeasible, abs(value - before), min(unheld, 1e3)) / size
-            legal = state.at.h.min(initial=np.inf) > 0
-            if legal:
-                self.way.append(state.at.point)
-            wrong = float(np.abs(dual).max(initial=0.0))
+            legal = self._legal(state.at)
+            if legal is not None:
+                self.way.append(legal)
             if (
                 k >= LEAST_ITERATIONS
-                and legal
+                and legal is not None
                 and max(gap, infeasible, abs(value - before)) < self.tolerance * size
                 and unheld < np.sqrt(self.tolerance) * size
-                and wrong < max(10 * self.tolerance, BALANCED)
+                and float(np.abs(dual).max(initial=0.0)) < max(10 * self.tolerance, BALANCED)
             ):
                 return "converged", error
             if self.stop is not None and self.stop.is_set():
                 return "stopped", error
             moved = np.abs(state.at.point.pose.T - state.at.program.bodies.at).max(initial=0.0)
-            if moved > self.horizon:
-                return ("escaping" if legal else "failed"), error
+            if moved > self.horizon or abs(state.at.value) > self.most_turn:
+                return ("escaping" if legal is not None else "failed"), error
             best, since = (error, 0) if error < 0.9 * best else (best, since + 1)
             if k == self.most or since > PATIENCE or not self._advance(state, primal, dual, dual_planes, size):
                 break
@@ -228,10 +242,77 @@ class PlaneSolver:
             self.iterations += 1
         return "failed", error
 
+    def _legal(self, at: LinearisedPlanes) -> PlanePoint | None:
+        """The point, inside all rows once planes that lag behind are set anew; None where pieces overlap."""
+        if at.h.min(initial=np.inf) > 0:
+            return at.point
+        found = parted(self.program, at.point, at.h)
+        return found if self.program.values(found).min(initial=np.inf) > 0 else None
+
     def _advance(self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, size: float) -> bool:
         least = 0.2 * self.tolerance * size / max(len(primal), 1)
+        if self.inside:
+            return self._descend(state, primal, dual, dual_planes, least)
         step = self._direction(state, primal, dual, dual_planes, least)
         return step is not None and self._take(state, step)
+
+    def _descend(self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, least: float) -> bool:
+        """One step that makes the barrier function smaller, all rows kept; mu only falls.
+
+        Source: the monotone mode of Wachter and Biegler 2006 (IPOPT), with slacks that are the rows themselves.
+        """
+        s, lam, system, at = state.s, state.lam, self._system, state.at
+        wrong = max(float(np.abs(dual).max(initial=0.0)), float(np.abs(dual_planes).max(initial=0.0)))
+        while self._barrier > least and max(wrong, np.abs(s * lam - self._barrier).max()) < SOLVED * self._barrier:
+            self._barrier = max(min(LESS * self._barrier, self._barrier**FASTER), LEAST_SHARE * self._barrier, least)
+        mu = self._barrier
+        system.set(state, dual)
+        shift = TINY_SHIFT if state.shift <= 1e-8 else state.shift / 3
+        while not system.factorise(shift + state.home):
+            shift = max(8 * shift, 1e-5)
+            if shift > 1e12:
+                return False
+        du, dy, ds, dlam = system.newton(state, primal, dual, dual_planes, mu - s * lam)
+        share = min(FRACTION * longest(s, ds) if (ds < -s).any() else 1.0, self._longest_share(at, du))
+        foreseen = at.along(du, dy)
+        heavy = np.maximum(lam / s, (lam / s).max() / HEAVIEST)
+        slope = dot(state.home * state.displacement - at.gradient / state.unit, du) - mu * dot(1 / at.h, foreseen)
+        now = _barrier_function(state, at, mu)
+        for _ in range(40):
+            goal = np.maximum(at.h + share * foreseen, 0.005 * at.h)
+            point = self._retraction.step(at, du, dy, share, goal, heavy)
+            ahead = self.program.linearise(point, at.value)
+            if _barrier_function(state, ahead, mu) <= now + DOWNHILL * share * min(slope, 0.0) + 1e-13 * abs(now):
+                break
+            share /= 2
+        else:
+            return False
+        if share == 1.0 and shift > FREE:
+            ahead = self._stride(state, ahead, du, dy, mu)
+        reach = longest(lam, dlam)
+        lam = lam + (FRACTION * reach if reach < 1 else 1.0) * dlam
+        state.lam = np.clip(lam, mu / (APART * ahead.h), APART * mu / ahead.h)
+        self._move, state.shift, state.at, state.s = du, shift, ahead, ahead.h
+        return True
+
+    def _stride(self, state: PlaneState, ahead: LinearisedPlanes, du: Floats, dy: Floats, mu: float) -> LinearisedPlanes:
+        """Longer steps along a direction that a strengthened diagonal kept short, as long as they pay."""
+        at, best, share = state.at, _barrier_function(state, ahead, mu), 4.0
+        while share <= min(1024.0, self._longest_share(at, du)):
+            further = self.program.linearise(self._retraction.step(at, du, dy, share), at.value)
+            value = _barrier_function(state, further, mu)
+            if not value < best:
+                break
+            ahead, best, share = further, value, 4 * share
+        return ahead
+
+    def _longest_share(self, at: LinearisedPlanes, u: Floats) -> float:
+        """Largest share of a step that no body moves or turns too far in."""
+        P = self.program
+        change = P.unpacked(u) * P.scale
+        turn = float(np.abs(change[:, 3:]).max(initial=0.0))
+        move = float(np.abs(change[:, :3]).max(initial=0.0))
+        return min(LARGEST_TURN / max(turn, 1e-300), LONGEST * self.horizon / max(move, 1e-300))
 
     def _direction(
         self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, least: float
@@ -262,32 +343,32 @@ class PlaneSolver:
         return found
 
     def _take(self, state: PlaneState, step: _Step) -> bool:
-        """Take the step; halve it while rows fall behind, or, where iterates stay inside, while one is lost."""
+        """Take the step; halve it while rows fall behind the foreseen ones by more than half of the complementarity."""
         P, at = state.at.program, state.at
-        change = P.unpacked(step.u) * P.scale
-        turn = float(np.abs(change[:, 3:]).max(initial=0.0))
-        move = float(np.abs(change[:, :3]).max(initial=0.0))
-        share = min(step.primal, LARGEST_TURN / max(turn, 1e-300), LONGEST * self.horizon / max(move, 1e-300))
+        share = min(step.primal, self._longest_share(at, step.u))
         lam = state.lam + step.dual * step.lam
         before = dot(state.lam, np.abs(state.s - at.h))
         foreseen = at.along(step.u, step.y)
         weight = state.lam / state.s
         weight = np.maximum(weight, weight.max(initial=1.0) / HEAVIEST)
-        for _ in range(30 if self.inside else 8):
+        for _ in range(8):
             goal = np.maximum(at.h + share * foreseen, LEAST_SLACK)
             point = self._retraction.step(at, step.u, step.y, share, goal, weight)
             ahead = P.linearise(point, at.value)
-            if self.inside:
-                if (ahead.h > KEEP * at.h).all():
-                    break
-            else:
-                s = np.maximum(np.maximum(state.s + share * step.s, ahead.h), LEAST_SLACK)
-                if dot(lam, s - ahead.h) <= max(0.5 * dot(s, lam), 2.0 * before):
-                    break
+            s = np.maximum(np.maximum(state.s + share * step.s, ahead.h), LEAST_SLACK)
+            if dot(lam, s - ahead.h) <= max(0.5 * dot(s, lam), 2.0 * before):
+                break
             share /= 2
-        else:
-            if self.inside:
-                return False
-        state.shift, state.lam, state.at = step.shift, lam, ahead
-        state.s = ahead.h if self.inside else s
+        self._move = step.u
+        state.shift, state.lam, state.at, state.s = step.shift, lam, ahead, s
         return True
+
+
+def _barrier_function(state: PlaneState, at: LinearisedPlanes, mu: float) -> float:
+    """Barrier function at a point, infinite outside the rows."""
+    if at.h.min(initial=np.inf) <= 0:
+        return np.inf
+    P, pose = at.program, at.point.pose
+    x = np.hstack([pose.T - P.bodies.at, logarithm(pose.R)])
+    u = P.packed(x / P.scale)
+    return -at.value / state.unit - mu * float(np.log(at.h).sum()) + state.home / 2 * dot(u, u)
