@@ -33,6 +33,8 @@ LARGEST_TURN = 0.5
 HOME = 0.01
 TINY_SHIFT = 1e-11
 BALANCED = 1e-3
+LEAST_CURVATURE = 1e-3
+"""Curvature upwards [objective's unit per clearance squared] that counts."""
 UNHELD, EARLY = 0.3, 0.05
 LEAST_ITERATIONS = 3
 PATIENCE = 40
@@ -65,6 +67,8 @@ class PlaneSolution:
         Points inside all rows, from the start.
     error : float
         Largest of complementarity, violation and imbalance, in units of the objective.
+    curved_down : bool
+        True where the second-order conditions hold: no direction along the active rows goes up.
     """
 
     point: PlanePoint
@@ -74,6 +78,7 @@ class PlaneSolution:
     iterations: int
     way: tuple[PlanePoint, ...]
     error: float
+    curved_down: bool
 
 
 @dataclass(eq=False)
@@ -199,9 +204,16 @@ class PlaneSolver:
         last = state.at
         if self.way and last.point is not self.way[-1]:
             last = P.linearise(self.way[-1], last.value)
+        curved = status == "converged" and self._curved_down(state)
         return PlaneSolution(
-            last.point, state.lam * unit / P.length, last.value, status, self.iterations, tuple(self.way), error
+            last.point, state.lam * unit / P.length, last.value, status, self.iterations, tuple(self.way), error, curved
         )
+
+    def _curved_down(self, state: PlaneState) -> bool:
+        """True where the condensed matrix is positive definite up to a small share."""
+        _, dual, _, _ = state.residuals()
+        self._system.set(state, dual)
+        return self._system.factorise(LEAST_CURVATURE + state.home)
 
     def _follow(self, state: PlaneState) -> tuple[str, float]:
         before, best, since = np.inf, np.inf, 0

@@ -26,13 +26,16 @@ class RigidBodies:
         Reference points at rest.
     free : (n, 6) bool
         Which of x, y, z, rx, ry, rz may change.
+    owner : tuple of (k,) int64
+        Part of every piece.
     barred : frozenset of (int, int)
-        Pairs a < b of bodies that never collide.
+        Pairs a < b of parts that never collide.
     """
 
     pieces: tuple[tuple[ConvexPiece, ...], ...]
     at: Floats
     free: Bools
+    owner: tuple[Ints, ...] = ()
     barred: frozenset[tuple[int, int]] = frozenset()
 
     @property
@@ -75,15 +78,14 @@ def boxes_of(bodies: RigidBodies, pose: Pose) -> list[tuple[Floats, Floats]]:
 
 
 def near_bodies(low: Floats, high: Floats, bodies: RigidBodies, reach: float) -> list[tuple[int, int]]:
-    """Pairs a < b of bodies, not both fixed and not barred, whose boxes (n, 3) come within `reach` [mm]."""
+    """Pairs a < b of bodies, not both fixed, whose boxes (n, 3) come within `reach` [mm]."""
     import shapely
 
     moves = bodies.moves
     flat = shapely.box(*(low[:, :2] - reach / 2).T, *(high[:, :2] + reach / 2).T)
     i, j = shapely.STRtree(flat).query(flat)
     keep = (i < j) & (moves[i] | moves[j]) & (low[i, 2] <= high[j, 2] + reach) & (low[j, 2] <= high[i, 2] + reach)
-    pairs = sorted(zip(i[keep].tolist(), j[keep].tolist(), strict=True))
-    return [pair for pair in pairs if pair not in bodies.barred]
+    return sorted(zip(i[keep].tolist(), j[keep].tolist(), strict=True))
 
 
 def near_pieces(bodies: RigidBodies, pose: Pose, reach: float) -> Ints:
@@ -95,6 +97,10 @@ def near_pieces(bodies: RigidBodies, pose: Pose, reach: float) -> Ints:
     for a, b in near_bodies(low, high, bodies, reach):
         (al, ah), (bl, bh) = boxes[a], boxes[b]
         meets = ((al[:, None] <= bh[None] + reach) & (ah[:, None] >= bl[None] - reach)).all(axis=2)
+        if bodies.barred:
+            parts = [(min(p, q), max(p, q)) for p in bodies.owner[a].tolist() for q in bodies.owner[b].tolist()]
+            barred = np.array([pair in bodies.barred for pair in parts])
+            meets &= ~barred.reshape(meets.shape)
         i, j = np.nonzero(meets)
         found.append(np.column_stack([np.full(len(i), a), i, np.full(len(i), b), j]))
     return np.vstack(found)
