@@ -12,7 +12,7 @@ from rich.table import Table
 from tests.audit import audit, polygon
 
 from wiggleroom.assembly import patterns
-from wiggleroom.freespace.space import free_space
+from wiggleroom.freespace.free_space import free_space
 
 FAMILIES = ("tee", "swallowtail", "dovetail", "revolute", "finger", "jigsaw")
 GAPS = (0.01, 0.02)

@@ -16,7 +16,7 @@ from tests.oracle.collision import overlaps
 
 import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
-from wiggleroom.freespace.models import PairModel, Walls
+from wiggleroom.freespace.models.pair_models import PairModel, Walls
 
 MODELS: dict[str, PairModel] = {
     "walls": Walls(),

@@ -23,17 +23,17 @@ from tests.oracle import chain, random_joints
 from tests.oracle.slices import Slices
 
 import wiggleroom as wr
-from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.bounding import Bounding, Clock
-from wiggleroom.analysis.prepare import survey
-from wiggleroom.analysis.quick import quick_bound
-from wiggleroom.analysis.regions import outer_regions
-from wiggleroom.analysis.search import Found
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.bound.branch_and_bound import Bounding, Clock
+from wiggleroom.bound.dual_bound import quick_bound
+from wiggleroom.bound.linear_relaxation import first_ranges
+from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.drawing.model import Goal
 from wiggleroom.program.objectives import PointMotion, objective
-from wiggleroom.program.relax import first_ranges
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.loop import Found
+from wiggleroom.search.prepare import survey
 
 SHARES, SECONDS = (0.5, 0.98), 0.8
 ROUNDING = 1e-11

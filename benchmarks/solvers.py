@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
-from wiggleroom.program.build import Program, build
+from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import objective
+from wiggleroom.search.prepare import prepare
 from wiggleroom.solve import SOLVERS, solver_named
-from wiggleroom.solve.conditions import conditions
+from wiggleroom.solve.kkt_conditions import conditions
 
 GRIDS = {30: (6, 5), 182: (14, 13), 675: (27, 25), 1890: (45, 42), 4096: (64, 64)}
 GAP = 0.01

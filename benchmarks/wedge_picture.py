@@ -24,7 +24,7 @@ from wiggleroom.bench.accuracy import (
 )
 from wiggleroom.bench.pairs import PAIR, PAIRS
 from wiggleroom.files import write_whole
-from wiggleroom.freespace.space import free_space
+from wiggleroom.freespace.free_space import free_space
 from wiggleroom.report import palette
 from wiggleroom.report.frame import document, header, swatch
 from wiggleroom.report.text import escape

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.verdict import Verdict
 
 
 def block(size: float = 1.0, hole: float = 0.0) -> Region:

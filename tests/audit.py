@@ -12,7 +12,7 @@ from tests.oracle.random_joints import Pair
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.freespace.space import FreeSpace
+from wiggleroom.freespace.free_space import FreeSpace
 
 DEEP = 1e-9  # share of the size that an accepted sample may overlap
 LEVER = (

@@ -10,9 +10,9 @@ import scipy.optimize
 import shapely
 
 from tests.oracle.collision import depths, overlaps, relative_motion
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal, Pull, Turn
+from wiggleroom.search.answer import Answer
 
 Motion = np.ndarray
 DEEP = 1e-9  # share of the size that parts may overlap

@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region
-from wiggleroom.program.build import Program, build
+from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import objective
+from wiggleroom.search.prepare import prepare
 
 
 def first_program(assembly: Assembly, goals: Sequence[Goal] = ()) -> Program:

@@ -189,7 +189,7 @@ def test_a_stopped_question_reports_what_it_has(run, monkeypatch: pytest.MonkeyP
     import dataclasses
 
     from tests.answers import row
-    from wiggleroom.solve.verdict import Verdict
+    from wiggleroom.verdict import Verdict
 
     class Fake:
         @staticmethod
@@ -198,7 +198,7 @@ def test_a_stopped_question_reports_what_it_has(run, monkeypatch: pytest.MonkeyP
             assert stop.wait(5)
             return dataclasses.replace(row(2), verdict=Verdict.STOPPED, assembly=assembly)
 
-    monkeypatch.setitem(sys.modules, "wiggleroom.analysis.flex", Fake)  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "wiggleroom.maximise", Fake)  # type: ignore[arg-type]
     code, out, err = run("flex", "peg.json", "--pull", "peg:+y")
     assert code == 3
     assert "stopped: stopped before the end" in out
@@ -213,7 +213,7 @@ def test_a_second_interrupt_ends(run, monkeypatch: pytest.MonkeyPatch) -> None:
                 os.kill(os.getpid(), signal.SIGINT)
                 time.sleep(0.05)
 
-    monkeypatch.setitem(sys.modules, "wiggleroom.analysis.flex", Fake)  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "wiggleroom.maximise", Fake)  # type: ignore[arg-type]
     code, out, err = run("flex", "peg.json", "--pull", "peg:+y")
     assert code == 3
     assert out == ""
@@ -227,7 +227,7 @@ def test_a_fault_of_ours_is_one_line_too(run, monkeypatch: pytest.MonkeyPatch) -
         def flex(*_: object, **__: object) -> None:
             raise ZeroDivisionError
 
-    monkeypatch.setitem(sys.modules, "wiggleroom.analysis.flex", Fake)  # type: ignore[arg-type]
+    monkeypatch.setitem(sys.modules, "wiggleroom.maximise", Fake)  # type: ignore[arg-type]
     code, _, err = run("flex", "peg.json", "--pull", "peg:+y")
     assert code == 3
     assert len(err) == 1

@@ -15,10 +15,10 @@ from tests.flex_truth import Ground, check_safe, climbed, improved, off_outline,
 from tests.flexing import about, box, case_assembly, part_at, polygon_part, row_of
 from tests.oracle import blocks, closed_forms
 from tests.oracle.closed_forms import frame, rectangle, regular
-from wiggleroom.analysis.twins import Twin, followed, twins
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn, W
-from wiggleroom.pairs.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.search.congruent_swap import Twin, followed, twins
 
 CLOSE = 1e-6
 SLOT = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 2.1), (4, 2.1), (4, 3.1), (0, 3.1)]  # open to the right, y from 1 to 2.1

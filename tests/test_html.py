@@ -16,11 +16,11 @@ import pytest
 import wiggleroom as wr
 from tests.answers import answer, block, grid, row
 from tests.baked import frames, told
-from wiggleroom.analysis.answer import Bound
 from wiggleroom.assembly.model import place, rings_at
 from wiggleroom.drawing.model import Part, Pull
 from wiggleroom.report.draw import draw
 from wiggleroom.report.pages import page_of_answer
+from wiggleroom.search.answer import Bound
 
 NASTY = "<img src=x onerror=alert(1)></script><b>&\"'"
 QUIET = {"Play", "Pause", "Zoom out", "Zoom in", "Fit the drawing", "Keys and help", "Copy the command", "Close"}

@@ -15,19 +15,19 @@ from tests.oracle.blocks import block, outline
 from tests.oracle.chain import stored
 from tests.oracle.collision import overlaps as collide
 from tests.test_program import close, slope, steps, whole
-from wiggleroom.analysis.approximate import approximate
-from wiggleroom.analysis.overlap import overlaps
 from wiggleroom.assembly.build import assemble
+from wiggleroom.compare.approximate import approximate
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.freespace.halfplane import half_planes
-from wiggleroom.freespace.hull import pair_hull
+from wiggleroom.freespace.models.halfplane import half_planes
+from wiggleroom.freespace.models.hull import pair_hull
 from wiggleroom.freespace.slices import meeting
-from wiggleroom.program import kernel
-from wiggleroom.program.build import build
+from wiggleroom.geometry.overlap import overlaps
+from wiggleroom.program import contact_functions as kernel
+from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import objective
-from wiggleroom.report.records import flex_record
+from wiggleroom.report.records import flex_result
 from wiggleroom.report.words import sentence
-from wiggleroom.solve.linear import maximise
+from wiggleroom.solve.linear_programming import maximise
 
 
 def box(x0: float, y0: float, x1: float, y1: float) -> shapely.Polygon:
@@ -244,11 +244,11 @@ def test_both_linear_solvers_agree() -> None:
 
 def test_answers_say_what_the_model_does_not_see() -> None:
     answer = wr.flex(wr.patterns.grid(4, 4, gap=0.02), model=wr.HalfPlane(iterated=False))
-    record = flex_record(answer)
-    assert record["model"] == "halfplane"
-    assert record["verdict"] == "stationary"
-    assert record["collision_free"] is False
-    assert record["deepest_overlap"] == answer.deepest_overlap > 0
+    record = flex_result(answer)
+    assert record.model == "halfplane"
+    assert record.verdict == "stationary"
+    assert record.collision_free is False
+    assert record.deepest_overlap == answer.deepest_overlap > 0
     assert "only approximates" in sentence(answer)
     assert "overlap" in sentence(answer)
 

@@ -10,15 +10,15 @@ import pytest
 import shapely
 from shapely import affinity
 
-from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.drawing.model import Drawing, Part, Region
-from wiggleroom.pairs.neighbours import classes, neighbours, placed, relative_rest
-from wiggleroom.pairs.shapes import bodies
-from wiggleroom.program.build import build
+from wiggleroom.geometry.bodies import bodies
+from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_rest
+from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import objective
+from wiggleroom.search.prepare import prepare
 
 REACH = 0.03
 NONE = np.zeros(0, dtype=np.int64)

@@ -12,14 +12,14 @@ import numpy as np
 import pytest
 
 from tests.answers import answer, block, grid, row
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
 from wiggleroom.report.picture import picture, picture_of_assembly
 from wiggleroom.report.png import png
 from wiggleroom.report.text import width
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.search.answer import Answer
+from wiggleroom.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"

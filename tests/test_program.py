@@ -10,10 +10,10 @@ import scipy.sparse as sp
 
 from wiggleroom.assembly import patterns
 from wiggleroom.drawing.model import Closer, Pull, Towards, Translation, Turn, W
-from wiggleroom.pairs.neighbours import relative_rest
-from wiggleroom.program import kernel
+from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.objectives import TERMS, objective
-from wiggleroom.program.retract import Retraction
+from wiggleroom.program.retraction import Retraction
 
 from .programs import ASSEMBLIES, first_program
 

@@ -13,19 +13,19 @@ import wiggleroom as wr
 from tests.flexing import case_assembly, displaced, mirrored, random_assembly, random_goals, row_of, scaled, shuffled
 from tests.oracle import blocks, chain, closed_forms, random_joints
 from tests.oracle.slices import Slices
-from wiggleroom.analysis.answer import Bound
-from wiggleroom.analysis.bounding import Bounding, Clock
-from wiggleroom.analysis.prepare import survey
-from wiggleroom.analysis.regions import outer_regions
 from wiggleroom.assembly.build import assemble
-from wiggleroom.freespace.outer import refined
-from wiggleroom.freespace.outer_facets import facets
-from wiggleroom.program.envelope import envelope, support
+from wiggleroom.bound.branch_and_bound import Bounding, Clock
+from wiggleroom.bound.linear_relaxation import first_ranges
+from wiggleroom.bound.outer_regions import outer_regions
+from wiggleroom.bound.trigonometric_envelopes import envelope, support
+from wiggleroom.freespace.outer.outer_facets import facets
+from wiggleroom.freespace.outer.outer_region import refined
 from wiggleroom.program.objectives import PointMotion, objective
-from wiggleroom.program.relax import first_ranges
+from wiggleroom.search.answer import Bound
+from wiggleroom.search.prepare import survey
 
 pytest.importorskip("highspy")
-from wiggleroom.solve.bounds import LinearBounds, safe_bound
+from wiggleroom.solve.safe_dual_bound import LinearBounds, safe_bound
 
 BOUNDED = {f"{k} {case.name}": case for k, case in enumerate(closed_forms.bounded())}
 LOOSE = ("row of", "24-gon in a square")  # held by joints that do not close: nothing tight is promised

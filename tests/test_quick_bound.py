@@ -14,10 +14,10 @@ import wiggleroom as wr
 from tests.flexing import case_assembly, displaced, mirrored, random_assembly, random_goals, row_of, scaled
 from tests.oracle import blocks, chain, closed_forms, random_joints
 from tests.oracle.slices import Slices
-from wiggleroom.analysis.quick import quick_bound
 from wiggleroom.assembly.build import assemble
-from wiggleroom.freespace.outer_slices import Facing
-from wiggleroom.freespace.pocket import pocket
+from wiggleroom.bound.dual_bound import quick_bound
+from wiggleroom.freespace.outer.local_outer_region import pocket
+from wiggleroom.freespace.outer.outer_slices import Facing
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.report.words import bounded
 

@@ -11,9 +11,9 @@ import shapely
 
 import wiggleroom as wr
 from tests.flexing import box, part_at, polygon_part
-from wiggleroom.analysis.rank import rank_at_once
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn
+from wiggleroom.sensitivity.rank import rank_at_once
 
 
 def slot(**more: object) -> Drawing:

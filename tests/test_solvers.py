@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
-from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
 from wiggleroom.errors import InputError, MissingExtraError
+from wiggleroom.search.prepare import prepare
 from wiggleroom.solve import SOLVERS, interior_point, ipopt, solver_named
-from wiggleroom.solve.conditions import conditions
+from wiggleroom.solve.kkt_conditions import conditions
 
 from .programs import ASSEMBLIES, first_program, squares, with_roles
 

@@ -13,7 +13,7 @@ from tests.oracle.random_joints import peg_pair, tab_pair
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.freespace.space import free_space
+from wiggleroom.freespace.free_space import free_space
 
 FAMILIES = ["tee", "swallowtail", "dovetail", "revolute", "finger", "jigsaw"]
 MOST_LOST = 0.005

@@ -12,9 +12,9 @@ from scipy import stats
 
 import wiggleroom as wr
 from tests.flexing import box
-from wiggleroom.analysis.lots import wilson
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull
+from wiggleroom.sensitivity.gap_distribution import wilson
 
 
 def slot() -> Drawing:

@@ -12,11 +12,11 @@ from scipy import sparse
 from scipy.spatial import Voronoi
 
 import wiggleroom as wr
-from wiggleroom.analysis.blocking import blocking, blocking_graph
-from wiggleroom.analysis.self_stress import Lock, holds
-from wiggleroom.analysis.tight import cone, opening, tight_verdict
 from wiggleroom.assembly.loops import placed
-from wiggleroom.pairs.tight_contacts import tight_contacts
+from wiggleroom.tight.blocking_graph import blocking, blocking_graph
+from wiggleroom.tight.mobility import cone, opening, tight_verdict
+from wiggleroom.tight.point_contacts import tight_contacts
+from wiggleroom.tight.self_stress import Lock, holds
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 

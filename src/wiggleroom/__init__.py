@@ -10,91 +10,93 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from wiggleroom.search.drawable import Drawable
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.answer import Answer, Bound, Contact
-    from wiggleroom.analysis.blocking import Blocking, blocking
-    from wiggleroom.analysis.flex import flex
-    from wiggleroom.analysis.interlock import Escape, Interlock, check
-    from wiggleroom.analysis.largest_gap import LargestGap, largest_gap
-    from wiggleroom.analysis.live import Live
-    from wiggleroom.analysis.lots import Spread
-    from wiggleroom.analysis.prepare import Prepared, prepare
-    from wiggleroom.analysis.prove import prove
-    from wiggleroom.analysis.rank import Ranking, rank
-    from wiggleroom.analysis.sample import Sample, sample
-    from wiggleroom.analysis.shot import Mode, Shot
-    from wiggleroom.analysis.sweep import Sweep, sweep
-    from wiggleroom.analysis.tight import TightVerdict, tight_verdict
-    from wiggleroom.analysis.tighten import Tightening, tighten
     from wiggleroom.assembly import coupon, patterns
     from wiggleroom.assembly.build import assemble, read
     from wiggleroom.assembly.model import Assembly
+    from wiggleroom.bound.prove import prove
     from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Towards, Translation, Turn, W
     from wiggleroom.errors import InputError, MissingExtraError, StoppedError, TouchingError, WiggleroomError
-    from wiggleroom.freespace.models import HalfPlane, Hull
-    from wiggleroom.freespace.polyhedron import Polyhedron
-    from wiggleroom.freespace.space import FreeSpace, free_space
+    from wiggleroom.freespace.free_space import FreeSpace, free_space
+    from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
+    from wiggleroom.freespace.models.polyhedron import Polyhedron
+    from wiggleroom.live.live_result import Mode, Shot
+    from wiggleroom.live.live_session import Live
+    from wiggleroom.maximise import flex, prepare
     from wiggleroom.report.film import film
-    from wiggleroom.solve.verdict import Verdict
+    from wiggleroom.search.answer import Answer, Bound, Contact
+    from wiggleroom.search.prepare import Prepared
+    from wiggleroom.sensitivity.gap_distribution import Spread
+    from wiggleroom.sensitivity.rank import Ranking, rank
+    from wiggleroom.sensitivity.sample import Sample, sample
+    from wiggleroom.sensitivity.sweep import Sweep, sweep
+    from wiggleroom.sensitivity.tighten import Tightening, tighten
+    from wiggleroom.separate.interlock import Escape, Interlock, check
+    from wiggleroom.separate.largest_gap import LargestGap, largest_gap
+    from wiggleroom.tight.blocking_graph import Blocking, blocking
+    from wiggleroom.tight.mobility import TightVerdict, tight_verdict
+    from wiggleroom.verdict import Verdict
 
 _HOME = {
-    "Answer": "analysis.answer",
+    "Answer": "search.answer",
     "Assembly": "assembly.model",
-    "Blocking": "analysis.blocking",
-    "Bound": "analysis.answer",
+    "Blocking": "tight.blocking_graph",
+    "Bound": "search.answer",
     "Closer": "drawing.model",
-    "Contact": "analysis.answer",
+    "Contact": "search.answer",
     "Drawing": "drawing.model",
-    "Escape": "analysis.interlock",
-    "FreeSpace": "freespace.space",
-    "HalfPlane": "freespace.models",
-    "Hull": "freespace.models",
+    "Escape": "separate.interlock",
+    "FreeSpace": "freespace.free_space",
+    "HalfPlane": "freespace.models.pair_models",
+    "Hull": "freespace.models.pair_models",
     "InputError": "errors",
-    "Interlock": "analysis.interlock",
+    "Interlock": "separate.interlock",
     "JointGap": "drawing.model",
-    "LargestGap": "analysis.largest_gap",
-    "Live": "analysis.live",
+    "LargestGap": "separate.largest_gap",
+    "Live": "live.live_session",
     "MissingExtraError": "errors",
-    "Mode": "analysis.shot",
+    "Mode": "live.live_result",
     "Part": "drawing.model",
-    "Polyhedron": "freespace.polyhedron",
-    "Prepared": "analysis.prepare",
+    "Polyhedron": "freespace.models.polyhedron",
+    "Prepared": "search.prepare",
     "Pull": "drawing.model",
-    "Ranking": "analysis.rank",
+    "Ranking": "sensitivity.rank",
     "Region": "drawing.model",
-    "Sample": "analysis.sample",
-    "Shot": "analysis.shot",
-    "Spread": "analysis.lots",
+    "Sample": "sensitivity.sample",
+    "Shot": "live.live_result",
+    "Spread": "sensitivity.gap_distribution",
     "StoppedError": "errors",
-    "Sweep": "analysis.sweep",
-    "Tightening": "analysis.tighten",
-    "TightVerdict": "analysis.tight",
+    "Sweep": "sensitivity.sweep",
+    "Tightening": "sensitivity.tighten",
+    "TightVerdict": "tight.mobility",
     "TouchingError": "errors",
     "Towards": "drawing.model",
     "Translation": "drawing.model",
     "Turn": "drawing.model",
-    "Verdict": "solve.verdict",
+    "Verdict": "verdict",
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",
-    "blocking": "analysis.blocking",
-    "check": "analysis.interlock",
+    "blocking": "tight.blocking_graph",
+    "check": "questions",
     "coupon": "assembly",
     "film": "report.film",
-    "flex": "analysis.flex",
-    "free_space": "freespace.space",
-    "largest_gap": "analysis.largest_gap",
+    "flex": "questions",
+    "free_space": "freespace.free_space",
+    "largest_gap": "separate.largest_gap",
     "patterns": "assembly",
-    "prepare": "analysis.prepare",
-    "prove": "analysis.prove",
-    "rank": "analysis.rank",
-    "read": "assembly.build",
-    "sample": "analysis.sample",
-    "sweep": "analysis.sweep",
-    "tighten": "analysis.tighten",
-    "tight_verdict": "analysis.tight",
+    "prepare": "maximise",
+    "prove": "bound.prove",
+    "rank": "sensitivity.rank",
+    "read": "questions",
+    "sample": "sensitivity.sample",
+    "sweep": "sensitivity.sweep",
+    "tighten": "sensitivity.tighten",
+    "tight_verdict": "tight.mobility",
 }
 
 __all__ = [
@@ -154,6 +156,15 @@ __all__ = [
     "tight_verdict",
     "tighten",
 ]
+
+
+def _draw(found: Any, path: Any) -> None:
+    from wiggleroom.report.draw import draw  # slow to import, and not always needed
+
+    draw(found, path)
+
+
+Drawable.writer = staticmethod(_draw)
 
 
 def __getattr__(name: str) -> object:

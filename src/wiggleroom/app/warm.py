@@ -8,7 +8,7 @@ from importlib import import_module
 MODULES = (
     "wiggleroom.drawing.svg",
     "wiggleroom.drawing.assembly_file",
-    "wiggleroom.analysis.flex",
+    "wiggleroom.maximise",
     "wiggleroom.app.moving",
     "wiggleroom.app.studies",
 )
@@ -21,7 +21,7 @@ def steps() -> list[Callable[[], object]]:
 
 def _solve() -> None:
     """Answer a tiny question, for the kernels."""
-    from wiggleroom.analysis.flex import flex
     from wiggleroom.assembly import patterns
+    from wiggleroom.maximise import flex
 
     flex(patterns.chain(2, gap=0.02))

@@ -12,20 +12,20 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.audit import depths, reached
-from wiggleroom.analysis.overlap import SAFE
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.collide import overlapping
 from wiggleroom.bench.pairs import GAP, PAIR, PAIRS
 from wiggleroom.bench.published import ACCURACY
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.compare.monte_carlo import depths, reached
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.freespace.models import HalfPlane, Hull
-from wiggleroom.freespace.polyhedron import Polyhedron
-from wiggleroom.freespace.relative import turn
-from wiggleroom.freespace.space import FreeSpace, free_space
-from wiggleroom.pairs.neighbours import placed
-from wiggleroom.pairs.shapes import bodies
+from wiggleroom.freespace.free_space import FreeSpace, free_space
+from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
+from wiggleroom.freespace.models.polyhedron import Polyhedron
+from wiggleroom.geometry.bodies import bodies
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
+from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
@@ -164,7 +164,7 @@ def _accepted(
     said = model.contains(relative)
     unsafe = said & ~free
     doubtful = np.flatnonzero(unsafe)
-    deep = depths(walls, assembly, bodies(assembly), relative[doubtful]) > SAFE * assembly.size
+    deep = depths(walls, assembly, bodies(assembly), relative[doubtful]) > OVERLAP_TOLERANCE * assembly.size
     cut_off = ~reached(walls, relative[doubtful], float(bodies(assembly).radius[1]))
     unsafe[doubtful] = deep | cut_off
     return said & (free | unsafe), unsafe

@@ -6,13 +6,13 @@ import json
 from collections.abc import Callable
 from importlib.resources import files
 
-from wiggleroom.analysis.flex import witness
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.physics import pulled_to_rest
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
 from wiggleroom.errors import Stop, see_extra
-from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
+from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
+from wiggleroom.maximise import witness
 
 JOINTS = ("tee", "swallowtail")
 TRUTH = "true optimum"

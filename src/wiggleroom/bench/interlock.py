@@ -12,21 +12,21 @@ from itertools import product
 import numpy as np
 import shapely
 
-from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.approximate import End
-from wiggleroom.analysis.blocking import blocking
-from wiggleroom.analysis.interlock import check
-from wiggleroom.analysis.prepare import prepare
-from wiggleroom.analysis.tight import tight_verdict
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.compare.approximate import End
 from wiggleroom.drawing.model import Goal, Pull, Turn, part_of
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
-from wiggleroom.pairs.neighbours import placed
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.maximise import prepare
+from wiggleroom.search.answer import Answer
+from wiggleroom.separate.interlock import check
+from wiggleroom.tight.blocking_graph import blocking
+from wiggleroom.tight.mobility import tight_verdict
+from wiggleroom.verdict import Verdict
 
 SHORT = {LOCKED: "locked", APART: "apart"}
 FAN = 8

@@ -11,13 +11,12 @@ import math
 import sys
 import time
 
-from wiggleroom.analysis.bounding import Clock
-from wiggleroom.analysis.flex import witness
-from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly import patterns
 from wiggleroom.bench.large import CASES, assembly_of
 from wiggleroom.bench.result import Record
-from wiggleroom.freespace.models import HalfPlane, Hull, PairModel, Walls
+from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
+from wiggleroom.maximise import prepare, witness
 
 METHODS: dict[str, tuple[PairModel, str]] = {
     "walls": (Walls(), "interior-point"),

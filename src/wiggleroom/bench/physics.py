@@ -18,16 +18,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.finish import part_motions
-from wiggleroom.analysis.overlap import overlaps
-from wiggleroom.analysis.prepare import prepare
 from wiggleroom.assembly.findings import role_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError, see_extra
-from wiggleroom.pairs.neighbours import placed
-from wiggleroom.pairs.shapes import Bodies
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program.objectives import Objective, objective
+from wiggleroom.search.build_answer import part_motions
+from wiggleroom.search.prepare import prepare
 
 Floats = NDArray[np.float64]
 

@@ -19,7 +19,7 @@ from wiggleroom.bench.one import METHODS
 from wiggleroom.bench.published import speed as published
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
 from wiggleroom.errors import InputError, Stop, see_extra
-from wiggleroom.solve.linear import linear_solver
+from wiggleroom.solve.linear_programming import linear_solver
 
 PATIENCE, SHORTEST, LONGEST = 4.2, 10.0, 50.0
 """Others may take so many times as long as walls, and at least and at most so many seconds."""

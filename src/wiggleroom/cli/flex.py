@@ -10,8 +10,8 @@ from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import Outputs, check, tell
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.answer import Answer
-    from wiggleroom.freespace.models import PairModel
+    from wiggleroom.freespace.models.pair_models import PairModel
+    from wiggleroom.search.answer import Answer
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
 
@@ -65,7 +65,7 @@ def flex(
     from dataclasses import replace
 
     from wiggleroom.errors import InputError
-    from wiggleroom.freespace.models import Hull
+    from wiggleroom.freespace.models.pair_models import Hull
 
     settings: dict[str, Any] = {
         k: v for k, v in (("about", about), ("slices", slices), ("rounds", rounds)) if v is not None
@@ -86,14 +86,14 @@ def flex(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     wanted = Hull(**settings) if model == "hull" else model
     answer = replace(_answer(file, asked, wanted, solver, prove, time, certificate is not None), command=command)
-    from wiggleroom.report.records import flex_record
+    from wiggleroom.report.records import flex_result
     from wiggleroom.report.table import table
 
     if certificate is not None:
         from wiggleroom.cli.proving import write_certificate
 
         write_certificate(answer, certificate)
-    tell(outputs, lambda: flex_record(answer), lambda: table(answer), answer, command)
+    tell(outputs, lambda: flex_result(answer), lambda: table(answer), answer, command)
     return 3 if answer.verdict == "stopped" else 0
 
 
@@ -122,7 +122,7 @@ def _answer(
             raise InputError(lacking)
         spent = time.perf_counter() - begin
 
-        from wiggleroom.analysis.flex import flex as solve
+        from wiggleroom.maximise import flex as solve
 
         answer = solve(assembly, model=model, solver=solver, stop=stop, progress=show)
         if prove is not None and not stop.is_set():

@@ -8,7 +8,7 @@ from threading import Event
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.answer import Answer
+    from wiggleroom.search.answer import Answer
 
 SECONDS = 60.0
 
@@ -23,9 +23,9 @@ def check_proof(share: float, seconds: float | None, model: str) -> None:
     MissingExtraError
         If highspy is not installed.
     """
-    from wiggleroom.analysis.prove import check_request
+    from wiggleroom.bound.prove import check_request
     from wiggleroom.errors import InputError
-    from wiggleroom.solve.bounds import need_highs
+    from wiggleroom.solve.safe_dual_bound import need_highs
 
     check_request(share, SECONDS if seconds is None else seconds, ("--prove", "--time"))
     if model != "walls":
@@ -45,7 +45,7 @@ def proven(
     """Answer with a bound, or as it was, with a line on stderr that says why there is none."""
     from dataclasses import replace
 
-    from wiggleroom.analysis.prove import prove
+    from wiggleroom.bound.prove import prove
     from wiggleroom.cli.say import note
 
     limit = SECONDS if seconds is None else seconds

@@ -49,10 +49,10 @@ def rank(
     with interruptible() as stop, unless_stopped(stop), bar("differences") as show:
         assembly = complete(read(file, asked))
 
-        from wiggleroom.analysis.rank import rank as work_out
+        from wiggleroom.sensitivity.rank import rank as work_out
 
         ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
-    from wiggleroom.report.ranking import rank_record, rank_table
+    from wiggleroom.report.ranking import rank_result, rank_table
 
-    tell(outputs, lambda: rank_record(ranking, command), lambda: rank_table(ranking), ranking, command)
+    tell(outputs, lambda: rank_result(ranking, command), lambda: rank_table(ranking), ranking, command)
     return 0

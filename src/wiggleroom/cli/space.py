@@ -10,9 +10,9 @@ from wiggleroom.cli.outputs import StudyOutputs
 from wiggleroom.report.endings import PAGE, ending
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.audit import Audit
     from wiggleroom.assembly.model import Assembly
-    from wiggleroom.freespace.space import FreeSpace
+    from wiggleroom.compare.monte_carlo import Audit
+    from wiggleroom.freespace.free_space import FreeSpace
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), StudyOutputs()
 
@@ -55,12 +55,12 @@ def space(
     outputs.check(file)
     assembly = read(file, asked)
 
-    from wiggleroom.freespace.space import free_space
+    from wiggleroom.freespace.free_space import free_space
 
     found = free_space(assembly, a, b)
     judged = None
     if samples:
-        from wiggleroom.analysis.audit import audit
+        from wiggleroom.compare.monte_carlo import audit
 
         judged = audit(found, assembly, samples, seed=seed)
     if outputs.json != "-":
@@ -74,11 +74,11 @@ def space(
 
 def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: StudyOutputs, command: str) -> None:
     """JSON and picture, where they are asked for."""
-    from wiggleroom.cli.outputs import write_picture, write_record
-    from wiggleroom.report.space import space_record
+    from wiggleroom.cli.outputs import write_picture, write_result
+    from wiggleroom.report.space import space_result
 
     if outputs.json is not None:
-        write_record(space_record(found, judged, command), outputs.json)
+        write_result(space_result(found, judged, command), outputs.json)
     if outputs.picture is not None:
         if ending(outputs.picture) == PAGE:
             from wiggleroom.report.pages import page_of_space as show

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from wiggleroom.analysis.interlock import Interlock
-from wiggleroom.analysis.largest_gap import LargestGap
 from wiggleroom.report.apart import as_answer, check_facts, check_title
 from wiggleroom.report.film import film
 from wiggleroom.report.picture import picture
+from wiggleroom.separate.interlock import Interlock
+from wiggleroom.separate.largest_gap import LargestGap
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal, Pull, Towards, Turn, W
 from wiggleroom.report import palette
 from wiggleroom.report.layout import View
+from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]
 

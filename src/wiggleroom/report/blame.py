@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer
-from wiggleroom.analysis.rank import Ranking
-from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.report import frame, palette
 from wiggleroom.report.picture import Tints, picture
 from wiggleroom.report.words import number, per_gap, short, unit
+from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity.rank import Ranking
+from wiggleroom.sensitivity.tighten import Tightening
 
 
 def picture_of_ranking(ranking: Ranking, *, command: str = "") -> str:

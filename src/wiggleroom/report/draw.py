@@ -7,14 +7,14 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.files import write_whole
 from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, ending, see
 from wiggleroom.report.stills import write_svg
+from wiggleroom.search.answer import Answer
 
 if TYPE_CHECKING:
-    from wiggleroom.analysis.interlock import Interlock
     from wiggleroom.report.draw_study import Study
+    from wiggleroom.separate.interlock import Interlock
 
 
 def draw(

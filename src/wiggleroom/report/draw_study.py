@@ -5,16 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from wiggleroom.analysis.interlock import Interlock
-from wiggleroom.analysis.rank import Ranking
-from wiggleroom.analysis.sample import Sample
-from wiggleroom.analysis.sweep import Sweep
-from wiggleroom.analysis.tighten import Tightening
 from wiggleroom.files import write_whole
 from wiggleroom.report import blame, pages, study_plots
 from wiggleroom.report.apart_picture import Checked, film_of_check, picture_of_check
 from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
 from wiggleroom.report.stills import write_svg
+from wiggleroom.sensitivity.rank import Ranking
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.separate.interlock import Interlock
 
 Study = Ranking | Tightening | Sweep | Sample | Checked
 

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
-from wiggleroom.analysis.many import Many
 from wiggleroom.errors import see_extra
 from wiggleroom.report import palette
 from wiggleroom.report.film_svg import PAUSES
 from wiggleroom.report.png import png
 from wiggleroom.report.scene import Scene
+from wiggleroom.sensitivity.parallel import Many
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.motions import about
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.errors import InputError
-from wiggleroom.pairs.shapes import Bodies, bodies
+from wiggleroom.geometry.bodies import Bodies, bodies
+from wiggleroom.geometry.rigid_motions import about
 
 Floats = NDArray[np.float64]
 

@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.answer import Answer
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Pull, part_of
 from wiggleroom.report import frame, layout, palette
@@ -19,6 +18,7 @@ from wiggleroom.report.names import names_group
 from wiggleroom.report.shapes import Shapes, spot, use
 from wiggleroom.report.text import escape
 from wiggleroom.report.words import facts, headline, number
+from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]
 

@@ -9,8 +9,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.analysis.audit import about_pivot
-from wiggleroom.freespace.space import FreeSpace
+from wiggleroom.compare.monte_carlo import about_pivot
+from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import palette
 from wiggleroom.report.axes import text
 from wiggleroom.report.words import number

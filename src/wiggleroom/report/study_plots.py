@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.analysis.sample import Sample
-from wiggleroom.analysis.sweep import Sweep
 from wiggleroom.errors import InputError
 from wiggleroom.report.plots import curve, histogram
 from wiggleroom.report.studies import lost_sentence, spread_words, yield_sentence
 from wiggleroom.report.words import asked, number, unit
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.verdict import Verdict
 
 _SHOWN = (0.05, 0.5, 0.95)
 
@@ -21,7 +22,7 @@ def sweep_title(found: Sweep) -> str:
 
 def sweep_facts(found: Sweep) -> list[str]:
     """Facts under the title of a sweep."""
-    odd = [s.verdict for s in found.steps if s.verdict in ("touching", "cannot be made")]
+    odd = [s.verdict for s in found.steps if s.verdict in (Verdict.TOUCHING, Verdict.NOT_MAKEABLE)]
     unsure = sum(not s.checked for s in found.steps if s.objective is not None)
     return [
         f"{len(found.steps)} gaps",

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from wiggleroom.analysis.answer import Answer, Contact
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.verdict import Verdict
 
 _NAME_LENGTH = 40
 _MOST_GOALS = 4

@@ -14,47 +14,48 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.program.build import Program
-from wiggleroom.program.retract import Retraction
-from wiggleroom.solve.careful import Careful
-from wiggleroom.solve.factor import LARGE, Factor, factor
-from wiggleroom.solve.newton import TINY_SHIFT, State, dot, longest, newton
-from wiggleroom.solve.ridge import beside, uphill
+from wiggleroom.program.nonlinear_program import Program
+from wiggleroom.program.retraction import Retraction
+from wiggleroom.solve.factorisation import MIN_DISSECTION_ROWS, Factor, factor
+from wiggleroom.solve.monotone_barrier import Careful
+from wiggleroom.solve.newton_step import MIN_SHIFT, State, dot, longest, newton
+from wiggleroom.solve.saddle_escape import beside, uphill
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 
-FRACTION = 0.99
+FRACTION_TO_BOUNDARY = 0.99
 """Share of the way to the nearest wall that a step may use."""
-CORRECTION = 10.0
+MAX_CORRECTION = 10.0
 """Mehrotra's second-order term is held within this multiple of mu; larger ones come from steps too long to trust."""
-SHORT = 0.05
+MIN_STEP_LENGTH = 0.05
 """A step shorter than this is tried again with a stronger diagonal."""
-FIRST_MU = 0.1
-INNER = 3e-2
+INITIAL_BARRIER = 0.1
+WARM_START_GAP = 3e-2
 """The next program starts at the last legal iterate whose complementarity was still this share of the objective."""
-LEAST_SLACK = 1e-14
-FIRST_SLACK = 1e-3
+MIN_SLACK = 1e-14
+INITIAL_SLACK = 1e-3
 """Slacks begin no smaller: a wall right beside the start would else block every step away from the others."""
-LONGEST = 0.1
+MAX_STEP_SHARE = 0.1
 """Share of the horizon that a body may move in one iteration."""
-HOME = 0.01
+REST_TOLERANCE_SHARE = 0.01
 """Share of the tolerance that may be given up to stay near rest."""
-UNHELD = 0.3
+DUAL_RESIDUAL_RATIO = 0.3
 """Share of what forces out of balance would bring, were the round's motion made again, that must not fall behind complementarity."""
-EARLY = 0.05
+DUAL_RESIDUAL_FLOOR = 0.05
 """As long as they would bring more than this share of the objective."""
-BALANCED = 1e-3
+DUAL_TOLERANCE = 1e-3
 """Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
-LEAST_ITERATIONS, MOST_ITERATIONS, MOST_CAREFUL = 3, 100, 200
-SHARED, ROUGH = 3, 1e-3
+MIN_ITERATIONS, MAX_ITERATIONS, MAX_MONOTONE_ITERATIONS = 3, 100, 200
+REFACTORISATION_INTERVAL, REUSE_TOLERANCE = 3, 1e-3
 """So many of the last steps share a factorisation in large programs, where the tolerance is coarser than this."""
-MOST_RIDGES = 2
+MAX_SADDLE_ESCAPES = 2
 """So often the search goes on beside a point that balances on a ridge."""
-PATIENCE = 30
+MAX_STALLED_ITERATIONS = 30
 """After so many iterations that do not make the error less, the quick steps have failed."""
-EXACT = 1e-12
+SLACK_TOLERANCE = 1e-12
 """Slacks that are right to this share of `program.length` are exact."""
-FREE = 1e-3
+MAX_FREE_SHIFT = 1e-3
 """A diagonal strengthened by more than this keeps steps short."""
 
 
@@ -68,8 +69,7 @@ class Solution:
         Scaled variables.
     lam : (R,) float64
         Multipliers of the rows: objective [mm] per unit of `program.length`, scaled so that the largest derivative of the objective is 1.
-    status : str
-        "converged", "enough", "stopped", "escaping" or "failed".
+    status : SolverStatus
     iterations : int
     inner : (3F,) float64
         A point well inside all rows on the way, from which the next program can start.
@@ -83,7 +83,7 @@ class Solution:
 
     u: Floats
     lam: Floats
-    status: str
+    status: SolverStatus
     iterations: int
     inner: Floats
     inner_mu: float
@@ -110,11 +110,11 @@ def solve(
     program: Program,
     start: Floats | None = None,
     *,
-    mu: float = FIRST_MU,
+    mu: float = INITIAL_BARRIER,
     tolerance: float = 1e-6,
     horizon: float = np.inf,
     enough: float = np.inf,
-    exact: float = EXACT,
+    exact: float = SLACK_TOLERANCE,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> Solution:
@@ -145,13 +145,13 @@ def solve(
     begin = np.zeros(len(program.scale)) if start is None else start.copy()
     matrix, retraction = factor(program.pattern), Retraction(program)
     unit = float(np.abs(program.linearise(begin).gradient).max()) or 1.0
-    farthest = LONGEST * horizon / program.length
+    farthest = MAX_STEP_SHARE * horizon / program.length
     watch = _Watch(tolerance, horizon, enough, stop, progress, begin, mu)
 
     def at_start(u: Floats, mu: float, least: float) -> State:
         at = program.linearise(u)
         s = np.maximum(at.h, least)
-        return State(u, s, mu / s, at, unit, np.zeros_like(u), HOME * tolerance)
+        return State(u, s, mu / s, at, unit, np.zeros_like(u), REST_TOLERANCE_SHARE * tolerance)
 
     def quick(state: State, primal: Floats, dual: Floats, least: float) -> bool:
         step = _step(state, matrix, retraction, primal, dual, watch.mu, watch.lag, least)
@@ -159,20 +159,26 @@ def solve(
             _advance(state, step.capped(farthest), retraction)
         return step is not None
 
-    for ridges in range(MOST_RIDGES + 1):
-        state = at_start(begin, mu, FIRST_SLACK)
-        status = watch.follow(state, quick, MOST_ITERATIONS)
-        if status == "failed" and watch.legal is not None:
+    for ridges in range(MAX_SADDLE_ESCAPES + 1):
+        state = at_start(begin, mu, INITIAL_SLACK)
+        status = watch.follow(state, quick, MAX_ITERATIONS)
+        if status is SolverStatus.FAILED and watch.legal is not None:
             state = at_start(*watch.legal, 0.0)
-            status = watch.follow(state, Careful(matrix, retraction, watch.legal[1], farthest).advance, MOST_CAREFUL)
-        up = uphill(state, matrix, tolerance) if status == "converged" and ridges < MOST_RIDGES else None
+            status = watch.follow(
+                state, Careful(matrix, retraction, watch.legal[1], farthest).advance, MAX_MONOTONE_ITERATIONS
+            )
+        up = (
+            uphill(state, matrix, tolerance)
+            if status is SolverStatus.CONVERGED and ridges < MAX_SADDLE_ESCAPES
+            else None
+        )
         if up is None:
             break
         begin, mu = beside(program, watch.inner[0], up), watch.inner[1]
         watch.back_to_inner()
-    shared = SHARED if tolerance > ROUGH and len(begin) > LARGE else 1
-    settled = _settle(state, matrix, retraction, shared, exact) if status == "converged" else state
-    inner = watch.legal if status == "failed" and watch.legal else watch.inner
+    shared = REFACTORISATION_INTERVAL if tolerance > REUSE_TOLERANCE and len(begin) > MIN_DISSECTION_ROWS else 1
+    settled = _settle(state, matrix, retraction, shared, exact) if status is SolverStatus.CONVERGED else state
+    inner = watch.legal if status is SolverStatus.FAILED and watch.legal else watch.inner
     return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
 
 
@@ -204,25 +210,25 @@ class _Watch:
         last = next((k for k, u in enumerate(self.way) if u is self.inner[0]), -1)
         del self.way[last + 1 :]
 
-    def follow(self, state: State, advance: Callable[[State, Floats, Floats, float], bool], most: int) -> str:
+    def follow(self, state: State, advance: Callable[[State, Floats, Floats, float], bool], most: int) -> SolverStatus:
         """Advance the state until it is converged, stopped or escaping, or until that fails."""
         before, best, since = np.inf, np.inf, 0
         for k in range(most + 1):
             primal, dual, gap, value = state.residuals()
             status = self._judge(state, primal, dual, gap, value, before, k)
-            if status:
+            if status is not None:
                 return status
             best, since = (self.error, 0) if self.error < 0.9 * best else (best, since + 1)
             target = 0.2 * self.tolerance * max(abs(value), 1.0) / max(len(primal), 1)
-            if k == most or since > PATIENCE or not advance(state, primal, dual, target):
+            if k == most or since > MAX_STALLED_ITERATIONS or not advance(state, primal, dual, target):
                 break
             before = value
             self.iterations += 1
-        return "failed"
+        return SolverStatus.FAILED
 
     def _judge(
         self, state: State, primal: Floats, dual: Floats, gap: float, value: float, before: float, k: int
-    ) -> str:
+    ) -> SolverStatus | None:
         """Measure an iterate; the status to end with, or nothing."""
         if self.progress is not None:
             self.progress(self.iterations, state.at.value)
@@ -230,30 +236,30 @@ class _Watch:
         infeasible = dot(state.lam, np.abs(primal))
         wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
         unheld = dot(np.abs(dual), np.abs(state.u - self.begin))
-        far_off = UNHELD * unheld if unheld > EARLY * max(abs(value), 1.0) else 0.0
+        far_off = DUAL_RESIDUAL_RATIO * unheld if unheld > DUAL_RESIDUAL_FLOOR * max(abs(value), 1.0) else 0.0
         self.lag = max(infeasible, wrong, far_off) / gap if gap > 0 else 0.0
         self.error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:
             self.legal = state.u, self.mu
             self.way.append(state.u)
-            if k == 0 or gap > INNER * max(abs(value), 1.0):
+            if k == 0 or gap > WARM_START_GAP * max(abs(value), 1.0):
                 self.inner = state.u, self.mu
             if state.at.value >= self.enough:
-                return "enough"
+                return SolverStatus.ENOUGH
         if (
-            k >= LEAST_ITERATIONS
+            k >= MIN_ITERATIONS
             and self.error < self.tolerance
             and unheld < np.sqrt(self.tolerance) * max(abs(value), 1.0)
-            and np.abs(dual).max() < max(10 * self.tolerance, BALANCED)
+            and np.abs(dual).max() < max(10 * self.tolerance, DUAL_TOLERANCE)
         ):
-            return "converged"
+            return SolverStatus.CONVERGED
         if self.stop is not None and self.stop.is_set():
-            return "stopped"
+            return SolverStatus.STOPPED
         pulled = (state.at.gradient.reshape(-1, 3) != 0).any(axis=1)  # a loose part may drift anywhere
         reached = np.abs(state.u.reshape(-1, 3)[pulled, :2]).max(initial=0.0) * state.at.program.length
         far = reached > self.horizon
-        return ("escaping" if inside else "failed") if far else ""
+        return (SolverStatus.ESCAPING if inside else SolverStatus.FAILED) if far else None
 
 
 def _step(
@@ -269,7 +275,7 @@ def _step(
     """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not a stub."""
     s, lam, at = state.s, state.lam, state.at
     data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
-    shift = TINY_SHIFT if state.shift <= 1e-8 else state.shift / 5
+    shift = MIN_SHIFT if state.shift <= 1e-8 else state.shift / 5
     found = None
     for attempt in range(16):
         if not matrix.update(data, shift + state.pull_home):
@@ -280,11 +286,18 @@ def _step(
         centring = (after / mu) ** 3 if mu > 0 else 0.0
         if lag > 0.3:  # feasibility must not fall behind complementarity
             centring = max(centring, min(10.0, lag))
-        goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)
+        goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -MAX_CORRECTION * mu, MAX_CORRECTION * mu)
         du, ds, dl = newton(state, matrix, primal, dual, goal)
         far, dfar = longest(s, ds), longest(lam, dl)
-        found = _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift)
-        if found.primal > SHORT or attempt >= 5:
+        found = _Step(
+            du,
+            ds,
+            dl,
+            FRACTION_TO_BOUNDARY * far if far < 1 else 1.0,
+            FRACTION_TO_BOUNDARY * dfar if dfar < 1 else 1.0,
+            shift,
+        )
+        if found.primal > MIN_STEP_LENGTH or attempt >= 5:
             break
         shift = max(10 * shift, 1e-6)
     return found
@@ -296,7 +309,7 @@ def _advance(state: State, step: _Step, retraction: Retraction) -> None:
     share = step.primal
     before = dot(state.lam, np.abs(state.s - state.at.h))
     # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so stride out
-    state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > FREE else 1.0
+    state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > MAX_FREE_SHIFT else 1.0
     if state.stride > 4.0:
         u = retraction.step(state.u, state.stride * step.u, state.at)
         at = state.at.program.linearise(u)
@@ -308,7 +321,7 @@ def _advance(state: State, step: _Step, retraction: Retraction) -> None:
     for _ in range(6):
         u = retraction.step(state.u, share * step.u, state.at)
         at = state.at.program.linearise(u)
-        s = np.maximum(np.maximum(state.s + share * step.s, at.h), LEAST_SLACK)
+        s = np.maximum(np.maximum(state.s + share * step.s, at.h), MIN_SLACK)
         if dot(lam, s - at.h) <= max(0.5 * dot(s, lam), 2.0 * before):
             break
         share /= 2
@@ -326,7 +339,7 @@ def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int, e
     for k in range(6):
         primal, dual, _, _ = state.residuals()
         wrong = np.abs(primal).max(initial=0.0)
-        if wrong < EXACT or (wrong < exact and state.at.h.min(initial=np.inf) > 0):
+        if wrong < SLACK_TOLERANCE or (wrong < exact and state.at.h.min(initial=np.inf) > 0):
             break
         if k % shared == 0:  # the rows are met to first order whatever matrix the step comes from
             share = state.lam / state.s
@@ -338,7 +351,14 @@ def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int, e
         far, dfar = longest(state.s, ds), longest(state.lam, dl)
         _advance(
             state,
-            _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift),
+            _Step(
+                du,
+                ds,
+                dl,
+                FRACTION_TO_BOUNDARY * far if far < 1 else 1.0,
+                FRACTION_TO_BOUNDARY * dfar if dfar < 1 else 1.0,
+                shift,
+            ),
             retraction,
         )
     return state

@@ -17,24 +17,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop, see_extra
-from wiggleroom.program import kernel
-from wiggleroom.program.build import Program
+from wiggleroom.program import contact_functions as kernel
+from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
-from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, WARM_START_GAP, Solution
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SHARPER = 1e-2
+TOLERANCE_SHARE = 1e-2
 """IPOPT bounds each complementarity, ours their sum: its tolerance is this share of ours."""
-MOST_ITERATIONS = 1000
+MAX_ITERATIONS = 1000
 
 
 def solve(
     program: Program,
     start: Floats | None = None,
     *,
-    mu: float = FIRST_MU,
+    mu: float = INITIAL_BARRIER,
     tolerance: float = 1e-6,
     horizon: float = np.inf,
     stop: Stop | None = None,
@@ -91,7 +92,7 @@ def solve(
         end, end_lam, status = watch.u, watch.lam, watch.status
     else:
         end, end_lam = np.array(out["x"]).ravel(), np.maximum(-np.array(out["lam_g"]).ravel(), 0.0)
-        status = "converged" if stats["success"] else "failed"
+        status = SolverStatus.CONVERGED if stats["success"] else SolverStatus.FAILED
     left = _error(program, end, end_lam, unit)
     return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_mu, tuple(watch.way), left)
 
@@ -115,9 +116,9 @@ def _options(listener: object, mu: float, tolerance: float) -> dict[str, object]
         "ipopt.linear_solver": "mumps",
         "ipopt.nlp_scaling_method": "none",
         "ipopt.bound_relax_factor": 0.0,
-        "ipopt.tol": SHARPER * tolerance,
-        "ipopt.acceptable_tol": 10 * SHARPER * tolerance,
-        "ipopt.max_iter": MOST_ITERATIONS,
+        "ipopt.tol": TOLERANCE_SHARE * tolerance,
+        "ipopt.acceptable_tol": 10 * TOLERANCE_SHARE * tolerance,
+        "ipopt.max_iter": MAX_ITERATIONS,
         "ipopt.mu_init": mu,
         "ipopt.warm_start_init_point": "yes",
         **{f"ipopt.warm_start_{k}": v for k, v in push.items()},
@@ -209,11 +210,11 @@ class _Watch:
     stop: Stop | None
     progress: Callable[[int, float], None] | None
     iteration: int = -1
-    status: str = ""
+    status: SolverStatus | None = None
     error: BaseException | None = None
     lam: Floats = field(init=False)
     inner: Floats = field(init=False)
-    inner_mu: float = FIRST_MU
+    inner_mu: float = INITIAL_BARRIER
     way: list[Floats] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -229,13 +230,13 @@ class _Watch:
         inside = h.min(initial=np.inf) > 0
         if inside:
             self.way.append(u)
-            if len(self.way) == 1 or h @ lam > INNER * max(abs(value), 1.0):
+            if len(self.way) == 1 or h @ lam > WARM_START_GAP * max(abs(value), 1.0):
                 self.inner, self.inner_mu = u, float(h @ lam) / max(len(h), 1)
         if self.stop is not None and self.stop.is_set():
-            self.status = "stopped"
+            self.status = SolverStatus.STOPPED
         elif inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon:
-            self.status = "escaping"
-        return not self.status
+            self.status = SolverStatus.ESCAPING
+        return self.status is None
 
 
 def _listener(casadi: Any, watch: _Watch) -> object:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,12 +73,12 @@ def convex_piece(points: Floats) -> ConvexPiece:
             if other > k and np.linalg.norm(np.cross(face[k], face[other])) > 1e-7:
                 ends = [simplex[j] for j in range(3) if j != i]
                 edges.append(points[ends[1]] - points[ends[0]])
-    corners = np.ascontiguousarray(points[_true_corners(points, hull)])
+    corners = np.ascontiguousarray(points[_true_corners(hull)])
     directions = np.array(edges) / np.linalg.norm(edges, axis=1)[:, None]
     return ConvexPiece(corners, distinct_axes(face, 1e-7), distinct_axes(directions, PARALLEL))
 
 
-def _true_corners(points: Floats, hull) -> NDArray[np.int64]:  # type: ignore[no-untyped-def]
+def _true_corners(hull: Any) -> NDArray[np.int64]:
     """Corners where faces of three directions meet; others lie on an edge or inside a face."""
     kept = []
     for v in hull.vertices:

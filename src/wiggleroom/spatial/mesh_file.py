@@ -44,9 +44,11 @@ def read_mesh(path: Path, unit: float, body: str = "") -> tuple[Surface, list[st
     """
     ending = path.suffix.lower()
     if ending in (".step", ".stp"):
-        raise InputError(f"{path.name}: STEP is not read; save it as 3MF or STL")
+        message = f"{path.name}: STEP is not read; save it as 3MF or STL"
+        raise InputError(message)
     if ending not in ENDINGS:
-        raise InputError(f"{path.name}: no mesh format that is read; it must be one of {', '.join(ENDINGS)}")
+        message = f"{path.name}: no mesh format that is read; it must be one of {', '.join(ENDINGS)}"
+        raise InputError(message)
     _check_size(path, ending)
     bodies, scale = _bodies(path, ending)
     mesh = _chosen(path.name, bodies, body)
@@ -59,22 +61,28 @@ def _check_size(path: Path, ending: str) -> None:
     try:
         size = path.stat().st_size
     except OSError:
-        raise InputError(f"{path.name}: there is no such file beside the assembly file; put the mesh there") from None
+        message = f"{path.name}: there is no such file beside the assembly file; put the mesh there"
+        raise InputError(message) from None
     if not path.is_file():
-        raise InputError(f"{path.name}: is not a file; give the name of a mesh file")
+        message = f"{path.name}: is not a file; give the name of a mesh file"
+        raise InputError(message)
     if size == 0:
-        raise InputError(f"{path.name}: is empty; a mesh is needed")
+        message = f"{path.name}: is empty; a mesh is needed"
+        raise InputError(message)
     if size > LARGEST_FILE:
-        raise InputError(f"{path.name}: has {size / 1e6:.0f} MB; at most {LARGEST_FILE / 1e6:.0f} MB are read")
+        message = f"{path.name}: has {size / 1e6:.0f} MB; at most {LARGEST_FILE / 1e6:.0f} MB are read"
+        raise InputError(message)
     if ending == ".3mf":
         try:
             with zipfile.ZipFile(path) as archive:
                 unpacked = sum(entry.file_size for entry in archive.infolist())
         except (zipfile.BadZipFile, OSError):
-            raise InputError(f"{path.name}: is not a 3MF archive; save it again") from None
+            message = f"{path.name}: is not a 3MF archive; save it again"
+            raise InputError(message) from None
         if unpacked > LARGEST_UNPACKED:
+            message = f"{path.name}: unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_UNPACKED / 1e6:.0f} MB are read"
             raise InputError(
-                f"{path.name}: unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_UNPACKED / 1e6:.0f} MB are read"
+                message
             )
 
 
@@ -86,7 +94,8 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
         scene = trimesh.load_scene(path, file_type=ending[1:], process=False)
     except Exception as problem:  # the library raises whatever its readers raise
         reason = " ".join(str(problem).split())[:80] or type(problem).__name__
-        raise InputError(f"{path.name}: cannot be read as {ending[1:].upper()} ({reason}); save it again") from None
+        message = f"{path.name}: cannot be read as {ending[1:].upper()} ({reason}); save it again"
+        raise InputError(message) from None
     found: dict[str, Any] = {}
     for node in scene.graph.nodes_geometry:
         transform, name = scene.graph[node]
@@ -98,7 +107,8 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
             label = f"{label}'"
         found[label] = mesh.copy().apply_transform(transform)
     if not found:
-        raise InputError(f"{path.name}: has no faces; a closed mesh is needed")
+        message = f"{path.name}: has no faces; a closed mesh is needed"
+        raise InputError(message)
     return found, UNITS_3MF.get(str(scene.units or "millimeter").rstrip("s"), 1.0)
 
 
@@ -106,10 +116,12 @@ def _chosen(file: str, bodies: dict[str, Any], body: str) -> Any:
     names = ", ".join(f'"{name}"' for name in list(bodies)[:8])
     if body:
         if body not in bodies:
-            raise InputError(f'{file}: there is no body "{body}"; the bodies are {names}')
+            message = f'{file}: there is no body "{body}"; the bodies are {names}'
+            raise InputError(message)
         return bodies[body]
     if len(bodies) > 1:
-        raise InputError(f'{file}: has {len(bodies)} bodies; name one as "{file}#NAME": {names}')
+        message = f'{file}: has {len(bodies)} bodies; name one as "{file}#NAME": {names}'
+        raise InputError(message)
     return next(iter(bodies.values()))
 
 
@@ -118,12 +130,15 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     import trimesh
 
     if not np.isfinite(vertices).all():
-        raise InputError(f"{name}: has coordinates that are no numbers; save it again")
+        message = f"{name}: has coordinates that are no numbers; save it again"
+        raise InputError(message)
     if len(faces) > MOST_FACES:
-        raise InputError(f"{name}: has {len(faces)} faces; at most {MOST_FACES} are worked with, so make it coarser")
+        message = f"{name}: has {len(faces)} faces; at most {MOST_FACES} are worked with, so make it coarser"
+        raise InputError(message)
     size = float(np.ptp(vertices[np.unique(faces)], axis=0).max()) if len(faces) else 0.0
     if not 1e-6 < size < 1e9:
-        raise InputError(f"{name}: is {size:.3g} mm large; it must be between 1e-6 and 1e9 mm")
+        message = f"{name}: is {size:.3g} mm large; it must be between 1e-6 and 1e9 mm"
+        raise InputError(message)
     notes = []
     keys = np.round(vertices / (MERGED * size)).astype(np.int64)
     _, first, merged = np.unique(keys, axis=0, return_index=True, return_inverse=True)
@@ -139,7 +154,8 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     if open_edges:
         closed = open_edges <= max(4, OPEN_SHARE * len(mesh.edges_unique)) and mesh.fill_holes()
         if not closed:
-            raise InputError(f"{name}: is not closed: {open_edges} edges belong to one face only; close the mesh")
+            message = f"{name}: is not closed: {open_edges} edges belong to one face only; close the mesh"
+            raise InputError(message)
         notes.append(f"{name}: holes with {open_edges} open edges were closed")
     if not mesh.is_winding_consistent:
         trimesh.repair.fix_winding(mesh)
@@ -150,5 +166,6 @@ def _closed(name: str, vertices: NDArray[np.float64], faces: NDArray[np.int64]) 
     surface = Surface(np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64))
     solid = solid_of(surface)
     if not is_sound(solid) or solid.volume() <= 1e-12 * size**3:
-        raise InputError(f"{name}: does not enclose a volume: its surface crosses itself or is folded; mend the mesh")
+        message = f"{name}: does not enclose a volume: its surface crosses itself or is folded; mend the mesh"
+        raise InputError(message)
     return surface_of(solid), notes

@@ -77,7 +77,10 @@ def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
         shift = np.linalg.lstsq(N, np.full(len(N), -inward), rcond=1e-9)[0]
         if np.abs(N @ shift + inward).max() > OFF_PLANE * inward:
             x, y, z = drawn.vertices[v]
-            return None, f"the {len(N)} faces at ({x:g}, {y:g}, {z:g}) cannot all move inward and still meet in one corner"
+            return (
+                None,
+                f"the {len(N)} faces at ({x:g}, {y:g}, {z:g}) cannot all move inward and still meet in one corner",
+            )
         vertices[v] += shift
     moved = Surface(vertices, drawn.faces)
     solid, before = solid_of(moved), solid_of(drawn)
@@ -132,7 +135,9 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
                 continue
             best, halves = np.inf, []
             for n0, n1, n2, offset in cuts.tolist():
-                both = [h for half in part.split_by_plane((n0, n1, n2), offset) for h in half.decompose() if h.volume() > 0]
+                both = [
+                    h for half in part.split_by_plane((n0, n1, n2), offset) for h in half.decompose() if h.volume() > 0
+                ]
                 hollow = sum(h.hull().volume() for h in both)
                 if len(both) > 1 and hollow < best:
                     best, halves = hollow, both

@@ -37,9 +37,7 @@ def plane_contacts(
         point = pose.T[b] + pose.R[b] @ corner
         normal = pose.R[a] @ found.point.n[k]
         _, pi, _, pj = P.pieces[k].tolist()
-        names = tuple(
-            assembly.names[int(grouping.bodies.owner[body][piece])] for body, piece in ((a, pi), (b, pj))
-        )
+        names = tuple(assembly.names[int(grouping.bodies.owner[body][piece])] for body, piece in ((a, pi), (b, pj)))
         contacts.append(
             SpatialContact((names[0], names[1]), tuple(point.tolist()), tuple(normal.tolist()), force)  # type: ignore[arg-type]
         )

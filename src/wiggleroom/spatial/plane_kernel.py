@@ -18,10 +18,10 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from wiggleroom.freespace.kernel import FILLING
+from wiggleroom.geometry.jit_options import NO_ALLOCATION
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def across(n, N):
     """Fill N (2, 3) with unit vectors across n."""
     i = 0
@@ -37,7 +37,7 @@ def across(n, N):
     N[1, 2] = n[0] * N[0, 1] - n[1] * N[0, 0]
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def relative_frames(T, R, a, b, q, Psi):
     """Fill q (P, 3) and Psi (P, 3, 3): B seen from A."""
     for p in range(len(a)):
@@ -52,7 +52,7 @@ def relative_frames(T, R, a, b, q, Psi):
                 Psi[p, i, k] = s
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def row_values(q, Psi, plane, row, own, V, c, n, d, h):
     """Values h (R,) of all rows [mm]."""
     for p in range(len(plane) - 1):
@@ -69,7 +69,7 @@ def row_values(q, Psi, plane, row, own, V, c, n, d, h):
                 h[r] = level + m0 * V[r, 0] + m1 * V[r, 1] + m2 * V[r, 2]
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def row_gradients(q, Psi, plane, row, own, V, c, n, lever, work, G):
     """Derivatives G (R, 12) by xi (9) and by the plane's (alpha * lever, delta) (3). `work` (2, 3) is worked in."""
     N = work
@@ -99,7 +99,7 @@ def row_gradients(q, Psi, plane, row, own, V, c, n, lever, work, G):
                 G[r, 11] = -1.0
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def invert(A, inverse):
     """Fill inverse (3, 3) with that of the lower right 3 x 3 block of the symmetric A (12, 12), by L D L^T."""
     d0 = A[9, 9]
@@ -118,9 +118,31 @@ def invert(A, inverse):
     inverse[1, 0], inverse[2, 0], inverse[2, 1] = inverse[0, 1], inverse[0, 2], inverse[1, 2]
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def condensed(
-    q, Psi, R, a, b, plane, row, own, V, n, lever, h, G, weight, lam, damping, balance, scale, entry, room, inverse, mixed, data
+    q,
+    Psi,
+    R,
+    a,
+    b,
+    plane,
+    row,
+    own,
+    V,
+    n,
+    lever,
+    h,
+    G,
+    weight,
+    lam,
+    damping,
+    balance,
+    scale,
+    entry,
+    room,
+    inverse,
+    mixed,
+    data,
 ):
     """Add G^T diag(weight) G - sum lam h'' to the upper triangle `data`; planes are eliminated from it.
 
@@ -204,9 +226,7 @@ def condensed(
                     mixed[k, t, i] = A[i, 9 + t]
             for i in range(9):
                 for t in range(3):
-                    W[i, t] = (
-                        A[i, 9] * inverse[k, 0, t] + A[i, 10] * inverse[k, 1, t] + A[i, 11] * inverse[k, 2, t]
-                    )
+                    W[i, t] = A[i, 9] * inverse[k, 0, t] + A[i, 10] * inverse[k, 1, t] + A[i, 11] * inverse[k, 2, t]
                 for j in range(i, 9):
                     S[i, j] += A[i, j] - (W[i, 0] * A[j, 9] + W[i, 1] * A[j, 10] + W[i, 2] * A[j, 11])
         # second derivatives of q: - f . (a x (a x q) / 2 - a x tau)
@@ -260,7 +280,7 @@ def condensed(
                     data[at] += A[i, j] * si * sj
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def against(Psi, R, a, b, plane, row, G, y, scale, on_bodies, on_planes):
     """Add G^T y to on_bodies (n, 6), scaled, and fill on_planes (K, 3)."""
     for p in range(len(a)):
@@ -285,7 +305,7 @@ def against(Psi, R, a, b, plane, row, G, y, scale, on_bodies, on_planes):
         to_bodies(p, Psi, R, a[p], b[p], x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, on_bodies)
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def to_bodies(p, Psi, R, i, j, x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, out):
     """Add what a pair feels by xi to what its two bodies feel."""
     for k in range(3):
@@ -299,7 +319,7 @@ def to_bodies(p, Psi, R, i, j, x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, out):
     out[i, 5] += x5 * scale[i, 5]
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def pair_changes(Psi, R, a, b, scale, u, xi):
     """Fill xi (P, 9) with what pairs see of scaled changes u (n, 6) of the bodies."""
     for p in range(len(a)):
@@ -316,7 +336,7 @@ def pair_changes(Psi, R, a, b, scale, u, xi):
             xi[p, 6 + k] = s
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def along(plane, row, G, xi, y, out):
     """Fill out (R,) with the change of every row by xi (P, 9) of the pairs and y (K, 3) of the planes."""
     for p in range(len(plane) - 1):
@@ -328,7 +348,7 @@ def along(plane, row, G, xi, y, out):
                 out[r] = s + G[r, 9] * y[k, 0] + G[r, 10] * y[k, 1] + G[r, 11] * y[k, 2]
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def eliminate(Psi, R, a, b, plane, inverse, mixed, y, scale, share, on_bodies):
     """Fill share (K, 3) with inverse y, and take what that means for the bodies off on_bodies (n, 6)."""
     for p in range(len(a)):
@@ -350,7 +370,7 @@ def eliminate(Psi, R, a, b, plane, inverse, mixed, y, scale, share, on_bodies):
         to_bodies(p, Psi, R, a[p], b[p], x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, on_bodies)
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def substitute(plane, inverse, mixed, xi, share):
     """Turn share (K, 3) into the changes of the planes that go with xi (P, 9)."""
     for p in range(len(plane) - 1):
@@ -364,7 +384,7 @@ def substitute(plane, inverse, mixed, xi, share):
                 share[k, t] -= inverse[k, t, 0] * m0 + inverse[k, t, 1] * m1 + inverse[k, t, 2] * m2
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def move_planes(n, d, lever, y, share, work, n2, d2):
     """Fill n2, d2 with the planes changed by share * y (K, 3). `work` (2, 3) is worked in."""
     for k in range(len(n)):
@@ -380,7 +400,7 @@ def move_planes(n, d, lever, y, share, work, n2, d2):
         d2[k] = (d[k] + share * y[k, 2]) * s
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def fit_planes(q, Psi, plane, row, own, V, c, lever, goal, weight, rounds, room, n, d):
     """Change the planes (n, d) so that rows come as near to `goal` as they can: weighted least squares, Gauss-Newton.
 
@@ -400,9 +420,15 @@ def fit_planes(q, Psi, plane, row, own, V, c, lever, goal, weight, rounds, room,
                     if r < row[k] + own[k]:
                         x0, x1, x2, sign = V[r, 0] - c[k, 0], V[r, 1] - c[k, 1], V[r, 2] - c[k, 2], -1.0
                     else:
-                        x0 = q[p, 0] + Psi[p, 0, 0] * V[r, 0] + Psi[p, 0, 1] * V[r, 1] + Psi[p, 0, 2] * V[r, 2] - c[k, 0]
-                        x1 = q[p, 1] + Psi[p, 1, 0] * V[r, 0] + Psi[p, 1, 1] * V[r, 1] + Psi[p, 1, 2] * V[r, 2] - c[k, 1]
-                        x2 = q[p, 2] + Psi[p, 2, 0] * V[r, 0] + Psi[p, 2, 1] * V[r, 1] + Psi[p, 2, 2] * V[r, 2] - c[k, 2]
+                        x0 = (
+                            q[p, 0] + Psi[p, 0, 0] * V[r, 0] + Psi[p, 0, 1] * V[r, 1] + Psi[p, 0, 2] * V[r, 2] - c[k, 0]
+                        )
+                        x1 = (
+                            q[p, 1] + Psi[p, 1, 0] * V[r, 0] + Psi[p, 1, 1] * V[r, 1] + Psi[p, 1, 2] * V[r, 2] - c[k, 1]
+                        )
+                        x2 = (
+                            q[p, 2] + Psi[p, 2, 0] * V[r, 0] + Psi[p, 2, 1] * V[r, 1] + Psi[p, 2, 2] * V[r, 2] - c[k, 2]
+                        )
                         sign = 1.0
                     h = sign * (n[k, 0] * x0 + n[k, 1] * x1 + n[k, 2] * x2 - d[k])
                     j0 = sign * (N[0, 0] * x0 + N[0, 1] * x1 + N[0, 2] * x2) / lever[k]

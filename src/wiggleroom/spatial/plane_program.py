@@ -319,7 +319,7 @@ class GraphRetraction:
     """Steps that respect rotation: bodies turn, and are placed so that neighbours see each other as the step foresaw.
 
     Planes then follow so that rows come near to what was foreseen. The least-squares placement is that of the planar
-    `wiggleroom.program.retract`.
+    `wiggleroom.program.retraction`.
     """
 
     ANCHOR = 1e-9
@@ -344,7 +344,9 @@ class GraphRetraction:
         radius = P.bodies.radius
         reach = radius[P.a] + radius[P.b]
         typical = float(np.median(reach)) if len(reach) else 1.0
-        weight = 1.0 / np.maximum(reach / (2 * typical), 0.5) ** 4  # neighbours that reach far say little about where a body goes
+        weight = (
+            1.0 / np.maximum(reach / (2 * typical), 0.5) ** 4
+        )  # neighbours that reach far say little about where a body goes
         self._weight, self._edges, self._ends = weight, edges, sp.csr_matrix(edges.T.multiply(weight))
         self._open = P.slot[self._moving, :3] >= 0
         self._laplacian = None
@@ -376,7 +378,13 @@ class GraphRetraction:
         return Pose(self.placed(pose.T + change[:, :3], R, q), R)
 
     def step(
-        self, at: LinearisedPlanes, u: Floats, y: Floats, share: float, goal: Floats | None = None, weight: Floats | None = None
+        self,
+        at: LinearisedPlanes,
+        u: Floats,
+        y: Floats,
+        share: float,
+        goal: Floats | None = None,
+        weight: Floats | None = None,
     ) -> PlanePoint:
         """Point after `share` of the step (u, y); with `goal` (R,) and `weight` (R,) the planes follow."""
         P = self._program
@@ -386,7 +394,20 @@ class GraphRetraction:
         if goal is not None and weight is not None:
             q, Psi = P.frames(pose)
             kernel.fit_planes(
-                q, Psi, P.plane, P.row, P.own, P.V, P.c, P.lever, P.length * goal, weight, 3, np.empty((8, 12, 12)), n, d
+                q,
+                Psi,
+                P.plane,
+                P.row,
+                P.own,
+                P.V,
+                P.c,
+                P.lever,
+                P.length * goal,
+                weight,
+                3,
+                np.empty((8, 12, 12)),
+                n,
+                d,
             )
         return PlanePoint(pose, n, d)
 

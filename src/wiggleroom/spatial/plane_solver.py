@@ -14,9 +14,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.solve.factor import Factor, factor
-from wiggleroom.solve.newton import dot, longest
-from wiggleroom.spatial.plane_program import GraphRetraction, LinearisedPlanes, PlanePoint, PlaneProgram, beside_rest, parted
+from wiggleroom.solve.factorisation import Factor, factor
+from wiggleroom.solve.newton_step import dot, longest
+from wiggleroom.spatial.plane_program import (
+    GraphRetraction,
+    LinearisedPlanes,
+    PlanePoint,
+    PlaneProgram,
+    beside_rest,
+    parted,
+)
 from wiggleroom.spatial.rotations import logarithm
 
 Floats = NDArray[np.float64]
@@ -307,7 +314,9 @@ class PlaneSolver:
         self._move, state.shift, state.at, state.s = du, shift, ahead, ahead.h
         return True
 
-    def _stride(self, state: PlaneState, ahead: LinearisedPlanes, du: Floats, dy: Floats, mu: float) -> LinearisedPlanes:
+    def _stride(
+        self, state: PlaneState, ahead: LinearisedPlanes, du: Floats, dy: Floats, mu: float
+    ) -> LinearisedPlanes:
         """Longer steps along a direction that a strengthened diagonal kept short, as long as they pay."""
         at, best, share = state.at, _barrier_function(state, ahead, mu), 4.0
         while share <= min(1024.0, self._longest_share(at, du)):

@@ -12,6 +12,7 @@ from wiggleroom.spatial import plane_kernel as kernel
 from wiggleroom.spatial.plane_program import GraphRetraction, PlanePoint, PlaneProgram, parted
 from wiggleroom.spatial.rigid import Pose
 from wiggleroom.spatial.rotations import exponential, logarithm
+import itertools
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_flex import SpatialPrepared
@@ -33,7 +34,7 @@ def refined(ready: SpatialPrepared, program: PlaneProgram, points: Sequence[Plan
     """
     retraction = GraphRetraction(program)
     motions = [ready.grouping.part_motion(points[0].pose)]
-    for one, other in zip(points, points[1:], strict=False):
+    for one, other in itertools.pairwise(points):
         if not _join(ready, retraction, program, one, other, motions, MOST_HALVINGS):
             return np.array(motions), False
     return np.array(motions), True

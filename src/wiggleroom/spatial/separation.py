@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from wiggleroom.freespace.kernel import OPTIONS
+from wiggleroom.geometry.jit_options import OPTIONS
 
 
 @njit(**OPTIONS)

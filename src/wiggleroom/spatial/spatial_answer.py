@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.solve.verdict import Verdict
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.verdict import Verdict
 
 
 @dataclass(frozen=True)

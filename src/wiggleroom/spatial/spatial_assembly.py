@@ -43,7 +43,8 @@ def assemble_spatial(
     wrong = [f"fix: {unknown(name, names)}" for name in fix if name not in names]
     used_gap = drawing.gap if gap is None else gap
     if not 0 <= used_gap < np.inf:
-        raise InputError(f"gap is {used_gap:g}: it must be 0 or more")
+        message = f"gap is {used_gap:g}: it must be 0 or more"
+        raise InputError(message)
     parts = tuple(replace(p, fixed=p.fixed or p.name in fix) for p in drawing.parts)
     used = replace(drawing, parts=parts, gap=used_gap, goals=tuple(goals) or drawing.goals)
     wrong += goal_findings(used, used.goals)

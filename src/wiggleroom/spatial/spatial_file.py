@@ -246,7 +246,7 @@ class _SpatialReader:
         except InputError as problem:
             self._findings += [f"{self._file}: {where}: {line}" for line in problem.findings]
             return None
-        self._notes += [note for note in sheet.notes]
+        self._notes += list(sheet.notes)
         found = [part for part in sheet.parts if part.name == name]
         if not found:
             known = ", ".join(f'"{part.name}"' for part in sheet.parts[:8])
@@ -266,7 +266,9 @@ class _SpatialReader:
             return None
         for k, (low, high) in enumerate(numbers):
             if not (low < high).all():
-                self._say(where, f"boxes[{k}] must be x, y, z of the lower and then of the upper corner, and have a volume")
+                self._say(
+                    where, f"boxes[{k}] must be x, y, z of the lower and then of the upper corner, and have a volume"
+                )
                 return None
         return Boxes(numbers)
 

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop, TouchingError
-from wiggleroom.solve.verdict import Verdict
 from wiggleroom.spatial.overlap_check import deepest_overlap
 from wiggleroom.spatial.plane_contacts import plane_contacts
 from wiggleroom.spatial.plane_program import PlanePoint, PlaneProgram, best_axis, build_planes
@@ -23,6 +22,8 @@ from wiggleroom.spatial.spatial_bodies import Grouping, grouped
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal, SpatialTurn, Weight
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.swept_check import SweptCheck
+from wiggleroom.verdict import Verdict
+import itertools
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -174,7 +175,12 @@ class _Search:
         for _ in range(MOST_ROUNDS):
             program = build_planes(ready.grouping.bodies, self.objective, self.pieces, length=ready.clearance)
             solve = PlaneSolver(
-                program, inside=inside, horizon=HORIZON * ready.size, most_turn=limit, stop=self.stop, progress=self.tell
+                program,
+                inside=inside,
+                horizon=HORIZON * ready.size,
+                most_turn=limit,
+                stop=self.stop,
+                progress=self.tell,
             )
             found = solve.solve()
             self.iterations += found.iterations
@@ -236,7 +242,7 @@ def flex_spatial(
     pose = ready.grouping.pose_of(motion)
     last = found.point.pose
     at_end = bool(np.abs(pose.T - last.T).max() + ready.size * np.abs(pose.R - last.R).max() < 1e-9 * ready.size)
-    verdict, leaves, turns = _verdict(ready, search.objective, asked, found, way, whole, at_end)
+    verdict, leaves, turns = _verdict(ready, search.objective, found, way, whole, at_end)
     contacts = plane_contacts(its, ready.grouping, program, found) if at_end and found.status == "converged" else ()
     ended = time.perf_counter()
     spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
@@ -270,7 +276,6 @@ def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str
 def _verdict(
     ready: SpatialPrepared,
     objective: SumOfTerms,
-    goals: Sequence[SpatialGoal],
     found: PlaneSolution,
     way: Floats,
     whole: bool,
@@ -339,6 +344,6 @@ def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: PlaneSolutio
         R = pose.R.copy()
         R[twist.body] = exponential(angle * np.sign(twist.weight) * twist.direction) @ R[twist.body]
         steps.append(ready.grouping.part_motion(Pose(pose.T, R)))
-    if any(ready.checker.overlaps(a, b) for a, b in zip(steps, steps[1:], strict=False)):
+    if any(ready.checker.overlaps(a, b) for a, b in itertools.pairwise(steps)):
         return ()
     return tuple(n for n, b in zip(ready.assembly.names, ready.grouping.body_of, strict=True) if b == twist.body)

@@ -1,5 +1,7 @@
 """What a file of format wiggleroom/2 may hold."""
 
+# ruff: noqa: RUF012 (msgspec copies default values)
+
 from __future__ import annotations
 
 from typing import Any

@@ -10,7 +10,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.kernel import OPTIONS
+from wiggleroom.geometry.jit_options import OPTIONS
 from wiggleroom.spatial.convex import ConvexPiece
 from wiggleroom.spatial.overlap_check import free_pairs
 from wiggleroom.spatial.rotations import exponential, logarithm

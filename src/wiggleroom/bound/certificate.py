@@ -1,0 +1,116 @@
+"""A proof as a file: outlines, regions with the chords that show them, cuts of turns and multipliers."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.bound.linear_relaxation import Links, Ranges
+from wiggleroom.bound.proof_steps import Step
+from wiggleroom.freespace.outer.outer_region import Outer
+from wiggleroom.freespace.outer.skin import Skin, skin
+from wiggleroom.program.objectives import PointMotion
+from wiggleroom.search.prepare import Survey
+
+Floats = NDArray[np.float64]
+
+FORMAT = "wiggleroom.certificate/1"
+
+
+def skins(links: Links, regions: list[Outer], over: Callable[[], bool]) -> tuple[Links, list[Skin]]:
+    """The pairs for whose outer region a skin was found, and these."""
+    found = [None if over() else skin(region, over) for region in regions]
+    place = np.cumsum([s is not None for s in found]) - 1
+    keep = np.array([found[k] is not None for k in links.kind], dtype=bool)
+    kept = Links(
+        links.a[keep],
+        links.b[keep],
+        place[links.kind[keep]] if len(found) else links.kind,
+        links.arm_a[keep],
+        links.arm_b[keep],
+        links.axes[keep],
+    )
+    return kept, [s for s in found if s is not None]
+
+
+def certificate(
+    ground: Survey,
+    names: tuple[str, ...],
+    gap: float,
+    links: Links,
+    regions: list[Skin],
+    goal: PointMotion,
+    ranges: Ranges,
+    cut: float,
+    proof: Step,
+) -> dict[str, Any]:
+    """What `wiggleroom verify` reads; lengths in mm, angles in radians."""
+    them = ground.bodies
+    used = sorted({*them.body_of.tolist()})
+    held = np.isfinite(ranges.far)
+    out: dict[str, Any] = {
+        "format": FORMAT,
+        "gap": gap,
+        "turns": bool((goal.direction == 0).all()),
+        "at_most": max(cut, proof.bound()),
+        "worth": cut,
+        "bodies": [
+            {
+                "parts": [names[p] for p in them.members[b]],
+                "fixed": bool(them.fixed[b]),
+                "origin": them.rest[b, :2].tolist(),
+                "polygons": _polygons(ground.geometry[b]),
+                "low": float(ranges.low[b]) if held[b] else None,
+                "high": float(ranges.high[b]) if held[b] else None,
+                "far": float(ranges.far[b]) if held[b] else None,
+            }
+            for b in used
+        ],
+        "goal": [
+            [int(b), *d.tolist(), *(them.rest[b, :2] + arm).tolist(), float(t)]
+            for b, d, arm, t in zip(goal.body, goal.direction, goal.arm, goal.turn, strict=True)
+        ],
+        "regions": [_region(s) for s in regions],
+        "pairs": [
+            [int(a), int(b), int(k), *(them.rest[a, :2] + arm).tolist(), float(axes)]
+            for a, b, k, arm, axes in zip(links.a, links.b, links.kind, links.arm_a, links.axes, strict=True)
+        ],
+        "proof": proof.record(),
+    }
+    return out | {"sha256": fingerprint(out)}
+
+
+def fingerprint(content: dict[str, Any]) -> str:
+    """SHA-256 of all that a certificate says, apart from this."""
+    return hashlib.sha256(json.dumps({k: v for k, v in content.items() if k != "sha256"}).encode()).hexdigest()
+
+
+def _polygons(geometry: shapely.Geometry) -> list[list[list[list[float]]]]:
+    """Outer ring and holes of each polygon, without the closing corner."""
+    return [
+        [shapely.get_coordinates(ring)[:-1].tolist() for ring in (part.exterior, *part.interiors)]
+        for part in shapely.get_parts(geometry)
+    ]
+
+
+def _region(skin: Skin) -> dict[str, Any]:
+    """One skin with only the chords that it names."""
+    chords = np.vstack([seam.chords for seam in skin.seams])
+    a, first = np.unique(chords[:, 0], return_inverse=True)
+    b, second = np.unique(chords[:, 1], return_inverse=True)
+    ends = np.cumsum([len(seam.chords) for seam in skin.seams])[:-1]
+    return {
+        "a": skin.crossings.a[a].tolist(),
+        "b": skin.crossings.b[b].tolist(),
+        "loops": [[float(loop.angle), loop.at.tolist()] for loop in skin.loops],
+        "seams": [
+            [seam.tracks.tolist(), np.column_stack(named).tolist()]
+            for seam, *named in zip(skin.seams, np.split(first, ends), np.split(second, ends), strict=True)
+        ],
+    }

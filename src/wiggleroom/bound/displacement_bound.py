@@ -1,0 +1,34 @@
+"""How far parts that interlock can get at most, from nothing but the outer regions of their joints."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.bound.linear_relaxation import first_ranges
+from wiggleroom.bound.outer_regions import outer_regions
+from wiggleroom.errors import Stop
+from wiggleroom.search.prepare import survey
+
+
+def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> float | None:
+    """A distance [mm] that no point of any part exceeds in any motion that starts at rest; None where none was found in time.
+
+    It needs joints that close round each other. Along ways to what is fixed, turns add up, and so do shifts of the joints' pivots
+    and the swing of the arms between them.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> 0.03 < furthest(wr.patterns.chain(2, joint="swallowtail", gap=0.02), 60) < 0.2
+    True
+    """
+    clock = Clock(seconds, stop)
+    ground = survey(assembly)
+    links, regions = outer_regions(ground, clock.over)
+    ranges = first_ranges(ground.bodies, links, regions)
+    if not np.isfinite(ranges.far).all():
+        return None
+    turn = np.minimum(np.maximum(-ranges.low, ranges.high), np.pi)
+    return float((ranges.far + 2 * np.sin(turn / 2) * ground.bodies.radius).max())

@@ -1,0 +1,192 @@
+"""A bound at no great cost beside every answer: the forces of the motion found, read as multipliers.
+
+At the end of a search forces balance on every body. With the force w and the moment m that each pair of bodies holds there,
+
+    what is asked = what is asked - sum of w . E + sum of m (phi - t_b + t_a),
+
+as E = x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) p - R(t_a) tau vanishes (arms p, q to the pivot of a pair, tau and phi its relative
+motion). As forces balance, all shifts x drop out. What is left falls into a part alpha cos t + beta sin t + gamma t of each body, whose
+largest value over the range of its turn is known, and a part w . R(t_a) tau + m phi of each pair, whose largest value over its
+pocket is taken at a corner. No linear program is solved. Any forces give a valid bound, and those of the true optimum a near one.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.bound.linear_relaxation import Links, Ranges, first_ranges
+from wiggleroom.bound.outer_regions import facing_of, links_about
+from wiggleroom.bound.trigonometric_envelopes import support
+from wiggleroom.freespace.outer.local_outer_region import Pocket, pocket
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.neighbours import classes, placed, relative_rest
+from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.program.objectives import PointMotion
+from wiggleroom.search.answer import Answer, Bound
+from wiggleroom.search.loop import Found
+from wiggleroom.verdict import Verdict
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MAX_BOUND_RATIO = 2.0
+"""A bound of more than so many times the motion found says too little to be stated."""
+ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
+"""Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
+ROUNDING_MARGIN = 1e-11
+"""The bound is larger by this share of all that it is summed up from."""
+
+
+def with_quick_bound(answer: Answer) -> Answer:
+    """The answer with a bound, where that takes less work than the answer did and says something."""
+    began = time.perf_counter()
+    found = answer.trail
+    if not answer.objective or answer.verdict not in (Verdict.OPTIMAL, Verdict.STATIONARY):
+        return answer
+    if not isinstance(found, Found) or not isinstance(found.program.objective, PointMotion):
+        return answer
+    most = quick_bound(found, found.program.objective, answer.iterations)
+    spent = time.perf_counter() - began
+    seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
+    seconds["total"] = answer.seconds["total"] + spent
+    if most is None or not answer.objective <= most <= MAX_BOUND_RATIO * answer.objective:
+        return replace(answer, seconds=seconds)
+    bound = Bound(most, most / answer.objective - 1, spent, kind="quick")
+    return replace(answer, at_most=most, bound=bound, seconds=seconds)
+
+
+def quick_bound(found: Found, goal: PointMotion, iterations: int) -> float | None:
+    """Value that no motion exceeds, from the end of a search; None where it would take too long or joints do not close."""
+    them, cells = found.program.bodies, found.program.cells
+    wrench = _wrenches(found)
+    force = np.hypot(wrench[:, 0], wrench[:, 1])
+    first, label = classes(them, cells.a, cells.b, relative_rest(them, cells.a, cells.b))
+    by_class = np.bincount(label, force, len(first))
+    wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
+    if _work_of_pockets(them, cells.a[first[wanted]], cells.b[first[wanted]]) > _work_of_search(
+        iterations, found.program.rows
+    ):
+        return None
+    pockets: list[Pocket] = []
+    kind = np.full(len(first), -1, dtype=np.int64)
+    pivots = np.zeros((len(first), 2))
+    for c in wanted:
+        a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
+        geometry = placed(them, only=np.array([a, b]))
+        facing, pivots[c], _ = facing_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))
+        made = pocket(facing)
+        if made is not None:
+            kind[c] = len(pockets)
+            pockets.append(made)
+        elif by_class[c] > MAX_OMITTED_FORCE * by_class.sum():
+            return None
+    known = np.flatnonzero(kind[label] >= 0)
+    label = label[known]
+    links = links_about(them, cells.a[known], cells.b[known], kind[label], pivots[label])
+    ranges = first_ranges(them, links, pockets)
+    return _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
+
+
+def _wrenches(found: Found) -> Floats:
+    """Forces and moments (P, 3) with which every pair of the program pushes its second body from the first, in the axes of the first."""
+    program = found.program
+    at = program.linearise(found.solution.u)
+    out = np.zeros((len(program.cells.a), 3))
+    np.add.at(out, program.cells.pair, at.d * found.solution.lam[:, None])
+    return out
+
+
+def _value(
+    them: Bodies,
+    goal: PointMotion,
+    links: Links,
+    pockets: Sequence[Pocket],
+    ranges: Ranges,
+    wrench: Floats,
+    motion: Floats,
+) -> float | None:
+    """What follows from forces (P, 3) of the links, about a motion (n, 3) [mm, mm, rad]; None where something counts that nothing holds."""
+    a, b = links.a, links.b
+    pose, turned = them.rest + motion, motion[:, 2]
+    arm = turn(links.arm_b, turned[b])
+    tau = turn(pose[b, :2] + arm - pose[a, :2], -turned[a]) - links.arm_a  # in the world's axes at rest
+    force = -wrench[:, :2]
+    moment = -wrench[:, 2] - _cross(turn(arm, -pose[a, 2]), force)
+    w = turn(force, pose[a, 2])
+    parts = _Parts(len(motion))
+    parts.add(goal.body, goal.direction, goal.arm, goal.turn)
+    parts.add(b, -w, links.arm_b, -moment)
+    parts.add(a, w, links.arm_a + tau, moment)
+    counts = ~them.fixed & parts.some
+    if not np.isfinite(ranges.far[counts]).all():
+        return None
+    terms = [(w * tau).sum(1), *parts.most(np.flatnonzero(counts), ranges)]
+    # R(t_a) is taken at the motion's own turn; it errs by at most |tau - tau there| times this
+    swing = np.where(them.fixed[a], 0.0, np.maximum(ranges.high[a] - turned[a], turned[a] - ranges.low[a]))
+    astray = np.hypot(*w.T) * 2 * np.sin(np.minimum(swing, np.pi) / 2)
+    own = turn(tau, -links.axes)
+    for kind, region in enumerate(pockets):
+        mine = np.flatnonzero(links.kind == kind)
+        away = region.corner[:, None, :2] - own[mine]
+        gain = (away * force[mine]).sum(2) + region.corner[:, 2:] * moment[mine]
+        terms.append((gain + astray[mine] * np.hypot(away[..., 0], away[..., 1])).max(0))
+        # corners are rounded
+        terms.append(4 * region.facing.margin * (np.hypot(*w[mine].T) + np.abs(moment[mine]) / region.facing.radius))
+    size = float(
+        np.abs(links.arm_a).max(initial=0.0)
+        + np.abs(links.arm_b).max(initial=0.0)
+        + ranges.far[counts].max(initial=0.0)
+    )
+    everything = np.hypot(*w.T).sum() * size + np.abs(moment).sum() + sum(np.abs(t).sum() for t in terms)
+    return float(sum(t.sum() for t in terms) + ROUNDING_MARGIN * everything)
+
+
+class _Parts:
+    """Of each body: weights of its shift, and of cos t - 1, sin t and t."""
+
+    def __init__(self, n: int) -> None:
+        self.shift, self.weight = np.zeros((n, 2)), np.zeros((n, 3))
+
+    def add(self, body: Ints, force: Floats, arm: Floats, moment: Floats) -> None:
+        """Add force . (shift + (R(t) - 1) arm) + moment t."""
+        np.add.at(self.shift, body, force)
+        np.add.at(self.weight, body, np.column_stack([(force * arm).sum(1), _cross(arm, force), moment]))
+
+    @property
+    def some(self) -> NDArray[np.bool_]:
+        """Bodies that count at all."""
+        return (self.shift != 0).any(1) | (self.weight != 0).any(1)
+
+    def most(self, body: Ints, ranges: Ranges) -> list[Floats]:
+        """Largest values within the ranges: of the turns, and of what is left of the shifts."""
+        low, high = ranges.low[body], ranges.high[body]
+        middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-15) + 1e-15
+        alpha, beta, gamma = self.weight[body].T
+        c, s = np.cos(middle), np.sin(middle)
+        top = support(alpha * c + beta * s, beta * c - alpha * s, gamma, half) + gamma * middle - alpha
+        return [top, np.hypot(*self.shift[body].T) * ranges.far[body] * np.sqrt(2)]
+
+
+def _cross(p: Floats, q: Floats) -> Floats:
+    return np.asarray(p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0])
+
+
+# -- what it may cost ------------------------------------------------------------------------------------------------
+# Work is counted, not timed, so that every machine gives the same answer; one unit is about a millisecond.
+
+
+def _work_of_search(iterations: int, rows: int) -> float:
+    """Rather less than the search took."""
+    return 14 + iterations * (0.8 + 3.5e-4 * rows)
+
+
+def _work_of_pockets(them: Bodies, a: Ints, b: Ints) -> float:
+    """Rather more than the pockets of some pairs take."""
+    corners = np.diff(them.shapes.first)
+    return float((5 + 0.2 * (corners[them.shape[a]] + corners[them.shape[b]])).sum())

@@ -1,0 +1,70 @@
+"""Outer regions of all pairs that hold each other, congruent ones worked out once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.bound.linear_relaxation import Links
+from wiggleroom.freespace.outer.outer_region import Outer, outer_region, pivot_of
+from wiggleroom.freespace.outer.outer_slices import Facing
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.neighbours import classes, relative_rest
+from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.search.prepare import Survey
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+PIVOT_REACH = 3.0
+"""The pivot of a pair is found from the edges within so many clearances."""
+
+
+def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[Links, list[Outer]]:
+    """Outer regions of the pairs whose joint closes, and which pair has which; fewer where it is `over` before all are done."""
+    them, a, b = ground.bodies, ground.near.a, ground.near.b
+    first, label = classes(them, a, b, relative_rest(them, a, b))
+    regions: list[Outer] = []
+    kind = np.full(len(first), -1, dtype=np.int64)
+    pivots = np.zeros((len(first), 2))
+    for c, k in enumerate(first):
+        if over():
+            break
+        found, pivot = _region(ground, int(a[k]), int(b[k]), float(ground.near.clearance[k]))
+        if found is not None:
+            kind[c], pivots[c] = len(regions), pivot
+            regions.append(found)
+    known = np.flatnonzero(kind[label] >= 0)
+    label = label[known]
+    return links_about(them, a[known], b[known], kind[label], pivots[label]), regions
+
+
+def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, pivots: Floats) -> Links:
+    """Links of pairs (P,) that have a region each, about pivots (P, 2) [mm] in the frames of their first bodies."""
+    axes = them.rest[a, 2]
+    arm = turn(pivots, axes)
+    return Links(a, b, kind, arm, them.rest[a, :2] + arm - them.rest[b, :2], axes)
+
+
+def facing_of(
+    them: Bodies, geometry: NDArray[np.object_], a: int, b: int, clearance: float
+) -> tuple[Facing, Floats, float]:
+    """Two bodies about the pivot of their joint, the pivot in the frame of body `a`, and its lever [mm]; `geometry` (n,) lies at rest."""
+    pivot, lever = pivot_of(geometry[a], geometry[b], PIVOT_REACH * clearance)
+    x, y, angle = them.rest[a]
+
+    def seen(shape: shapely.Geometry) -> shapely.Geometry:
+        return shapely.transform(shape, lambda p: turn(p - pivot, np.full(len(p), -angle)))
+
+    facing = Facing(seen(geometry[a]), seen(geometry[b]), clearance)
+    return facing, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
+
+
+def _region(ground: Survey, a: int, b: int, clearance: float) -> tuple[Outer | None, Floats]:
+    """Outer region of one pair, None where the joint is open, and its pivot in the frame of body `a`."""
+    them = ground.bodies
+    facing, pivot, lever = facing_of(them, ground.geometry, a, b, clearance)
+    return outer_region(facing, lever, float(them.radius[a] + them.radius[b])), pivot

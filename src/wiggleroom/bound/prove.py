@@ -1,0 +1,147 @@
+"""A proven bound beside an answer: no motion that can be reached from rest is worth more."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from wiggleroom.bound.branch_and_bound import Bounding, Clock
+from wiggleroom.bound.certificate import certificate, skins
+from wiggleroom.bound.linear_relaxation import first_ranges
+from wiggleroom.bound.outer_regions import outer_regions
+from wiggleroom.bound.proof_steps import Step
+from wiggleroom.errors import InputError, Stop, WiggleroomError
+from wiggleroom.freespace.outer.outer_region import Outer
+from wiggleroom.freespace.outer.skin import Skin
+from wiggleroom.program.objectives import PointMotion, objective
+from wiggleroom.search.answer import Answer, Bound
+from wiggleroom.search.loop import Progress
+from wiggleroom.search.prepare import survey
+
+CUTOFF_SHARE = 0.6
+"""Motions worth more than the witness by this share of what is asked for are looked for."""
+
+
+def prove(
+    answer: Answer,
+    within: float = 0.01,
+    *,
+    seconds: float = 60.0,
+    certify: bool = False,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Answer:
+    """Work out a value that no motion can exceed.
+
+    Parameters
+    ----------
+    answer : Answer
+        From `flex`, of pulls, turns or Ws.
+    within : float
+        Share of the answer's objective that the bound may lie above it, more than 0. Less takes longer.
+    seconds : float
+        The best bound that was found in this time is given, also where it is further away.
+    certify : bool
+        Prove it so that anybody can check it: `bound.certificate` is what `wiggleroom verify` reads. Takes longer.
+    stop : optional
+        Anything with `is_set()`; ends it like the time.
+    progress : callable, optional
+        Told a `Progress` with the bound so far.
+
+    Returns
+    -------
+    Answer
+        The same, with `at_most` and `bound`. Where nothing is proven `bound.why` says why, and `at_most` is None, or what it was before.
+
+    Raises
+    ------
+    InputError
+        If the goals are not linear in points and turns, the answer is of a model that only approximates contacts, or a number makes no
+        sense.
+    MissingExtraError
+        If highspy, the extra `prove`, is not installed.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> answer = wr.prove(wr.flex(wr.patterns.chain(2, joint="tee", gap=0.01)), within=0.01)
+    >>> answer.objective <= answer.at_most <= 1.01 * answer.objective
+    True
+
+    Source: outer regions after Varava et al., "Free Space of Rigid Objects" (2020); tightening of bounds as in global optimisation.
+    """
+    check_request(within, seconds)
+    if answer.model != "walls":
+        finding = f"a bound is proven for the model walls only; this answer is of {answer.model}"
+        raise InputError(finding)
+    clock = Clock(seconds, stop)
+    ground = survey(answer.assembly)
+    goal = objective(answer.assembly, ground.bodies, answer.goals)
+    if not isinstance(goal, PointMotion):
+        raise InputError("a bound is proven for pulls, turns and w only, not for sums of squares")
+    if answer.objective is None:
+        return _not_proven(answer, clock, "nothing stops the motion")
+    witness = answer.objective
+    aim = within * max(abs(witness), 1e-3 * ground.clearance)
+
+    def tell(stage: str, most: float) -> None:
+        if progress is not None:
+            progress(Progress(stage, 0, 0, most))
+
+    tell("outer regions", math.nan)
+    links, outer = outer_regions(ground, clock.over)
+    regions: list[Outer | Skin] = [*outer]
+    found: list[Skin] = []
+    if certify:
+        tell("skins", math.nan)
+        links, found = skins(links, outer, clock.over)
+        regions = [*found]
+    ranges = first_ranges(ground.bodies, links, regions)
+    asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
+    if not (ground.bodies.fixed[asked] | np.isfinite(ranges.far[asked])).all():
+        late = "there was no time to look at all joints"
+        loose = "no chain of joints that close round each other holds what is pulled"
+        why = late if clock.over() else loose + (", or no skin was found round one of them" if certify else "")
+        return _not_proven(answer, clock, why)
+    proof = Step() if certify else None
+    bounding = Bounding(
+        ground, links, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most: tell("prove", most), proof
+    )
+    most = bounding.run(ranges, witness + aim)
+    if not math.isfinite(most):
+        return _not_proven(answer, clock, "no bound was found in the time given")
+    if most < witness and answer.path == "checked":
+        wrong = f"the bound {most} lies below the motion found, {witness}: a mistake in wiggleroom; please report it"
+        raise WiggleroomError(wrong)
+    if answer.at_most is not None and answer.at_most < most and not certify:
+        return _not_proven(answer, clock, "nothing nearer was found in the time given")
+    share = (most - witness) / abs(witness) if witness else None
+    paper = None
+    if proof is not None:
+        paper = certificate(
+            ground, answer.assembly.names, answer.assembly.gap, links, found, goal, ranges, bounding.cut, proof
+        )
+    return replace(answer, at_most=float(most), bound=Bound(float(most), share, clock.spent, certificate=paper))
+
+
+def _not_proven(answer: Answer, clock: Clock, why: str) -> Answer:
+    """The answer and why nothing is proven, or nothing nearer than what it had."""
+    had = answer.bound or Bound(None, None, 0.0)
+    return replace(answer, bound=replace(had, seconds=clock.spent, why=why, certificate=None))
+
+
+def check_request(within: float, seconds: float, names: tuple[str, str] = ("within", "seconds")) -> None:
+    """Refuse numbers that make no sense; `names` is what the asker calls them."""
+    wrong = [
+        f"{name} {value:g}: it must be {right}"
+        for name, value, right, fits in (
+            (names[0], within, "more than 0 and less than 10; 0.01 is one per cent", 0 < within < 10),
+            (names[1], seconds, "a number of seconds, more than 0", 0 < seconds < math.inf),
+        )
+        if not fits
+    ]
+    if wrong:
+        raise InputError(wrong)

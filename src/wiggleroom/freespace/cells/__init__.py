@@ -1,0 +1,1 @@
+"""Cells: regions of relative pose that walls keep free of overlap."""

@@ -1,0 +1,154 @@
+"""Compiled geometry of one pair: the outlines of both parts in one table, and what one part sees of the other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from wiggleroom.geometry.bodies import Shapes
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY
+
+EDGE = np.dtype(
+    [
+        ("x", "f8"), ("y", "f8"),  # where it begins [mm]
+        ("nx", "f8"), ("ny", "f8"), ("off", "f8"),  # its line is where n . p = off, n the outward unit normal
+        ("after", "i8"),  # the next edge of the ring
+        ("seen_x", "f8"), ("seen_y", "f8"),  # where A sees it begin, from the pose looked from
+        ("least", "f8"),  # how far its corner stays in front of one line, while that is worked out
+    ],
+    align=True,
+)  # fmt: skip
+"""An edge and the corner it begins at, in the frame of its part."""
+RUN = np.dtype([("begin", "i8"), ("end", "i8"), ("x", "f8"), ("y", "f8"), ("radius", "f8")], align=True)
+"""A run of consecutive edges and a disc round it [mm]."""
+
+
+class Outlines(NamedTuple):
+    """All shapes: edges (N,) EDGE and runs (C,) RUN; those of shape s are rows first[s] .. and run_first[s] .. ."""
+
+    edges: np.ndarray
+    runs: np.ndarray
+    first: NDArray[np.int64]
+    run_first: NDArray[np.int64]
+
+
+class Pair(NamedTuple):
+    """Both parts: edges of A, rows 0 .. na, then of B, rows na .. n; runs of A, rows 0 .. ra, then of B, rows ra .. r.
+
+    Whose an edge is, its row says: `edge < na` is an edge of A, and a line of kind 0; the others are of B, and of kind 1.
+    """
+
+    edges: np.ndarray
+    runs: np.ndarray
+    na: int
+    n: int
+    ra: int
+    r: int
+
+
+class Pose(NamedTuple):
+    """Relative pose of B in A's frame [mm, mm, rad], with the cosine and sine of the angle."""
+
+    x: float
+    y: float
+    psi: float
+    c: float
+    s: float
+
+
+def outlines(shapes: Shapes) -> Outlines:
+    """All shapes for compiled code."""
+    edges, runs = np.zeros(len(shapes.corner), dtype=EDGE), np.zeros(len(shapes.run_disc), dtype=RUN)
+    edges["x"], edges["y"] = shapes.corner.T
+    edges["nx"], edges["ny"] = shapes.normal.T
+    edges["off"] = shapes.normal[:, 0] * shapes.corner[:, 0] + shapes.normal[:, 1] * shapes.corner[:, 1]
+    edges["after"] = shapes.after
+    runs["begin"], runs["end"] = shapes.run[:-1], shapes.run[1:]
+    runs["x"], runs["y"], runs["radius"] = shapes.run_disc.T
+    return Outlines(edges, runs, shapes.first, shapes.run_first)
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def put(outlines, shape, edges, n, runs, r):
+    """Copy a shape to rows n .. of a pair's edges and r .. of its runs; the rows after them."""
+    first, run_first = outlines.first[shape], outlines.run_first[shape]
+    shift = n - first
+    for k in range(first, outlines.first[shape + 1]):
+        edges[n] = outlines.edges[k]
+        edges[n].after += shift
+        n += 1
+    for k in range(run_first, outlines.run_first[shape + 1]):
+        runs[r] = outlines.runs[k]
+        runs[r].begin += shift
+        runs[r].end += shift
+        r += 1
+    return n, r
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def posed(x, y, psi):
+    """Relative pose."""
+    return Pose(x, y, psi, np.cos(psi), np.sin(psi))
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def seen(pair, edge, v, pose):
+    """Corner v of one part in the frame of the part that `edge` is of."""
+    x, y, c, s = pair.edges[v].x, pair.edges[v].y, pose.c, pose.s
+    if edge < pair.na:
+        return c * x - s * y + pose.x, s * x + c * y + pose.y
+    x, y = x - pose.x, y - pose.y
+    return c * x + s * y, -s * x + c * y
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def in_front(pair, edge, v, pose):
+    """Wall value h: how far corner v is in front of the line of `edge`."""
+    x, y = seen(pair, edge, v, pose)
+    e = pair.edges[edge]
+    return e.nx * (x - e.x) + e.ny * (y - e.y)
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def edge_in_front(pair, edge, other, pose):
+    """How far the whole edge `other` is in front of the line of `edge`."""
+    return min(in_front(pair, edge, other, pose), in_front(pair, edge, pair.edges[other].after, pose))
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def normal_seen(pair, edge, psi):
+    """Normal of the line of `edge` in the frame of the other part."""
+    e, c, s = pair.edges[edge], np.cos(psi), np.sin(psi)
+    if edge < pair.na:
+        s = -s
+    return c * e.nx - s * e.ny, s * e.nx + c * e.ny
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def left_of(a, b, p):
+    """Positive where A sees corner p left of the line from corner a to b."""
+    return (b.seen_x - a.seen_x) * (p.seen_y - a.seen_y) - (b.seen_y - a.seen_y) * (p.seen_x - a.seen_x)
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def from_point(p, a, b):
+    """Squared distance of corner p and the segment from corner a to b, as A sees them."""
+    ux, uy = b.seen_x - a.seen_x, b.seen_y - a.seen_y
+    px, py = p.seen_x - a.seen_x, p.seen_y - a.seen_y
+    t = (px * ux + py * uy) / (ux * ux + uy * uy)
+    t = min(1.0, max(0.0, t))
+    ex, ey = px - t * ux, py - t * uy
+    return ex * ex + ey * ey
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def apart2(pair, i, j):
+    """Squared distance of two edges, as A sees them; 0 where they cross."""
+    a, c = pair.edges[i], pair.edges[j]
+    b, d = pair.edges[a.after], pair.edges[c.after]
+    if left_of(a, b, c) * left_of(a, b, d) < 0.0 and left_of(c, d, a) * left_of(c, d, b) < 0.0:
+        return 0.0
+    return min(min(from_point(c, a, b), from_point(d, a, b)), min(from_point(a, c, d), from_point(b, c, d)))

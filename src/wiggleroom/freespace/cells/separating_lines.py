@@ -1,0 +1,246 @@
+"""Compiled search for what lines hide.
+
+A *line* is the line of one edge of A (kind 0) or of B (kind 1). A *wall* keeps one corner of the other part in front of a line. An edge
+pair is *hidden* by a line over an angle interval when the walls on that line keep the other part's edge in front of the line by at least
+as much as the owner's own edge reaches in front of it; then the two edges cannot cross. A cell is free of overlap over an interval as soon
+as every edge pair is hidden there: its slices are convex, so nothing forbidden can begin inside without two edges crossing. How far a
+corner stays in front is a sinusoid of the angle, so its least value over an interval is closed form: nothing is sampled.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.cells.pair_edges import EDGE, RUN, Outlines, apart2, normal_seen, seen
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY
+
+MAX_LINES = 400
+MAX_WALLS_PER_LINE = 48
+MAX_LINE_CORNERS = 1600
+LINES, PAIRS = 0, 1
+UNSEEN, SEEN, COVERED = 0, 1, 2
+
+LINE = np.dtype([("edge", "i8"), ("count", "i8"), ("before", "i8"), ("walls", "i8", (MAX_WALLS_PER_LINE,))], align=True)
+"""A line, the number of walls on it, now and before the present step, and their corners."""
+RUN_PAIR = np.dtype([("state", "i8"), ("bound", "f8")], align=True)
+"""What is known of a run of A and one of B: UNSEEN, SEEN or COVERED, and that they are at least so far apart [mm]."""
+OPEN_PAIR = np.dtype([("a", "i8"), ("b", "i8"), ("apart2", "f8")], align=True)
+"""An edge pair that no line hides, and the square of its distance [mm^2]."""
+
+
+class Work(NamedTuple):
+    """Room to work in, as large as the largest pair needs.
+
+    Parameters
+    ----------
+    edges : (n,) EDGE
+    runs : (r,) RUN
+        For the table of the pair.
+    number : (2,) int64
+        How many lines and open pairs there are.
+    lines : (MOST_LINES,) LINE
+        Lines of the cell being grown.
+    ahead : (MOST_LINES, n) float64 [mm]
+        How far each edge of a line's owner reaches in front of it, and each edge of the other part stays in front at least.
+    run_ahead : (MOST_LINES, r) float64 [mm]
+        The same for whole runs of edges.
+    meetings : (r / 2, r / 2) MEETING
+        All runs of A with all of B.
+    open_pairs : (n^2 / 4,) OPEN_PAIR
+        Edge pairs that nothing hides, as far as they have been looked for.
+    polygons : (2, MOST_CORNERS, 2) float64 [mm]
+        A slice, clipped from one into the other.
+    """
+
+    edges: np.ndarray
+    runs: np.ndarray
+    number: NDArray[np.int64]
+    lines: np.ndarray
+    ahead: NDArray[np.float64]
+    run_ahead: NDArray[np.float64]
+    meetings: np.ndarray
+    open_pairs: np.ndarray
+    polygons: NDArray[np.float64]
+
+
+def room_for(outlines: Outlines) -> Work:
+    """Room for any pair of these shapes."""
+    n, r = int(np.diff(outlines.first).max()), int(np.diff(outlines.run_first).max())
+    return Work(
+        edges=np.empty(2 * n, dtype=EDGE),
+        runs=np.empty(2 * r, dtype=RUN),
+        number=np.zeros(2, dtype=np.int64),
+        lines=np.empty(MAX_LINES, dtype=LINE),
+        ahead=np.empty((MAX_LINES, 2 * n)),
+        run_ahead=np.empty((MAX_LINES, 2 * r)),
+        meetings=np.empty((r, r), dtype=RUN_PAIR),
+        open_pairs=np.empty(n * n, dtype=OPEN_PAIR),
+        polygons=np.empty((2, MAX_LINE_CORNERS, 2)),
+    )
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def line_of(pair, work, edge):
+    """Line of an edge, added where there is none yet; -1 where there is no room for it."""
+    number = work.number[LINES]
+    for k in range(number):
+        if work.lines[k].edge == edge:
+            return k
+    if number == MAX_LINES:
+        return -1
+    work.number[LINES] = number + 1
+    line = work.lines[number]
+    line.edge, line.count = edge, 0
+    own = pair.edges[edge]
+    begin, end = (0, pair.ra) if edge < pair.na else (pair.ra, pair.r)
+    for r in range(begin, end):
+        most = -np.inf
+        for i in range(pair.runs[r].begin, pair.runs[r].end):
+            e = pair.edges[i]
+            f = pair.edges[e.after]
+            d = max(own.nx * e.x + own.ny * e.y, own.nx * f.x + own.ny * f.y) - own.off
+            if i == edge:
+                d = 0.0
+            work.ahead[number, i] = d
+            most = max(most, d)
+        work.run_ahead[number, r] = most
+    return number
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def add_wall(line, v):
+    """Put a wall for corner v on a line, where it is not there yet; False where there is no room for it."""
+    count = line.count
+    for k in range(count):
+        if line.walls[k] == v:
+            return True
+    if count == MAX_WALLS_PER_LINE:
+        return False
+    line.walls[count] = v
+    line.count = count + 1
+    return True
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def least_in_front(px, py, qx, qy, dx, dy):
+    """Least n(psi) . d while the unit normal n turns counter-clockwise from p to q (less than half a turn)."""
+    least = min(px * dx + py * dy, qx * dx + qy * dy)
+    if py * dx - px * dy >= 0.0 and dy * qx - dx * qy >= 0.0 and (px + qx) * dx + (py + qy) * dy < 0.0:
+        least = -np.sqrt(dx * dx + dy * dy)
+    return least
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def set_ahead(pair, work, k, p, q):
+    """How far each edge of the other part stays in front of line k over the angles [p, q], by edge and by run."""
+    line = work.lines[k]
+    if line.edge < pair.na:  # the normal turns clockwise as B turns counter-clockwise
+        p, q = q, p
+        begin, end = pair.ra, pair.r
+    else:
+        begin, end = 0, pair.ra
+    px, py = normal_seen(pair, line.edge, p)
+    qx, qy = normal_seen(pair, line.edge, q)
+    for w in range(pair.runs[begin].begin, pair.runs[end - 1].end):
+        corner = pair.edges[w]
+        most = -np.inf
+        for m in range(line.count):
+            v = line.walls[m]
+            d = 0.0
+            if v != w:
+                d = least_in_front(px, py, qx, qy, corner.x - pair.edges[v].x, corner.y - pair.edges[v].y)
+            most = max(most, d)
+        corner.least = most
+    for r in range(begin, end):
+        most = np.inf
+        for j in range(pair.runs[r].begin, pair.runs[r].end):
+            e = pair.edges[j]
+            d = min(e.least, pair.edges[e.after].least)
+            work.ahead[k, j] = d
+            most = min(most, d)
+        work.run_ahead[k, r] = most
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def hides(of_a, ahead, k, i, j, tiny):
+    """True where line k, of A or not, hides edge (or run) i of A from edge (or run) j of B."""
+    if of_a:
+        return ahead[k, i] <= ahead[k, j] + tiny
+    return ahead[k, j] <= ahead[k, i] + tiny
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def hidden(pair, work, ahead, i, j, tiny):
+    """True where any line hides edge (or run) i of A from edge (or run) j of B."""
+    for k in range(work.number[LINES]):  # noqa: SIM110 (compiled code has no generators)
+        if hides(work.lines[k].edge < pair.na, ahead, k, i, j, tiny):
+            return True
+    return False
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def first_look(pair, work, pose, tiny):
+    """Look from a pose: which pairs of runs some line covers wholly, and how near the pose brings the others at least."""
+    for v in range(pair.n):
+        e = pair.edges[v]
+        e.seen_x, e.seen_y = e.x, e.y
+        if v >= pair.na:
+            e.seen_x, e.seen_y = seen(pair, 0, v, pose)
+    work.number[PAIRS] = 0
+    for j in range(pair.ra, pair.r):
+        b = pair.runs[j]
+        x, y = pose.c * b.x - pose.s * b.y + pose.x, pose.s * b.x + pose.c * b.y + pose.y
+        for i in range(pair.ra):
+            a, meeting = pair.runs[i], work.meetings[i, j - pair.ra]
+            meeting.state = COVERED if hidden(pair, work, work.run_ahead, i, j, tiny) else UNSEEN
+            meeting.bound = max(0.0, np.hypot(x - a.x, y - a.y) - b.radius - a.radius)
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def nearest_open(pair, work, tiny):
+    """Place in the list of the nearest edge pair that no line hides, or -1; runs are opened in the order of their distance."""
+    best, where = np.inf, -1
+    for n in range(work.number[PAIRS]):
+        if work.open_pairs[n].apart2 < best:
+            best, where = work.open_pairs[n].apart2, n
+    while True:
+        near, a, b = np.sqrt(best), -1, -1
+        for i in range(pair.ra):
+            for j in range(pair.ra, pair.r):
+                meeting = work.meetings[i, j - pair.ra]
+                if meeting.state == UNSEEN and meeting.bound < near:
+                    near, a, b = meeting.bound, i, j
+        if a < 0:
+            return where
+        work.meetings[a, b - pair.ra].state = SEEN
+        for i in range(pair.runs[a].begin, pair.runs[a].end):
+            for j in range(pair.runs[b].begin, pair.runs[b].end):
+                if hidden(pair, work, work.ahead, i, j, tiny):
+                    continue
+                n = work.number[PAIRS]
+                found = work.open_pairs[n]
+                found.a, found.b, found.apart2 = i, j, apart2(pair, i, j)
+                work.number[PAIRS] = n + 1
+                if found.apart2 < best:
+                    best, where = found.apart2, n
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def cover(pair, work, k, tiny):
+    """Strike what line k hides from the runs and from the list of open edge pairs."""
+    of_a = work.lines[k].edge < pair.na
+    for i in range(pair.ra):
+        for j in range(pair.ra, pair.r):
+            if hides(of_a, work.run_ahead, k, i, j, tiny):
+                work.meetings[i, j - pair.ra].state = COVERED
+    kept = 0
+    for n in range(work.number[PAIRS]):
+        one = work.open_pairs[n]
+        if not hides(of_a, work.ahead, k, one.a, one.b, tiny):
+            work.open_pairs[kept] = one
+            kept += 1
+    work.number[PAIRS] = kept

@@ -1,0 +1,1 @@
+"""Outer regions: everything that a pair can reach, and a little more."""

@@ -1,0 +1,265 @@
+"""Outer regions: everything that B can reach against A, as prisms (an interval of turns, a convex polygon) and as facets of their hull.
+
+A way from rest stays inside. In every interval the boundary of an outer slice is forbidden at all its turns, so a way leaves a piece only
+through the end of the interval, into a piece of the next one that meets it; all those are taken in, forwards and back, until nothing is
+new. Beyond the last intervals nothing is left over: no turn leads through them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.outer.outer_slices import Facing, Pieces, core, forbidden, uncovered
+from wiggleroom.freespace.outer.outer_walls import polyhedron
+
+Floats = NDArray[np.float64]
+Shapes = dict[tuple[float, float], Floats]
+Ints = NDArray[np.int64]
+
+FIRST_BLUR = 0.15
+"""The first intervals blur outer slices by this share of the clearance."""
+MAX_HALF_WIDTH = 0.05
+"""Half of the widest interval [rad]."""
+REFINEMENT_FACTOR = 4
+"""Intervals are refined into so many."""
+MAX_INTERVALS = 1100
+"""So many intervals are looked at to see whether B can turn all the way round."""
+
+
+@dataclass(frozen=True, eq=False)
+class Outer:
+    """Relative motions (tau, phi) of a pair that can be reached at all, and some more.
+
+    tau [mm] is the motion of B's pivot in the axes of A's body, phi [rad] the turn.
+
+    Parameters
+    ----------
+    facing : Facing
+    lever : float [mm]
+        A turn by one radian blurs an outer slice by this.
+    low, high : (K,) float64 [rad]
+        Intervals of turns.
+    pieces : tuple of K arrays of shapely polygons [mm]
+        What is left over in each.
+    corner : (N, 3) float64 [mm, mm, rad]
+        Corners of convex polyhedra that hold what is free of the pieces, one interval after the other.
+    which : (N,) int64
+        Interval of each corner.
+    """
+
+    facing: Facing
+    lever: float
+    low: Floats
+    high: Floats
+    pieces: tuple[Pieces, ...]
+    corner: Floats
+    which: Ints
+
+    @property
+    def turns(self) -> tuple[float, float]:
+        """Least and largest turn [rad]."""
+        return float(self.low.min()), float(self.high.max())
+
+    @property
+    def far(self) -> float:
+        """Largest motion of the pivot [mm]."""
+        return float(np.hypot(*self.corner[:, :2].T).max()) + 4 * self.facing.margin
+
+    @property
+    def blur(self) -> Floats:
+        """How much too large the slice of each interval is at most, about (K,) [mm]."""
+        return self.lever * (self.high - self.low)
+
+    def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
+        """Corners (M, 3) of the polyhedra, cut to turns between `low` and `high`, and the interval of each (M,)."""
+        inside = (self.low[self.which] >= low) & (self.high[self.which] <= high)
+        corner, which = [self.corner[inside]], [self.which[inside]]
+        for k in np.flatnonzero((self.low <= high) & (self.high >= low) & ((self.low < low) | (self.high > high))):
+            cut = _cut(self.corner[self.which == k], low, high)
+            corner.append(cut)
+            which.append(np.full(len(cut), k))
+        return np.vstack(corner), np.concatenate(which)
+
+
+def _cut(corner: Floats, low: float, high: float) -> Floats:
+    """Corners (and a few points more) of what a convex polyhedron has at turns between `low` and `high`."""
+    t = corner[:, 2]
+    found = [corner[(t >= low) & (t <= high)]]
+    for level in (low, high):
+        below, above = corner[t <= level], corner[t >= level]
+        if len(below) and len(above):
+            one, other = np.repeat(below, len(above), 0), np.tile(above, (len(below), 1))
+            rise = other[:, 2] - one[:, 2]
+            share = np.where(rise > 0, (level - one[:, 2]) / np.where(rise > 0, rise, 1.0), 0.0)
+            found.append(
+                np.column_stack([one[:, :2] + share[:, None] * (other - one)[:, :2], np.full(len(one), level)])
+            )
+    return np.vstack(found)
+
+
+def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list[Pieces], known: Shapes) -> Outer:
+    """Region of these intervals; polyhedra of intervals that were there before are taken over."""
+    corners = [
+        known[one, other]
+        if (one, other) in known
+        else polyhedron(facing, facing.near(_apart(facing, one, other, _window(p))), one, other, p)
+        for one, other, p in zip(low.tolist(), high.tolist(), pieces, strict=True)
+    ]
+    which = np.repeat(np.arange(len(corners)), [len(c) for c in corners])
+    return Outer(facing, lever, low, high, tuple(pieces), np.vstack(corners), which)
+
+
+def _window(pieces: Pieces) -> float:
+    """Half the side of the square round the origin that holds some pieces [mm]."""
+    return float(np.abs(shapely.bounds(pieces)).max())
+
+
+def _apart(facing: Facing, low: float, high: float, window: float) -> float:
+    """How far from each other parts of A and B may lie that meet at these turns within a window [mm]."""
+    return 3 * window + 2 * np.sin(min(max(-low, high), np.pi) / 2) * facing.radius
+
+
+def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
+    """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm].
+
+    Parameters
+    ----------
+    facing : Facing
+    lever : float [mm]
+        From `pivot_of`.
+    limit : float [mm]
+        The pivot is followed so far.
+    """
+    half = min(FIRST_BLUR * facing.clearance / (2 * lever), MAX_HALF_WIDTH)
+    window = min(4 * facing.clearance, limit)
+    while True:
+        found = _followed(facing, half, window)
+        if isinstance(found, dict):
+            break
+        if found and window < limit:
+            window = min(2 * window, limit)
+        elif (
+            not found and REFINEMENT_FACTOR * np.pi / half < MAX_INTERVALS
+        ):  # perhaps it only seems to turn all the way round
+            half /= REFINEMENT_FACTOR
+        else:
+            return None
+    order = sorted(found)
+    ends = np.array([(2 * k - 1) * half for k in (*order, order[-1] + 1)])
+    return _outer(facing, lever, ends[:-1], ends[1:], [found[k] for k in order], {})
+
+
+def _followed(facing: Facing, half: float, window: float) -> dict[int, Pieces] | bool:
+    """Reached pieces of all intervals; True where one meets the rim of the window, False where B turns all the way round."""
+    slices: dict[int, Leftover] = {}
+    reached: dict[int, NDArray[np.bool_]] = {}
+    todo: list[int] = []
+
+    def reach(k: int, met: shapely.Geometry) -> None:
+        if k not in slices:
+            slices[k] = leftover(facing, 2 * k * half, half, window)
+            reached[k] = np.zeros(len(slices[k].pieces), dtype=bool)
+        new = ~reached[k] & shapely.dwithin(slices[k].pieces, met, facing.margin)
+        new[new] = slices[k].open(new)
+        if new.any():
+            reached[k] |= new
+            todo.append(k)
+
+    reach(0, shapely.Point(0, 0))
+    while todo:
+        k = todo.pop()
+        here = slices[k].pieces[reached[k]]
+        if _window(here) >= window * (1 - 1e-9):
+            return True
+        if abs(k) * half > np.pi:
+            return False
+        for other in (k - 1, k + 1):
+            reach(other, shapely.multipolygons(here))
+    return {k: slices[k].pieces[reached[k]] for k in slices if reached[k].any()}
+
+
+@dataclass(frozen=True, eq=False)
+class Leftover:
+    """Pieces that no contact of A and B's core crosses, for the turns of one interval."""
+
+    pieces: Pieces
+    a: shapely.Geometry
+    core: shapely.Geometry
+    margin: float
+
+    def open(self, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """True for those of some pieces that are not certainly forbidden."""
+        return ~forbidden(self.a, self.core, self.pieces[which], self.margin)
+
+
+def leftover(facing: Facing, middle: float, half: float, window: float) -> Leftover:
+    """Pieces of the window at all turns within `half` of `middle`."""
+    near = facing.near(_apart(facing, middle - half, middle + half, window))
+    smaller = core(near.b, middle, half, facing.margin)
+    return Leftover(uncovered(near.a, smaller, window), near.a, smaller, facing.margin)
+
+
+def refined(outer: Outer, wanted: Ints) -> Outer:
+    """The same region with some intervals cut into narrower ones, whose slices are smaller.
+
+    Free pieces of a narrower interval lie each inside one of the interval that it was cut from.
+    """
+    lows, highs, pieces = [], [], []
+    cut = np.isin(np.arange(len(outer.low)), wanted)
+    for k, mine in enumerate(outer.pieces):
+        ends = np.linspace(outer.low[k], outer.high[k], REFINEMENT_FACTOR + 1 if cut[k] else 2)
+        for one, other in pairwise(ends):
+            left = mine
+            if cut[k]:
+                window = 1.001 * _window(mine)
+                # the ends are rounded: what is looked at is a little wider
+                found = leftover(outer.facing, (one + other) / 2, (other - one) / 2 + 1e-14, window)
+                spots = shapely.point_on_surface(found.pieces)
+                inside = shapely.dwithin(spots, shapely.multipolygons(mine), outer.facing.margin)
+                left = found.pieces[inside][found.open(inside)]
+            if len(left):
+                lows.append(one)
+                highs.append(other)
+                pieces.append(left)
+    known = {
+        (one, other): outer.corner[outer.which == k]
+        for k, (one, other) in enumerate(zip(outer.low.tolist(), outer.high.tolist(), strict=True))
+        if not cut[k]
+    }
+    return _outer(outer.facing, outer.lever, np.array(lows), np.array(highs), pieces, known)
+
+
+def pivot_of(a: shapely.Geometry, b: shapely.Geometry, reach: float) -> tuple[Floats, float]:
+    """The point about which turning B moves its edges near A along themselves, as far as there is one, and the lever left over [mm].
+
+    An edge blurs by its motion across itself: per radian, the coordinate of its ends along it, seen from the pivot.
+    """
+    edges = _edges_near(b, a, reach)
+    along = edges[:, 1] - edges[:, 0]
+    long = np.hypot(*along.T)
+    e = along / long[:, None]
+    middle = edges.mean(1)
+    weight = (long[:, None, None] * e[:, :, None]) * e[:, None, :]
+    right = (weight @ middle[:, :, None]).sum(0)[:, 0]
+    centre = (long[:, None] * middle).sum(0) / long.sum()
+    steady = 1e-3 * weight.sum(0).trace() * np.eye(2)
+    pivot = np.linalg.solve(weight.sum(0) + steady, right + steady @ centre)
+    lever = float(np.abs(((edges - pivot) * e[:, None]).sum(2)).max())
+    return pivot, lever
+
+
+def _edges_near(b: shapely.Geometry, a: shapely.Geometry, reach: float) -> Floats:
+    """Pieces (k, 2, 2) of B's boundary within `reach` of A."""
+    near = shapely.intersection(shapely.boundary(b), shapely.buffer(a, reach, join_style="mitre"))
+    lines = shapely.get_parts(shapely.line_merge(near))
+    lines = lines[shapely.get_type_id(lines) == shapely.GeometryType.LINESTRING]
+    if not len(lines):
+        lines = shapely.get_parts(shapely.boundary(b))
+    points, which = shapely.get_coordinates(lines, return_index=True)
+    same = which[1:] == which[:-1]
+    return np.stack([points[:-1][same], points[1:][same]], 1)

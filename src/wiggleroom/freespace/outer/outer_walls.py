@@ -1,0 +1,201 @@
+"""Slanted sides of outer slices: walls that hold at every turn of an interval.
+
+An outer slice is too large by what B's edges sweep. Where one of its sides comes from a corner of one part and an edge
+of the other, the true side moves with the turn. It may be used if, wherever the slice reaches beyond it, that corner lies
+*inside* the other part: then nothing free is cut off. Such walls bend so little over an interval that the prism of a slice
+becomes a polyhedron which is too large only by terms of second order.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.outer.outer_slices import Facing, Pieces, corners_of
+from wiggleroom.geometry.relative_pose import turn
+
+Floats = NDArray[np.float64]
+
+MAX_CONTACTS_PER_SIDE = 3
+"""So many contacts are tried for each side."""
+MIN_HULL_AREA = 1e-6
+"""A hull of less area than this share of its length squared is replaced by its box."""
+NORMAL_TOLERANCE = 1e-8
+"""Planes whose normals differ by less are left to others."""
+
+
+def polyhedron(facing: Facing, near: Facing, low: float, high: float, pieces: Pieces) -> Floats:
+    """Corners (n, 3) [mm, mm, rad] of a polyhedron that holds all that is free of `pieces` at turns between `low` and `high`."""
+    region = shapely.multipolygons(pieces)
+    hull = shapely.convex_hull(region)
+    if shapely.area(hull) < MIN_HULL_AREA * shapely.length(hull) ** 2:
+        hull = shapely.envelope(shapely.buffer(hull, facing.margin))
+    ring = shapely.get_coordinates(shapely.orient_polygons(hull))
+    along = np.diff(ring, axis=0)
+    long = np.hypot(*along.T)
+    start, along, long = ring[:-1][long > 0], along[long > 0], long[long > 0]
+    out = np.column_stack([along[:, 1], -along[:, 0]]) / long[:, None]
+    flat = np.column_stack([out, np.zeros(len(out)), (out * start).sum(1)])
+    try:
+        slanted = _walls(facing, near, low, high, region, start + along / 2, out, long)
+    except shapely.errors.GEOSException:
+        slanted = []
+    for planes in (np.vstack([flat, *slanted]), flat):
+        planes[:, 3] += facing.margin
+        corners = corners_between(planes, low, high)
+        if len(corners):
+            break
+    return corners
+
+
+def _walls(
+    facing: Facing,
+    near: Facing,
+    low: float,
+    high: float,
+    region: shapely.Geometry,
+    at: Floats,
+    out: Floats,
+    long: Floats,
+) -> list[Floats]:
+    """Planes (normal, slope by turn, offset) of walls that lie near the sides `at` (k, 2) with normals `out` and hold throughout."""
+    middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-9) + 1e-14
+    a, b = corners_of(near.a), corners_of(near.b)
+    seen = tuple(turn(v, np.full(len(v), middle)) for v in b)
+    spots = shapely.get_coordinates(region)
+    width = float(np.hypot(*np.ptp(spots, axis=0)))
+    reach = 2 * np.sin(half / 2)
+    tried: dict[tuple[int, ...], Floats | None] = {}
+    for kind, (edges, corners, wall) in enumerate(((a, seen, _corner_of_b), (seen, a, _corner_of_a))):
+        sign = 1.0 if kind == 0 else -1.0
+        start, end, _, go = edges
+        corner, _, come, away = corners
+        normal = np.column_stack([go[:, 1], -go[:, 0]])
+        alike = -sign * normal @ out.T > 1 - 0.51 * (2 * half + 1e-6) ** 2
+        for side in np.flatnonzero(long > 1e-3 * facing.clearance):
+            rows = np.flatnonzero(alike[:, side])
+            n, e = normal[rows], go[rows]
+            place = corner + sign * at[side]
+            room = n @ place.T - (n * start[rows]).sum(1)[:, None]
+            foot = e @ place.T
+            lever = np.hypot(*(corner.T if kind == 0 else place.T))
+            can = (n @ away.T >= -reach) & (n @ come.T <= reach) & (np.abs(room) <= 3 * reach * lever + facing.margin)
+            can &= foot >= (e * start[rows]).sum(1)[:, None] - width
+            can &= foot <= (e * end[rows]).sum(1)[:, None] + width
+            i, j = np.nonzero(can)
+            for k in np.argsort(room[i, j])[:MAX_CONTACTS_PER_SIDE]:
+                edge, v = int(rows[i[k]]), int(j[k])
+                if (kind, edge, v) in tried:
+                    continue
+                points = [corner[v]]
+                # where the corner may slip off the end of the edge, a point of the side that lies along it takes its place
+                points += [corner[v] + width * w for w in (away[v], -come[v]) if abs(normal[edge] @ w) <= reach]
+                for point in points:
+                    plane = wall(facing, low, high, region, normal[edge], start[edge], point)
+                    tried[kind, edge, v] = plane
+                    if plane is not None:
+                        break
+    return [p for p in tried.values() if p is not None]
+
+
+def _corner_of_b(
+    facing: Facing, low: float, high: float, region: shapely.Geometry, n: Floats, a: Floats, v: Floats
+) -> Floats | None:
+    """Wall of A's edge (a, n) and B's corner v, turned to the middle: n . (tau + R v - a) >= 0."""
+    half = (high - low) / 2 * (1 + 1e-9) + 1e-14
+    ends = [turn(v, np.array([t]))[0] for t in (-half, half)]
+    swept = np.array([*ends, v / np.cos(half)])
+    beyond = _beyond(region, -n, float((swept @ n).min() - n @ a), facing.margin)
+    for part in shapely.get_parts(beyond):
+        places = (shapely.get_coordinates(part)[:, None] + swept).reshape(-1, 2)
+        if not _inside(facing.a, places, n, a, facing.margin):
+            return None
+    c = [float(n @ a - n @ v) for v in ends]
+    return _plane(-n, [-c[0], -c[1]], low, high, float(np.hypot(*v)), facing.margin)
+
+
+def _corner_of_a(
+    facing: Facing, low: float, high: float, region: shapely.Geometry, n: Floats, b: Floats, u: Floats
+) -> Floats | None:
+    """Wall of B's edge (b, n), turned to the middle, and A's corner u: R n . (u - tau) >= R n . R b."""
+    half = (high - low) / 2 * (1 + 1e-9) + 1e-14
+    middle = (low + high) / 2
+    spots = shapely.get_coordinates(shapely.convex_hull(region))
+    far = float(np.hypot(*(u - spots).T).max())
+    beyond = _beyond(region, n, float(n @ u - n @ b) - 2 * np.sin(half / 2) * far, facing.margin)
+    for part in shapely.get_parts(beyond):
+        seen = u - shapely.get_coordinates(part)
+        places = np.vstack([*(turn(seen, np.full(len(seen), t)) for t in (-half, half)), seen / np.cos(half)])
+        back = turn(places, np.full(len(places), -middle))
+        m, start = turn(np.stack([n, b]), np.full(2, -middle))
+        if not _inside(facing.b, back, m, start, facing.margin):
+            return None
+    centre = (spots.min(0) + spots.max(0)) / 2
+    round_it = float(np.hypot(*(spots - centre).T).max())
+    normals = [turn(n, np.array([t]))[0] for t in (-half, half)]
+    mean = (normals[0] + normals[1]) / 2
+    # n(t) . (u - tau) >= n . b, about the slice's middle
+    level = [float(m @ (u - centre) - n @ b + mean @ centre) for m in normals]
+    return _plane(mean, level, low, high, far, facing.margin + np.sin(half) * round_it)
+
+
+def _plane(normal: Floats, level: list[float], low: float, high: float, bend: float, more: float) -> Floats:
+    """Normal . tau <= the straight line from level[0] at `low` to level[1] at `high`, and what second derivatives up to `bend` add."""
+    slope = (level[1] - level[0]) / (high - low)
+    room = bend * (high - low + 1e-13) ** 2 / 8 * (1 + 1e-9) + 2 * more
+    return np.array([[*normal, -slope, level[0] - slope * low + room]])
+
+
+def _beyond(region: shapely.Geometry, n: Floats, level: float, margin: float) -> Pieces:
+    """Hulls of what of `region` has n . tau >= level, and a little more."""
+    size = 10 * float(np.abs(shapely.bounds(region)).max()) + abs(level)
+    parts = shapely.get_parts(shapely.intersection(region, _half_plane(n * (level - margin), n, size)))
+    return shapely.convex_hull(parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON])
+
+
+def _half_plane(foot: Floats, n: Floats, size: float) -> shapely.Polygon:
+    """What lies beyond `foot` in the direction `n`, as far as `size`."""
+    side = np.array([-n[1], n[0]])
+    return shapely.polygons(foot + size * np.array([-side, side, side + n, n - side]))
+
+
+def _inside(material: shapely.Geometry, places: Floats, n: Floats, at: Floats, margin: float) -> bool:
+    """Whether the hull of `places`, as far as it lies behind the line (at, n), lies in the material."""
+    spread = margin / 4 * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])
+    hull = shapely.convex_hull(shapely.multipoints((places[:, None] + spread).reshape(-1, 2)))
+    side, middle = np.array([-n[1], n[0]]), places.mean(0)
+    size = 10 * float(np.abs(places - middle).max() + np.abs(at - middle).max() + margin)
+    foot = n * (n @ at - margin) + side * (side @ middle)
+    behind = shapely.intersection(hull, _half_plane(foot, -n, size))
+    return bool(shapely.is_empty(behind) or shapely.covers(material, behind))
+
+
+def corners_between(planes: Floats, low: float, high: float) -> Floats:
+    """Corners of {(tau, t): planes[:, :3] . (tau, t) <= planes[:, 3], low <= t <= high}: ends of the lines in which two planes meet."""
+    normal, slope, level = planes[:, :2], planes[:, 2], planes[:, 3]
+    i, j = np.triu_indices(len(planes), 1)
+    det = normal[i, 0] * normal[j, 1] - normal[i, 1] * normal[j, 0]
+    keep = np.abs(det) > NORMAL_TOLERANCE
+    i, j, det = i[keep], j[keep], det[keep]
+
+    def solved(right: Floats) -> Floats:
+        x = (right[i] * normal[j, 1] - right[j] * normal[i, 1]) / det
+        y = (normal[i, 0] * right[j] - normal[j, 0] * right[i]) / det
+        return np.column_stack([x, y])
+
+    fixed, moving = solved(level), solved(-slope)
+    # along the line tau = fixed + moving t; every plane k leaves t with gain_k t <= room_k
+    gain = moving @ normal.T + slope
+    room = level - fixed @ normal.T
+    own = (np.arange(len(planes)) == i[:, None]) | (np.arange(len(planes)) == j[:, None])
+    slack = 1e-13 * (1 + np.abs(fixed).max(1))[:, None]
+    never = ~own & (np.abs(gain) <= 1e-15) & (room < -slack)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = room / gain
+    first = np.where(~own & (gain < -1e-15), at, -np.inf).max(1)
+    last = np.where(~own & (gain > 1e-15), at, np.inf).min(1)
+    first, last = np.maximum(first, low), np.minimum(last, high)
+    good = (first <= last + 1e-13 * (high - low)) & ~never.any(1)
+    ends = [np.column_stack([fixed[good] + moving[good] * t[good, None], t[good]]) for t in (first, last)]
+    return np.unique(np.vstack(ends), axis=0)

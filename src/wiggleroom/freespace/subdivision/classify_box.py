@@ -1,0 +1,330 @@
+"""Boxes of motions (x, y, turn) of one body past another, each certainly free, certainly forbidden, or mixed.
+
+In a box no point of the moving body at distance r from its pivot is further from where the middle of the box puts it than
+reach(r) = sqrt(2) half + 2 r sin(turn / 2), with the half sides of the box. So a point of its boundary that lies deeper than its reach in
+the other body forbids the whole box, and where no point of its boundary comes nearer to the other than its reach, the whole box is free.
+Source of the idea: Varava et al., "Free Space of Rigid Objects", 2020.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS
+
+DEEPEST_TREE = 96
+"""Room for the nodes that wait while a tree is walked."""
+MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
+FOUND, CLOSED, SPENT = 0, 1, 2
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def depth_at(x, y, edge, normal, disc, kid, stack):
+    """Signed distance of a point from the boundary, negative inside the material.
+
+    Where two edges are equally near, as on both sides of a lip of no thickness, the point counts as outside if either says so: nothing is
+    forbidden wrongly, and ways are looked at again by other means.
+    """
+    best, sign = np.inf, 1.0
+    same = 1e-9 * disc[0, 2]
+    stack[0] = 0
+    count = 1
+    while count:
+        count -= 1
+        node = stack[count]
+        dx, dy = x - disc[node, 0], y - disc[node, 1]
+        if np.sqrt(dx * dx + dy * dy) - disc[node, 2] > best + same:
+            continue
+        if kid[node, 0] >= 0:
+            one, other = kid[node, 0], kid[node, 1]
+            ox, oy = x - disc[one, 0], y - disc[one, 1]
+            px, py = x - disc[other, 0], y - disc[other, 1]
+            if ox * ox + oy * oy < px * px + py * py:  # the nearer one is looked at first
+                one, other = other, one
+            stack[count] = one
+            stack[count + 1] = other
+            count += 2
+            continue
+        e = kid[node, 1]
+        ax, ay = edge[e, 0], edge[e, 1]
+        ex, ey = edge[e, 2] - ax, edge[e, 3] - ay
+        t = ((x - ax) * ex + (y - ay) * ey) / (ex * ex + ey * ey)
+        t = min(max(t, 0.0), 1.0)
+        qx, qy = x - ax - t * ex, y - ay - t * ey
+        d = np.sqrt(qx * qx + qy * qy)
+        if d > best + same:
+            continue
+        which = 1 if t <= 0.0 else (2 if t >= 1.0 else 0)
+        side = 1.0 if qx * normal[e, which, 0] + qy * normal[e, which, 1] >= 0.0 else -1.0
+        sign = side if d < best - same else max(sign, side)
+        best = min(best, d)
+    return sign * best
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces):
+    """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad]."""
+    c, s = np.cos(turn), np.sin(turn)
+    shift, spread = np.sqrt(2.0) * half, 2.0 * np.sin(min(swing, np.pi) / 2)
+    mixed = False
+    nodes[0] = 0
+    count = 1
+    while count:
+        count -= 1
+        node = nodes[count]
+        px, py, w = b_disc[node, 0], b_disc[node, 1], b_disc[node, 2]
+        far = np.sqrt(px * px + py * py)
+        apart = depth_at(c * px - s * py + x, s * px + c * py + y, a_edge, a_normal, a_disc, a_kid, stack)
+        if apart > w + shift + spread * (far + w):
+            continue
+        if mixed and apart - w > -shift - spread * max(far - w, 0.0):
+            continue  # nothing here is deep enough to forbid the box
+        if b_kid[node, 0] >= 0:
+            if apart < -w - shift - spread * (far + w):
+                return FORBIDDEN
+            nodes[count] = b_kid[node, 0]
+            nodes[count + 1] = b_kid[node, 1]
+            count += 2
+            continue
+        e = b_kid[node, 1]
+        for k in range(4):
+            pieces[0, k] = b_edge[e, k]
+        left = 1
+        while left:  # a straight piece is looked at from its middle, and halved where that does not decide
+            left -= 1
+            x0, y0, x1, y1 = pieces[left, 0], pieces[left, 1], pieces[left, 2], pieces[left, 3]
+            mx, my = (x0 + x1) / 2, (y0 + y1) / 2
+            w = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2) / 2
+            far = np.sqrt(mx * mx + my * my)
+            reach = shift + spread * far
+            apart = depth_at(c * mx - s * my + x, s * mx + c * my + y, a_edge, a_normal, a_disc, a_kid, stack)
+            if apart <= -reach:
+                return FORBIDDEN
+            if apart > w + reach + spread * w:
+                continue
+            if w <= reach:
+                mixed = True
+                continue
+            if mixed and apart - w > -shift - spread * max(far - w, 0.0):
+                continue
+            for k in range(2):
+                pieces[left + k, 0] = x0 if k == 0 else mx
+                pieces[left + k, 1] = y0 if k == 0 else my
+                pieces[left + k, 2] = mx if k == 0 else x1
+                pieces[left + k, 3] = my if k == 0 else y1
+            left += 2
+    return MIXED if mixed else FREE
+
+
+@njit(**OPTIONS)
+def straight(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, least):
+    """True where every motion on the straight line between two (3,) is free; halves it until boxes decide."""
+    stack = np.empty(DEEPEST_TREE, dtype=np.int64)
+    nodes = np.empty(DEEPEST_TREE, dtype=np.int64)
+    pieces = np.empty((128, 4))
+    todo = np.empty((64, 2))
+    todo[0, 0], todo[0, 1] = 0.0, 1.0
+    count = 1
+    d = other - one
+    while count:
+        count -= 1
+        t0, t1 = todo[count, 0], todo[count, 1]
+        m = one + (t0 + t1) / 2 * d
+        half = max(abs(d[0]), abs(d[1])) * (t1 - t0) / 2
+        swing = abs(d[2]) * (t1 - t0) / 2
+        how = judge(
+            m[0], m[1], m[2], half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces
+        )
+        if how == FREE:
+            continue
+        if how == FORBIDDEN or t1 - t0 < least or count > 60:
+            return False
+        todo[count, 0], todo[count, 1] = (t0 + t1) / 2, t1
+        todo[count + 1, 0], todo[count + 1, 1] = t0, (t0 + t1) / 2
+        count += 2
+    return True
+
+
+@njit(**OPTIONS)
+def beside(n, middle, level, first, wrap, out):
+    """Leaves that share a face with box n, in unit coordinates; the turn closes on itself where `wrap`."""
+    waiting = np.empty(256, dtype=np.int64)
+    found = 0
+    half = 0.5 ** level[n]
+    for lap in range(-1, 2):
+        z = middle[n, 2] + 2.0 * lap
+        if lap != 0 and (not wrap or abs(z) - half > 1.0):
+            continue
+        waiting[0] = 0
+        count = 1
+        while count:
+            count -= 1
+            m = waiting[count]
+            touch = half + 0.5 ** level[m]
+            dx, dy = abs(middle[n, 0] - middle[m, 0]) - touch, abs(middle[n, 1] - middle[m, 1]) - touch
+            dz = abs(z - middle[m, 2]) - touch
+            if dx > 0.0 or dy > 0.0 or dz > 0.0:
+                continue
+            faces = (dx == 0.0) + (dy == 0.0) + (dz == 0.0)
+            if faces > 1:
+                continue
+            if first[m] >= 0:
+                for k in range(8):
+                    waiting[count + k] = first[m] + k
+                count += 8
+            elif faces == 1 and found < len(out) - 1:
+                out[found] = m
+                found += 1
+    return found
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def _sift_up(heap_cost, heap, k):
+    while k > 0:
+        up = (k - 1) // 2
+        if heap_cost[up] <= heap_cost[k]:
+            break
+        heap_cost[up], heap_cost[k] = heap_cost[k], heap_cost[up]
+        heap[up], heap[k] = heap[k], heap[up]
+        k = up
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def _sift_down(heap_cost, heap, count):
+    k = 0
+    while True:
+        low = 2 * k + 1
+        if low >= count:
+            break
+        if low + 1 < count and heap_cost[low + 1] < heap_cost[low]:
+            low += 1
+        if heap_cost[k] <= heap_cost[low]:
+            break
+        heap_cost[low], heap_cost[k] = heap_cost[k], heap_cost[low]
+        heap[low], heap[k] = heap[k], heap[low]
+        k = low
+
+
+@njit(**OPTIONS)
+def cheapest(start, middle, level, state, first, count, wrap, turning, cost, before, heap_cost, heap, out):
+    """Cheapest way of boxes from `start` to the rim of the window; mixed boxes cost much more than free ones.
+
+    Returns the last box, or -1 where free and mixed boxes do not reach the rim. With `turning` the ends of the turn are rim too.
+    """
+    cost[:count] = np.inf
+    cost[start], before[start] = 0.0, -1
+    heap_cost[0], heap[0] = 0.0, start
+    size = 1
+    while size:
+        at, n = heap_cost[0], heap[0]
+        size -= 1
+        heap_cost[0], heap[0] = heap_cost[size], heap[size]
+        _sift_down(heap_cost, heap, size)
+        if at > cost[n]:
+            continue
+        half = 0.5 ** level[n]
+        rim = max(abs(middle[n, 0]), abs(middle[n, 1])) + half >= 1.0
+        if rim or (turning and abs(middle[n, 2]) + half >= 1.0):
+            return n
+        for k in range(beside(n, middle, level, first, wrap, out)):
+            m = out[k]
+            if state[m] == FORBIDDEN or state[m] == TINY:
+                continue
+            price = at + (0.01 * 0.5 ** level[m] + 1e-5 if state[m] == FREE else 1.0)
+            if price < cost[m] and size < len(heap):
+                cost[m], before[m] = price, n
+                heap_cost[size], heap[size] = price, m
+                _sift_up(heap_cost, heap, size)
+                size += 1
+    return -1
+
+
+@njit(**OPTIONS)
+def split(n, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid):
+    """Cut box n into eight and judge them; returns the new number of boxes."""
+    stack = np.empty(DEEPEST_TREE, dtype=np.int64)
+    nodes = np.empty(DEEPEST_TREE, dtype=np.int64)
+    pieces = np.empty((128, 4))
+    first[n] = count
+    half = 0.5 ** (level[n] + 1)
+    for k in range(8):
+        m = count + k
+        for axis in range(3):
+            middle[m, axis] = middle[n, axis] + (half if (k >> axis) & 1 else -half)
+        level[m], first[m] = level[n] + 1, -1
+        state[m] = judge(
+            origin[0] + scale[0] * middle[m, 0], origin[1] + scale[0] * middle[m, 1], origin[2] + scale[1] * middle[m, 2],
+            scale[0] * half, scale[1] * half, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces,
+        )  # fmt: skip
+    return count + 8
+
+
+@njit(**OPTIONS)
+def leaf_at(x, y, z, middle, first):
+    """Leaf that holds a point in unit coordinates."""
+    n = 0
+    while first[n] >= 0:
+        n = first[n] + (x >= middle[n, 0]) + 2 * (y >= middle[n, 1]) + 4 * (z >= middle[n, 2])
+    return n
+
+
+@njit(**OPTIONS)
+def search(
+    middle, level, state, first, count, origin, scale, deepest, wrap, turning,
+    a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way,
+):  # fmt: skip
+    """Cut the mixed boxes on the cheapest way from rest to the rim, again and again, until one way is free or none is left.
+
+    Returns how it ended, the number of boxes, and how many boxes of `way` are filled, from rest to the rim.
+    """
+    most = len(level)
+    cost, before = np.empty(most), np.empty(most, dtype=np.int64)
+    heap_cost, heap = np.empty(8 * most), np.empty(8 * most, dtype=np.int64)
+    out = np.empty(100000, dtype=np.int64)
+    x, y, z = -origin[0] / scale[0], -origin[1] / scale[0], -origin[2] / scale[1]
+    while True:
+        n = leaf_at(x, y, z, middle, first)
+        if state[n] != MIXED or level[n] >= deepest or count + 8 > most:
+            break
+        count = split(
+            n, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid
+        )
+    start = leaf_at(x, y, z, middle, first)
+    if state[start] != FREE:
+        return SPENT, count, 0
+    given_up = False
+    while True:
+        last = cheapest(start, middle, level, state, first, count, wrap, turning, cost, before, heap_cost, heap, out)
+        if last < 0:
+            return (SPENT if given_up else CLOSED), count, 0
+        length, mixed, n = 0, 0, last
+        while n >= 0:
+            way[length] = n
+            length += 1
+            n = before[n]
+        for k in range(length):
+            n = way[k]
+            if state[n] != MIXED:
+                continue
+            mixed += 1
+            if level[n] >= deepest:
+                state[n] = TINY
+                given_up = True
+                continue
+            # mixed boxes beside it that are as large will be asked next
+            near = beside(n, middle, level, first, wrap, out)
+            out[near] = n
+            for i in range(near + 1):
+                m = out[i]
+                if state[m] != MIXED or first[m] >= 0 or level[m] > level[n] or level[m] >= deepest:
+                    continue
+                if count + 8 > most:
+                    return SPENT, count, 0
+                count = split(
+                    m, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
+                    b_kid,
+                )  # fmt: skip
+        if mixed == 0:
+            way[:length] = way[:length][::-1].copy()
+            return FOUND, count, length

@@ -1,0 +1,112 @@
+"""Can one body leave another? Answered for certain where boxes of motions decide it, with the way where it can."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.subdivision.classify_box import CLOSED, SPENT, search, straight
+from wiggleroom.freespace.subdivision.disc_tree import solid
+
+Floats = NDArray[np.float64]
+
+DEEPEST = 22
+"""Boxes are halved at most this often."""
+ASIDE = np.array([0.0371, 0.0213, 0.0157])
+"""The window's middle lies a little beside rest, as a share of its half sides: rest must not lie on the faces of boxes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Passage:
+    """What is known about a body leaving another.
+
+    Parameters
+    ----------
+    held : bool
+        True where it certainly neither leaves nor turns half round.
+    closed : bool
+        True where it certainly does not leave.
+    way : (k, 3) float64 [mm, mm, rad] or None
+        Free motions of b past a about `pivot`, in assembly axes, from rest to where discs round both are apart; straight between them.
+    pivot : (2,) float64 [mm]
+        Assembly coordinates.
+    """
+
+    held: bool
+    closed: bool
+    way: Floats | None
+    pivot: Floats
+
+
+def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> Passage:
+    """Look for a way of `b` out of `a`, or a proof that there is none.
+
+    Parameters
+    ----------
+    a, b : shapely polygons [mm]
+        Material at rest, not touching; a stands.
+    most : int
+        Boxes judged at most; where they do not suffice, neither `closed` nor `way` is said.
+
+    Examples
+    --------
+    >>> import shapely
+    >>> ring = shapely.box(0, 0, 9, 9) - shapely.box(3, 3, 6, 6)
+    >>> passage(ring, shapely.box(3.2, 3.2, 5.8, 5.8)).held
+    True
+    """
+    pivot = _pivot(a, b)
+    one, other = solid(a, pivot), solid(b, pivot)
+    scale = np.array([1.1 * (one.radius + other.radius), np.pi])
+    origin = ASIDE * scale[[0, 0, 1]]
+    middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
+    state, first = np.zeros(most, dtype=np.int64), np.full(most, -1)
+    way, count = np.zeros(most, dtype=np.int64), 1
+    pair = (*one.arrays, other.edge, other.disc, other.kid)
+    for turning in (True, False):  # first without going round, which is the smaller question
+        how, count, length = search(
+            middle, level, state, first, count, origin, scale, DEEPEST, not turning, turning, *pair, way
+        )
+        if how == CLOSED:
+            return Passage(turning, True, None, pivot)
+        if how == SPENT:
+            break
+        if not turning:
+            points = _points(way[:length], middle, level, origin, scale)
+            return Passage(False, False, _shorter(points, pair), pivot)
+    return Passage(False, False, None, pivot)
+
+
+def _pivot(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
+    """Middle of the place where both are nearest: points there are carried least far by a turn about it."""
+    apart = shapely.distance(a, b)
+    near = shapely.intersection(shapely.boundary(b), shapely.buffer(a, 3 * apart))
+    box = shapely.bounds(b if shapely.is_empty(near) else near)
+    return (box[:2] + box[2:]) / 2
+
+
+def _points(way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats) -> Floats:
+    """Way-points: rest, middles of boxes and of the faces between them, turns unwrapped."""
+    box, half = middle[way].copy(), 0.5 ** level[way]
+    for k in range(1, len(box)):
+        box[k, 2] += 2 * np.round((box[k - 1, 2] - box[k, 2]) / 2)
+    low = np.maximum(box[:-1] - half[:-1, None], box[1:] - half[1:, None])
+    high = np.minimum(box[:-1] + half[:-1, None], box[1:] + half[1:, None])
+    points = np.empty((2 * len(box) - 1, 3))
+    points[::2], points[1::2] = box, (low + high) / 2
+    return np.vstack([np.zeros(3), origin + points * scale[[0, 0, 1]]])
+
+
+def _shorter(points: Floats, pair: tuple) -> Floats:
+    """The way without the detours from box to box: as long straight pieces as are certainly free."""
+    kept, k = [0], 0
+    while k < len(points) - 1:
+        step = len(points) - 1 - k
+        while step > 1 and not straight(points[k], points[k + step], *pair, 1e-4):
+            step = step // 2
+        k += step
+        kept.append(k)
+    return points[kept]

@@ -1,0 +1,28 @@
+"""Motions of bodies from those of their parts, and of any points from those of others on the same rigid things."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.geometry.bodies import Bodies
+
+Floats = NDArray[np.float64]
+
+
+def of_bodies(assembly: Assembly, bodies: Bodies, motions: Floats) -> Floats:
+    """Motions (k, n, 3) [mm, mm, rad] of the bodies from those of the parts (k, parts, 3)."""
+    first = [members[0] for members in bodies.members]
+    return about(motions[:, first], bodies.rest[:, :2] - assembly.rest[first, :2])
+
+
+def about(motions: Floats, arm: Floats) -> Floats:
+    """Motions (k, n, 3) of points that lie `arm` (n, 2) [mm] from those whose motions are given, on the same rigid things."""
+    half = motions[..., 2] / 2
+    c, s = np.cos(half), np.sin(half)  # (R - I) arm through half angles: no cancellation at small turns
+    x, y = arm[..., 0], arm[..., 1]
+    out = motions.copy()
+    out[..., 0] += 2 * s * (-s * x - c * y)
+    out[..., 1] += 2 * s * (c * x - s * y)
+    return out

@@ -1,0 +1,1 @@
+"""Questions asked while somebody drags and slides."""

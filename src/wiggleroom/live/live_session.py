@@ -1,0 +1,348 @@
+"""Questions asked while somebody drags and slides: each answered safely in the time there is, from what was found before."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.findings import asked_goals
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Drawing, Goal, Towards
+from wiggleroom.errors import Stop
+from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.live.live_result import Mode, Shot
+from wiggleroom.live.loose_modes import modes
+from wiggleroom.live.prepared_designs import Design, Designs
+from wiggleroom.live.warm_start import State, Until, Warm, at_rest, pushed, warm
+from wiggleroom.maximise import witness
+from wiggleroom.program.gap_sensitivity import carried
+from wiggleroom.program.objectives import Approach
+from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.search.build_answer import part_motions, unlimited
+from wiggleroom.search.contact_forces import contacts
+from wiggleroom.search.loop import Found, Progress
+from wiggleroom.search.multistart import pulls
+from wiggleroom.search.prepare import Prepared
+
+Floats = NDArray[np.float64]
+Spot = tuple[float, float]
+
+ARRIVAL_TOLERANCE = 1e-3
+"""A grip this share of the clearance from its target has arrived."""
+MAX_TARGET_DISTANCE = 3.0
+"""A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
+MAX_CARRIED_GROWTH = 0.1
+"""A largest motion is followed to parts larger by up to this share of the clearance."""
+RETREAT_SHARES = (0.01, 0.05, 0.15)
+"""Shares of its motion that it is taken back by besides, one after the other: into the room of all joints."""
+MAX_WARM_STARTS = 3
+MAX_KEPT_ENDS = 16
+"""So many ends of largest motions are kept, for others to begin at."""
+
+
+@dataclass(frozen=True, eq=False)
+class _End:
+    """Where a largest motion ended, in which design."""
+
+    goals: tuple[Goal, ...]
+    design: Design
+    state: State
+
+
+class Live:
+    """One drawing whose design is changed, and whose parts are dragged, while somebody looks.
+
+    Every motion that it gives is free of overlap by exact geometry, and connected with rest by a chain of cells.
+
+    Parameters
+    ----------
+    drawing : Drawing or Assembly
+        Nothing is worked out before the first question.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> live = wr.Live(wr.patterns.chain(3, joint="tee", gap=0.02))
+    >>> shot = live.drag("b3", (2.0, 0.0), (2.0, 0.03))
+    >>> round(shot.distance, 3)
+    0.0
+    >>> round(live.design(gap=0.01).gap, 3)
+    0.01
+    """
+
+    def __init__(self, drawing: Drawing | Assembly) -> None:
+        self._designs = Designs(drawing.drawing if isinstance(drawing, Assembly) else drawing)
+        self._now: Design | None = None
+        self._state: State | None = None
+        self._ends: list[_End] = []
+
+    def design(
+        self,
+        gap: float | None = None,
+        extra: Mapping[str, float] | None = None,
+        fixed: Collection[str] | None = None,
+        glue: Sequence[Sequence[str]] | None = None,
+    ) -> Assembly:
+        """Change the design; quick where it was seen before, or where only gaps change.
+
+        Parameters
+        ----------
+        gap : float, optional [mm]
+        extra : mapping of names to float, optional [mm]
+            Extra gap round single parts: their outlines alone move inward by half of it.
+        fixed : names, optional
+        glue : groups of names, optional
+            Each in place of what the drawing says; by default that.
+
+        Returns
+        -------
+        Assembly
+            The parts as they are made; without goals, which come with the questions.
+
+        Raises
+        ------
+        InputError
+            If a part is not known or cannot be made, or nothing can move. The design before stays.
+        TouchingError
+            If two parts touch at rest.
+        """
+        new, old = self._designs.design(gap, extra or {}, fixed, glue), self._now
+        if new is not old:
+            self._state = _kept(self._state, old, new)
+            self._now = new
+        return new.assembly
+
+    @property
+    def assembly(self) -> Assembly:
+        """The present design."""
+        return self._design.assembly
+
+    @property
+    def ready(self) -> Prepared:
+        """The present design, prepared."""
+        return self._design.ready
+
+    def rest(self) -> None:
+        """Put all parts back to rest: the next drag begins there."""
+        self._state = None
+
+    def drag(
+        self,
+        part: str,
+        grip: Spot,
+        target: Spot,
+        *,
+        start: str = "here",
+        seconds: float = 0.1,
+        stop: Stop | None = None,
+    ) -> Shot:
+        """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
+
+        Parameters
+        ----------
+        part : str
+        grip : (x, y) [mm]
+            The point, where it lies at rest.
+        target : (x, y) [mm]
+        start : str
+            "here", where the last drag ended, or "rest".
+        seconds : float
+            After that time the best safe motion so far is returned, not settled; asking again goes on from there.
+        stop : optional
+            Anything with `is_set()`, asked every iteration.
+
+        Raises
+        ------
+        InputError
+            If there is no such part, or it cannot move.
+        """
+        began = time.perf_counter()
+        ready = self.ready
+        away = np.subtract(target, grip)
+        far = float(np.hypot(*away))
+        if far > MAX_TARGET_DISTANCE * ready.size:
+            away = away * (MAX_TARGET_DISTANCE * ready.size / far)
+        aim = np.add(grip, away)
+        goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
+        term = cast(Approach, ready.objective(self._asked(goal)))
+        state = self._state if self._state is not None and start == "here" else at_rest(ready)
+        here = term.value(state.inner)  # what counts is what is gained from there
+        enough = float(away @ away) - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
+        search = warm(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
+        self._state, settled = search.reach()
+        motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
+        x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
+        reached = (x, y)
+        distance = float(np.hypot(*np.subtract(target, reached)))
+        left = float(np.hypot(*np.subtract(aim, reached)))
+        held = _held(ready, search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
+        blocking = dict.fromkeys(n for c in held if part in c.parts for n in c.parts if n != part)
+        seconds = time.perf_counter() - began
+        return Shot(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
+
+    def flex(
+        self, goals: Goal | Sequence[Goal] | None = None, *, seconds: float = 0.1, stop: Stop | None = None
+    ) -> Shot:
+        """Largest motion as far as it can be found quickly: from the end at a gap nearby where there is one, else from rest.
+
+        Parameters
+        ----------
+        goals : Pull, Turn, W, Towards, Translation or Closer, or several that add up
+            By default what the drawing asks for.
+        seconds, stop
+            As for `drag`.
+
+        Raises
+        ------
+        InputError
+            If nothing is fixed or pulled, or a goal names an unknown part.
+        """
+        began, ready = time.perf_counter(), self.ready
+        asked = self._asked(goals)
+        term, until = ready.objective(asked), Until(seconds, stop)
+        state = self._nearby(asked)
+        if state is None:
+            state = at_rest(ready)
+            for pull in pulls(ready.bodies, term, ready.clearance)[:1]:  # rest shows no direction
+                state, _ = warm(ready, pull, state, until).reach()
+        search = warm(ready, term, state, until)
+        state, settled = search.reach()
+        settled = settled and state.linked
+        self._remember(_End(asked, self._design, state))
+        motion = part_motions(ready.assembly, ready.bodies, state.motion[None])[0]
+        if search.unlimited:
+            leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
+            return Shot(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
+        held = _held(ready, search, 1.0)
+        return Shot(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
+
+    def settle(
+        self,
+        goals: Goal | Sequence[Goal] | None = None,
+        *,
+        stop: Stop | None = None,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> Answer:
+        """Return the answer of `wiggleroom.flex` for the present design; later quick ones begin near it.
+
+        Raises
+        ------
+        StoppedError
+            If it was asked to stop before there was anything to say.
+        """
+        asked = self._asked(goals)
+        old, self._now = self._design, self._designs.prove(self._design, stop)
+        if self._now is not old:
+            self._state = None
+        answer = witness(self.ready, asked, stop=stop, progress=progress)
+        found = answer.trail
+        if isinstance(found, Found) and answer.objective is not None and answer.collision_free:
+            cells = found.program.cells
+            ended = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion)
+            state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
+            self._remember(_End(asked, self._design, state))
+        return answer
+
+    def wiggle(
+        self, part: str | None = None, *, count: int = 4, seconds: float = 8.0, stop: Stop | None = None
+    ) -> tuple[Mode, ...]:
+        """Return the loosest freedoms at rest, each followed to its end both ways.
+
+        Parameters
+        ----------
+        part : str, optional
+            Freedoms that move this part most; by default of the whole assembly.
+        count : int
+            At most so many.
+        seconds : float
+            After that time those that were found are returned.
+        stop : optional
+            Anything with `is_set()`, asked every iteration; it ends the search like the time.
+
+        Raises
+        ------
+        InputError
+            If there is no such part, or it cannot move.
+        """
+        body = None
+        if part is not None:
+            self._asked(Towards(part, (0.0, 0.0)))
+            body = int(self.ready.bodies.body_of[self.assembly.names.index(part)])
+        return modes(self.ready, body, count, Until(seconds, stop))
+
+    @property
+    def _design(self) -> Design:
+        if self._now is None:
+            self.design()
+        assert self._now is not None
+        return self._now
+
+    def _asked(self, goals: Goal | Sequence[Goal] | None) -> tuple[Goal, ...]:
+        """Goals, by default what the drawing asks for, once it is sure that they make sense."""
+        return asked_goals(self.assembly.drawing, self._designs.drawing.goals if goals is None else goals)
+
+    def _remember(self, end: _End) -> None:
+        """Keep an end, in place of an older one of the same design and goals."""
+        others = [e for e in self._ends if e.goals != end.goals or e.design.assembly is not end.design.assembly]
+        self._ends = [*others, end][-MAX_KEPT_ENDS:]
+
+    def _nearby(self, goals: tuple[Goal, ...]) -> State | None:
+        """State to begin at: the end of the same goals at the nearest gap, or at a smaller one."""
+        now = self._design
+        if now.assembly.drawing.gaps:
+            return None
+        same = [e for e in self._ends if e.goals == goals and e.design.roles == now.roles]
+        same.sort(key=lambda e: float(np.abs(e.design.inward - now.inward).max()))
+        for end in same[:MAX_WARM_STARTS]:
+            state = _kept(end.state, end.design, now)
+            if (
+                state is None
+                and np.abs(end.design.inward - now.inward).max() < MAX_CARRIED_GROWTH * now.ready.clearance
+            ):
+                state = _followed(end.state, end.design, now)
+            if state is not None:
+                return replace(state, near=True)
+        return None
+
+
+def _kept(state: State | None, old: Design | None, new: Design) -> State | None:
+    """The state in another design, where all parts are as small or smaller; else None."""
+    if state is None or old is None or old.roles != new.roles or not (old.inward <= new.inward + 1e-12).all():
+        return None
+    return _in_design(state, old, new)
+
+
+def _followed(end: State, old: Design, new: Design) -> State | None:
+    """The state in a design where some parts are a little larger; None where they do not fit there."""
+    there = _in_design(end, old, new)
+    if there is None:
+        return None
+    less = 2 * float((old.inward - new.inward).max()) / old.ready.clearance  # motions shrink like the gap
+    for aside in RETREAT_SHARES:
+        state = pushed(new.ready, replace(there, inner=max(1 - less - aside, 0.0) * there.inner, linked=False))
+        if state is not None:
+            return state
+    return None
+
+
+def _in_design(state: State, old: Design, new: Design) -> State | None:
+    """The state with its cells carried to the outlines of another design; None where these have other corners."""
+    one, other = old.ready.bodies, new.ready.bodies
+    if one is other:
+        return state
+    if not np.array_equal(np.diff(one.shapes.first)[one.shape], np.diff(other.shapes.first)[other.shape]):
+        return None
+    return replace(state, cells=carried(state.cells, one, other))
+
+
+def _held(ready: Prepared, search: Warm, unit: float) -> tuple[Contact, ...]:
+    """Contacts that hold the best motion, forces in this unit."""
+    found = search.best
+    if found is None or found.solution.status != "converged":
+        return ()
+    return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)

@@ -1,0 +1,243 @@
+"""How far can it move: the question, put to the model that was chosen, and its answer.
+
+Models of a pair are told apart here and nowhere else.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, overload
+
+from wiggleroom.assembly.findings import asked_goals
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.bound.dual_bound import with_quick_bound
+from wiggleroom.compare.approximate import Approximation, answer_from, approximate
+from wiggleroom.compare.flex_halfplane import flex_half_planes
+from wiggleroom.compare.flex_hull import flex_hull
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.freespace.models.pair_models import HalfPlane, PairModel, Walls, model_named
+from wiggleroom.program.objectives import Objective, objective
+from wiggleroom.search import prepare as problem
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.build_answer import answer_of
+from wiggleroom.search.loop import Found, Progress, Search, silent
+from wiggleroom.search.multistart import pulls
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.solve import solver_named
+from wiggleroom.solve.linear_programming import linear_solver
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedModel(Prepared):
+    """An assembly made ready for questions, which can be asked of it."""
+
+    def flex(self, goals: Goal | Sequence[Goal] | None = None, **options: Any) -> Answer:
+        """How far it can move; see `wiggleroom.flex`, whose other arguments this takes too."""
+        return flex(self, goals, **options)
+
+
+@dataclass(frozen=True, eq=False)
+class ApproximateModel(Approximation):
+    """An assembly made ready for a model that approximates, of which questions can be asked."""
+
+    def flex(self, goals: Goal | Sequence[Goal] | None = None, **options: Any) -> Answer:
+        """How far it can move; see `wiggleroom.flex`, whose other arguments this takes too."""
+        return flex(self, goals, **options)
+
+
+@overload
+def prepare(assembly: Assembly, *, stop: Stop | None = None) -> PreparedModel: ...
+@overload
+def prepare(
+    assembly: Assembly, model: str | PairModel, *, stop: Stop | None = None
+) -> PreparedModel | ApproximateModel: ...
+def prepare(
+    assembly: Assembly, model: str | PairModel = "walls", *, stop: Stop | None = None
+) -> PreparedModel | ApproximateModel:
+    """Find the pairs that can meet and work out their free spaces round rest, congruent pairs once.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    model : str, Hull or HalfPlane
+        "walls", "hull" or "halfplane": what stands for the free space of a pair.
+    stop : optional
+        Anything with `is_set()`, asked now and then; the approximating models do not ask.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop.
+    TouchingError
+        If two parts touch or overlap after gap and offsets.
+    InputError
+        If nothing can move, or there is no such model.
+    """
+    wanted = model_named(model)
+    if isinstance(wanted, Walls):
+        return PreparedModel(**vars(problem.prepare(assembly, stop=stop)))
+    return ApproximateModel(**vars(approximate(assembly, wanted)))
+
+
+def flex(
+    assembly: Assembly | Prepared | Approximation,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    model: str | PairModel | None = None,
+    solver: str = "interior-point",
+    start: Answer | None = None,
+    prove: float | None = None,
+    seconds: float = 60.0,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Answer:
+    """How far the assembly can move.
+
+    Parameters
+    ----------
+    assembly : Assembly or Prepared
+    goals : Pull, Turn, W, Translation or Closer, or several that add up
+        By default what the assembly's file asks for.
+    model : str, Hull or HalfPlane, optional
+        "walls", the exact contacts; "hull", the paper's, or "halfplane", PuzzleFlex's, to compare with: these accept some overlap, which
+        the answer tells. By default what the assembly was prepared for, else walls.
+    solver : str
+        "interior-point", or "ipopt" (needs the extra `ipopt`); half-planes need neither.
+    start : Answer, optional
+        An earlier answer of the same prepared assembly, with walls; the search starts near its motion.
+    prove : float, optional
+        Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.
+    seconds : float
+        For `prove`: time that the proof may take.
+    stop : optional
+        Anything with `is_set()`, for example a `threading.Event`; asked every iteration.
+    progress : callable, optional
+        Told a `Progress` every iteration.
+
+    Returns
+    -------
+    Answer
+        A motion, with walls one without overlap, and how sure it is. Where that takes less work than the search, `at_most` says
+        beside it what no motion exceeds; such a quick bound is near only for small assemblies.
+
+    Raises
+    ------
+    InputError
+        If nothing is fixed or pulled, a goal names an unknown part, or there is no such model.
+    TouchingError
+        If two parts touch at rest.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.01))
+    >>> round(answer.objective, 4)
+    0.0261
+
+    Source: Mind the Gap, section 4; by default walls instead of the hull, and the iterative re-approximation of its outlook.
+    """
+    if prove is not None:
+        from wiggleroom.bound.prove import check_request
+
+        check_request(prove, seconds)
+    answer = with_quick_bound(
+        witness(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
+    )
+    if prove is None:
+        return answer
+    from wiggleroom.bound.prove import prove as with_bound
+
+    return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)
+
+
+def witness(
+    assembly: Assembly | Prepared | Approximation,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    model: str | PairModel | None = None,
+    solver: str = "interior-point",
+    start: Answer | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Answer:
+    """The answer of `flex` without any bound, for studies that ask many questions and need none."""
+    began = time.perf_counter()
+    tell = progress or silent
+    its = assembly if isinstance(assembly, Assembly) else assembly.assembly
+    asked = asked_goals(its.drawing, goals)
+    wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
+    solve = solver_named(solver)
+    tell(Progress("pairs"))
+    ready = assembly if not isinstance(assembly, Assembly) and assembly.model == wanted else prepare(its, wanted)
+    if isinstance(ready, Approximation):
+        if start is not None:
+            raise InputError("start: only the model walls begins at an earlier answer; leave it out")
+        return _approximately(ready, asked, solver, stop, tell, time.perf_counter() - began)
+    goal = ready.objective(asked)
+    search = Search(ready, goal, solve, stop, tell)
+    search.seconds["freespace"] += time.perf_counter() - began
+    first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
+    if first:
+        return _from_several(search, first, asked, solver, began)
+    if start is not None:
+        search.resume(_trail(start, ready))
+    search.run()
+    return answer_of(search, asked, solver, began)
+
+
+def _from_several(
+    search: Search, first: Sequence[Objective], asked: tuple[Goal, ...], solver: str, began: float
+) -> Answer:
+    """Best answer of searches that begin at the ends of several pulls, for objectives without a direction at rest."""
+    answers = []
+    for pull in first:
+        way_out = Search(search.ready, pull, search.solve, search.stop, search.tell)
+        way_out.run()
+        again = Search(search.ready, search.objective, search.solve, search.stop, search.tell)
+        if way_out.best is not None:
+            again.resume(way_out.best)
+        again.run()
+        for stage in search.seconds:
+            search.seconds[stage] += way_out.seconds[stage] + again.seconds[stage]
+        search.rounds += way_out.rounds + again.rounds
+        search.iterations += way_out.iterations + again.iterations
+        answers.append(answer_of(again, asked, solver, began))
+        if answers[-1].objective is None or (search.stop is not None and search.stop.is_set()):
+            break
+    best = max(answers, key=lambda a: (a.objective is None, a.collision_free, a.objective))
+    seconds = search.seconds | {"total": time.perf_counter() - began}
+    return replace(best, seconds=seconds, rounds=search.rounds, iterations=search.iterations)
+
+
+def _approximately(
+    ready: Approximation,
+    asked: tuple[Goal, ...],
+    solver: str,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+    spent: float,
+) -> Answer:
+    """Answer by the model hull or halfplane."""
+    began = time.perf_counter()
+    goal = objective(ready.assembly, ready.bodies, asked, ready.near)
+    if isinstance(ready.model, HalfPlane):
+        if solver != "interior-point":
+            finding = f'solver "{solver}": half-planes make linear programs; leave the solver out'
+            raise InputError(finding)
+        solver = linear_solver()
+        end = flex_half_planes(ready, goal, ready.model.iterated, stop, tell)
+    else:
+        end = flex_hull(ready, goal, solver_named(solver), stop, tell)
+    seconds = {"freespace": spent, "solve": time.perf_counter() - began}
+    return answer_from(ready, asked, solver, end, seconds)
+
+
+def _trail(start: Answer, ready: Prepared) -> Found:
+    """How an earlier answer for the same prepared assembly was found."""
+    if not isinstance(start.trail, Found) or start.trail.program.bodies is not ready.bodies:
+        finding = "start: the earlier answer belongs to another prepared assembly; ask the same one, from prepare()"
+        raise InputError(finding)
+    return start.trail

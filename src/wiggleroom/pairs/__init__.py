@@ -1,1 +1,0 @@
-"""Which bodies can meet."""

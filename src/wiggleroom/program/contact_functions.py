@@ -1,0 +1,187 @@
+"""Compiled evaluation of relative poses and walls, with exact first and second derivatives.
+
+The one equation: B seen from A is q = R(theta_A)^T (T_B - T_A), psi = theta_B - theta_A. A wall is
+h = n . (R(psi) v + q) - off (corner v of B before an edge of A), or h = n . R(-psi) (v - q) - off (corner v of A before an edge of B).
+Rows of kind 2 and 3 keep psi inside the interval over which a cell was verified: n[0] (psi - off) and n[0] (off - psi).
+Rows of kind 4 are flat faces, linear in where a point v of B is seen and in psi: h = n . (R(psi) v + q) + per_turn psi - off.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from wiggleroom.geometry.jit_options import NO_ALLOCATION
+
+A_EDGE, B_EDGE, LOW, HIGH, FACE = 0, 1, 2, 3, 4
+
+
+@njit(**NO_ALLOCATION)
+def relative_poses(pose, a, b, g, turn):
+    """Fill g (P, 3) with B seen from A, and turn (P, 2) with cos and sin of A's angle."""
+    for p in range(len(a)):
+        i, j = a[p], b[p]
+        c, s = np.cos(pose[i, 2]), np.sin(pose[i, 2])
+        wx, wy = pose[j, 0] - pose[i, 0], pose[j, 1] - pose[i, 1]
+        g[p, 0], g[p, 1], g[p, 2] = c * wx + s * wy, -s * wx + c * wy, pose[j, 2] - pose[i, 2]
+        turn[p, 0], turn[p, 1] = c, s
+
+
+@njit(**NO_ALLOCATION)
+def wall_values(g, row, kind, normal, per_turn, off, corner, h):
+    """Values h (R,) of all rows; rows of pair p are row[p] .. row[p + 1]."""
+    for p in range(len(row) - 1):
+        x, y, psi = g[p, 0], g[p, 1], g[p, 2]
+        c, s = np.cos(psi), np.sin(psi)
+        for k in range(row[p], row[p + 1]):
+            nx, ny, vx, vy = normal[k, 0], normal[k, 1], corner[k, 0], corner[k, 1]
+            if kind[k] == 0:
+                h[k] = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) - off[k]
+            elif kind[k] == 1:
+                ux, uy = vx - x, vy - y
+                h[k] = (c * nx - s * ny) * ux + (s * nx + c * ny) * uy - off[k]
+            elif kind[k] == 2:
+                h[k] = nx * (psi - off[k])
+            elif kind[k] == 3:
+                h[k] = nx * (off[k] - psi)
+            else:
+                h[k] = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) + per_turn[k] * psi - off[k]
+
+
+@njit(**NO_ALLOCATION)
+def wall_gradients(g, row, kind, normal, per_turn, corner, d):
+    """Derivatives d (R, 3) of all rows with respect to (q, psi)."""
+    for p in range(len(row) - 1):
+        x, y, psi = g[p, 0], g[p, 1], g[p, 2]
+        c, s = np.cos(psi), np.sin(psi)
+        for k in range(row[p], row[p + 1]):
+            nx, ny, vx, vy = normal[k, 0], normal[k, 1], corner[k, 0], corner[k, 1]
+            if kind[k] == 0:
+                zx, zy = c * vx - s * vy, s * vx + c * vy
+                d[k, 0], d[k, 1], d[k, 2] = nx, ny, ny * zx - nx * zy
+            elif kind[k] == 1:
+                mx, my = c * nx - s * ny, s * nx + c * ny
+                d[k, 0], d[k, 1], d[k, 2] = -mx, -my, mx * (vy - y) - my * (vx - x)
+            elif kind[k] == 2:
+                d[k, 0], d[k, 1], d[k, 2] = 0.0, 0.0, nx
+            elif kind[k] == 3:
+                d[k, 0], d[k, 1], d[k, 2] = 0.0, 0.0, -nx
+            else:
+                zx, zy = c * vx - s * vy, s * vx + c * vy
+                d[k, 0], d[k, 1], d[k, 2] = nx, ny, ny * zx - nx * zy + per_turn[k]
+
+
+@njit(**NO_ALLOCATION)
+def along(g, turn, a, b, row, d, scale, slot, u, out):
+    """Out = J u: directional derivative of every row; `slot` maps bodies to free bodies (-1: fixed)."""
+    for p in range(len(a)):
+        c, s = turn[p, 0], turn[p, 1]
+        ex, ey, et = 0.0, 0.0, 0.0
+        i, j = slot[a[p]], slot[b[p]]
+        if j >= 0:
+            vx, vy = u[3 * j] * scale[3 * j], u[3 * j + 1] * scale[3 * j + 1]
+            ex, ey, et = c * vx + s * vy, -s * vx + c * vy, u[3 * j + 2] * scale[3 * j + 2]
+        if i >= 0:
+            vx, vy, w = u[3 * i] * scale[3 * i], u[3 * i + 1] * scale[3 * i + 1], u[3 * i + 2] * scale[3 * i + 2]
+            ex += -c * vx - s * vy + g[p, 1] * w
+            ey += s * vx - c * vy - g[p, 0] * w
+            et -= w
+        for k in range(row[p], row[p + 1]):
+            out[k] = d[k, 0] * ex + d[k, 1] * ey + d[k, 2] * et
+
+
+@njit(**NO_ALLOCATION)
+def against(g, turn, a, b, row, d, scale, slot, y, out):
+    """Add J^T y to out."""
+    for p in range(len(a)):
+        fx, fy, ft = 0.0, 0.0, 0.0
+        for k in range(row[p], row[p + 1]):
+            fx += d[k, 0] * y[k]
+            fy += d[k, 1] * y[k]
+            ft += d[k, 2] * y[k]
+        c, s = turn[p, 0], turn[p, 1]
+        i, j = slot[a[p]], slot[b[p]]
+        wx, wy = c * fx - s * fy, s * fx + c * fy
+        if j >= 0:
+            out[3 * j] += wx * scale[3 * j]
+            out[3 * j + 1] += wy * scale[3 * j + 1]
+            out[3 * j + 2] += ft * scale[3 * j + 2]
+        if i >= 0:
+            out[3 * i] -= wx * scale[3 * i]
+            out[3 * i + 1] -= wy * scale[3 * i + 1]
+            out[3 * i + 2] += (g[p, 1] * fx - g[p, 0] * fy - ft) * scale[3 * i + 2]
+
+
+@njit(**NO_ALLOCATION)
+def condensed(
+    g, turn, a, b, row, kind, d, normal, corner, weight, lam, balance, scale, slot, diagonal_at, block_at, room, data
+):
+    """Add J^T diag(weight) J - sum lam h'' to the upper triangle `data`, block by block.
+
+    `diagonal_at` (F, 6) and `block_at` (P, 9) say where the entries of a body's own block and of a pair's block live;
+    the pair's block has the rows of the body with the smaller slot. `room` (3, 6, 6) is zero on entry and worked in.
+    """
+    G, T, B = room[0], room[1], room[2]
+    for p in range(len(a)):
+        m00, m01, m02, m11, m12, m22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        fx, fy = 0.0, 0.0
+        x, y, psi = g[p, 0], g[p, 1], g[p, 2]
+        cp, sp = np.cos(psi), np.sin(psi)
+        for k in range(row[p], row[p + 1]):
+            w, force = weight[k], lam[k]
+            d0, d1, d2 = d[k, 0], d[k, 1], d[k, 2]
+            m00 += w * d0 * d0
+            m01 += w * d0 * d1
+            m02 += w * d0 * d2
+            m11 += w * d1 * d1
+            m12 += w * d1 * d2
+            m22 += w * d2 * d2
+            fx += force * d0
+            fy += force * d1
+            vx, vy = corner[k, 0], corner[k, 1]
+            if kind[k] == 0 or kind[k] == 4:
+                m22 += force * (normal[k, 0] * (cp * vx - sp * vy) + normal[k, 1] * (sp * vx + cp * vy))
+            elif kind[k] == 1:
+                m02 += force * d1
+                m12 -= force * d0
+                m22 -= force * (d0 * (vx - x) + d1 * (vy - y))
+        c, s = turn[p, 0], turn[p, 1]
+        G[0, 0], G[0, 1], G[0, 2], G[0, 3], G[0, 4] = -c, -s, y, c, s
+        G[1, 0], G[1, 1], G[1, 2], G[1, 3], G[1, 4] = s, -c, -x, -s, c
+        G[2, 2], G[2, 5] = -1.0, 1.0
+        for q in range(6):
+            T[0, q] = m00 * G[0, q] + m01 * G[1, q] + m02 * G[2, q]
+            T[1, q] = m01 * G[0, q] + m11 * G[1, q] + m12 * G[2, q]
+            T[2, q] = m02 * G[0, q] + m12 * G[1, q] + m22 * G[2, q]
+        for r in range(6):
+            for q in range(r, 6):
+                B[r, q] = G[0, r] * T[0, q] + G[1, r] * T[1, q] + G[2, r] * T[2, q]
+        # second derivatives of q, weighted by the forces of the walls and what brings them into balance
+        fx += balance[p, 0]
+        fy += balance[p, 1]
+        ax, ay = -s * fx - c * fy, c * fx - s * fy
+        B[0, 2] += ax
+        B[1, 2] += ay
+        B[2, 3] -= ax
+        B[2, 4] -= ay
+        B[2, 2] += fx * x + fy * y
+        i, j = slot[a[p]], slot[b[p]]
+        for body in range(2):
+            f, o, n = j if body else i, 3 * body, 0
+            if f < 0:
+                continue
+            for q in range(3):
+                for r in range(q + 1):
+                    data[diagonal_at[f, n]] += B[o + r, o + q] * scale[3 * f + r] * scale[3 * f + q]
+                    n += 1
+        if i < 0 or j < 0:
+            continue
+        n = 0
+        for q in range(3):
+            for r in range(3):  # only the upper triangle of B is filled: rows of A, columns of B
+                if i < j:  # noqa: SIM108 (one line would be too long)
+                    entry = B[r, 3 + q] * scale[3 * i + r] * scale[3 * j + q]
+                else:
+                    entry = B[q, 3 + r] * scale[3 * j + r] * scale[3 * i + q]
+                data[block_at[p, n]] += entry
+                n += 1

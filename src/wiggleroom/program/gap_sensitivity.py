@@ -1,0 +1,88 @@
+"""What the gaps of parts do to the program: every wall is linear in the displacement of its edge and of its corner.
+
+A wall h = n . (R v + q) - off gains 1 for each unit that its edge moves inward, and n . R m for each unit that the part of
+its corner does, where m is the corner's mitre (`wiggleroom.geometry.offset_bodies.mitres`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.cells.cells import Cells
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.offset_bodies import mitres
+from wiggleroom.program import contact_functions as kernel
+from wiggleroom.program.nonlinear_program import Program
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def carried(cells: Cells, before: Bodies, after: Bodies) -> Cells:
+    """The same cells for bodies from `wiggleroom.geometry.offset_bodies.moved`: every wall follows its edge and its corner.
+
+    Nothing is searched. What the walls hid before may show when outlines have moved much: whoever uses these cells
+    checks the motion by exact geometry.
+    """
+    edge_of, corner_of = _owners(cells)
+    shift = after.shapes.first[after.shape] - before.shapes.first[before.shape]
+    wall = cells.kind <= kernel.B_EDGE
+    return replace(
+        cells,
+        edge=cells.edge + np.where(wall, shift[edge_of], 0),
+        corner=cells.corner + np.where(wall, shift[corner_of], 0),
+    )
+
+
+def _owners(cells: Cells) -> tuple[Ints, Ints]:
+    """Body (R,) of each row's edge, and of its corner."""
+    pair, mine = cells.pair, cells.kind == kernel.A_EDGE
+    a, b = cells.a[pair], cells.b[pair]
+    return np.where(mine, a, b), np.where(mine, b, a)
+
+
+@dataclass(frozen=True, eq=False)
+class Gains:
+    """What walls gain [mm per mm] when outlines move inward; only rows that are walls.
+
+    Parameters
+    ----------
+    row : (k,) int64
+        Rows of the program.
+    edge_part, corner_part : (k,) int64
+        Parts that the wall's edge and corner belong to.
+    edge, corner : (k,) float64
+        Gain of the row for 1 mm that the outline of either part moves inward.
+    """
+
+    row: Ints
+    edge_part: Ints
+    corner_part: Ints
+    edge: Floats
+    corner: Floats
+
+
+def gains(program: Program, u: Floats) -> Gains:
+    """Derivatives of all walls at u (3F,) by how far the outline of each part moves inward."""
+    cells, bodies = program.cells, program.bodies
+    shapes = bodies.shapes
+    row = np.flatnonzero(cells.kind <= kernel.B_EDGE)
+    edge_of, corner_of = (who[row] for who in _owners(cells))
+    edge, corner = cells.edge[row], cells.corner[row]
+    g, _ = program.relative(program.motion(u))
+    psi = g[cells.pair[row], 2] * np.where(cells.kind[row] == kernel.A_EDGE, 1.0, -1.0)
+    c, s = np.cos(psi), np.sin(psi)
+    x, y = mitres(shapes)[corner].T
+    nx, ny = shapes.normal[edge].T
+    start = np.cumsum([0, *map(len, bodies.members)])
+    parts = np.concatenate([np.asarray(m, dtype=np.int64) for m in bodies.members])
+    return Gains(
+        row,
+        parts[start[edge_of] + shapes.member[edge]],
+        parts[start[corner_of] + shapes.member[corner]],
+        np.ones(len(row)),
+        nx * (c * x - s * y) + ny * (s * x + c * y),
+    )

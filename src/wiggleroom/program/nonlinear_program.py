@@ -1,0 +1,213 @@
+"""The sparse nonlinear program over all bodies: walls of every pair that can meet, and an objective."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.program import contact_functions as kernel
+from wiggleroom.program.constraint_rows import Regions, rows_of
+from wiggleroom.program.objectives import Objective
+from wiggleroom.program.sparsity_pattern import Pattern, pattern
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """max objective(motion) subject to rows h(motion) >= 0, in scaled variables u (3F,) of the free bodies.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    objective : Objective
+    cells : Cells or Faces
+        One region per pair; `cells.row` holds the first row of each pair.
+    kind, normal, per_turn, off, corner : (R,), (R, 2), (R,), (R,), (R, 2)
+        Geometry of the rows, see `wiggleroom.program.contact_functions`.
+    slot : (n,) int64
+        Position of each body among the free ones, -1 where fixed.
+    free : (F,) int64
+        The free bodies.
+    scale : (3F,) float64 [mm, mm, rad]
+        motion = scale * u.
+    length : float [mm]
+        Rows are compared with this length.
+    pattern : Pattern
+    coupled_at : (k, 9) int64
+        Where the blocks of pairs of bodies live that the objective couples, in the order of its `couples`; -1 where one is fixed.
+    """
+
+    bodies: Bodies
+    objective: Objective
+    cells: Any
+    kind: Ints
+    normal: Floats
+    per_turn: Floats
+    off: Floats
+    corner: Floats
+    slot: Ints
+    free: Ints
+    scale: Floats
+    length: float
+    pattern: Pattern
+    coupled_at: Ints
+
+    @property
+    def rows(self) -> int:
+        """Number of rows."""
+        return len(self.kind)
+
+    def motion(self, u: Floats) -> Floats:
+        """Motions (n, 3) [mm, mm, rad] of all bodies."""
+        out = np.zeros((len(self.slot), 3))
+        out[self.free] = (u * self.scale).reshape(-1, 3)
+        return out
+
+    def variables(self, motion: Floats) -> Floats:
+        """Scaled variables u (3F,) of a motion (n, 3)."""
+        return motion[self.free].ravel() / self.scale
+
+    def relative(self, motion: Floats) -> tuple[Floats, Floats]:
+        """Relative poses (P, 3) of all pairs, and cos and sin of A's angle (P, 2).
+
+        Source: Mind the Gap, Eq. (2); corrected, because as printed it is not zero at zero motion.
+        """
+        g, turn = np.empty((len(self.cells.a), 3)), np.empty((len(self.cells.a), 2))
+        kernel.relative_poses(self.bodies.rest + motion, self.cells.a, self.cells.b, g, turn)
+        return g, turn
+
+    def values(self, u: Floats) -> Floats:
+        """Rows h (R,) in units of `length`."""
+        g, _ = self.relative(self.motion(u))
+        h = np.empty(self.rows)
+        kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
+        h /= self.length
+        return h
+
+    def linearise(self, u: Floats) -> Linearised:
+        """Rows, their derivatives, and products with them, at u."""
+        motion = self.motion(u)
+        g, turn = self.relative(motion)
+        h, d = np.empty(self.rows), np.empty((self.rows, 3))
+        kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
+        kernel.wall_gradients(g, self.cells.row, self.kind, self.normal, self.per_turn, self.corner, d)
+        h /= self.length
+        d /= self.length
+        gradient = self.objective.gradient(motion)[self.free].ravel() * self.scale
+        return Linearised(self, motion, g, turn, h, d, self.objective.value(motion), gradient)
+
+
+@dataclass(frozen=True, eq=False)
+class Linearised:
+    """The program at one point: rows `h` (R,), objective `value` and `gradient` (3F,), and products with the Jacobian."""
+
+    program: Program
+    motion: Floats
+    g: Floats
+    turn: Floats
+    h: Floats
+    d: Floats
+    value: float
+    gradient: Floats
+
+    def along(self, u: Floats) -> Floats:
+        """J u (R,)."""
+        P, out = self.program, np.empty(self.program.rows)
+        kernel.along(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, u, out)
+        return out
+
+    def against(self, y: Floats) -> Floats:
+        """J^T y (3F,)."""
+        P, out = self.program, np.zeros(len(self.program.scale))
+        kernel.against(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, y, out)
+        return out
+
+    def condensed(self, weight: Floats, lam: Floats, balance: Floats | None = None, share: float = 1.0) -> Floats:
+        """Entries of J^T diag(weight) J - share objective'' - sum lam h'' in the order of `program.pattern`."""
+        P, pattern = self.program, self.program.pattern
+        data = np.zeros(len(pattern.indices))
+        # second derivatives of h share the rows' unit, first derivatives already carry it
+        kernel.condensed(
+            self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, P.kind, self.d, P.normal / P.length, P.corner,
+            weight, lam, np.zeros((len(P.cells.a), 2)) if balance is None else balance, P.scale, P.slot,
+            pattern.diagonal_at, pattern.block_at, np.zeros((3, 6, 6)), data,
+        )  # fmt: skip
+        self._add_objective(data, share)
+        return data
+
+    def _add_objective(self, data: Floats, share: float) -> None:
+        """Take a share of the objective's second derivatives off."""
+        P = self.program
+        body, own, coupled = P.objective.hessian(self.motion)
+        f = P.slot[body]
+        own, f = own[f >= 0], f[f >= 0]
+        scale = P.scale.reshape(-1, 3)
+        own = share * own * scale[f, :, None] * scale[f, None, :]
+        np.subtract.at(data, P.pattern.diagonal_at[f], own[:, [0, 0, 1, 0, 1, 2], [0, 1, 1, 2, 2, 2]])
+        if not len(P.coupled_at):
+            return
+        both = P.coupled_at[:, 0] >= 0
+        i, j = (P.slot[k[both]] for k in P.objective.couples)
+        blocks = share * coupled[both] * scale[i, :, None] * scale[j, None, :]
+        blocks[i > j] = blocks[i > j].transpose(0, 2, 1)  # rows belong to the body with the smaller slot
+        np.subtract.at(data, P.coupled_at[both], blocks.transpose(0, 2, 1).reshape(-1, 9))
+
+    def jacobian(self) -> sp.csr_matrix:
+        """The whole Jacobian (R, 3F), for checks and for solvers that want it."""
+        P = self.program
+        pair = np.repeat(np.arange(len(P.cells.a)), np.diff(P.cells.row))
+        c, s = self.turn[pair].T
+        x, y = self.g[pair, 0], self.g[pair, 1]
+        d0, d1, d2 = self.d.T
+        to_b = np.column_stack([c * d0 - s * d1, s * d0 + c * d1, d2])
+        to_a = np.column_stack([-to_b[:, 0], -to_b[:, 1], y * d0 - x * d1 - d2])
+        rows, cols, vals = [], [], []
+        for body, part in ((P.cells.a, to_a), (P.cells.b, to_b)):
+            f = P.slot[body[pair]]
+            keep = np.flatnonzero(f >= 0)
+            col = (3 * f[keep, None] + np.arange(3)).ravel()
+            rows.append(np.repeat(keep, 3))
+            cols.append(col)
+            vals.append(part[keep].ravel() * P.scale[col])
+        where = (np.concatenate(rows), np.concatenate(cols))
+        return sp.csr_matrix((np.concatenate(vals), where), shape=(P.rows, len(P.scale)))
+
+
+def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float) -> Program:
+    """Put all pairs and the objective into one program.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    cells : Cells or Faces
+        One region per pair that can meet.
+    objective : Objective
+    length : float [mm]
+        Typical clearance; variables and rows are scaled by it.
+
+    Source: Mind the Gap, Eq. (4); glue and fixed parts are eliminated instead of added as equations.
+    """
+    rows = rows_of(bodies, cells)
+    free = np.flatnonzero(~bodies.fixed)
+    slot = np.full(len(bodies.fixed), -1, dtype=np.int64)
+    slot[free] = np.arange(len(free))
+    scale = np.repeat(length, 3 * len(free)).reshape(-1, 3)
+    scale[:, 2] /= bodies.radius[free]
+    n, (i, j) = len(slot), objective.couples
+    own, other = cells.a * n + cells.b, i * n + j
+    extra = np.setdiff1d(other, own)
+    whole = pattern(np.concatenate([cells.a, extra // n]), np.concatenate([cells.b, extra % n]), slot, len(free))
+    key = np.concatenate([own, extra])
+    order = np.argsort(key)
+    at = order[np.searchsorted(key, other, sorter=order)] if len(other) else other
+    return Program(
+        bodies, objective, cells, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, slot, free, scale.ravel(),
+        length, replace(whole, block_at=whole.block_at[: len(own)]), whole.block_at[at],
+    )  # fmt: skip

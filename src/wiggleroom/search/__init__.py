@@ -1,0 +1,1 @@
+"""Largest motion: the search, its path and its answer."""

@@ -1,0 +1,144 @@
+"""The answer to "how far can it move": a motion that was found and checked, and how sure it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One place where two parts hold each other at the reported motion.
+
+    Parameters
+    ----------
+    parts : pair of names
+        The normal points from the first into the second.
+    point, normal : (x, y) [mm], unit vector
+        Assembly coordinates at the moved position.
+    force : float
+        Multiplier: objective gained per mm that this contact gives way.
+    """
+
+    parts: tuple[str, str]
+    point: tuple[float, float]
+    normal: tuple[float, float]
+    force: float
+
+
+@dataclass(frozen=True)
+class Bound:
+    """What was proven about the largest motion.
+
+    Parameters
+    ----------
+    at_most : float or None
+        A value that no motion can exceed [mm] (turns in [rad]); None where nothing was proven.
+    within : float or None
+        How far that lies above the motion found, as a share of it.
+    seconds : float
+        What it took.
+    why : str
+        Why nothing was proven; empty where something was.
+    certificate : dict, optional
+        All that somebody else needs to check it, where that was asked for.
+    kind : str
+        "proven" where it was asked for and tightened; "quick" where it stands beside the answer at no great cost: it holds as surely, but
+        may lie far above the truth.
+    """
+
+    at_most: float | None
+    within: float | None
+    seconds: float
+    why: str = ""
+    certificate: dict[str, Any] | None = None
+    kind: str = "proven"
+
+
+@dataclass(frozen=True, eq=False)
+class Answer(Drawable):
+    """The largest safe motion that was found.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    goals : tuple of Pull, Turn or W
+        What was asked.
+    verdict : Verdict
+    objective : float or None
+        Sum of the goals [mm] (turns in [rad]); None where nothing stops the motion.
+    motion : (n, 3) float64 [mm, mm, rad]
+        Pose minus rest pose of every part, about its reference point.
+    waypoints : (k, n, 3) float64 [mm, mm, rad]
+        Motions along a way from rest (first, all zero) to `motion` (last).
+    path : str
+        "checked" where no two parts overlap anywhere along the way, else "not checked".
+    deepest_overlap : float [mm]
+        Largest overlap of any two parts at `motion`, by exact geometry.
+    leaves, turns : tuple of names
+        Parts that move away or turn without limit.
+    at_most : float or None
+        A value that no motion can exceed, where one was worked out.
+    bound : Bound or None
+        How that was proven, or why not; None where nobody asked.
+    trail : object
+        How it was found, from which another question about the same prepared assembly can start.
+    """
+
+    assembly: Assembly
+    goals: tuple[Goal, ...]
+    verdict: Verdict
+    objective: float | None
+    motion: NDArray[np.float64]
+    waypoints: NDArray[np.float64]
+    contacts: tuple[Contact, ...]
+    path: str
+    collision_free: bool
+    deepest_overlap: float
+    model: str
+    solver: str
+    rounds: int
+    iterations: int
+    seconds: dict[str, float] = field(default_factory=dict)
+    leaves: tuple[str, ...] = ()
+    turns: tuple[str, ...] = ()
+    at_most: float | None = None
+    bound: Bound | None = None
+    command: str = ""
+    trail: object = field(default=None, repr=False)
+
+
+def witnessed(
+    assembly: Assembly,
+    goals: tuple[Goal, ...],
+    verdict: Verdict,
+    objective: float | None,
+    waypoints: NDArray[np.float64],
+    path: str,
+    **more: Any,
+) -> Answer:
+    """Return an answer for a motion, the last of `waypoints` (k, n, 3), that is free of overlap without a search of its own."""
+    return Answer(
+        assembly=assembly,
+        goals=goals,
+        verdict=verdict,
+        objective=objective,
+        motion=waypoints[-1],
+        waypoints=waypoints,
+        path=path,
+        collision_free=True,
+        deepest_overlap=0.0,
+        model="walls",
+        solver="interior-point",
+        rounds=0,
+        iterations=0,
+        **{"contacts": (), **more},
+    )

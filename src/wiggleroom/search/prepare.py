@@ -1,0 +1,222 @@
+"""What stays the same from question to question: bodies, pairs that can meet, and their cells at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, Stop, TouchingError, go_on
+from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
+from wiggleroom.freespace.models.pair_models import Walls
+from wiggleroom.geometry.bodies import Bodies, bodies
+from wiggleroom.geometry.neighbours import Pairs, classes, neighbours, placed, relative_rest
+from wiggleroom.program.objectives import Objective, objective
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+TOUCHING = 1e-6
+"""A clearance below this share of the drawing's size counts as touching."""
+ENOUGH = 200
+"""So many bodies tell what the typical clearance is."""
+REACH = 3.0
+"""Pairs closer than this multiple of the typical clearance are in the program from the start."""
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """An assembly made ready for questions.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    bodies : Bodies
+    barred : (k,) int64
+        Keys a * n + b of pairs of bodies that never collide.
+    clearance : float [mm]
+        Typical clearance between neighbours.
+    size : float [mm]
+        Longer side of the box round everything.
+    cells : Cells
+        One cell, grown at rest, for every pair with edges that face each other.
+    corners : (k,) int64
+        Keys a * n + b of pairs that are near at a corner only. Which way they pass each other is decided when it matters, so they join the
+        program after a first round has shown where everything wants to go.
+    """
+
+    assembly: Assembly
+    bodies: Bodies
+    barred: Ints
+    clearance: float
+    size: float
+    cells: Cells
+    corners: Ints
+    model: Walls = field(default_factory=Walls)
+
+    @property
+    def arm(self) -> Floats:
+        """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
+        return arms(self.assembly, self.bodies)
+
+    def objective(self, goals: tuple[Goal, ...]) -> Objective:
+        """What the program maximises for some goals."""
+        n = len(self.bodies.fixed)
+        near = np.union1d(self.cells.a * n + self.cells.b, self.corners)
+        return objective(self.assembly, self.bodies, goals, (near // n, near % n))
+
+
+def prepare(assembly: Assembly, *, stop: Stop | None = None) -> Prepared:
+    """Find the pairs that can meet and work out their cells round rest, congruent pairs once.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    stop : optional
+        Anything with `is_set()`, asked now and then.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop.
+    TouchingError
+        If two parts touch or overlap after gap and offsets.
+    InputError
+        If nothing can move.
+    """
+    ground = survey(assembly)
+    them, geometry, near = ground.bodies, ground.geometry, ground.near
+    a, b = near.a, near.b
+    go_on(stop)
+    first, label = classes(them, a, b, relative_rest(them, a, b))
+    facing = _facing(geometry[a[first]], geometry[b[first]], ground.clearance)[label]
+    go_on(stop)
+    cells = cells_at(assembly, them, a[facing], b[facing], near.clearance[facing], stop)
+    corners = a[~facing] * len(geometry) + b[~facing]
+    return Prepared(assembly, them, ground.barred, ground.clearance, ground.size, cells, corners)
+
+
+@dataclass(frozen=True, eq=False)
+class Survey:
+    """What every pair model begins with.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    geometry : (n,) shapely geometries
+        Material at rest.
+    barred : (k,) int64
+        Keys a * n + b of pairs of bodies that never collide.
+    clearance : float [mm]
+        Typical clearance between neighbours.
+    size : float [mm]
+        Longer side of the box round everything.
+    near : Pairs
+        Bodies no further apart than a few clearances.
+    """
+
+    bodies: Bodies
+    geometry: NDArray[np.object_]
+    barred: Ints
+    clearance: float
+    size: float
+    near: Pairs
+
+
+def survey(assembly: Assembly) -> Survey:
+    """Bodies and neighbours of an assembly, once it is sure that none touch; raises as `prepare` does."""
+    them = bodies(assembly)
+    if them.fixed.all():
+        finding = f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move"
+        raise InputError(finding)
+    barred = _barred(assembly, them)
+    geometry, size = placed(them), assembly.size
+    clearance = _clearance(assembly.gap, geometry, size)
+    near = neighbours(them, geometry, REACH * clearance, barred=barred)
+    if len(near.a) and near.clearance.min() < TOUCHING * size:
+        _refuse_touching(assembly, them, near, size)
+    return Survey(them, geometry, barred, clearance, size, near)
+
+
+def arms(assembly: Assembly, them: Bodies) -> Floats:
+    """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
+    arm = np.zeros(len(them.fixed))
+    away = np.hypot(*(assembly.rest[:, :2] - them.rest[them.body_of, :2]).T)
+    np.maximum.at(arm, them.body_of, away)
+    return arm
+
+
+def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:
+    """True where boundaries run along each other, not only past a corner."""
+    near = shapely.buffer(b, 1.5 * REACH * clearance)
+    return shapely.length(shapely.intersection(shapely.boundary(a), near)) > 5 * REACH * clearance
+
+
+def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floats, stop: Stop | None = None) -> Cells:
+    """Cells of some pairs round rest; congruent pairs are worked out once."""
+    pose = relative_rest(them, a, b)
+    first, label = classes(them, a, b, pose)
+    grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first], stop=stop)
+    if not good.all():
+        k = first[np.flatnonzero(~good)[0]]
+        one, other = (" + ".join(assembly.names[p] for p in them.members[x]) for x in (a[k], b[k]))
+        finding = (
+            f'{assembly.drawing.source or "the assembly"}: parts "{one}" and "{other}": no free space was found round '
+            "where they lie; two corners may point at each other: round one off, or give a larger gap"
+        )
+        raise InputError(finding)
+    cells = select(grown, label)
+    turns = np.round((pose[:, 2] - pose[first[label], 2]) / (2 * np.pi)) * (2 * np.pi)
+    return Cells(a, b, cells.row, cells.kind, cells.edge, cells.corner, cells.ends + turns[:, None], pose)
+
+
+def _clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
+    """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median."""
+    if len(geometry) < 2:
+        return gap or 1e-3 * size
+    some = geometry[np.linspace(0, len(geometry) - 1, min(len(geometry), ENOUGH)).astype(int)]
+    _, apart = shapely.STRtree(geometry).query_nearest(some, exclusive=True, all_matches=False, return_distance=True)
+    apart = apart[apart > TOUCHING * size]
+    middle = float(np.median(apart)) if len(apart) else 1e-3 * size
+    return gap if 0.3 * middle < gap < 3 * middle else middle
+
+
+def _barred(assembly: Assembly, them: Bodies) -> Ints:
+    """Pairs of bodies that never collide; a body of several parts is barred only where all its parts are."""
+    index = {name: k for k, name in enumerate(assembly.names)}
+    said: dict[tuple[int, int], int] = {}
+    for pair in {frozenset(p) for p in assembly.drawing.ignore}:
+        one, other = (index[name] for name in pair)
+        a, b = sorted((int(them.body_of[one]), int(them.body_of[other])))
+        if a != b:
+            said[a, b] = said.get((a, b), 0) + 1
+    n = len(them.fixed)
+    partly = [(a, b) for (a, b), count in said.items() if count < len(them.members[a]) * len(them.members[b])]
+    if partly:
+        a, b = partly[0]
+        names = [" + ".join(assembly.names[p] for p in them.members[k]) for k in (a, b)]
+        finding = f'"ignore" covers only some parts of the glued bodies {names[0]} and {names[1]}; name every pair of their parts'
+        raise InputError(finding)
+    return np.array([a * n + b for a, b in said], dtype=np.int64)
+
+
+def _refuse_touching(assembly: Assembly, them: Bodies, near: Pairs, size: float) -> None:
+    k = int(near.clearance.argmin())
+    one, other = (assembly.names[them.members[body[k]][0]] for body in (near.a, near.b))
+    count = int((near.clearance < TOUCHING * size).sum())
+    more = f" (and {count - 1} more pairs)" if count > 1 else ""
+    finding = (
+        f'{assembly.drawing.source or "the assembly"}: parts "{one}" and "{other}" touch at rest, clearance '
+        f"{near.clearance[k]:.3g} mm{more}; there is no room to move: give a gap, for example --gap {_nice(size / 500)}"
+    )
+    raise TouchingError(finding, (one, other), float(near.clearance[k]))
+
+
+def _nice(x: float) -> str:
+    """A round number near x."""
+    digit = 10.0 ** np.floor(np.log10(x))
+    return f"{digit * np.round(x / digit):.12g}"

@@ -1,0 +1,1 @@
+"""What gaps do to the motion: derivatives, sweeps, random gaps, tightening."""

@@ -1,0 +1,112 @@
+"""How far multipliers are unique, and what follows from it for derivatives by gaps.
+
+At an optimum the multipliers that balance the objective form a face: a polyhedron in which the solver's lie somewhere in
+the middle. What a gap is worth is a linear function on it. Where that function is constant the derivative is unique.
+Where it is not, a looser gap gains the least of it and a tighter one loses the most, as for any linear program.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from wiggleroom.program.gap_sensitivity import Gains
+from wiggleroom.program.nonlinear_program import Program
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+RANDOM_DIRECTIONS = 12
+"""Random directions within the face in which every derivative is tried."""
+MIN_DIRECTION = 1e-4
+"""A random direction of which less than this is left within the face is rounding: the face is a point."""
+UNIQUENESS_TOLERANCE = 1e-3
+"""A derivative that varies by less than this share of itself, or of a thousandth of the largest, is unique."""
+
+
+@dataclass(frozen=True, eq=False)
+class Face:
+    """The multipliers of the rows that hold a motion, and directions in which they may change.
+
+    Parameters
+    ----------
+    row : (k,) int64
+        Rows of the program with a force.
+    force : (k,) float64
+        Their multipliers [objective per mm].
+    balance : (3F, k) sparse
+        What each multiplier contributes to the balance of forces.
+    turn : (k, m) float64
+        Changes of the multipliers that keep the balance, at random; none makes a multiplier negative.
+    back : (m,) float64
+        How far each may be run backwards.
+    """
+
+    row: Ints
+    force: Floats
+    balance: sp.csr_matrix
+    turn: Floats
+    back: Floats
+
+    def spread(self, worth: sp.csr_matrix) -> tuple[Floats, Floats]:
+        """Least and largest value found of linear functions `worth` (m, k) of the multipliers."""
+        value = worth @ self.force
+        change = worth @ self.turn
+        ends = np.concatenate([np.zeros((len(value), 1)), change, -change * self.back], axis=1)
+        return value + ends.min(axis=1), value + ends.max(axis=1)
+
+    def range_of(self, worth: Floats) -> tuple[float, float]:
+        """Least and largest value of one linear function `worth` (k,) on the whole face, by linear programs."""
+        from scipy.optimize import linprog
+
+        value = float(worth @ self.force)
+        scale = self.force.max()
+        ends = []
+        for sign in (1.0, -1.0):
+            found = linprog(
+                sign * worth, A_eq=self.balance, b_eq=self.balance @ (self.force / scale), bounds=(0, None), method="highs"
+            )  # fmt: skip
+            ends.append(sign * found.fun * scale if found.status == 0 else value)
+        return min(ends[0], value), max(ends[1], value)
+
+
+def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> Face:
+    """Face of multipliers at a solution; `holds` (k,) are the rows that carry a force."""
+    at = program.linearise(u)
+    force = lam[holds]
+    jacobian = at.jacobian()[holds]
+    scaled = sp.diags_array(force) @ jacobian
+    matrix = (scaled.T @ scaled).tocsc()
+    shift = 1e-13 * matrix.diagonal().max(initial=1e-300)
+    normal = sp.linalg.splu(matrix + shift * sp.eye_array(matrix.shape[0], format="csc"))
+    z = np.random.default_rng(0).standard_normal((len(holds), RANDOM_DIRECTIONS))
+    for _ in range(2):  # the second pass removes what rounding left of the first
+        z -= scaled @ normal.solve(scaled.T @ z)
+    z[:, np.hypot.reduce(z, axis=0) < MIN_DIRECTION] = 0.0
+    least, most = z.min(axis=0, initial=0.0), z.max(axis=0, initial=0.0)
+    ahead = 1 / np.maximum(-least, 1e-300)
+    behind = 1 / np.maximum(most, 1e-300)
+    some = z.any(axis=0)
+    turn = force[:, None] * z * np.where(some, ahead, 0.0)
+    back = np.where(some, behind / ahead, 0.0)
+    return Face(holds, force / program.length, jacobian.T.tocsr(), turn / program.length, back)
+
+
+def worths(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:
+    """What multipliers are worth (groups, k): gain of each wall's edge and corner, summed by group; a group of -1 counts nowhere."""
+    place = np.full(rows, -1)
+    place[holds] = np.arange(len(holds))
+    column = np.tile(place[gains.row], 2)
+    row = np.concatenate(group)
+    value = np.concatenate([gains.edge, gains.corner])
+    keep = (column >= 0) & (row >= 0)
+    return sp.csr_matrix((value[keep], (row[keep], column[keep])), shape=(groups, len(holds)))
+
+
+def is_unique(low: Floats, high: Floats) -> NDArray[np.bool_]:
+    """True where the derivative has one value."""
+    size = np.maximum(np.abs(low), np.abs(high))
+    return high - low <= UNIQUENESS_TOLERANCE * np.maximum(size, 1e-3 * size.max(initial=0.0))

@@ -1,0 +1,154 @@
+"""The same question with outlines a little larger or smaller.
+
+Walls are linear in the displacement of outlines, so pairs and free spaces of a prepared assembly are used again with
+their walls moved. `follow` solves the last program of an answer once more: what derivatives need. `vary` begins at
+rest with the moved cells and goes through the rounds of the search: for changes of any size.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError
+from wiggleroom.geometry.offset_bodies import moved
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.maximise import witness
+from wiggleroom.program.gap_sensitivity import carried
+from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.objectives import Objective
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.loop import Found, Search, silent
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.solve.interior_point import Solution, solve
+from wiggleroom.verdict import SolverStatus, Verdict
+
+Floats = NDArray[np.float64]
+
+FINE_TOLERANCE = 1e-10
+"""Share of the objective that a program solved for a difference may leave on the table."""
+
+
+@dataclass(frozen=True)
+class Varied:
+    """Largest objective with other outlines.
+
+    Parameters
+    ----------
+    value : float
+        nan where parts do not fit beside each other, infinity where nothing stops the motion.
+    verdict : Verdict
+        TOUCHING where parts do not fit beside each other at rest; STOPPED: the largest safe motion that was found.
+    """
+
+    value: float
+    verdict: Verdict
+
+
+@dataclass(frozen=True, eq=False)
+class Base:
+    """The last program of an answer, solved as finely as its variations will be.
+
+    Parameters
+    ----------
+    ready : Prepared
+    program : Program
+    solution : Solution
+        Its multipliers are in units of the objective per `program.length`.
+    inner : (n, 3) float64 [mm, mm, rad]
+        Motion inside all rows where variations begin.
+    value : float
+        Objective.
+    """
+
+    ready: Prepared
+    program: Program
+    solution: Solution
+    inner: Floats
+    value: float
+
+
+def ended(answer: Answer) -> Found:
+    """How the motion of an answer was found.
+
+    Raises
+    ------
+    InputError
+        If the motion has no end, or the search was cut short.
+    """
+    if not can_be_ranked(answer):
+        why = "nothing stops the motion" if answer.objective is None else "the search for its motion was cut short"
+        finding = f"{answer.assembly.drawing.source or 'the assembly'}: {why}, so no gap can be held against it"
+        raise InputError(finding)
+    return cast(Found, answer.trail)
+
+
+def can_be_ranked(answer: Answer) -> bool:
+    """True where the motion ends, at multipliers that say what it is worth to give way."""
+    found = answer.trail
+    return isinstance(found, Found) and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
+
+
+def base(ready: Prepared, found: Found) -> Base:
+    """What variations start from: the last program of a search, solved to ten digits."""
+    program, solution = found.program, found.solution
+    finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE_TOLERANCE)
+    solution = finer if finer.status is SolverStatus.CONVERGED else solution
+    value = program.objective.value(program.motion(solution.u))
+    return Base(ready, program, solution, program.motion(found.solution.inner), value)
+
+
+def follow(base: Base, inward: Floats) -> float:
+    """Objective in the walls of an answer when the outline of each part moves inward by `inward` (parts,) [mm].
+
+    Meant for displacements far below the gap. nan where the walls do not do any more: no solution, or parts overlap.
+    """
+    old = base.program
+    bodies = moved(old.bodies, inward)
+    program = build(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
+    solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
+    motion = program.motion(solution.u)
+    overlapping = overlaps(bodies, motion, base.ready.barred).deepest > OVERLAP_TOLERANCE * base.ready.size
+    return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
+
+
+def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats) -> Varied:
+    """Largest objective when the outline of each part moves inward by `inward` (parts,) [mm]; negative moves it out.
+
+    The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the way
+    from rest is not checked: one answer of `flex` for the middle of many variations does that. Where the moved cells do
+    not lead to an optimum, or an outline loses an edge, everything is worked out anew.
+    """
+    try:
+        bodies = moved(ready.bodies, inward)
+    except InputError:
+        return afresh(ready.assembly, goals, inward)
+    if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
+        return Varied(np.nan, Verdict.TOUCHING)
+    varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
+    finder = Search(varied, objective, solve, None, silent, thorough=False)
+    finder.run()
+    found = finder.best
+    if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
+        return afresh(ready.assembly, goals, inward)
+    if overlaps(bodies, found.motion, ready.barred).deepest > OVERLAP_TOLERANCE * ready.size:
+        return afresh(ready.assembly, goals, inward)
+    return Varied(found.value, Verdict.OPTIMAL)
+
+
+def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> Varied:
+    """The same as `vary`, as `wiggleroom.flex` answers it for parts made so."""
+    offset = {name: -float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
+    try:
+        answer = witness(assemble(assembly.drawing, offset=offset), goals)
+    except InputError:
+        return Varied(np.nan, Verdict.TOUCHING)
+    if answer.objective is None:
+        return Varied(np.inf, Verdict.UNBOUNDED)
+    return Varied(answer.objective, answer.verdict)

@@ -1,0 +1,232 @@
+"""Whose gap is to blame: what a little more gap round each part, or in each joint, adds to the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.maximise import witness
+from wiggleroom.program.gap_sensitivity import gains
+from wiggleroom.search.active_set import touching
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.loop import Found
+from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.sensitivity.dual_face import face, is_unique, worths
+from wiggleroom.sensitivity.parallel import Many
+from wiggleroom.sensitivity.perturbation import Base, base, ended, follow
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+STEP = 1e-3
+"""Extra gap of forward differences, as a share of the typical clearance."""
+MOST_ROWS = 3000
+"""With more rows that hold, ranges are what random directions show, not the ends found by linear programs."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ranking(Drawable):
+    """What gaps are worth to the motion of an answer.
+
+    Extra gap e round a part means that its outline alone moves inward by e/2; extra gap e in a joint, that both
+    outlines do so where they face each other.
+
+    Parameters
+    ----------
+    answer : Answer
+    by : str
+        "duals" or "differences".
+    looser, tighter : (n,) float64
+        Objective gained for each mm of extra gap round a part, and lost for each mm of gap less; they differ where
+        the forces that hold the motion are not unique.
+    unique : (n,) bool
+        True where both sides agree.
+    by_duals : (n,) float64
+        The same from the multipliers in the middle of all that are possible; equals `looser` where that is unique.
+    joints : (m, 2) int64
+        Pairs of parts that hold each other.
+    joint_looser, joint_unique : (m,)
+        Objective gained for each mm of extra gap in a joint.
+    ends : str
+        "whole" where ranges are the true ends of what is possible, "sampled" where they are at least so wide.
+    virtual : float
+        Share of the force that is held by walls nothing touches: the ranking cannot be surer than that.
+    """
+
+    answer: Answer
+    by: str
+    looser: Floats
+    tighter: Floats
+    unique: NDArray[np.bool_]
+    by_duals: Floats
+    joints: Ints
+    joint_looser: Floats
+    joint_unique: NDArray[np.bool_]
+    ends: str
+    virtual: float
+
+    @property
+    def percent(self) -> Floats:
+        """Share of each part (n,) [%] in the sum over all parts."""
+        return _percent(self.looser)
+
+    @property
+    def joint_percent(self) -> Floats:
+        """Share of each joint (m,) [%] in the sum over all joints."""
+        return _percent(self.joint_looser)
+
+    @property
+    def order(self) -> Ints:
+        """Parts (n,), the most important first."""
+        return np.argsort(-np.nan_to_num(self.looser), kind="stable")
+
+
+def _percent(value: Floats) -> Floats:
+    total = float(np.nansum(value))
+    return 100 * value / total if total > 0 else np.zeros_like(value)
+
+
+def rank(
+    question: Assembly | Prepared | Answer,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    by: str = "duals",
+    exact: bool = False,
+    workers: int | None = None,
+    cluster: str | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Ranking:
+    """Importance of every part's gap, and of every joint's, for the largest motion.
+
+    Parameters
+    ----------
+    question : Assembly, Prepared or Answer
+        An answer is ranked as it is; else the motion is looked for first.
+    goals : Pull, Turn or W, or several that add up
+        By default what the assembly's file asks for.
+    by : str
+        "duals": all parts from the multipliers of one solve. "differences": solved again for each part with a gap a
+        thousandth larger, and one smaller, as in the paper.
+    exact : bool
+        Solve again for the parts whose derivative is not unique.
+    workers, cluster, stop, progress
+        Where differences are solved, see `wiggleroom.sensitivity.parallel.Many`.
+
+    Returns
+    -------
+    Ranking
+
+    Raises
+    ------
+    InputError
+        If nothing stops the motion or the search for it was cut short.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> ranking = wr.rank(wr.patterns.chain(5, joint="tee", gap=0.01))
+    >>> [ranking.answer.assembly.names[k] for k in ranking.order]
+    ['b2', 'b3', 'b1', 'b4', 'b5']
+
+    Source: Mind the Gap, section 6.2, for the differences; the derivatives are those of a program by its constraints.
+    """
+    if by not in ("duals", "differences"):
+        finding = f"by {by!r}: a ranking is by duals or by differences"
+        raise InputError(finding)
+    answer = question if isinstance(question, Answer) else witness(question, goals, stop=stop)
+    found = ended(answer)
+    again = by == "differences" or exact
+    if not again:
+        return _by_duals(answer, found)
+    ready = question if isinstance(question, Prepared) else prepare(answer.assembly)
+    start = base(ready, found)
+    ranking = _by_duals(
+        answer, replace(found, solution=replace(found.solution, u=start.solution.u, lam=start.solution.lam))
+    )
+    parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
+    return _by_differences(ranking, start, parts, by, Many(workers, cluster, stop, progress))
+
+
+def rank_at_once(answer: Answer) -> Ranking:
+    """Ranking of an answer without any further solve: where derivatives are not unique, ranges are at least so wide.
+
+    Raises
+    ------
+    InputError
+        If nothing stops the motion or the search for it was cut short.
+    """
+    return _by_duals(answer, ended(answer), most_rows=0)
+
+
+def _by_duals(answer: Answer, found: Found, most_rows: int = MOST_ROWS) -> Ranking:
+    """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
+    program, solution = found.program, found.solution
+    touch = touching(program, solution.u, solution.lam)
+    some = gains(program, solution.u)
+    count = len(answer.assembly.parts)
+    joint = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
+    joints, of = np.unique(joint, axis=0, return_inverse=True)
+    of = of.ravel()
+    one = face(program, solution.u, solution.lam, touch.row)
+    by_part = worths(some, touch.row, program.rows, (some.edge_part, some.corner_part), count) / 2
+    by_joint = worths(some, touch.row, program.rows, (of, of), len(joints)) / 2
+    low, high = one.spread(by_part)
+    unique = is_unique(low, high)
+    whole = len(touch.row) <= most_rows
+    middle = by_part @ one.force
+    low, high = np.where(unique, middle, low), np.where(unique, middle, high)
+    if whole:
+        for k in np.flatnonzero(~unique):
+            low[k], high[k] = one.range_of(by_part[[k]].toarray()[0])
+    joint_low, joint_high = one.spread(by_joint)
+    joint_unique = is_unique(joint_low, joint_high)
+    value = np.where(joint_unique, by_joint @ one.force, joint_low)
+    held = value > 1e-9 * value.max(initial=0.0)
+    total = float(touch.force.sum())
+    return Ranking(
+        answer, "duals", low, high, unique, middle, joints[held], value[held], joint_unique[held],
+        "whole" if whole else "sampled", float(touch.force[touch.virtual].sum()) / total if total > 0 else 0.0,
+    )  # fmt: skip
+
+
+def _by_differences(ranking: Ranking, start: Base, parts: Ints, by: str, many: Many) -> Ranking:
+    """The same ranking, the derivatives of some parts taken from solving again."""
+    tasks = [(int(k), sign) for k in parts for sign in (1.0, -1.0)]
+    slopes = many.each(slope, start, tasks)
+    if any(s is None for s in slopes):
+        finding = f"stopped after {sum(s is not None for s in slopes)} of {len(tasks)} solves: there is no ranking yet"
+        raise InputError(finding)
+    pair = np.array(slopes, dtype=float).reshape(-1, 2)
+    solved = np.isfinite(pair).all(axis=1)  # the others keep what the multipliers say
+    parts, pair = parts[solved], pair[solved]
+    ends = "whole" if solved.all() else ranking.ends
+    looser, tighter = ranking.looser.copy(), ranking.tighter.copy()
+    looser[parts], tighter[parts] = pair.T
+    unique = ranking.unique.copy()
+    if by == "differences":
+        unique[:] = False
+    low, high = pair.min(axis=1), pair.max(axis=1)
+    # a difference over a finite step feels the curvature a little
+    unique[parts] = high - low <= 0.01 * np.maximum(high, 1e-3 * looser.max(initial=0.0))
+    return replace(ranking, by=by, looser=looser, tighter=tighter, unique=unique, ends=ends)
+
+
+def slope(start: Base, task: tuple[int, float]) -> float:
+    """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
+    part, sign = task
+    for step in (STEP, STEP / 10):
+        extra = sign * step * start.program.length
+        inward = np.zeros(len(start.program.bodies.body_of))
+        inward[part] = extra / 2
+        value = follow(start, inward)
+        if np.isfinite(value):
+            return (value - start.value) / extra
+    return np.nan

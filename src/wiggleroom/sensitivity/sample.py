@@ -1,0 +1,222 @@
+"""What if the gaps vary: the motion of many assemblies whose gaps are drawn by lot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.maximise import witness
+from wiggleroom.program.objectives import Objective
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.sensitivity.gap_distribution import Spread, wilson
+from wiggleroom.sensitivity.parallel import Many
+from wiggleroom.sensitivity.perturbation import Varied, afresh, ended, vary
+from wiggleroom.sensitivity.rank import Ranking, rank_at_once
+from wiggleroom.verdict import Verdict
+
+Floats = NDArray[np.float64]
+
+CHECKED = 10
+"""So many draws are answered again with everything worked out anew: the largest, the smallest, and some between."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sample(Drawable):
+    """Motions of assemblies with gaps drawn by lot.
+
+    Parameters
+    ----------
+    answer : Answer
+        Without any variation.
+    spread : Spread
+    seed : int
+    extra : (draws, n) float64 [mm]
+        Extra gap round every part.
+    value : (draws,) float64
+        Objective; infinity where nothing stops the motion, nan where parts do not fit beside each other.
+    cut_short : int
+        Draws whose value is only a safe motion, not an optimum.
+    limit : float or None
+        Largest motion that is wanted.
+    checked : (k, 3) float64
+        Draw, its value, and the value of the same parts with nothing used again.
+    ranking : Ranking
+        Of the answer; says which parts contribute to the spread.
+    asked : int
+        Draws that were wanted; fewer are there where it was stopped.
+    """
+
+    answer: Answer
+    spread: Spread
+    seed: int
+    extra: Floats
+    value: Floats
+    cut_short: int
+    limit: float | None
+    checked: Floats
+    ranking: Ranking
+    asked: int
+
+    @property
+    def bounded(self) -> Floats:
+        """Objectives of the draws that fit and hold, in order of size."""
+        return np.sort(self.value[np.isfinite(self.value)])
+
+    @property
+    def misfits(self) -> int:
+        """Draws whose parts do not fit beside each other."""
+        return int(np.isnan(self.value).sum())
+
+    @property
+    def loose(self) -> int:
+        """Draws where nothing stops the motion."""
+        return int(np.isposinf(self.value).sum())
+
+    def quantile(self, share: float) -> float:
+        """Objective that `share` of the draws do not exceed; infinite where too many hold nothing. Misfits are left out."""
+        fits = np.sort(self.value[~np.isnan(self.value)])
+        if not len(fits):
+            return float("nan")
+        return float(np.quantile(fits, share, method="higher" if np.isinf(fits[-1]) else "linear"))
+
+    @property
+    def worst(self) -> int:
+        """Draw with the largest objective."""
+        return int(np.argmax(np.nan_to_num(self.value, nan=-np.inf, posinf=np.inf)))
+
+    @property
+    def good(self) -> int:
+        """Draws that fit and keep the limit."""
+        return int((self.value <= (np.inf if self.limit is None else self.limit)).sum())
+
+    @property
+    def yields(self) -> tuple[float, float, float]:
+        """Share of all draws that fit and keep the limit, and its 95 % confidence interval."""
+        return (self.good / len(self.value), *wilson(self.good, len(self.value)))
+
+    @property
+    def contributions(self) -> Floats:
+        """Share of each part (n,) [%] in the variance, to first order and as if the parts varied independently."""
+        squares = np.nan_to_num(self.ranking.by_duals) ** 2
+        return 100 * squares / squares.sum() if squares.any() else squares
+
+    @property
+    def foreseen(self) -> float:
+        """Standard deviation of the objective to first order, from the ranking alone."""
+        worth = np.nan_to_num(self.ranking.by_duals)
+        alone, together = float((worth**2).sum()), float(worth.sum() ** 2)
+        return float(self.spread.deviation * np.sqrt((1 - self.spread.sheet) * alone + self.spread.sheet * together))
+
+    @property
+    def largest_difference(self) -> float:
+        """Largest share by which a checked draw was off."""
+        if not len(self.checked):
+            return float("nan")
+        used, anew = self.checked[:, 1], self.checked[:, 2]
+        same = (used == anew) | (np.isnan(used) & np.isnan(anew))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            off = np.abs(used - anew) / np.abs(anew)
+        return float(np.where(same, 0.0, np.where(np.isfinite(off), off, 1.0)).max())
+
+
+def sample(
+    assembly: Assembly,
+    spread: Spread | float,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    draws: int = 1000,
+    seed: int = 0,
+    limit: float | None = None,
+    workers: int | None = None,
+    cluster: str | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Sample:
+    """Largest motion when the gap round every part varies at random.
+
+    Pairs and free spaces are worked out once: walls are linear in the gaps, so every draw begins with the same walls,
+    moved. It then goes through the rounds of the search, and its end is free of overlap by exact geometry. A few draws,
+    the extremes among them, are answered again from nothing, see `Sample.checked`.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    spread : Spread or float [mm]
+        Distribution of the extra gap round a part; a number is the standard deviation of a normal one. Extra gap e
+        moves the part's outline inward by e/2.
+    goals : Pull, Turn or W, or several that add up
+        By default what the assembly's file asks for.
+    draws, seed : int
+        Same seed, same draws.
+    limit : float, optional
+        Largest motion that is wanted.
+    workers, cluster, stop, progress
+        Where draws are solved, see `wiggleroom.sensitivity.parallel.Many`.
+
+    Returns
+    -------
+    Sample
+
+    Raises
+    ------
+    InputError
+        If numbers make no sense, or nothing stops the motion without variation.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> some = wr.sample(wr.patterns.chain(3, joint="tee", gap=0.02), 0.002, draws=20, limit=0.3)
+    >>> some.good, some.misfits
+    (20, 0)
+    """
+    lot = spread if isinstance(spread, Spread) else Spread(float(spread))
+    wrong = [f"sample: {draws} draws: ask for at least 1"] if draws < 1 else []
+    if limit is not None and not np.isfinite(limit):
+        wrong.append(f"sample: limit {limit:g}: it must be a finite number")
+    if wrong:
+        raise InputError(wrong)
+    ready = prepare(assembly)
+    answer = witness(ready, goals, stop=stop)
+    found = ended(answer)
+    extra = lot.draw(draws, len(assembly.parts), seed)
+    many = Many(workers, cluster, stop, progress)
+    shared = (ready, found.program.objective, answer.goals)
+    results = many.each(one_draw, shared, list(extra / 2))
+    done = [k for k, r in enumerate(results) if r is not None]
+    if not done:
+        finding = "sample: stopped before the first draw was done"
+        raise InputError(finding)
+    value = np.array([results[k].value for k in done])
+    extra = extra[done]
+    again = _extremes(value)
+    anew = Many(workers, cluster, stop).each(one_afresh, (assembly, answer.goals), list(extra[again] / 2))
+    checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
+    return Sample(
+        answer, lot, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
+        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer), draws,
+    )  # fmt: skip
+
+
+def _extremes(value: Floats) -> list[int]:
+    """Draws to check: evenly from the smallest to the largest, so both ends are among them."""
+    order = np.argsort(value, kind="stable")
+    return sorted({int(order[k]) for k in np.linspace(0, len(order) - 1, CHECKED).round().astype(int)})
+
+
+def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> Varied:
+    """One draw, with the moved walls of the prepared assembly."""
+    ready, objective, goals = shared
+    return vary(ready, objective, goals, inward)
+
+
+def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> Varied:
+    """One draw, everything worked out anew."""
+    return afresh(*shared, inward)

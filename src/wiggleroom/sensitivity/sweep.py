@@ -1,0 +1,269 @@
+"""Motion against gap, and the gap at which nothing stops the motion any more."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.findings import question_findings
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, Stop, StoppedError
+from wiggleroom.geometry.bodies import bodies
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.offset_bodies import moved
+from wiggleroom.maximise import witness
+from wiggleroom.program.gap_sensitivity import carried
+from wiggleroom.program.objectives import objective
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.build_answer import answer_of
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.loop import Search, silent
+from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.sensitivity.perturbation import ended
+from wiggleroom.solve.interior_point import solve
+from wiggleroom.verdict import Verdict
+
+COUNT = 9
+"""Gaps of a sweep that names none: from a quarter of the assembly's gap to twice it."""
+BRACKET = 1e-3
+"""The gap at which the motion loses its end is found to this share."""
+ASIDE = (0.5, 0.3, 0.7)
+"""Where between two gaps the next one lies; the others where a search there was cut short."""
+SAME = 1e-9
+"""Outlines that agree to this share of the drawing's size are the same."""
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One gap of a sweep.
+
+    Parameters
+    ----------
+    gap : float [mm]
+    objective : float or None
+        None where nothing stops the motion, or where the parts cannot be made or touch.
+    verdict : Verdict
+    checked : bool
+        True where the way from rest was checked, from gap to gap.
+    answer : Answer or None
+        What was found there, its way from rest through the ends at smaller gaps; None where there is no such motion.
+    """
+
+    gap: float
+    objective: float | None
+    verdict: Verdict
+    checked: bool
+    answer: Answer | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class Sweep(Drawable):
+    """Motion against gap.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    goals : tuple of Pull, Turn or W
+    steps : tuple of Step
+        Gaps in order of size.
+    lost : (float, float) or None [mm]
+        At the first gap the motion still ends, at the second nothing stops it; None where no gap of the sweep is so
+        large.
+    """
+
+    assembly: Assembly
+    goals: tuple[Goal, ...]
+    steps: tuple[Step, ...]
+    lost: tuple[float, float] | None
+
+
+def sweep(
+    assembly: Assembly,
+    gaps: Sequence[float] | None = None,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    each: Callable[[Step, NDArray[np.float64] | None], None] | None = None,
+) -> Sweep:
+    """Largest motion for several gaps, and the gap from which on nothing stops it.
+
+    Each gap begins with the motion of the gap before, which is free of overlap there too, because every part has become
+    smaller: so the curve never falls, and a way that was checked stays checked.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    gaps : sequence of float, optional [mm]
+        In place of the drawing's gap, in any order; by default nine from a quarter of it to twice it.
+    goals : Pull, Turn or W, or several that add up
+        By default what the assembly's file asks for.
+    stop, progress : optional
+        Asked between gaps and within; told how many gaps are done, and how many there are.
+    each : callable, optional
+        Told every gap's step when it is found, and the motion of the parts there (n, 3) [mm, mm, rad], None where the
+        motion does not end. Where the motion loses its end is found last, and may make larger gaps unbounded.
+
+    Raises
+    ------
+    InputError
+        If a gap makes no sense, or nothing is fixed or pulled.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.sweep(wr.patterns.chain(2, joint="tee"), [0.01, 0.02])
+    >>> [round(step.objective, 4) for step in found.steps]
+    [0.0261, 0.0539]
+    """
+    asked = assembly.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
+    sizes = _gaps(assembly, gaps, wrong)
+    if wrong:
+        raise InputError(wrong)
+    steps: list[Step] = []
+    state: _State | None = None
+    held: _State | None = None
+    for gap in sizes:
+        if stop is not None and stop.is_set():
+            break
+        if any(s.verdict == Verdict.UNBOUNDED for s in steps):  # smaller parts leave by the same way
+            steps.append(_looser(assembly, steps[-1], gap))
+            continue
+        step, state = _step(assembly, asked, gap, state, stop)
+        if step.verdict == Verdict.STOPPED and stop is not None and stop.is_set():
+            break  # a gap that was not finished says nothing about the curve
+        if state is not None and state.gap == gap:
+            held = state
+        steps.append(step)
+        if each is not None:
+            each(step, state.answer.motion if state is not None and state.gap == gap else None)
+        if progress is not None:
+            progress(len(steps), len(sizes))
+    free = next((s.gap for s in steps if s.verdict == Verdict.UNBOUNDED), None)
+    lost = None
+    if free is not None and held is not None:
+        lost = _lost(assembly, asked, held, free, stop)
+        least = lost[1]
+        steps = [s if s.gap < least or s.verdict == Verdict.UNBOUNDED else _beyond(s.gap) for s in steps]
+    return Sweep(assembly, asked, tuple(steps), lost)
+
+
+def _gaps(assembly: Assembly, gaps: Sequence[float] | None, wrong: list[str]) -> list[float]:
+    """Gaps in order; what is wrong with them is added to the list."""
+    if gaps is None:
+        if assembly.gap <= 0:
+            wrong.append("sweep: the drawing has no gap to start from: name the gaps")
+        return np.linspace(assembly.gap / 4, 2 * assembly.gap, COUNT).tolist()
+    odd = [g for g in gaps if not 0 <= g < np.inf]
+    wrong += [f"sweep: gap {g:g}: it must be 0 or more" for g in odd]
+    if not len(gaps):
+        wrong.append("sweep: name at least one gap")
+    return sorted({float(g) for g in gaps if g not in odd})
+
+
+@dataclass(frozen=True, eq=False)
+class _State:
+    """What the next larger gap starts from: an answer that ends, and what it was prepared with."""
+
+    gap: float
+    ready: Prepared
+    answer: Answer
+    checked: bool
+
+
+def _step(
+    assembly: Assembly, goals: tuple[Goal, ...], gap: float, last: _State | None, stop: Stop | None
+) -> tuple[Step, _State | None]:
+    """One gap, from the answer of a smaller one where there is one; and what the next gap may start from."""
+    try:
+        made = assemble(assembly.drawing, gap=gap)
+    except InputError:
+        return Step(gap, None, Verdict.NOT_MAKEABLE, False), last
+    ready = _carried(last, made)
+    try:
+        if last is not None and ready is not None:
+            answer, checked = _from(last, ready, goals, stop), last.checked
+            if answer.objective is not None and answer.objective < (last.answer.objective or 0.0):
+                answer = last.answer  # what was free for larger parts still is
+        else:
+            ready, checked = prepare(made, stop=stop), True
+            answer = witness(ready, goals, stop=stop)
+    except StoppedError:
+        return Step(gap, None, Verdict.STOPPED, False), last
+    except InputError:
+        return Step(gap, None, Verdict.TOUCHING, False), None
+    checked = checked and answer.path == "checked"
+    answer = replace(answer, assembly=made, path="checked" if checked else "not checked")
+    step = Step(gap, answer.objective, answer.verdict, checked, replace(answer, trail=None))
+    good = answer.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)
+    return step, _State(gap, ready, answer, checked) if good else last
+
+
+def _beyond(gap: float) -> Step:
+    """A gap beyond that at which the motion loses its end, where no way out was found from the smaller gaps."""
+    return Step(gap, None, Verdict.UNBOUNDED, True)
+
+
+def _looser(assembly: Assembly, step: Step, gap: float) -> Step:
+    """The step of a gap at which parts leave by the way of a smaller gap."""
+    try:
+        made = assemble(assembly.drawing, gap=gap)
+    except InputError:
+        return replace(step, gap=gap, answer=None)
+    return replace(step, gap=gap, answer=step.answer and replace(step.answer, assembly=made))
+
+
+def _carried(last: _State | None, made: Assembly) -> Prepared | None:
+    """A prepared assembly with its outlines moved to a larger gap; None where that is not all that changes."""
+    if last is None or made.drawing.gaps:
+        return None
+    before, more = last.ready.bodies, made.gap - last.gap
+    try:
+        after = moved(before, np.full(len(before.body_of), more / 2))
+    except InputError:
+        return None
+    there, here = placed(bodies(made)), placed(after)
+    if shapely.hausdorff_distance(there, here).max() > SAME * last.ready.size:
+        return None
+    cells = carried(last.ready.cells, before, after)
+    return replace(last.ready, assembly=made, bodies=after, cells=cells, clearance=last.ready.clearance + more)
+
+
+def _from(last: _State, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | None) -> Answer:
+    """Answer for a larger gap, begun where a smaller one ended."""
+    began = time.perf_counter()
+    found = ended(last.answer)
+    search = Search(ready, objective(ready.assembly, ready.bodies, goals), solve, stop, silent)
+    search.cells = carried(found.program.cells, found.program.bodies, ready.bodies)
+    search.inner = found.motion
+    search.run()
+    answer = answer_of(search, goals, "interior-point", began)
+    return replace(answer, waypoints=np.concatenate([last.answer.waypoints, answer.waypoints]))
+
+
+def _lost(
+    assembly: Assembly, goals: tuple[Goal, ...], held: _State, free: float, stop: Stop | None
+) -> tuple[float, float]:
+    """Between which gaps the motion loses its end, by halving."""
+    low, tries = held.gap, list(ASIDE)
+    while free - low > BRACKET * free and tries and not (stop is not None and stop.is_set()):
+        gap = low + tries[0] * (free - low)
+        step, state = _step(assembly, goals, gap, held, stop)
+        if step.objective is not None:  # a narrow way out may show from rest and not from there
+            anew, _ = _step(assembly, goals, gap, None, stop)
+            step = anew if anew.verdict == Verdict.UNBOUNDED else step
+        if step.verdict == Verdict.UNBOUNDED:
+            free, tries = gap, list(ASIDE)
+        elif state is not None and state.gap == gap:
+            low, held, tries = gap, state, list(ASIDE)
+        else:
+            tries.pop(0)  # undecided: beside it, perhaps
+    return low, free

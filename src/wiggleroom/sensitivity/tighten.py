@@ -1,0 +1,229 @@
+"""What to make tighter: few parts whose gaps, closed down, take away most of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.maximise import witness
+from wiggleroom.program.objectives import Objective
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.sensitivity.parallel import Many
+from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, vary
+from wiggleroom.sensitivity.rank import rank
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SHARE = 0.1
+"""By default the share of a gap that a tightened part keeps."""
+ROUNDS = 8
+"""So often the parts are ranked again while some are being chosen."""
+SPARED = 16
+"""So many of the parts chosen last are tried without."""
+DRAWS = 50
+
+
+@dataclass(frozen=True, eq=False)
+class Tightening(Drawable):
+    """Parts to make tighter, and what it brings.
+
+    Parameters
+    ----------
+    before, after : Answer
+        As it is, and with the chosen parts tightened.
+    chosen : tuple of names
+        In the order they were chosen.
+    gap : float [mm]
+        What is left of the gap that a tightened part gives to its joints.
+    limit : float or None
+        The wanted largest motion.
+    random : (draws,) float64
+        Objective with as many parts chosen at random.
+    """
+
+    before: Answer
+    after: Answer
+    chosen: tuple[str, ...]
+    gap: float
+    limit: float | None
+    random: Floats
+
+    @property
+    def lowered(self) -> float:
+        """Share of the motion [%] that the chosen parts take away."""
+        return _lowered(self.before, self.after.objective)
+
+    @property
+    def lowered_at_random(self) -> float:
+        """Mean share [%] that parts chosen at random take away; nan without draws."""
+        return _lowered(self.before, float(np.mean(self.random))) if len(self.random) else float("nan")
+
+    @property
+    def reached(self) -> bool:
+        """True where the motion is not above the limit, or none was given."""
+        return self.limit is None or (self.after.objective is not None and self.after.objective <= self.limit)
+
+
+def _lowered(before: Answer, value: float | None) -> float:
+    if before.objective is None or value is None:
+        return float("nan")
+    return 100 * (1 - value / before.objective)
+
+
+def tighten(
+    assembly: Assembly,
+    goals: Goal | Sequence[Goal] | None = None,
+    *,
+    parts: int | None = None,
+    limit: float | None = None,
+    gap: float | None = None,
+    draws: int = DRAWS,
+    seed: int = 0,
+    workers: int | None = None,
+    cluster: str | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Tightening:
+    """Which parts to make tighter for the least motion, or the fewest for a wanted limit.
+
+    A tightened part is made larger: every joint's gap is half its own and half its neighbour's share, and its own share
+    shrinks until `gap` would be left if the neighbour did the same. Parts are chosen by their rank, some at a time, and
+    ranked again as the others tighten; so the choice is a good one, not provably the best.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    goals : Pull, Turn or W, or several that add up
+        By default what the assembly's file asks for.
+    parts : int
+        How many to choose. Or:
+    limit : float [mm]
+        Choose as few as bring the motion down to this.
+    gap : float, optional [mm]
+        What a tightened part aims at; by default a tenth of the gap. The paper (section 6.2) does not say what it took.
+    draws : int
+        Choices at random to compare with.
+    seed : int
+    workers, cluster, stop, progress
+        Where these are solved, see `wiggleroom.sensitivity.parallel.Many`.
+
+    Returns
+    -------
+    Tightening
+
+    Raises
+    ------
+    InputError
+        If neither or both of `parts` and `limit` are given, or a number makes no sense, or nothing stops the motion.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> better = wr.tighten(wr.patterns.chain(5, joint="tee", gap=0.01), parts=2, draws=5)
+    >>> better.chosen, round(better.lowered)
+    (('b2', 'b3'), 55)
+
+    Source: Mind the Gap, section 6.2 and Fig. 11.
+    """
+    ready = prepare(assembly)
+    whole = assembly.gap if assembly.gap > 0 else ready.clearance
+    aim = SHARE * whole if gap is None else gap
+    count = len(assembly.parts)
+    _check(parts, limit, aim, whole, count)
+    room = _room(assembly, whole, aim)
+    before = witness(ready, goals, stop=stop)
+    ended(before)
+    asked = before.goals
+    choice, after = _choose(before, room, asked, parts, limit, stop)
+    many = Many(workers, cluster, stop, progress)
+    rng = np.random.default_rng(seed)
+    able = np.flatnonzero(room > 0)
+    lots = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
+    found = ended(before)
+    results = many.each(tightened_at_random, (ready, found.program.objective, asked, room), lots)
+    names = tuple(assembly.names[k] for k in choice)
+    return Tightening(before, after, names, aim, limit, np.array([r for r in results if r is not None], dtype=float))
+
+
+def _check(parts: int | None, limit: float | None, aim: float, whole: float, count: int) -> None:
+    wrong = []
+    if (parts is None) == (limit is None):
+        wrong.append("tighten: say how many parts, or the limit that the motion must keep, not both")
+    if parts is not None and not 1 <= parts <= count:
+        wrong.append(f"tighten: {parts} parts: there are {count}, choose 1 to {count}")
+    if limit is not None and not 0 < limit < np.inf:
+        wrong.append(f"tighten: limit {limit:g}: it must be more than 0")
+    if not 0 <= aim < whole:
+        wrong.append(f"tighten: to a gap of {aim:g}: it must be 0 or more and less than the present gap, {whole:g}")
+    if wrong:
+        raise InputError(wrong)
+
+
+def _room(assembly: Assembly, whole: float, aim: float) -> Floats:
+    """How far the outline of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
+    drawing = assembly.drawing
+    own = np.array([p.offset for p in drawing.parts])
+    room = (whole - aim) / 2 - own
+    index = {name: k for k, name in enumerate(assembly.names)}
+    for joint in drawing.gaps:
+        for name in joint.parts:
+            room[index[name]] = min(room[index[name]], (joint.gap - aim) / 2 - own[index[name]])
+    return np.maximum(room, 0.0)
+
+
+def _choose(
+    before: Answer, room: Floats, goals: Sequence[Goal], parts: int | None, limit: float | None, stop: Stop | None
+) -> tuple[list[int], Answer]:
+    """Parts chosen a few at a time, each time by the rank that is left, and the answer with all of them tightened."""
+    able = int((room > 0).sum())
+    most = min(parts if parts is not None else able, able)
+    chosen: list[int] = []
+    worth, answer = np.zeros(len(room)), before
+    while len(chosen) < most and answer.objective is not None:
+        if limit is not None and answer.objective <= limit:
+            break
+        if can_be_ranked(answer):  # mm of motion that each would take
+            worth = 2 * np.maximum(rank(answer).by_duals, 0.0) * room
+        worth[chosen] = -1.0
+        order = np.argsort(-worth, kind="stable")
+        left = most - len(chosen)
+        batch = max(1, -(-most // ROUNDS))
+        if limit is not None:
+            # what half of the missing motion needs by first order: the rest is ranked anew
+            needed = int(np.searchsorted(np.cumsum(np.maximum(worth[order], 0.0)), (answer.objective - limit) / 2)) + 1
+            batch = min(batch, needed)
+        chosen += [int(k) for k in order[: min(batch, left)] if room[k] > 0]
+        answer = _tightened(before.assembly, chosen, room, goals, stop)
+    if limit is not None and answer.objective is not None and answer.objective <= limit:
+        for k in chosen[:-SPARED:-1]:  # a batch may have held more than it took
+            fewer = [c for c in chosen if c != k]
+            less = _tightened(before.assembly, fewer, room, goals, stop) if fewer else before
+            if less.objective is not None and less.objective <= limit:
+                chosen, answer = fewer, less
+    return chosen, answer
+
+
+def _tightened(
+    assembly: Assembly, chosen: Sequence[int], room: Floats, goals: Sequence[Goal], stop: Stop | None
+) -> Answer:
+    """The answer with some parts made larger."""
+    larger = {assembly.names[k]: float(room[k]) for k in chosen}
+    return witness(assemble(assembly.drawing, offset=larger), tuple(goals), stop=stop)
+
+
+def tightened_at_random(shared: tuple[Prepared, Objective, tuple[Goal, ...], Floats], chosen: Ints) -> float:
+    """Objective with some parts tightened."""
+    ready, objective, goals, room = shared
+    inward = np.zeros(len(room))
+    inward[chosen] = -room[chosen]
+    return vary(ready, objective, goals, inward).value

@@ -1,0 +1,1 @@
+"""Does it come apart: who leaves, and how."""

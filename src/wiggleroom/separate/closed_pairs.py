@@ -1,0 +1,129 @@
+"""Which bodies certainly never leave each other, pair by pair: the cheap proof that something interlocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from wiggleroom.errors import Stop
+from wiggleroom.freespace.subdivision.passage import Passage, passage
+from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_rest
+from wiggleroom.search.prepare import REACH, Prepared
+
+Ints = NDArray[np.int64]
+
+BOXES = 20_000
+"""Boxes judged at most for a pair among many."""
+MANY = 400_000
+"""Boxes judged at most for a pair on which it depends whether all are tied: near the gap at which a tab slips out, each takes seconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Links:
+    """Bodies tied to each other.
+
+    Parameters
+    ----------
+    group : (n,) int64
+        Bodies of the same number certainly never leave each other.
+    held : (n,) int64
+        Bodies of the same number certainly never turn half round against each other either.
+    undecided : (k, 2) int64
+        Pairs that a few boxes do not decide, those that lie along each other longest first.
+    """
+
+    group: Ints
+    held: Ints
+    undecided: Ints
+
+    @property
+    def all_tied(self) -> bool:
+        """True where all bodies are tied together."""
+        return bool((self.group == self.group[0]).all())
+
+
+def links(ready: Prepared, ground: Ints, stop: Stop | None = None) -> Links:
+    """Tie bodies together wherever the free space of a pair alone is certainly closed.
+
+    What two bodies cannot do while all others are taken away they cannot do among them either. Pairs that lie along each other longest come
+    first, congruent pairs are looked at once, and pairs that are tied already are left out.
+
+    Parameters
+    ----------
+    ready : Prepared
+    ground : (k,) int64
+        Bodies that stand, tied to begin with.
+    stop : optional
+        Asked before every pair.
+    """
+    bodies, n = ready.bodies, len(ready.bodies.fixed)
+    geometry = placed(bodies)
+    near = neighbours(bodies, geometry, REACH * ready.clearance, barred=ready.barred)
+    tied: list[tuple[int, int]] = [(int(ground[0]), int(k)) for k in ground]
+    held, undecided = list(tied), list(tied[:0])
+    if len(near.a):
+        _, label = classes(bodies, near.a, near.b, relative_rest(bodies, near.a, near.b))
+        along = _along(geometry[near.a], geometry[near.b], ready.clearance)
+        known: dict[int, Passage] = {}
+        for k in np.argsort(-along, kind="stable"):
+            a, b, c = int(near.a[k]), int(near.b[k]), int(label[k])
+            if stop is not None and stop.is_set():
+                break
+            labels = _labels(n, held)
+            if labels[a] == labels[b]:
+                continue
+            if c not in known:
+                known[c] = passage(geometry[a], geometry[b], most=BOXES)
+            if known[c].held:
+                held.append((a, b))
+            if known[c].closed:
+                tied.append((a, b))
+            elif known[c].way is None:
+                undecided.append((a, b))
+    return Links(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
+
+
+def surer(ready: Prepared, known: Links, stop: Stop | None = None) -> Links:
+    """Look again, with many more boxes, at pairs that were not decided, for as long as that can still tie all bodies together.
+
+    The group with the fewest such pairs comes first: where none of them is closed, the others need not be looked at.
+    """
+    bodies, geometry = ready.bodies, placed(ready.bodies)
+    a, b = known.undecided.T
+    _, label = classes(bodies, a, b, relative_rest(bodies, a, b))
+    seen: dict[int, Passage] = {}
+    group, held = known.group, known.held
+    while True:
+        open_ = group[a] != group[b]
+        count = np.bincount(group[np.concatenate([a[open_], b[open_]])], minlength=group.max() + 1)[np.unique(group)]
+        weakest = np.unique(group)[count.argmin()]
+        for k in np.flatnonzero(open_ & ((group[a] == weakest) | (group[b] == weakest))):
+            if stop is not None and stop.is_set():
+                return replace(known, group=group, held=held)
+            c = int(label[k])
+            if c not in seen:
+                seen[c] = passage(geometry[a[k]], geometry[b[k]], most=MANY)
+            if seen[c].closed:
+                held = np.where(held == held[b[k]], held[a[k]], held) if seen[c].held else held
+                group = np.where(group == group[b[k]], group[a[k]], group)
+                break
+        else:
+            return replace(known, group=group, held=held)
+
+
+def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.float64]:
+    """How long two bodies lie along each other [mm]."""
+    near = shapely.buffer(b, 1.5 * REACH * clearance, quad_segs=2)
+    return np.asarray(shapely.length(shapely.intersection(shapely.boundary(a), near)))
+
+
+def _labels(n: int, ties: list[tuple[int, int]]) -> Ints:
+    """Number of the group (n,) that each body is tied to."""
+    table = np.array(ties, dtype=np.int64).reshape(-1, 2)
+    graph = coo_array((np.ones(len(table)), (table[:, 0], table[:, 1])), shape=(n, n))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)

@@ -1,0 +1,150 @@
+"""The next bodies that leave, with their way: straight, as one rigid piece, or found by search; or what shows that none do."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.errors import Stop
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.search.loop import Progress
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.separate.closed_pairs import BOXES, Links, links, surer
+from wiggleroom.separate.explore import explore, way_out
+from wiggleroom.separate.rigid_subassembly import Rigid, leaves_as_one
+from wiggleroom.separate.translation import Exit, straight_exit, straight_exits
+from wiggleroom.verdict import Certainty, Separability
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+ONLY = 150_000
+"""Boxes judged at most where one body alone can leave; a few seconds."""
+NEARLY = 40_000
+"""Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
+ROOM = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
+"""So much further inward outlines lie then, as shares of the clearance."""
+MOST_NEARLY = 8
+BEYOND = 0.1
+"""Parts that left end this share of the drawing's size beyond all others."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What becomes of the bodies that are left: a way of some of them, or the end.
+
+    Parameters
+    ----------
+    ended : Separability
+    certainty : Certainty
+    who : (k,) int64
+        Bodies that leave.
+    way : (k, n, 3) float64 [mm, mm, rad] or None
+        Motions of all bodies on which they leave.
+    held : (n,) int64
+        Bodies of the same number certainly never turn half round against each other; empty where something leaves.
+    questions : int
+        Largest motions that were searched.
+    """
+
+    ended: Separability
+    certainty: Certainty
+    who: Ints
+    way: Floats | None
+    held: Ints
+    questions: int
+
+
+def next_stage(
+    ready: Prepared, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
+) -> Stage:
+    """The next parts that leave, the cheapest ways of finding them first."""
+    bodies, n = ready.bodies, len(ready.bodies.fixed)
+    stands = np.flatnonzero(bodies.fixed)
+    ground = int(stands[0])
+    own = np.arange(n)
+    own[stands] = ground
+    none = np.zeros(0, dtype=np.int64)
+    rest = np.zeros((1, n, 3))
+    tell(Progress("straight ways"))
+    found = straight_exit(bodies, rest[0], ground, ready.barred, ready.size, own)
+    if found is not None:
+        return _leave(ready, rest, found)
+    tell(Progress("free spaces"))
+    known, tries = _rigid(ready, stands, own, boxes, stop)
+    if known.all_tied:
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
+    nearly = _nearly(ready, ground, known.group)
+    for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, NEARLY) for e in nearly)):
+        if stop is not None and stop.is_set():
+            break
+        out = None if rigid.way is None else way_out(ready, ground, known.group, rigid.way)
+        if out is not None and (stage := _leave(ready, *out)).way is not None:
+            return stage
+    known = surer(ready, known, stop)
+    if known.all_tied:
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
+    searched = explore(ready, ground, known.group, nearly, stop, tell, questions)
+    if searched.way is not None and searched.exit is not None:
+        return replace(_leave(ready, searched.way, searched.exit), questions=searched.questions)
+    ended: Separability = Separability.INTERLOCKED if searched.whole else Separability.UNKNOWN
+    return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
+
+
+def _rigid(ready: Prepared, stands: Ints, own: Ints, boxes: int, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
+    """What is tied to what, and for each group that may leave what is known about its leaving as one."""
+    if len(stands) == len(own) - 1:
+        free = np.flatnonzero(~ready.bodies.fixed)
+        rigid = leaves_as_one(ready, free, boxes)
+        alone = (own == free[0]).astype(np.int64)
+        return Links(alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)), iter(
+            [rigid]
+        )
+    known = links(ready, stands, stop)
+    ground = known.group[stands[0]]
+    groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
+    return known, (leaves_as_one(ready, who, BOXES) for who in groups if stop is None or not stop.is_set())
+
+
+def _nearly(ready: Prepared, ground: int, group: Ints) -> list[Exit]:
+    """Sets of bodies that would leave straight if there were a little more room: the first to look at."""
+    if len(np.unique(group)) < 3:
+        return []
+    rest = np.zeros((len(group), 3))
+    found: dict[tuple[int, ...], Exit] = {}
+    for share in ROOM:
+        thinner = share * ready.clearance
+        for e in straight_exits(ready.bodies, rest, ground, ready.barred, ready.size, group, thinner):
+            found.setdefault(tuple(e.who.tolist()), e)
+        if len(found) >= MOST_NEARLY:
+            break
+    return list(found.values())[:MOST_NEARLY]
+
+
+def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
+    """The way continued straight until those who leave are beyond all others, which then go back to rest."""
+    bodies, who = ready.bodies, found.who
+    others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
+
+    def along(some: Ints, motion: Floats) -> Floats:
+        return np.asarray(shapely.get_coordinates(placed(bodies, motion, some)[some]) @ found.direction)
+
+    # beyond where the others are now, and wherever they pass on their way back
+    length = max(along(others, m).max() for m in way) - along(who, way[-1]).min()
+    length += BEYOND * ready.size
+    out = way[-1].copy()
+    out[who, :2] += max(length, BEYOND * ready.size) * found.direction
+    back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]
+    back[:, who] = out[who]
+    whole = np.concatenate([way, out[None], back])
+    deepest = max(overlaps(bodies, m, ready.barred).deepest for m in whole)
+    none = np.zeros(0, dtype=np.int64)
+    if deepest > OVERLAP_TOLERANCE * ready.size:
+        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none, 0)
+    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, 0)

@@ -1,0 +1,261 @@
+"""Does it come apart: which parts leave, in which order, along which motion; or what shows that none do."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.build import assemble
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.bound.displacement_bound import furthest
+from wiggleroom.drawing.model import Turn
+from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError
+from wiggleroom.maximise import witness
+from wiggleroom.search.build_answer import part_motions
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.loop import Progress, silent
+from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.separate.escape import ONLY, next_stage
+from wiggleroom.separate.explore import MOST_QUESTIONS
+from wiggleroom.tight.mobility import tight_verdict
+from wiggleroom.verdict import Certainty, Separability, Tightness
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+LITTLE = 1e-4
+"""Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
+BRIEF = 1.0
+"""A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class Escape:
+    """Parts that leave together.
+
+    Parameters
+    ----------
+    parts : tuple of names
+    path : (k, n, 3) float64 [mm, mm, rad]
+        Motions of all parts about their reference points, from rest to where `parts` are beyond all others and go on straight without
+        limit; straight between. Parts of earlier escapes stay where those ended and are out of the game. Every step is checked for overlap.
+    """
+
+    parts: tuple[str, ...]
+    path: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Interlock(Drawable):
+    """Whether an assembly comes apart, and how sure that is.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    verdict : Separability
+    certainty : Certainty
+        A way apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
+        together; else every planned question was asked and no way was found.
+    escapes : tuple of Escape
+        In the order in which they leave.
+    spins : tuple of names
+        Parts that turn in place without limit.
+    remains : tuple of names
+        Parts that are left where nothing more was found to leave.
+    questions : int
+        Largest motions that were searched.
+    tight : bool
+        True where parts touch at rest and the first-order test says that they are locked.
+    at_most : float or None [mm]
+        A distance that no point of any part exceeds in any motion that starts at rest, proven; None where none was found as quickly as the
+        verdict.
+    """
+
+    assembly: Assembly
+    verdict: Separability
+    certainty: Certainty
+    escapes: tuple[Escape, ...] = ()
+    spins: tuple[str, ...] = ()
+    remains: tuple[str, ...] = ()
+    questions: int = 0
+    seconds: float = 0.0
+    tight: bool = False
+    at_most: float | None = None
+
+
+def check(
+    assembly: Assembly,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    boxes: int = ONLY,
+    questions: int = MOST_QUESTIONS,
+    every: bool = True,
+) -> Interlock:
+    """Whether some parts can be moved without limit away from the others.
+
+    Fixed parts stand; where none is fixed, the largest part stands. Turning in place is not coming apart.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    stop : optional
+        Anything with `is_set()`, for example a `threading.Event`; the verdict is then "unknown" unless a way apart is known already.
+    progress : callable, optional
+        Told a `Progress` now and then.
+    boxes : int
+        Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
+    questions : int
+        Largest motions searched at most, each time some parts have left.
+    every : bool
+        False: the first parts that leave are enough; what of the others is not asked.
+
+    Raises
+    ------
+    TouchingError
+        If two parts overlap at rest.
+    InputError
+        If there is only one body, or all are fixed.
+
+    Notes
+    -----
+    Parts that touch at rest are locked where the first-order test proves it. Else they are looked at with a little gap: what interlocks
+    with it does so without.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.check(wr.patterns.chain(3, joint="swallowtail", gap=0.02))
+    >>> found.verdict, found.certainty
+    ('interlocked', 'proven')
+    """
+    began = time.perf_counter()
+    tell = progress or silent
+    left = _standing(assembly)
+    names = np.array(assembly.names, dtype=object)
+    alive = np.arange(len(names))
+    far = np.zeros((len(names), 3))
+    escapes: list[Escape] = []
+    asked = 0
+    while True:
+        try:
+            ready = prepare(left, stop=stop)
+        except TouchingError:
+            return _tight(assembly, left, stop, progress, boxes, questions, every)
+        except StoppedError:
+            said: Separability = Separability.COMES_APART if escapes else Separability.UNKNOWN
+            sure: Certainty = Certainty.PROVEN if escapes else Certainty.SEARCHED
+            return Interlock(assembly, said, sure, tuple(escapes), questions=asked, seconds=time.perf_counter() - began)
+        stage = next_stage(ready, boxes, questions, stop, tell)
+        asked += stage.questions
+        if stage.way is None:
+            break
+        who = np.array([p for b in stage.who for p in ready.bodies.members[b]])
+        path = np.repeat(far[None], len(stage.way), 0)
+        path[:, alive] = part_motions(left, ready.bodies, stage.way)
+        escapes.append(Escape(tuple(names[np.sort(alive[who])]), path))
+        far = np.zeros_like(far)
+        gone = np.setdiff1d(np.arange(len(names)), np.delete(alive, who))
+        far[gone] = path[-1, gone]
+        alive = np.delete(alive, who)
+        left = _without(left, who)
+        if not every:
+            break
+        if len({int(b) for b in np.delete(ready.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
+            stage = replace(
+                stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=np.zeros(0, dtype=np.int64)
+            )
+            break
+    spins = _spins(ready, stage.held, stop) if stage.way is None else ()
+    verdict: Separability = Separability.COMES_APART if escapes else stage.ended
+    spent = time.perf_counter() - began
+    at_most = furthest(left, max(spent, BRIEF), stop) if verdict is Separability.INTERLOCKED and every else None
+    return Interlock(
+        assembly,
+        verdict,
+        Certainty.PROVEN if escapes or at_most is not None else stage.certainty,
+        tuple(escapes),
+        spins,
+        tuple(names[alive]) if stage.ended is Separability.INTERLOCKED else (),
+        asked,
+        time.perf_counter() - began,
+        at_most=at_most,
+    )
+
+
+def _tight(
+    assembly: Assembly,
+    left: Assembly,
+    stop: Stop | None,
+    progress: Callable[[Progress], None] | None,
+    boxes: int,
+    questions: int,
+    every: bool,
+) -> Interlock:
+    """The same for parts that touch at rest."""
+    began = time.perf_counter()
+    if tight_verdict(left).verdict is Tightness.LOCKED:
+        # a curve drawn tight may turn where the polygon that stands for it does not
+        exact = Path(assembly.drawing.source).suffix.lower() in ("", ".json")
+        sure: Certainty = Certainty.PROVEN if exact else Certainty.SEARCHED
+        names = tuple(assembly.names)
+        return Interlock(
+            assembly, Separability.INTERLOCKED, sure, remains=names, seconds=time.perf_counter() - began, tight=True
+        )
+    loose = assemble(left.drawing, gap=left.gap + LITTLE * left.size)
+    found = check(loose, stop=stop, progress=progress, boxes=boxes, questions=questions, every=every)
+    apart = found.verdict is Separability.COMES_APART  # with the little gap, which is not quite the drawing
+    return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)
+
+
+def _spins(ready: Prepared, held: Ints, stop: Stop | None) -> tuple[str, ...]:
+    """Names of the parts that turn in place without limit."""
+    bodies, names = ready.bodies, ready.assembly.names
+    if not len(held):
+        return ()
+    ground = int(np.flatnonzero(bodies.fixed)[0])
+    found: set[str] = set()
+    for b in np.flatnonzero(held != held[ground]):
+        name = names[bodies.members[b][0]]
+        if name in found or (stop is not None and stop.is_set()):
+            continue
+        answer = witness(ready, Turn(name), stop=stop)
+        if answer.path == "checked":
+            found |= set(answer.turns)
+    return tuple(n for n in names if n in found)
+
+
+def _standing(assembly: Assembly) -> Assembly:
+    """The assembly with something that stands: the largest part where nothing is fixed."""
+    if any(p.fixed for p in assembly.parts):
+        return assembly
+    area = [sum(shapely.Polygon(r.outer, r.holes).area for r in p.regions) for p in assembly.parts]
+    largest = int(np.argmax(area))
+    parts = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.parts))
+    if len(parts) < 2:
+        finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; draw at least two"
+        raise InputError(finding)
+    return replace(assembly, parts=parts, drawing=replace(assembly.drawing, parts=parts))
+
+
+def _without(assembly: Assembly, who: Ints) -> Assembly:
+    """The assembly as made, without some of its parts."""
+    parts = tuple(p for k, p in enumerate(assembly.parts) if k not in set(who.tolist()))
+    names = {p.name for p in parts}
+    old = assembly.drawing
+    drawing = replace(
+        old,
+        parts=parts,
+        glue=tuple(g for g in (tuple(n for n in g if n in names) for g in old.glue) if len(g) > 1),
+        ignore=tuple(p for p in old.ignore if set(p) <= names),
+        gaps=(),
+        goals=(),
+    )
+    return Assembly(parts, drawing)

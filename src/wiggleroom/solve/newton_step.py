@@ -1,0 +1,62 @@
+"""One iterate of the interior-point method, and the Newton direction from it; slacks and multipliers are eliminated."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.program.nonlinear_program import Linearised
+from wiggleroom.solve.factorisation import Factor
+
+Floats = NDArray[np.float64]
+
+MIN_SHIFT = 1e-11
+"""Added to the diagonal always."""
+
+
+@dataclass(eq=False)
+class State:
+    """Iterate of the method; `s` are slacks of the rows."""
+
+    u: Floats
+    s: Floats
+    lam: Floats
+    at: Linearised
+    unit: float
+    move: Floats
+    home: float
+    shift: float = MIN_SHIFT
+    stride: float = 1.0
+    way: list[Floats] = field(default_factory=list)
+
+    def residuals(self) -> tuple[Floats, Floats, float, float]:
+        """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
+        primal = self.s - self.at.h
+        dual = self.pull_home * self.u - self.at.gradient / self.unit - self.at.against(self.lam)
+        return primal, dual, dot(self.s, self.lam), self.at.value / self.unit
+
+    @property
+    def pull_home(self) -> float:
+        """Weight of half the squared motion, so small that it decides only between motions that are equally good."""
+        return self.home * max(abs(self.at.value) / self.unit, 1.0) / max(dot(self.u, self.u), 1.0)
+
+
+def newton(state: State, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
+    """Directions (du, ds, dlam) that change s * lam by `goal` and remove both residuals, to first order."""
+    s, lam, at = state.s, state.lam, state.at
+    du = matrix.solve(at.against((lam * primal + goal) / s) - dual)
+    ds = at.along(du) - primal
+    return du, ds, (goal - lam * ds) / s
+
+
+def dot(x: Floats, y: Floats) -> float:
+    """X . y without the threads of a linear-algebra library, which cost more than they save here."""
+    return float(np.einsum("i,i->", x, y))
+
+
+def longest(x: Floats, dx: Floats) -> float:
+    """Largest step in [0, 1] that keeps x + step * dx >= 0, for x > 0."""
+    fastest = float((dx / x).min(initial=0.0))
+    return 1.0 if fastest > -1.0 else -1.0 / fastest

@@ -1,0 +1,1 @@
+"""Parts drawn without gaps: locked, or free to begin to move."""
