@@ -65,12 +65,12 @@ def is_spatial_file(path: str | PathLike[str]) -> bool:
 
 
 @overload
-def flex(assembly: SpatialAssembly, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any) -> SpatialAnswer: ...
+def flex(
+    assembly: SpatialAssembly, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any
+) -> SpatialAnswer: ...
 @overload
 def flex(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any) -> Answer: ...
-def flex(
-    assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any
-) -> Answer | SpatialAnswer:
+def flex(assembly: Any, goals: AnyGoal | Sequence[AnyGoal] | None = None, **options: Any) -> Answer | SpatialAnswer:
     """How far the assembly can move: the largest motion that was found and checked, and how sure it is.
 
     Parameters

@@ -42,6 +42,12 @@ def check(
 
     from wiggleroom.cli.watch import interruptible, progress
 
+    from wiggleroom.questions import is_spatial_file
+
+    if is_spatial_file(file):
+        from wiggleroom.cli.in_space import check_in_space
+
+        return check_in_space(file, asked, outputs)
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible() as stop, progress() as show:

@@ -80,10 +80,10 @@ def _check_size(path: Path, ending: str) -> None:
             message = f"{path.name}: is not a 3MF archive; save it again"
             raise InputError(message) from None
         if unpacked > LARGEST_UNPACKED:
-            message = f"{path.name}: unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_UNPACKED / 1e6:.0f} MB are read"
-            raise InputError(
-                message
+            message = (
+                f"{path.name}: unpacks to {unpacked / 1e6:.0f} MB; at most {LARGEST_UNPACKED / 1e6:.0f} MB are read"
             )
+            raise InputError(message)
 
 
 def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:

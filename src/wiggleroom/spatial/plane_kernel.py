@@ -406,7 +406,7 @@ def fit_planes(q, Psi, plane, row, own, V, c, lever, goal, weight, rounds, room,
 
     `room` (8, 12, 12) is worked in.
     """
-    N, A, I = room[5, :2, :3], room[0], room[1, :3, :3]
+    N, A, kept = room[5, :2, :3], room[0], room[1, :3, :3]
     for p in range(len(plane) - 1):
         for k in range(plane[p], plane[p + 1]):
             before = 1e300
@@ -444,10 +444,10 @@ def fit_planes(q, Psi, plane, row, own, V, c, lever, goal, weight, rounds, room,
                     A[11, 11] += w
                 if error > before or turn == rounds:
                     if error > before:
-                        n[k, 0], n[k, 1], n[k, 2], d[k] = I[0, 0], I[0, 1], I[0, 2], I[1, 0]
+                        n[k, 0], n[k, 1], n[k, 2], d[k] = kept[0, 0], kept[0, 1], kept[0, 2], kept[1, 0]
                     break
                 before = error
-                I[0, 0], I[0, 1], I[0, 2], I[1, 0] = n[k, 0], n[k, 1], n[k, 2], d[k]
+                kept[0, 0], kept[0, 1], kept[0, 2], kept[1, 0] = n[k, 0], n[k, 1], n[k, 2], d[k]
                 tiny = 1e-13 * (A[9, 9] + A[10, 10] + A[11, 11])
                 A[9, 9] += tiny
                 A[10, 10] += tiny

@@ -46,7 +46,7 @@ UNHELD, EARLY = 0.3, 0.05
 LEAST_ITERATIONS = 3
 PATIENCE = 40
 LESS, FASTER, LEAST_SHARE, SOLVED = 0.2, 1.4, 0.04, 10.0
-"""mu becomes this share or this power of itself, and no less than a third share, when the problem at one mu is solved: its residual is below this multiple of mu."""
+"""mu becomes this share or this power of itself, but no less than a third share, when its problem is solved to this multiple of mu."""
 DOWNHILL = 1e-4
 """Share of the foreseen descent that a step must bring."""
 APART = 10
@@ -292,7 +292,7 @@ class PlaneSolver:
             if shift > 1e12:
                 return False
         du, dy, ds, dlam = system.newton(state, primal, dual, dual_planes, mu - s * lam)
-        share = min(FRACTION * longest(s, ds) if (ds < -s).any() else 1.0, self._longest_share(at, du))
+        share = min(FRACTION * longest(s, ds) if (ds < -s).any() else 1.0, self._longest_share(du))
         foreseen = at.along(du, dy)
         heavy = np.maximum(lam / s, (lam / s).max() / HEAVIEST)
         slope = dot(state.home * state.displacement - at.gradient / state.unit, du) - mu * dot(1 / at.h, foreseen)
@@ -319,7 +319,7 @@ class PlaneSolver:
     ) -> LinearisedPlanes:
         """Longer steps along a direction that a strengthened diagonal kept short, as long as they pay."""
         at, best, share = state.at, _barrier_function(state, ahead, mu), 4.0
-        while share <= min(1024.0, self._longest_share(at, du)):
+        while share <= min(1024.0, self._longest_share(du)):
             further = self.program.linearise(self._retraction.step(at, du, dy, share), at.value)
             value = _barrier_function(state, further, mu)
             if not value < best:
@@ -327,7 +327,7 @@ class PlaneSolver:
             ahead, best, share = further, value, 4 * share
         return ahead
 
-    def _longest_share(self, at: LinearisedPlanes, u: Floats) -> float:
+    def _longest_share(self, u: Floats) -> float:
         """Largest share of a step that no body moves or turns too far in."""
         P = self.program
         change = P.unpacked(u) * P.scale
@@ -366,7 +366,7 @@ class PlaneSolver:
     def _take(self, state: PlaneState, step: _Step) -> bool:
         """Take the step; halve it while rows fall behind the foreseen ones by more than half of the complementarity."""
         P, at = state.at.program, state.at
-        share = min(step.primal, self._longest_share(at, step.u))
+        share = min(step.primal, self._longest_share(step.u))
         lam = state.lam + step.dual * step.lam
         before = dot(state.lam, np.abs(state.s - at.h))
         foreseen = at.along(step.u, step.y)

@@ -15,7 +15,7 @@ from wiggleroom.spatial.plane_contacts import plane_contacts
 from wiggleroom.spatial.plane_program import PlanePoint, PlaneProgram, best_axis, build_planes
 from wiggleroom.spatial.plane_solver import PlaneSolution, PlaneSolver
 from wiggleroom.spatial.plane_way import refined
-from wiggleroom.spatial.rigid import near_pieces
+from wiggleroom.spatial.rigid import Pose, near_pieces
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import goal_findings
 from wiggleroom.spatial.spatial_bodies import Grouping, grouped
@@ -130,7 +130,7 @@ def spatial_objective(ready: SpatialPrepared, goals: Sequence[SpatialGoal]) -> S
 
 
 @dataclass(eq=False)
-class _Search:
+class SpatialSearch:
     """Rounds of the program for one question; the best motion whose way is checked wins."""
 
     ready: SpatialPrepared
@@ -138,13 +138,20 @@ class _Search:
     solver: str
     stop: Stop | None
     tell: Callable[[int, float], None] | None
+    begin: Pose | None = None
     iterations: int = 0
     rounds: int = 0
     pieces: Ints = field(init=False)
 
     def run(self) -> tuple[PlaneProgram, PlaneSolution, Floats, bool]:
         """Program, solution, way of the parts (k, n, 6) and whether the whole way is free."""
-        self.pieces = self.ready.pieces
+        ready = self.ready
+        near = (
+            ready.pieces
+            if self.begin is None
+            else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
+        )
+        self.pieces = near
         best: tuple[PlaneProgram, PlaneSolution, Floats, bool] | None = None
         for inside in (False, True):
             program, found = self._with_missed(inside)
@@ -173,7 +180,9 @@ class _Search:
         ready = self.ready
         limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
         for _ in range(MOST_ROUNDS):
-            program = build_planes(ready.grouping.bodies, self.objective, self.pieces, length=ready.clearance)
+            program = build_planes(
+                ready.grouping.bodies, self.objective, self.pieces, length=ready.clearance, rest=self.begin
+            )
             solve = PlaneSolver(
                 program,
                 inside=inside,
@@ -234,7 +243,7 @@ def flex_spatial(
         raise InputError([f"{its.drawing.source}: {line}" if its.drawing.source else line for line in wrong])
     ready = assembly if isinstance(assembly, SpatialPrepared) else prepare_spatial(assembly)
     prepared = time.perf_counter()
-    search = _Search(ready, spatial_objective(ready, asked), solver, stop, progress)
+    search = SpatialSearch(ready, spatial_objective(ready, asked), solver, stop, progress)
     program, found, way, whole = search.run()
     solved = time.perf_counter()
     motion = way[-1]
@@ -335,7 +344,6 @@ def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: PlaneSolutio
     twists = [t for t in objective.terms if isinstance(t, Twist)]
     if len(twists) != 1 or len(objective.terms) != 1:
         return ()
-    from wiggleroom.spatial.rigid import Pose
     from wiggleroom.spatial.rotations import exponential
 
     twist, pose = twists[0], found.point.pose

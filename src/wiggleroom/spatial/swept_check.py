@@ -6,6 +6,8 @@ part, shows that the pieces stay apart, or the time between is halved.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
@@ -53,13 +55,18 @@ class SweptCheck:
         """
         return bool(len(self.doubtful(start, end, first=True)))
 
-    def doubtful(self, start: Floats, end: Floats, first: bool = False) -> list[tuple[int, int]]:
-        """Pairs of parts for which it is not certain that they stay apart between two motions; only the first where asked."""
+    def doubtful(
+        self, start: Floats, end: Floats, first: bool = False, only: Iterable[int] | None = None
+    ) -> list[tuple[int, int]]:
+        """Pairs of parts for which it is not certain that they stay apart between two motions.
+
+        Where asked the first one is enough, and only pairs with exactly one of some parts are looked at.
+        """
         T0, T1 = self._reference + start[:, :3], self._reference + end[:, :3]
         R0, R1 = exponential(start[:, 3:]), exponential(end[:, 3:])
         turn = logarithm(np.einsum("nji,njk->nik", R0, R1))
         found: list[tuple[int, int]] = []
-        for i, j in self._near(T0, T1, R0, R1, turn):
+        for i, j in self._near(T0, T1, R0, R1, turn, only):
             a, b = int(self._part[i]), int(self._part[j])
             if found and found[-1] == (a, b):
                 continue
@@ -74,7 +81,9 @@ class SweptCheck:
                     break
         return found
 
-    def _near(self, T0: Floats, T1: Floats, R0: Floats, R1: Floats, turn: Floats) -> list[tuple[int, int]]:
+    def _near(
+        self, T0: Floats, T1: Floats, R0: Floats, R1: Floats, turn: Floats, only: Iterable[int] | None
+    ) -> list[tuple[int, int]]:
         """Pairs of pieces whose swept boxes meet, sorted by parts; those of pairs that may overlap left out."""
         import shapely
 
@@ -90,6 +99,9 @@ class SweptCheck:
         i, j = shapely.STRtree(flat).query(flat)
         a, b = part[i], part[j]
         keep = (a < b) & (low[i, 2] <= high[j, 2]) & (low[j, 2] <= high[i, 2]) & ~(self._fixed[a] & self._fixed[b])
+        if only is not None:
+            some = np.isin(np.arange(len(self._reference)), list(only))
+            keep &= some[a] != some[b]
         pairs = sorted(zip(a[keep].tolist(), b[keep].tolist(), i[keep].tolist(), j[keep].tolist(), strict=True))
         return [(i, j) for a, b, i, j in pairs if (a, b) not in self._allowed]
 
