@@ -44,7 +44,8 @@ LEAST_CURVATURE = 1e-3
 """Curvature upwards [objective's unit per clearance squared] that counts."""
 UNHELD, EARLY = 0.3, 0.05
 LEAST_ITERATIONS = 3
-PATIENCE = 40
+PATIENCE, GAINING = 40, 0.01
+"""After so many iterations that do not make the error less nor the objective this share larger, the method has failed."""
 LESS, FASTER, LEAST_SHARE, SOLVED = 0.2, 1.4, 0.04, 10.0
 """mu becomes this share or this power of itself, but no less than a third share, when its problem is solved to this multiple of mu."""
 DOWNHILL = 1e-4
@@ -223,7 +224,7 @@ class PlaneSolver:
         return self._system.factorise(LEAST_CURVATURE + state.home)
 
     def _follow(self, state: PlaneState) -> tuple[str, float]:
-        before, best, since = np.inf, np.inf, 0
+        before, best, since, best_value = np.inf, np.inf, 0, -np.inf
         self._move = np.zeros_like(state.displacement)
         for k in range(self.most + 1):
             primal, dual, dual_planes, gap = state.residuals()
@@ -254,7 +255,9 @@ class PlaneSolver:
             moved = np.abs(state.at.point.pose.T - state.at.program.bodies.at).max(initial=0.0)
             if moved > self.horizon or abs(state.at.value) > self.most_turn:
                 return ("escaping" if legal is not None else "failed"), error
-            best, since = (error, 0) if error < 0.9 * best else (best, since + 1)
+            gained = value - best_value > GAINING * size
+            best, since = (min(error, best), 0) if error < 0.9 * best or gained else (best, since + 1)
+            best_value = value if gained or k == 0 else best_value
             if k == self.most or since > PATIENCE or not self._advance(state, primal, dual, dual_planes, size):
                 break
             before = value
@@ -366,8 +369,19 @@ class PlaneSolver:
     def _take(self, state: PlaneState, step: _Step) -> bool:
         """Take the step; halve it while rows fall behind the foreseen ones by more than half of the complementarity."""
         P, at = state.at.program, state.at
-        share = min(step.primal, self._longest_share(step.u))
+        longest_share = self._longest_share(step.u)
+        share = min(step.primal, longest_share)
         lam = state.lam + step.dual * step.lam
+        # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so stride out
+        state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > FREE else 1.0
+        if min(state.stride, longest_share) > 4.0:
+            point = self._retraction.step(at, step.u, step.y, min(state.stride, longest_share))
+            ahead = P.linearise(point, at.value)
+            if ahead.h.min(initial=np.inf) > 0 and ahead.value > at.value:
+                self._move = step.u
+                state.shift, state.lam, state.at, state.s = step.shift, lam, ahead, ahead.h
+                return True
+            state.stride = 1.0
         before = dot(state.lam, np.abs(state.s - at.h))
         foreseen = at.along(step.u, step.y)
         weight = state.lam / state.s
