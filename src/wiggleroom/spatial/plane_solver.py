@@ -25,6 +25,7 @@ from wiggleroom.spatial.plane_program import (
     parted,
 )
 from wiggleroom.spatial.rotations import logarithm
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 
@@ -44,6 +45,8 @@ LEAST_CURVATURE = 1e-3
 """Curvature upwards [objective's unit per clearance squared] that counts."""
 UNHELD, EARLY = 0.3, 0.05
 LEAST_ITERATIONS = 3
+ACCEPTABLE, LOST = 1e-6, 1e3
+"""Where rounding spoils the conditions again by the second factor, an iterate at which they held to the first is good enough."""
 PATIENCE, GAINING = 40, 0.01
 """After so many iterations that do not make the error less nor the objective this share larger, the method has failed."""
 LESS, FASTER, LEAST_SHARE, SOLVED = 0.2, 1.4, 0.04, 10.0
@@ -68,8 +71,7 @@ class PlaneSolution:
         The last point inside all rows.
     lam : (R,) float64
         Multipliers: objective per mm of each row.
-    status : str
-        "converged", "stopped", "escaping" or "failed".
+    status : SolverStatus
     iterations : int
     way : tuple of PlanePoint
         Points inside all rows, from the start.
@@ -82,7 +84,7 @@ class PlaneSolution:
     point: PlanePoint
     lam: Floats
     value: float
-    status: str
+    status: SolverStatus
     iterations: int
     way: tuple[PlanePoint, ...]
     error: float
@@ -165,6 +167,16 @@ class _Step:
     shift: float
 
 
+@dataclass(frozen=True, eq=False)
+class _Best:
+    """The iterate inside all rows at which the conditions held best, and how many way-points there were."""
+
+    error: float
+    at: LinearisedPlanes
+    lam: Floats
+    way: int
+
+
 @dataclass(eq=False)
 class PlaneSolver:
     """Largest objective of a program from rest.
@@ -212,7 +224,7 @@ class PlaneSolver:
         last = state.at
         if self.way and last.point is not self.way[-1]:
             last = P.linearise(self.way[-1], last.value)
-        curved = status == "converged" and self._curved_down(state)
+        curved = status is SolverStatus.CONVERGED and self._curved_down(state)
         return PlaneSolution(
             last.point, state.lam * unit / P.length, last.value, status, self.iterations, tuple(self.way), error, curved
         )
@@ -223,8 +235,10 @@ class PlaneSolver:
         self._system.set(state, dual)
         return self._system.factorise(LEAST_CURVATURE + state.home)
 
-    def _follow(self, state: PlaneState) -> tuple[str, float]:
-        before, best, since, best_value = np.inf, np.inf, 0, -np.inf
+    def _follow(self, state: PlaneState) -> tuple[SolverStatus, float]:
+        """Advance the state until it is converged, stopped or escaping; where it gets no further, back to the best iterate."""
+        before, least, since, most = np.inf, np.inf, 0, -np.inf
+        best = _Best(np.inf, state.at, state.lam, 0)
         self._move = np.zeros_like(state.displacement)
         for k in range(self.most + 1):
             primal, dual, dual_planes, gap = state.residuals()
@@ -238,31 +252,37 @@ class PlaneSolver:
             wrong = dot(np.abs(dual), np.minimum(np.abs(self._move), 1.0)) if k else 0.0
             far_off = UNHELD * unheld if unheld > EARLY * size else 0.0
             self._lag = max(infeasible, wrong, far_off) / gap if gap > 0 else 0.0
-            error = max(gap, infeasible, abs(value - before), min(unheld, 1e3)) / size
             legal = self._legal(state.at)
             if legal is not None:
                 self.way.append(legal)
-            if (
-                k >= LEAST_ITERATIONS
-                and legal is not None
-                and max(gap, infeasible, abs(value - before)) < self.tolerance * size
-                and unheld < np.sqrt(self.tolerance) * size
-                and float(np.abs(dual).max(initial=0.0)) < max(10 * self.tolerance, BALANCED)
-            ):
-                return "converged", error
+            error = max(gap, infeasible, min(unheld, 1e3)) / size
+            balanced = max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes)) < BALANCED
+            if k >= LEAST_ITERATIONS and legal is not None and balanced:
+                settled = unheld < 10 * self.tolerance * size or (
+                    abs(value - before) < self.tolerance * size and unheld < np.sqrt(self.tolerance) * size
+                )
+                if max(gap, infeasible) < self.tolerance * size and settled:
+                    return SolverStatus.CONVERGED, error
+                if error < best.error:
+                    best = _Best(error, state.at, state.lam, len(self.way))
             if self.stop is not None and self.stop.is_set():
-                return "stopped", error
+                return SolverStatus.STOPPED, error
             moved = np.abs(state.at.point.pose.T - state.at.program.bodies.at).max(initial=0.0)
             if moved > self.horizon or abs(state.at.value) > self.most_turn:
-                return ("escaping" if legal is not None else "failed"), error
-            gained = value - best_value > GAINING * size
-            best, since = (min(error, best), 0) if error < 0.9 * best or gained else (best, since + 1)
-            best_value = value if gained or k == 0 else best_value
-            if k == self.most or since > PATIENCE or not self._advance(state, primal, dual, dual_planes, size):
+                return (SolverStatus.ESCAPING if legal is not None else SolverStatus.FAILED), error
+            gained = value - most > GAINING * size
+            least, since = (min(error, least), 0) if error < 0.9 * least or gained else (least, since + 1)
+            most = value if gained or k == 0 else most
+            lost = best.error < ACCEPTABLE and error > LOST * best.error
+            if k == self.most or since > PATIENCE or lost or not self._advance(state, primal, dual, dual_planes, size):
                 break
             before = value
             self.iterations += 1
-        return "failed", error
+        if best.error < ACCEPTABLE:
+            state.at, state.lam, state.s = best.at, best.lam, np.maximum(best.at.h, LEAST_SLACK)
+            del self.way[best.way :]
+            return SolverStatus.CONVERGED, best.error
+        return SolverStatus.FAILED, error
 
     def _legal(self, at: LinearisedPlanes) -> PlanePoint | None:
         """The point, inside all rows once planes that lag behind are set anew; None where pieces overlap."""
