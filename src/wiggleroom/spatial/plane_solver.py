@@ -33,6 +33,8 @@ FRACTION = 0.99
 CORRECTION = 10.0
 SHORT = 0.05
 FIRST_MU = 0.1
+INNER = 3e-2
+"""Another solve starts at the last iterate whose complementarity was still this share of the objective."""
 FIRST_SLACK = 1e-3
 LEAST_SLACK = 1e-15
 LONGEST = 0.1
@@ -41,6 +43,8 @@ LARGEST_TURN = 0.5
 HOME = 0.01
 TINY_SHIFT = 1e-11
 BALANCED = 1e-3
+ROUNDING = 500 * float(np.finfo(float).eps)
+"""mu stays above this, times the size in clearances: slacks that are as small as the rounding of rows make multipliers of noise."""
 LEAST_CURVATURE = 1e-3
 """Curvature upwards [objective's unit per clearance squared] that counts."""
 UNHELD, EARLY = 0.3, 0.05
@@ -79,6 +83,8 @@ class PlaneSolution:
         Largest of complementarity, violation and imbalance, in units of the objective.
     curved_down : bool
         True where the second-order conditions hold: no direction along the active rows goes up.
+    inner : (int, float)
+        How many of the way-points lie well inside all rows, and the mean complementarity at the last of these.
     """
 
     point: PlanePoint
@@ -89,6 +95,7 @@ class PlaneSolution:
     way: tuple[PlanePoint, ...]
     error: float
     curved_down: bool
+    inner: tuple[int, float]
 
 
 @dataclass(eq=False)
@@ -208,6 +215,7 @@ class PlaneSolver:
     progress: Callable[[int, float], None] | None = None
     iterations: int = 0
     way: list[PlanePoint] = field(default_factory=list)
+    inner: tuple[int, float] = (1, FIRST_MU)
 
     def solve(self, start: PlanePoint | None = None, mu: float = FIRST_MU) -> PlaneSolution:
         """Run the method from a point inside all rows."""
@@ -219,6 +227,7 @@ class PlaneSolver:
         s = np.maximum(at.h, 0.0 if self.inside else FIRST_SLACK)
         state = PlaneState(at, s, mu / s, unit, self.tolerance)
         self._barrier = mu
+        self._floor = ROUNDING * P.bodies.size / P.length
         self.way = [P.start]
         status, error = self._follow(state)
         last = state.at
@@ -226,7 +235,7 @@ class PlaneSolver:
             last = P.linearise(self.way[-1], last.value)
         curved = status is SolverStatus.CONVERGED and self._curved_down(state)
         return PlaneSolution(
-            last.point, state.lam * unit / P.length, last.value, status, self.iterations, tuple(self.way), error, curved
+            last.point, state.lam * unit / P.length, last.value, status, self.iterations, tuple(self.way), error, curved, self.inner
         )
 
     def _curved_down(self, state: PlaneState) -> bool:
@@ -238,9 +247,10 @@ class PlaneSolver:
     def _follow(self, state: PlaneState) -> tuple[SolverStatus, float]:
         """Advance the state until it is converged, stopped or escaping; where it gets no further, back to the best iterate."""
         before, least, since, most = np.inf, np.inf, 0, -np.inf
-        best = _Best(np.inf, state.at, state.lam, 0)
+        best, inner = _Best(np.inf, state.at, state.lam, 0), (1, FIRST_MU)
         self._move = np.zeros_like(state.displacement)
         for k in range(self.most + 1):
+            self.inner = inner
             primal, dual, dual_planes, gap = state.residuals()
             value = state.at.value / state.unit
             if self.progress is not None:
@@ -255,13 +265,16 @@ class PlaneSolver:
             legal = self._legal(state.at)
             if legal is not None:
                 self.way.append(legal)
+                if gap > INNER * size:
+                    inner = len(self.way), self._mu
             error = max(gap, infeasible, min(unheld, 1e3)) / size
             balanced = max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes)) < BALANCED
             if k >= LEAST_ITERATIONS and legal is not None and balanced:
-                settled = unheld < 10 * self.tolerance * size or (
-                    abs(value - before) < self.tolerance * size and unheld < np.sqrt(self.tolerance) * size
+                enough = max(self.tolerance * size, 5 * len(primal) * self._floor)
+                settled = unheld < 10 * enough or (
+                    abs(value - before) < enough and unheld < np.sqrt(self.tolerance) * size
                 )
-                if max(gap, infeasible) < self.tolerance * size and settled:
+                if max(gap, infeasible) < enough and settled:
                     return SolverStatus.CONVERGED, error
                 if error < best.error:
                     best = _Best(error, state.at, state.lam, len(self.way))
@@ -292,7 +305,7 @@ class PlaneSolver:
         return found if self.program.values(found).min(initial=np.inf) > 0 else None
 
     def _advance(self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, size: float) -> bool:
-        least = 0.2 * self.tolerance * size / max(len(primal), 1)
+        least = max(0.2 * self.tolerance * size / max(len(primal), 1), self._floor)
         if self.inside:
             return self._descend(state, primal, dual, dual_planes, least)
         step = self._direction(state, primal, dual, dual_planes, least)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError, Stop, TouchingError
 from wiggleroom.spatial.overlap_check import deepest_overlap
 from wiggleroom.spatial.plane_contacts import plane_contacts
-from wiggleroom.spatial.plane_program import PlanePoint, PlaneProgram, best_axis, build_planes
+from wiggleroom.spatial.plane_program import PlaneProgram, best_axis, build_planes
 from wiggleroom.spatial.plane_solver import PlaneSolution, PlaneSolver
 from wiggleroom.spatial.plane_way import refined
 from wiggleroom.spatial.rigid import Pose, near_pieces
@@ -22,7 +22,7 @@ from wiggleroom.spatial.spatial_bodies import Grouping, grouped
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal, SpatialTurn, Weight
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.swept_check import SweptCheck
-from wiggleroom.verdict import Verdict
+from wiggleroom.verdict import SolverStatus, Verdict
 import itertools
 
 Floats = NDArray[np.float64]
@@ -37,6 +37,8 @@ HORIZON = 4.0
 MOST_TURN = 4 * np.pi
 """A twist beyond this is taken to go on without limit, once a whole turn in place is shown to be free [rad]."""
 MOST_ROUNDS = 8
+NEARLY = 1e-2
+"""An end that is certain is taken before one that lies this share of a clearance further."""
 OVERLAP = 1e-9
 """Overlaps shallower than this share of the size are rounding."""
 
@@ -129,6 +131,15 @@ def spatial_objective(ready: SpatialPrepared, goals: Sequence[SpatialGoal]) -> S
     return SumOfTerms(tuple(terms))
 
 
+SearchEnd = tuple[PlaneProgram, PlaneSolution, Floats, bool]
+"""Program, solution, way of the parts (k, n, 6), and whether that is free as far as the solution."""
+
+
+def _good(done: SearchEnd) -> bool:
+    """True where the end is an answer and the way there is free."""
+    return done[3] and done[1].status in (SolverStatus.CONVERGED, SolverStatus.ESCAPING)
+
+
 @dataclass(eq=False)
 class SpatialSearch:
     """Rounds of the program for one question; the best motion whose way is checked wins."""
@@ -143,7 +154,7 @@ class SpatialSearch:
     rounds: int = 0
     pieces: Ints = field(init=False)
 
-    def run(self) -> tuple[PlaneProgram, PlaneSolution, Floats, bool]:
+    def run(self) -> SearchEnd:
         """Program, solution, way of the parts (k, n, 6) and whether the whole way is free."""
         ready = self.ready
         near = (
@@ -152,28 +163,38 @@ class SpatialSearch:
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
         self.pieces = near
-        best: tuple[PlaneProgram, PlaneSolution, Floats, bool] | None = None
-        for inside in (False, True):
-            program, found = self._with_missed(inside)
-            points = self._legal(program, found.way)
-            way, whole = refined(self.ready, program, points)
-            done = (program, found, way, whole)
-            good = whole and found.status in ("converged", "escaping")
-            if good:
-                return done
-            if best is None or self._worth(done) > self._worth(best):
-                best = done
-            if self.stop is not None and self.stop.is_set():
-                break
-        assert best is not None
-        return best
+        done = self._attempt(inside=False)
+        if _good(done) or self._asked_to_stop():
+            return done
+        best = self._attempt(inside=True)
+        if not _good(best) and not self._asked_to_stop():
+            best = self._polished(best)
+        return best if _good(best) or self._worth(best) >= self._worth(done) else done
 
-    def _worth(self, done: tuple[PlaneProgram, PlaneSolution, Floats, bool]) -> float:
+    def _attempt(self, inside: bool) -> SearchEnd:
+        """Solve from the start, and check the way."""
+        program, found = self._with_missed(inside)
+        return program, found, *refined(self.ready, program, found.way or [program.start])
+
+    def _polished(self, done: SearchEnd) -> SearchEnd:
+        """Go on with slacks from where iterates were well inside all rows; what passes through something is not taken."""
+        program, first, _, whole = done
+        if not whole or first.status is not SolverStatus.FAILED:
+            return done
+        count, mu = first.inner
+        solve = PlaneSolver(program, horizon=HORIZON * self.ready.size, stop=self.stop, progress=self.tell)
+        found = solve.solve(first.way[count - 1], mu=mu)
+        self.iterations += found.iterations
+        self.rounds += 1
+        more = program, found, *refined(self.ready, program, [*first.way[:count], *found.way[1:]])
+        return more if _good(more) and self._worth(more) > self._worth(done) - NEARLY * self.ready.clearance else done
+
+    def _asked_to_stop(self) -> bool:
+        return self.stop is not None and self.stop.is_set()
+
+    def _worth(self, done: SearchEnd) -> float:
         """Objective at the end of the way as far as it is free."""
         return self.objective.value(self.ready.grouping.pose_of(done[2][-1]))
-
-    def _legal(self, program: PlaneProgram, way: Sequence[PlanePoint]) -> list[PlanePoint]:
-        return list(way) or [program.start]
 
     def _with_missed(self, inside: bool) -> tuple[PlaneProgram, PlaneSolution]:
         """Solve; pairs of pieces outside the program that meet on the way join it, and it is solved again from rest."""
