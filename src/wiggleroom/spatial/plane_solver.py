@@ -235,7 +235,15 @@ class PlaneSolver:
             last = P.linearise(self.way[-1], last.value)
         curved = status is SolverStatus.CONVERGED and self._curved_down(state)
         return PlaneSolution(
-            last.point, state.lam * unit / P.length, last.value, status, self.iterations, tuple(self.way), error, curved, self.inner
+            last.point,
+            state.lam * unit / P.length,
+            last.value,
+            status,
+            self.iterations,
+            tuple(self.way),
+            error,
+            curved,
+            self.inner,
         )
 
     def _curved_down(self, state: PlaneState) -> bool:
