@@ -19,11 +19,12 @@ from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 MOST_DIRECTIONS = 13
 """Straight ways are tried along so many axes, both ways: those of most faces."""
-MOST_PLACES = 40
-"""Places, each reached by a checked way, from which all questions are asked again."""
+MOST_PLACES, MOST_PULLED = 200, 3
+"""Places, each reached by a checked way, from which straight ways are tried, and from which largest motions are searched."""
 NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
 FAR = 3.0
@@ -136,22 +137,62 @@ class _Stage:
         rest = np.zeros((len(self.ready.assembly.parts), 6))
         places: list[Floats] = [rest[None]]
         axes = self._axes()
-        for number in range(MOST_PLACES):
-            if number >= len(places):
-                return None
-            way = places[number]
-            for axis in axes:
-                for direction in (axis, -axis):
-                    group = self._straight(way[-1], direction)
-                    if group:
-                        end = way[-1].copy()
-                        end[group, :3] += FAR * self.ready.size * direction
-                        return group, np.concatenate([way, end[None]])
+        asked = 0
+        while asked < len(places):
+            # straight ways are cheap: all of them from all places first
+            for way in places[asked:]:
+                for axis in axes:
+                    for direction in (axis, -axis):
+                        group = self._straight(way[-1], direction)
+                        if group:
+                            end = way[-1].copy()
+                            end[group, :3] += FAR * self.ready.size * direction
+                            return group, np.concatenate([way, end[None]])
+                self._slide(way, axes, places)
+                asked += 1
+                if self.cut_short():
+                    return None
+        known = len(places)
+        for way in places[:MOST_PULLED]:
             out = self._pulled(way, axes, places)
             if out is not None or self.cut_short():
                 return out
-        self.cut = True
+        self.cut |= known > MOST_PULLED or len(places) > known
         return None
+
+    def _slide(self, way: Floats, axes: Floats, places: list[Floats]) -> None:
+        """Places that a body alone reaches by going straight until little more than its clearance is left."""
+        ready, body_of = self.ready, self.ready.grouping.body_of
+        moves = ready.grouping.bodies.free[:, :3]
+        for b in np.flatnonzero(moves.any(axis=1)):
+            mine = np.flatnonzero(body_of == b)
+            for direction in (*axes, *-axes):
+                if not moves[b][np.abs(direction) > 1e-12].all():
+                    continue
+                far = self._room(way[-1], mine, direction)
+                if NEW_PLACE * ready.clearance < far < ready.size:
+                    end = way[-1].copy()
+                    end[mine, :3] += (far - ready.clearance) * direction
+                    self._add_place(np.concatenate([way, end[None]]), places)
+
+    def _room(self, motion: Floats, mine: Ints, direction: Floats) -> float:
+        """How far some parts can go straight [mm], to a tenth of the clearance; the size where that is further."""
+        ready = self.ready
+
+        def free(far: float) -> bool:
+            end = motion.copy()
+            end[mine, :3] += far * direction
+            return not ready.checker.doubtful(motion, end, first=True, only=mine.tolist())
+
+        low, high = 0.0, NEW_PLACE * ready.clearance
+        while free(high):
+            low, high = high, 2 * high
+            if low > ready.size:
+                return ready.size
+        while high - low > ready.clearance / 10:
+            middle = (low + high) / 2
+            low, high = (middle, high) if free(middle) else (low, middle)
+        return low
 
     def cut_short(self) -> bool:
         """True once somebody asked to stop."""
@@ -233,7 +274,7 @@ class _Stage:
                         gone = leaving_parts(ready, whole[-1], goal)
                         if gone:
                             return gone, whole
-                    self._add_places(whole, len(way), places)
+                    self._add_place(whole, places)
         return None
 
     def _largest(self, goal: SumOfTerms, begin: Pose) -> tuple[str, Floats] | None:
@@ -247,16 +288,14 @@ class _Stage:
             self.cut |= found.error > 1e-2
         return found.status if whole else "failed", way
 
-    def _add_places(self, whole: Floats, first: int, places: list[Floats]) -> None:
+    def _add_place(self, way: Floats, places: list[Floats]) -> None:
         """Take the end of a way in among the places where nothing near it is known."""
-        for stop in range(first, len(whole)):
-            last = stop == len(whole) - 1
-            if not last:
-                continue
-            motion = whole[stop]
-            apart = [np.abs(motion[:, :3] - p[-1][:, :3]).max() for p in places]
-            if min(apart) > NEW_PLACE * self.ready.clearance and len(places) < MOST_PLACES:
-                places.append(whole[: stop + 1])
+        apart = min(np.abs(way[-1, :, :3] - p[-1, :, :3]).max() for p in places)
+        if apart > NEW_PLACE * self.ready.clearance:
+            if len(places) < MOST_PLACES:
+                places.append(way)
+            else:
+                self.cut = True
 
 
 def _standing(assembly: SpatialAssembly) -> SpatialAssembly:
