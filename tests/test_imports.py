@@ -69,7 +69,9 @@ def wrong(path: Path, root: Path = ROOT) -> list[str]:
 
 
 MODULES = sorted(
-    p for p in ROOT.rglob("*.py") if p.parent != ROOT or p.stem in ("errors", "files", "verdict", "maximise", "questions")
+    p
+    for p in ROOT.rglob("*.py")
+    if p.parent != ROOT or p.stem in ("errors", "files", "verdict", "maximise", "questions")
 )
 
 

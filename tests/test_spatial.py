@@ -39,7 +39,14 @@ def ring(count: int, radius: float) -> list[list[float]]:
     return (radius * np.column_stack([np.cos(angle), np.sin(angle)])).tolist()
 
 
-PLATE = {"name": "plate", "outline": square(40), "holes": [square(10.4)], "thickness": 12, "at": [0, 0, -6], "fixed": True}
+PLATE = {
+    "name": "plate",
+    "outline": square(40),
+    "holes": [square(10.4)],
+    "thickness": 12,
+    "at": [0, 0, -6],
+    "fixed": True,
+}
 PEG = {"name": "peg", "boxes": [[-5, -5, -20, 5, 5, 20]]}
 
 
@@ -52,7 +59,10 @@ def sound(answer: SpatialAnswer) -> SpatialAnswer:
 def test_rows_and_objectives_have_the_derivatives_they_say() -> None:
     bodies = grouped(spatial(PLATE, PEG)).bodies
     rng = np.random.default_rng(3)
-    for terms in ((Displacement(1, np.array([1.0, 2, 3]), np.array([0.3, -1, 2]), bodies.at[1]),), (Twist(1, np.array([0, 0.6, 0.8]), 2.0),)):
+    for terms in (
+        (Displacement(1, np.array([1.0, 2, 3]), np.array([0.3, -1, 2]), bodies.at[1]),),
+        (Twist(1, np.array([0, 0.6, 0.8]), 2.0),),
+    ):
         P = build_planes(bodies, SumOfTerms(terms), near_pieces(bodies, bodies.rest, 2.0), length=0.4)
         pose = Pose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(rng.normal(size=(2, 3)) * 0.4))
         n = P.start.n + 0.1 * rng.normal(size=P.start.n.shape)
@@ -112,7 +122,13 @@ def test_square_peg_tilts_shifts_and_twists_as_closed_forms_say() -> None:
 
 
 def test_a_rectangular_peg_is_held_by_its_shorter_clearance() -> None:
-    peg = {"name": "peg", "outline": [[-8, -4], [8, -4], [8, 4], [-8, 4]], "thickness": 60, "at": [0, 0, -30], "lock": ["rx", "ry"]}
+    peg = {
+        "name": "peg",
+        "outline": [[-8, -4], [8, -4], [8, 4], [-8, 4]],
+        "thickness": 60,
+        "at": [0, 0, -30],
+        "lock": ["rx", "ry"],
+    }
     hole = [[-8.3, -4.1], [8.3, -4.1], [8.3, 4.1], [-8.3, 4.1]]
     assembly = spatial(PLATE | {"holes": [hole]}, peg)
     truth = brentq(lambda a: 16 * np.sin(a) + 8 * np.cos(a) - 8.2, 0, 0.3)
@@ -186,7 +202,11 @@ def test_chains_of_plates_locked_in_the_plane_move_as_the_drawing_does() -> None
             }
             for p in flat.drawing.parts
         ]
-        answer = sound(flex_spatial(spatial(*parts, gap=0.01), SpatialPull(flat.names[-1], (0, 1, 0), (*flat.drawing.parts[-1].at[:2], 0.2))))
+        answer = sound(
+            flex_spatial(
+                spatial(*parts, gap=0.01), SpatialPull(flat.names[-1], (0, 1, 0), (*flat.drawing.parts[-1].at[:2], 0.2))
+            )
+        )
         assert answer.objective == pytest.approx(truth, abs=1e-6)
         assert answer.iterations <= 30
 
@@ -208,7 +228,9 @@ def test_rotations_are_those_of_scipy() -> None:
     assert np.allclose(exponential(w), Rotation.from_rotvec(w).as_matrix(), atol=1e-14)
     R = Rotation.random(200, random_state=1)
     assert np.allclose(logarithm(R.as_matrix()), R.as_rotvec(), atol=1e-12)
-    assert np.allclose(fixed_axes(np.array([20.0, -50, 110])), Rotation.from_euler("xyz", [20, -50, 110], degrees=True).as_matrix())
+    assert np.allclose(
+        fixed_axes(np.array([20.0, -50, 110])), Rotation.from_euler("xyz", [20, -50, 110], degrees=True).as_matrix()
+    )
 
 
 def test_a_turn_is_counted_on_past_half_a_turn() -> None:
@@ -222,7 +244,10 @@ def test_a_turn_is_counted_on_past_half_a_turn() -> None:
 def test_touching_parts_are_named() -> None:
     with pytest.raises(wr.TouchingError, match=r'"a" and "b" touch at rest') as raised:
         flex_spatial(
-            spatial({"name": "a", "boxes": [[0, 0, 0, 1, 1, 1]], "fixed": True}, {"name": "b", "boxes": [[1, 0, 0, 2, 1, 1]]}),
+            spatial(
+                {"name": "a", "boxes": [[0, 0, 0, 1, 1, 1]], "fixed": True},
+                {"name": "b", "boxes": [[1, 0, 0, 2, 1, 1]]},
+            ),
             SpatialPull("b", (1, 0, 0)),
         )
     assert raised.value.parts == ("a", "b")

@@ -41,7 +41,10 @@ BAD = {
     "thin": (text({"name": "a", "outline": SQUARE, "thickness": 0}), "thickness is 0"),
     "thickness of boxes": (text(BOX | {"thickness": 3}), 'go with "outline" only'),
     "two corners": (text({"name": "a", "outline": SQUARE[:2], "thickness": 1}), "needs at least 3 corners"),
-    "flat hole": (text({"name": "a", "outline": SQUARE, "holes": [[[1, 1], [2, 2], [3, 3]]], "thickness": 1}), "hole 1 needs"),
+    "flat hole": (
+        text({"name": "a", "outline": SQUARE, "holes": [[[1, 1], [2, 2], [3, 3]]], "thickness": 1}),
+        "hole 1 needs",
+    ),
     "no boxes": (text({"name": "a", "boxes": []}), '"boxes" is empty'),
     "flat box": (text({"name": "a", "boxes": [[0, 0, 0, 1, 0, 1]]}), "boxes[0] must be x, y, z of the lower"),
     "five numbers": (text({"name": "a", "boxes": [[0, 0, 0, 1, 1]]}), "must be a list of 6, not of 5"),
@@ -52,10 +55,16 @@ BAD = {
     "offset": (text(BOX | {"offset": 1}), "offset moves the cut edges of plates only"),
     "glue": (text(BOX, glue=[["a", "b"]]), 'there is no part "b"'),
     "ignore": (text(BOX, ignore=[["a", "a"]]), "must name two different parts"),
-    "pull fixed": (text(BOX | {"fixed": True}, pull=[{"part": "a", "direction": [0, 0, 1]}]), "is fixed and cannot be pulled"),
+    "pull fixed": (
+        text(BOX | {"fixed": True}, pull=[{"part": "a", "direction": [0, 0, 1]}]),
+        "is fixed and cannot be pulled",
+    ),
     "pull nothing": (text(BOX, pull=[{"part": "a"}]), 'must have either "direction" or "turn"'),
     "pull zero": (text(BOX, pull=[{"part": "a", "direction": [0, 0, 0]}]), "the direction is zero"),
-    "turn at a point": (text(BOX, pull=[{"part": "a", "turn": [0, 0, 1], "point": [0, 0, 0]}]), '"point" goes with "direction"'),
+    "turn at a point": (
+        text(BOX, pull=[{"part": "a", "turn": [0, 0, 1], "point": [0, 0, 0]}]),
+        '"point" goes with "direction"',
+    ),
     "mesh of a text": (text({"name": "a", "mesh": "a.stl"}), "this assembly is no file itself"),
     "not JSON": ('{"format": "wiggleroom/2",', "is not JSON"),
 }

@@ -65,7 +65,7 @@ def draw_separation(found: SpatialSeparation, path: Path) -> None:
             who = found.assembly.names.index(name)
             motion[who] = e.path[-1, who]
             far = np.linalg.norm(motion[who, :3])
-            share = EXPLODED * found.assembly.size * (1 + 0.3 * (len(found.escapes) - 1 - k)) / max(far, 1e-300)
+            share = EXPLODED * found.assembly.size * (1 + 0.3 * (len(found.escapes) - 1 - k)) / max(float(far), 1e-300)
             motion[who, :3] *= min(1.0, share)
     lines = [f"{found.verdict} at gap {found.assembly.gap:g} mm"]
     lines += [", then ".join(" and ".join(e.parts) for e in found.escapes)] if found.escapes else []

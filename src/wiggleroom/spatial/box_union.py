@@ -116,7 +116,7 @@ def _grow(solid: Bools, low: NDArray[np.int64], high: NDArray[np.int64], axis: i
     """Move both ends of a block of cells along an axis as far as all cells are solid."""
     across = [slice(lo, hi) for lo, hi in zip(low, high, strict=True)]
     across[axis] = slice(None)
-    full = solid[tuple(across)].all(axis=tuple(k for k in range(3) if k != axis))
+    full: Bools = np.asarray(solid[tuple(across)].all(axis=tuple(k for k in range(3) if k != axis)))
     while low[axis] > 0 and full[low[axis] - 1]:
         low[axis] -= 1
     while high[axis] < len(full) and full[high[axis]]:

@@ -102,7 +102,7 @@ def _bodies(path: Path, ending: str) -> tuple[dict[str, Any], float]:
         mesh = scene.geometry[name]
         if not isinstance(mesh, trimesh.Trimesh) or not len(mesh.faces):
             continue
-        label = name
+        label = str(name)
         while label in found:
             label = f"{label}'"
         found[label] = mesh.copy().apply_transform(transform)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -349,13 +349,13 @@ class GraphRetraction:
         )  # neighbours that reach far say little about where a body goes
         self._weight, self._edges, self._ends = weight, edges, sp.csr_matrix(edges.T.multiply(weight))
         self._open = P.slot[self._moving, :3] >= 0
-        self._laplacian = None
+        self._laplacian: Any = None
         if len(self._moving):
             laplacian = self._ends @ edges + self.ANCHOR * sp.eye(shape[1])
             self._laplacian = qdldl.Solver(sp.csc_matrix(laplacian))
 
     def _solve(self, right: Floats) -> Floats:
-        columns = [self._laplacian.solve(np.ascontiguousarray(right[:, k])) for k in range(3)]  # type: ignore[attr-defined]
+        columns = [self._laplacian.solve(np.ascontiguousarray(right[:, k])) for k in range(3)]
         return np.column_stack(columns)
 
     def placed(self, T: Floats, R: Floats, q: Floats) -> Floats:

@@ -41,7 +41,7 @@ class RigidBodies:
     @property
     def moves(self) -> Bools:
         """Bodies (n,) that are not fixed."""
-        return self.free.any(axis=1)
+        return np.asarray(self.free.any(axis=1))
 
     @property
     def radius(self) -> Floats:

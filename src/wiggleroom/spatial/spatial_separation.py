@@ -202,7 +202,8 @@ class _Stage:
 
     def _axes(self) -> Floats:
         """Normals of faces in the world, those of most faces first."""
-        normals, count = [], []
+        normals: list[Floats] = []
+        count: list[int] = []
         for body in self.ready.grouping.bodies.pieces:
             for piece in body:
                 for n in piece.normals:
