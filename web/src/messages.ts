@@ -184,7 +184,7 @@ export interface FlexReply {
   kind: "flex";
   id: number;
   objective: number | null; // sum of the goals [mm], turns in [rad]; null where nothing stops the motion
-  verdict: "optimal" | "stationary" | "unbounded" | "stopped" | "touching" | "cannot be made";
+  verdict: "proven" | "optimal" | "stationary" | "unbounded" | "stopped" | "touching" | "cannot be made";
   headline: string;
   facts: string[];
   sure: [string, string][]; // a word and a sentence each
@@ -287,7 +287,7 @@ export interface StepReply {
   id: number;
   gap: number; // [mm]
   objective: number | null; // sum of the goals [mm], turns in [rad]; null where nothing stops the motion
-  verdict: "optimal" | "stationary" | "unbounded" | "stopped" | "touching" | "cannot be made";
+  verdict: "proven" | "optimal" | "stationary" | "unbounded" | "stopped" | "touching" | "cannot be made";
   checked: boolean;
 }
 

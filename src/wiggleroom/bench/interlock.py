@@ -16,11 +16,12 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
-from wiggleroom.compare.approximate import End
 from wiggleroom.drawing.model import Goal, Pull, Turn, part_of
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
+from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import prepare
 from wiggleroom.search.answer import Answer
 from wiggleroom.separate.interlock import check
@@ -136,10 +137,10 @@ def _outside(answer: Answer, name: str | None) -> bool:
 
     Its convex hull then meets that of no other part, nor that of everything that is fixed.
     """
-    if name is None or not isinstance(answer.trail, End):
+    if name is None or answer.model == "walls":
         return False
-    them = answer.trail.program.bodies
-    where = placed(them, answer.trail.motions[-1])
+    them = bodies(answer.assembly)
+    where = placed(them, of_bodies(answer.assembly, them, answer.motion[None])[0])
     row = them.body_of[answer.assembly.names.index(name)]
     mine, others = shapely.convex_hull(where[row]), np.delete(where, row)
     ground = shapely.convex_hull(shapely.union_all(where[them.fixed]))

@@ -28,9 +28,8 @@ from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_rest
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
-from wiggleroom.search.answer import Answer, Bound
-from wiggleroom.search.loop import Found
-from wiggleroom.verdict import Verdict
+from wiggleroom.search.answer import Answer, Bound, with_bound
+from wiggleroom.search.incumbent import Incumbent
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -46,10 +45,10 @@ ROUNDING_MARGIN = 1e-11
 def with_quick_bound(answer: Answer) -> Answer:
     """The answer with a bound, where that takes less work than the answer did and says something."""
     began = time.perf_counter()
-    found = answer.trail
-    if not answer.objective or answer.verdict not in (Verdict.OPTIMAL, Verdict.STATIONARY):
+    found = answer.warm_start
+    if answer.bound is not None or not answer.objective or not answer.verdict.ends:
         return answer
-    if not isinstance(found, Found) or not isinstance(found.program.objective, PointMotion):
+    if found is None or not isinstance(found.program.objective, PointMotion):
         return answer
     most = quick_bound(found, found.program.objective, answer.iterations)
     spent = time.perf_counter() - began
@@ -58,10 +57,10 @@ def with_quick_bound(answer: Answer) -> Answer:
     if most is None or not answer.objective <= most <= MAX_BOUND_RATIO * answer.objective:
         return replace(answer, seconds=seconds)
     bound = Bound(most, most / answer.objective - 1, spent, kind="quick")
-    return replace(answer, at_most=most, bound=bound, seconds=seconds)
+    return with_bound(replace(answer, seconds=seconds), bound)
 
 
-def quick_bound(found: Found, goal: PointMotion, iterations: int) -> float | None:
+def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float | None:
     """Value that no motion exceeds, from the end of a search; None where it would take too long or joints do not close."""
     them, cells = found.program.bodies, found.program.cells
     wrench = _wrenches(found)
@@ -93,7 +92,7 @@ def quick_bound(found: Found, goal: PointMotion, iterations: int) -> float | Non
     return _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
 
 
-def _wrenches(found: Found) -> Floats:
+def _wrenches(found: Incumbent) -> Floats:
     """Forces and moments (P, 3) with which every pair of the program pushes its second body from the first, in the axes of the first."""
     program = found.program
     at = program.linearise(found.solution.u)

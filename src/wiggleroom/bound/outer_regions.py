@@ -33,7 +33,7 @@ def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[Links, list
     for c, k in enumerate(first):
         if over():
             break
-        found, pivot = _region(ground, int(a[k]), int(b[k]), float(ground.near.clearance[k]))
+        found, pivot = _region(ground, int(a[k]), int(b[k]), float(ground.near.clearance[k]), over)
         if found is not None:
             kind[c], pivots[c] = len(regions), pivot
             regions.append(found)
@@ -63,8 +63,8 @@ def facing_of(
     return facing, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
 
 
-def _region(ground: Survey, a: int, b: int, clearance: float) -> tuple[Outer | None, Floats]:
-    """Outer region of one pair, None where the joint is open, and its pivot in the frame of body `a`."""
+def _region(ground: Survey, a: int, b: int, clearance: float, over: Callable[[], bool]) -> tuple[Outer | None, Floats]:
+    """Outer region of one pair, None where the joint is open or it was `over` first, and its pivot in the frame of body `a`."""
     them = ground.bodies
     facing, pivot, lever = facing_of(them, ground.geometry, a, b, clearance)
-    return outer_region(facing, lever, float(them.radius[a] + them.radius[b])), pivot
+    return outer_region(facing, lever, float(them.radius[a] + them.radius[b]), over), pivot

@@ -17,7 +17,7 @@ from wiggleroom.errors import InputError, Stop, WiggleroomError
 from wiggleroom.freespace.outer.outer_region import Outer
 from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion, objective
-from wiggleroom.search.answer import Answer, Bound
+from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import survey
 
@@ -124,7 +124,7 @@ def prove(
         paper = certificate(
             ground, answer.assembly.names, answer.assembly.gap, links, found, goal, ranges, bounding.cut, proof
         )
-    return replace(answer, at_most=float(most), bound=Bound(float(most), share, clock.spent, certificate=paper))
+    return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
 
 
 def _not_proven(answer: Answer, clock: Clock, why: str) -> Answer:

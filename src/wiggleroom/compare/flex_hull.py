@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.compare.approximate import Approximation, End, thinned
-from wiggleroom.errors import Stop
+from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.freespace.models.halfspaces import Faces
 from wiggleroom.freespace.models.pair_hulls import hulls
 from wiggleroom.freespace.models.pair_models import Hull
@@ -61,7 +61,12 @@ def flex_hull(
             return best
         tell(Progress("free spaces", run.rounds, solution.iterations, value))
         inner = _well_inside(ready, program, program.variables(begin), solution.u)
-        fresh = None if inner is None else hulls(ready.bodies, faces.a, faces.b, ready.reference, model, inner)
+        try:
+            fresh = (
+                None if inner is None else hulls(ready.bodies, faces.a, faces.b, ready.reference, model, inner, stop)
+            )
+        except StoppedError:
+            return replace(best, verdict=Verdict.STOPPED)
         if inner is None or fresh is None:
             return best
         faces, begin, way = fresh.faces, inner, [*way, inner]

@@ -7,7 +7,6 @@ from typing import overload
 
 import numpy as np
 import shapely
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
@@ -21,6 +20,7 @@ from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, 
 from wiggleroom.freespace.models.polyhedron import Polyhedron
 from wiggleroom.freespace.slices import Slice, march, meeting
 from wiggleroom.geometry.bodies import Bodies, bodies
+from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.relative_pose import Relative, relate, turn
 

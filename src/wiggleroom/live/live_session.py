@@ -15,19 +15,21 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode, Shot
 from wiggleroom.live.loose_modes import modes
 from wiggleroom.live.prepared_designs import Design, Designs
-from wiggleroom.live.warm_start import State, Until, Warm, at_rest, pushed, warm
+from wiggleroom.live.warm_start import State, Until, WarmSearch, at_rest, pushed
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import Approach
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.search.build_answer import part_motions, unlimited
+from wiggleroom.search.build_answer import unlimited
 from wiggleroom.search.contact_forces import contacts
-from wiggleroom.search.loop import Found, Progress
+from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Spot = tuple[float, float]
@@ -173,9 +175,9 @@ class Live:
         state = self._state if self._state is not None and start == "here" else at_rest(ready)
         here = term.value(state.inner)  # what counts is what is gained from there
         enough = float(away @ away) - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
-        search = warm(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
+        search = WarmSearch(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
         self._state, settled = search.reach()
-        motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
+        motion = of_parts(ready.assembly, ready.bodies, self._state.motion[None])[0]
         x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
@@ -209,13 +211,13 @@ class Live:
         if state is None:
             state = at_rest(ready)
             for pull in pulls(ready.bodies, term, ready.clearance)[:1]:  # rest shows no direction
-                state, _ = warm(ready, pull, state, until).reach()
-        search = warm(ready, term, state, until)
+                state, _ = WarmSearch(ready, pull, state, until).reach()
+        search = WarmSearch(ready, term, state, until)
         state, settled = search.reach()
         settled = settled and state.linked
         self._remember(_End(asked, self._design, state))
-        motion = part_motions(ready.assembly, ready.bodies, state.motion[None])[0]
-        if search.unlimited:
+        motion = of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
+        if search.search.unlimited:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return Shot(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
         held = _held(ready, search, 1.0)
@@ -240,8 +242,8 @@ class Live:
         if self._now is not old:
             self._state = None
         answer = witness(self.ready, asked, stop=stop, progress=progress)
-        found = answer.trail
-        if isinstance(found, Found) and answer.objective is not None and answer.collision_free:
+        found = answer.warm_start
+        if found is not None and answer.objective is not None and answer.collision_free:
             cells = found.program.cells
             ended = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion)
             state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
@@ -340,9 +342,9 @@ def _in_design(state: State, old: Design, new: Design) -> State | None:
     return replace(state, cells=carried(state.cells, one, other))
 
 
-def _held(ready: Prepared, search: Warm, unit: float) -> tuple[Contact, ...]:
+def _held(ready: Prepared, search: WarmSearch, unit: float) -> tuple[Contact, ...]:
     """Contacts that hold the best motion, forces in this unit."""
     found = search.best
-    if found is None or found.solution.status != "converged":
+    if found is None or found.solution.status is not SolverStatus.CONVERGED:
         return ()
     return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)

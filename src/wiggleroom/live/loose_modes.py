@@ -10,11 +10,11 @@ from scipy.sparse.linalg import eigsh, splu
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies, corners
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode
-from wiggleroom.live.warm_start import at_rest, warm
+from wiggleroom.live.warm_start import WarmSearch, at_rest
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import ZERO_MOTION, PointMotion, Points
-from wiggleroom.search.build_answer import part_motions
 from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
@@ -65,7 +65,7 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
         frames = np.concatenate([one, one[-2::-1], other[1:], other[-2::-1]])
         most = [b for b in np.argsort(-size, kind="stable")[:MAX_NAMED_PARTS] if size[b] > 0.3 * size.max()]
         names = tuple(ready.assembly.names[p] for b in most for p in ready.bodies.members[b])
-        shown = part_motions(ready.assembly, ready.bodies, frames)
+        shown = of_parts(ready.assembly, ready.bodies, frames)
         for end in (one[-1], other[-1]):
             along = program.variables(end)
             along = along - sum((along @ g) * g for g in gone)
@@ -105,8 +105,9 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
     weights = (direction / program.scale).reshape(-1, 3)
     weights = weights / np.abs(weights[:, :2]).max(initial=1e-300)
     goal = PointMotion(program.free, weights[:, :2], np.zeros((len(program.free), 2)), weights[:, 2])
-    search = warm(ready, goal, at_rest(ready), stop)
-    search.reach()
+    warm = WarmSearch(ready, goal, at_rest(ready), stop)
+    warm.reach()
+    search = warm.search
     still = np.zeros((1, len(ready.bodies.fixed), 3))
     if search.best is None:
         return still, False

@@ -9,9 +9,8 @@ Rows of kind 4 are flat faces, linear in where a point v of B is seen and in psi
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import NO_ALLOCATION
+from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 
 A_EDGE, B_EDGE, LOW, HIGH, FACE = 0, 1, 2, 3, 4
 

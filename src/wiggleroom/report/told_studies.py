@@ -15,7 +15,6 @@ from wiggleroom.separate.largest_gap import LargestGap
 def ranking_told(ranking: Ranking, command: str) -> RankReply:
     """Whose gap matters, of parts and of joints, the most important first."""
     names = ranking.answer.assembly.names
-    joints = (-ranking.joint_looser).argsort(kind="stable")
     return RankReply(
         parts={
             names[k]: ImportanceEntry(float(ranking.looser[k]), float(ranking.tighter[k]), float(ranking.percent[k]))
@@ -27,7 +26,7 @@ def ranking_told(ranking: Ranking, command: str) -> RankReply:
                 float(ranking.joint_looser[k]),
                 float(ranking.joint_percent[k]),
             )
-            for k in joints.tolist()
+            for k in ranking.joint_order.tolist()
         ],
         per=per_gap(ranking.answer.goals),
         unique=bool(ranking.unique.all()),

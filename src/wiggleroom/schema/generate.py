@@ -52,12 +52,14 @@ def typescript() -> str:
 
 def tables(text: str) -> str:
     """Text of a page of the docs, the tables between its marks made anew."""
-    for cls in (*RESULTS, AssemblyFile):
-        begin = BEGIN.format(cls.__name__)
+    groups: dict[str, list[type[Struct]]] = {cls.__name__: [cls] for cls in RESULTS}
+    groups |= {"requests": list(get_args(AnyRequest)), "replies": list(get_args(AnyReply)), "baked page": [BakedPage]}
+    for name, kinds in groups.items():
+        begin = BEGIN.format(name)
         if begin in text:
             before, _, rest = text.partition(begin)
             _, _, after = rest.partition(END)
-            text = f"{before}{begin}\n{_table(cls)}\n{END}{after}"
+            text = f"{before}{begin}\n{_table(kinds)}\n{END}{after}"
     return text
 
 
@@ -65,8 +67,8 @@ def generated(top: Path) -> dict[Path, str]:
     """Every generated file below the top of a checkout, and what it should hold."""
     found = {top / "docs" / "schema" / name: text for name, text in json_schemas().items()}
     found[top / "web" / "src" / "messages.ts"] = typescript()
-    page = top / "docs" / "json.md"
-    found[page] = tables(page.read_text(encoding="utf-8"))
+    for page in (top / "docs" / "json.md", top / "docs" / "page-protocol.md"):
+        found[page] = tables(page.read_text(encoding="utf-8"))
     return found
 
 
@@ -144,12 +146,15 @@ def _description(info: Any) -> str:
     return ""
 
 
-def _table(cls: type[Struct]) -> str:
-    """Fields of a structure and of those inside it, as Markdown."""
+def _table(kinds: list[type[Struct]]) -> str:
+    """Fields of structures and of those inside them, as Markdown."""
     structs: dict[type, inspect.StructType] = {}
-    _collect(inspect.type_info(cls), structs)
+    for info in inspect.multi_type_info(kinds):
+        _collect(info, structs)
+    inner = [one for one in structs if one not in kinds]
     rows = []
-    for one, info in reversed(structs.items()):
+    for one in [*kinds, *reversed(inner)]:
+        info = structs[one]
         rows += [f"\n**{one.__name__}**: {_summary(one)}\n", "| key | type | |", "| --- | --- | --- |"]
         if info.tag is not None:
             rows.append(f"| `{info.tag_field}` | `{json.dumps(info.tag)}` | |")

@@ -76,7 +76,7 @@ class Spread:
         Examples
         --------
         >>> Spread(0.1, "uniform", sheet=1.0).draw(2, 3, seed=0).round(3).tolist()
-        [[0.01, 0.01, 0.01], [0.09, 0.09, 0.09]]
+        [[0.01, 0.01, 0.01], [-0.041, -0.041, -0.041]]
         """
         z = np.random.default_rng(seed).standard_normal((draws, parts + 1))
         # correlated normal numbers, then to the wanted distribution by their rank

@@ -24,7 +24,9 @@ from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.loop import Found, Search, silent
+from wiggleroom.search.incumbent import Incumbent, at_rest
+from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.moves import PLAIN
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution, solve
 from wiggleroom.verdict import SolverStatus, Verdict
@@ -74,7 +76,7 @@ class Base:
     value: float
 
 
-def ended(answer: Answer) -> Found:
+def ended(answer: Answer) -> Incumbent:
     """How the motion of an answer was found.
 
     Raises
@@ -86,16 +88,16 @@ def ended(answer: Answer) -> Found:
         why = "nothing stops the motion" if answer.objective is None else "the search for its motion was cut short"
         finding = f"{answer.assembly.drawing.source or 'the assembly'}: {why}, so no gap can be held against it"
         raise InputError(finding)
-    return cast(Found, answer.trail)
+    return cast(Incumbent, answer.warm_start)
 
 
 def can_be_ranked(answer: Answer) -> bool:
     """True where the motion ends, at multipliers that say what it is worth to give way."""
-    found = answer.trail
-    return isinstance(found, Found) and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
+    found = answer.warm_start
+    return found is not None and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
 
 
-def base(ready: Prepared, found: Found) -> Base:
+def base(ready: Prepared, found: Incumbent) -> Base:
     """What variations start from: the last program of a search, solved to ten digits."""
     program, solution = found.program, found.solution
     finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE_TOLERANCE)
@@ -132,9 +134,8 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
         return Varied(np.nan, Verdict.TOUCHING)
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
-    finder = Search(varied, objective, solve, None, silent, thorough=False)
-    finder.run()
-    found = finder.best
+    finder = LocalSearch(varied, objective, solve, PLAIN)
+    found = finder.improve(at_rest(varied))
     if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return afresh(ready.assembly, goals, inward)
     if overlaps(bodies, found.motion, ready.barred).deepest > OVERLAP_TOLERANCE * ready.size:

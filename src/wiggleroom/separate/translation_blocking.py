@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 
 @njit(**COMPILED_CALLERS_ONLY)

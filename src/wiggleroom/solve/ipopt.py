@@ -79,7 +79,7 @@ def solve(
     u = np.zeros(len(program.scale)) if start is None else start
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
-    watch = _Watch(program, unit, u, horizon, stop, progress)
+    watch = _Monitor(program, unit, u, horizon, stop, progress)
     variables, value, rows = _expressions(casadi, program)
     nlp = {"x": variables, "f": -value / unit, "g": rows}
     listener = _listener(casadi, watch)
@@ -200,7 +200,7 @@ def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:
 
 
 @dataclass(eq=False)
-class _Watch:
+class _Monitor:
     """What is kept from the iterations, and the reasons to end them."""
 
     program: Program
@@ -239,7 +239,7 @@ class _Watch:
         return self.status is None
 
 
-def _listener(casadi: Any, watch: _Watch) -> object:
+def _listener(casadi: Any, watch: _Monitor) -> object:
     """CasADi's iteration callback, which hands every iterate to `watch`."""
     sizes = {"x": len(watch.program.scale), "f": 1, "g": watch.program.rows}
     sizes |= {"lam_x": sizes["x"], "lam_g": sizes["g"], "lam_p": 0}

@@ -91,7 +91,7 @@ def tight_verdict(assembly: Assembly, within: float | None = None) -> TightVerdi
     Examples
     --------
     >>> import wiggleroom as wr
-    >>> wr.tight_verdict(wr.patterns.grid(3, 3, "swallowtail")).verdict
+    >>> str(wr.tight_verdict(wr.patterns.grid(3, 3, "swallowtail")).verdict)
     'locked'
     >>> wr.tight_verdict(wr.patterns.chain(2, "finger")).moving
     ('b2',)

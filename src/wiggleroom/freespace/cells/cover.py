@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
@@ -14,6 +13,7 @@ from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, grow_cells, 
 from wiggleroom.freespace.cells.walls import clip
 from wiggleroom.freespace.slices import March, Slice
 from wiggleroom.geometry.bodies import Bodies, Shapes
+from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import Relative, turn
 
 Floats = NDArray[np.float64]

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.pair_edges import Outlines, Pair, posed, put
 from wiggleroom.freespace.cells.separate_edges import hide_all
 from wiggleroom.freespace.cells.separating_lines import LINES, MAX_LINES, MAX_WALLS_PER_LINE, room_for
 from wiggleroom.freespace.cells.walls import joined, slice_middle
-from wiggleroom.geometry.jit_options import INLINED, NO_ALLOCATION
+from wiggleroom.geometry.jit_options import INLINED, NO_ALLOCATION, njit
 
 INITIAL_WALLS = 64
 """Walls per cell that there is room for at first."""

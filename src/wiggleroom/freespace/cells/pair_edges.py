@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.bodies import Shapes
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 EDGE = np.dtype(
     [

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from wiggleroom.freespace.cells.pair_edges import edge_in_front, normal_seen, posed
 from wiggleroom.freespace.cells.separating_lines import (
@@ -16,7 +15,7 @@ from wiggleroom.freespace.cells.separating_lines import (
     set_ahead,
 )
 from wiggleroom.freespace.cells.walls import keeps, out_of_reach
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, INLINED
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, INLINED, njit
 
 NO_SEPARATING_LINE, OUT_OF_MEMORY = -1, -2
 

@@ -12,11 +12,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.pair_edges import EDGE, RUN, Outlines, apart2, normal_seen, seen
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 MAX_LINES = 400
 MAX_WALLS_PER_LINE = 48

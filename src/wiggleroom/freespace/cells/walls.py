@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from wiggleroom.freespace.cells.pair_edges import in_front, normal_seen, posed, seen
 from wiggleroom.freespace.cells.separating_lines import LINES
-from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 
 @njit(**COMPILED_CALLERS_ONLY)

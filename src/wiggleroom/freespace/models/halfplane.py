@@ -8,11 +8,11 @@ region convex, and smaller than the truth. To first order in the relative motion
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.models.halfspaces import Faces
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import relative_rest
 
 Floats = NDArray[np.float64]

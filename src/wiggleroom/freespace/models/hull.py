@@ -65,8 +65,8 @@ def pair_hull(pair: Meeting, model: Hull, reach: float) -> PairHull | None:
     >>> from wiggleroom.freespace.slices import meeting
     >>> peg, ring = shapely.box(-0.9, -0.9, 0.9, 0.9), shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1)
     >>> hull = pair_hull(meeting(ring, peg), Hull(), reach=1.0)
-    >>> len(hull.offset), round(hull.ends[1], 5)  # two pyramids on a square; 0.9 (cos + sin) = 1
-    (8, 0.11839)
+    >>> len(hull.offset), round(hull.ends[1], 5)  # two pyramids on a square, a lid on each; 0.9 (cos + sin) = 1
+    (10, 0.11839)
 
     Source: Mind the Gap, sections 4.1 and 4.2.
     """

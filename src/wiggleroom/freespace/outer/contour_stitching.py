@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
