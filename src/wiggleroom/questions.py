@@ -21,6 +21,7 @@ def read(
     flatten: float | None = None,
     fix: Sequence[str] = (),
     goals: Sequence[Any] = (),
+    **options: Any,
 ) -> Assembly | SpatialAssembly:
     """Assembly from a file: a drawing or a file of format wiggleroom/1 in the plane, one of format wiggleroom/2 in space.
 
@@ -38,6 +39,8 @@ def read(
         Parts that stand, besides those the file fixes.
     goals : sequence of Pull or Turn
         In place of the file's, where there are any.
+    **options
+        Of drawings alone: see `wiggleroom.assembly.build.read`.
 
     Raises
     ------
@@ -50,7 +53,7 @@ def read(
         return read_spatial_assembly(Path(path), gap=gap, fix=fix, goals=spatial_goals(tuple(goals)) or ())
     from wiggleroom.assembly.build import read as read_planar
 
-    return read_planar(path, gap, unit, flatten, fix, goals)
+    return read_planar(path, gap, unit, flatten, fix, goals, **options)
 
 
 def is_spatial_file(path: str | PathLike[str]) -> bool:

@@ -46,19 +46,18 @@ def check(
     from wiggleroom.bound.branch_and_bound import Clock
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError, Stop
-
-<<<<<<< HEAD
     from wiggleroom.questions import is_spatial_file
 
     if is_spatial_file(file):
         from wiggleroom.cli.in_space import check_in_space
 
+        if largest_gap or time is not None:
+            message = f"--largest-gap and --time are for drawings; {file} is an assembly in space: leave them out"
+            raise InputError(message)
         return check_in_space(file, asked, outputs)
-=======
     if time is not None and not 0 < time < float("inf"):
         finding = f"--time {time:g}: it must be more than 0 seconds"
         raise InputError(finding)
->>>>>>> main
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible() as interrupt, progress() as show:

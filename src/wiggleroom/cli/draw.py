@@ -43,9 +43,7 @@ def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
     seen = look(file, asked)
     for line in (*seen.assembly.drawing.notes, *seen.findings):
         note(line)
-    write_picture(
-        picture_of_reading(seen.assembly, seen.rows, seen.remarks, seen.findings, command=command), out
-    )
+    write_picture(picture_of_reading(seen.assembly, seen.rows, seen.remarks, seen.findings, command=command), out)
     show(_table(seen.rows))
     return 0
 

@@ -90,9 +90,9 @@ def read_in_space(file: str, asked: Asked) -> SpatialAssembly:
     goals, wrong = spatial_questions(asked.pull, asked.turn, asked.weight)
     if asked.gap is not None and not (math.isfinite(asked.gap) and asked.gap >= 0):
         wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
-    for option, value in (("unit", asked.unit), ("flatten", asked.flatten), ("objective", asked.objective)):
-        if value is not None:
-            wrong.append(f"--{option} is for drawings; {file} is an assembly in space: leave it out")
+    for option in ("unit", "flatten", "objective", "only", "skip", "join", "solid", "ignore", "glue", "gap_of"):
+        if getattr(asked, option) not in (None, ()):
+            wrong.append(f"--{option.replace('_', '-')} is for drawings; {file} is an assembly in space: leave it out")
     if wrong:
         raise InputError(wrong)
     from wiggleroom.spatial.spatial_assembly import assemble_spatial

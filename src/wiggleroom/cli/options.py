@@ -48,10 +48,8 @@ class Asked:
     objective
         In place of pulls, about all parts: translation, the largest sum of squared translations, or closer, neighbours
         as near each other as they come.
-<<<<<<< HEAD
     weight
         In space: where weight pulls every part at its centroid, as -z. Adds to the pulls, by volume times density.
-=======
     only
         Read these alone of a drawing: layers, colours or names, A,B. May repeat.
     skip
@@ -67,7 +65,6 @@ class Asked:
         Parts that move as one: A,B,C. May repeat.
     gap_of
         The gap of one joint [mm]: A,B:0.3. May repeat.
->>>>>>> main
     """
 
     gap: float | None = None
@@ -77,9 +74,7 @@ class Asked:
     pull: Many = ()
     turn: Many = ()
     objective: Literal["translation", "closer"] | None = None
-<<<<<<< HEAD
     weight: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
-=======
     only: Many = ()
     skip: Many = ()
     join: float | None = None
@@ -102,7 +97,6 @@ def read_options(asked: Asked) -> ReadOptions:
         join=asked.join,
         solid=(*listed(asked.solid), *listed(asked.fix), *(name for name in named if name)),
     )
->>>>>>> main
 
 
 def read(file: str, asked: Asked) -> Assembly:
@@ -206,7 +200,12 @@ def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
     """What the file says, and the parts that stand and the goals that the options name."""
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
 
+    if is_spatial_file(file):
+        message = f"{file}: is an assembly in space, which flex and check answer; this command is for drawings"
+        raise InputError(message)
     wanted = _goals(asked)
     drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     for line in drawing.notes:
@@ -229,11 +228,6 @@ def _goals(asked: Asked) -> list[Goal]:
         )
         if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and option != "flatten")))
     ]
-    from wiggleroom.questions import is_spatial_file
-
-    if is_spatial_file(file):
-        message = f"{file}: is an assembly in space, which flex and check answer; this command is for drawings"
-        raise InputError(message)
     if asked.weight is not None:
         wrong.append("--weight is for assemblies in space; use --pull")
     wanted, odd = goals(asked.pull, asked.turn)
@@ -267,8 +261,14 @@ def with_roles(drawing: Drawing, asked: Asked, wanted: list[Goal]) -> tuple[Draw
     gaps, wrong = joint_gaps(asked.gap_of, members, known)
     fixed = [known(name) for name in names(asked.fix, members)]
     goals = [replace(goal, part=known(goal.part)) if hasattr(goal, "part") else goal for goal in wanted]
-    wrong += [f"--glue {t}: name at least two parts, as A,B" for t, g in zip(asked.glue, glued, strict=True) if len(set(g)) < 2]
-    wrong += [f"--ignore {t}: name two parts, as A,B" for t, g in zip(asked.ignore, ignored, strict=True) if len(set(g)) != 2]
+    wrong += [
+        f"--glue {t}: name at least two parts, as A,B"
+        for t, g in zip(asked.glue, glued, strict=True)
+        if len(set(g)) < 2
+    ]
+    wrong += [
+        f"--ignore {t}: name two parts, as A,B" for t, g in zip(asked.ignore, ignored, strict=True) if len(set(g)) != 2
+    ]
     if wrong or known.wrong:
         raise InputError([*wrong, *known.wrong])
     asked_pairs = {frozenset(gap.parts) for gap in gaps}

@@ -165,7 +165,11 @@ def _is_closed(path: Subpath) -> bool:
 
 
 def _chord_error(
-    artwork: Artwork, paths: Sequence[tuple[Subpath, int]], closed: Sequence[bool], flatten: float | None, gap: float | None
+    artwork: Artwork,
+    paths: Sequence[tuple[Subpath, int]],
+    closed: Sequence[bool],
+    flatten: float | None,
+    gap: float | None,
 ) -> tuple[float, float]:
     """Chord error, and the longer side of the drawing [mm]; refused is one of nothing, or of a size that cannot be worked with."""
     if not paths:
@@ -396,7 +400,9 @@ def _say_dangles(
     stubs = [line for line, k in zip(dangles, owner.tolist(), strict=True) if not whole[k]]
     if stubs:
         x, y = shapely.get_coordinates(stubs[0])[0]
-        found.note(f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm")
+        found.note(
+            f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm"
+        )
     found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(line) for line in dangles)))
     tips = [lines[k].corners[[0, -1]] for k in np.flatnonzero(whole).tolist()]
     found.remarks += [Remark("open end", (point[None],)) for pair in tips for point in pair]
