@@ -32,6 +32,8 @@ ORDER = [
     "separate",
     "sensitivity",
     "live",
+    "spatial",
+    "questions",
     "schema",
     "report",
     "verify",

@@ -43,7 +43,7 @@ def flex(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json), of the plane or of space.
     model
         How the free space of each pair is modelled: walls, the exact contacts; to compare with, hull, the convex hulls
         of "Mind the Gap", or halfplane, the linear programs of PuzzleFlex. These two may overlap, which is told.
@@ -74,6 +74,20 @@ def flex(
     settings: dict[str, Any] = {
         k: v for k, v in (("about", about), ("slices", slices), ("rounds", rounds)) if v is not None
     }
+    from wiggleroom.questions import is_spatial_file
+
+    if is_spatial_file(file):
+        for option, given in (
+            ("model", model != "walls"),
+            ("prove", prove is not None),
+            *((k, True) for k in settings),
+        ):
+            if given:
+                wrong = f"--{option} is for drawings; {file} is an assembly in space: leave it out"
+                raise InputError(wrong)
+        from wiggleroom.cli.in_space import flex_in_space
+
+        return flex_in_space(file, asked, outputs, solver)
     if settings and model != "hull":
         wrong = f"--{next(iter(settings))} is for --model hull only"
         raise InputError(wrong)

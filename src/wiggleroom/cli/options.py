@@ -40,13 +40,16 @@ class Asked:
     fix
         Parts that stand, by name: A,B, or by a point of the part in mm: @12,30. May repeat.
     pull
-        A part and the way it is pulled: NAME:+y, NAME:-x, NAME:0.6,0.8, or at a point of it NAME:+y@12,1.
-        May repeat; pulls add up.
+        A part and the way it is pulled: NAME:+y, NAME:-x, NAME:0.6,0.8, or at a point of it NAME:+y@12,1; in space
+        NAME:+z, NAME:0,0.6,0.8, NAME:+z@12,1,3. May repeat; pulls add up.
     turn
-        A part that is turned: NAME:ccw or NAME:cw. May repeat; adds to the pulls, in radians.
+        A part that is turned: NAME:ccw or NAME:cw, in space NAME:+z about a direction, right hand. May repeat; adds to
+        the pulls, in radians.
     objective
         In place of pulls, about all parts: translation, the largest sum of squared translations, or closer, neighbours
         as near each other as they come.
+    weight
+        In space: where weight pulls every part at its centroid, as -z. Adds to the pulls, by volume times density.
     only
         Read these alone of a drawing: layers, colours or names, A,B. May repeat.
     skip
@@ -71,6 +74,7 @@ class Asked:
     pull: Many = ()
     turn: Many = ()
     objective: Literal["translation", "closer"] | None = None
+    weight: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
     only: Many = ()
     skip: Many = ()
     join: float | None = None
@@ -196,7 +200,12 @@ def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
     """What the file says, and the parts that stand and the goals that the options name."""
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
 
+    if is_spatial_file(file):
+        message = f"{file}: is an assembly in space, which flex and check answer; this command is for drawings"
+        raise InputError(message)
     wanted = _goals(asked)
     drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     for line in drawing.notes:
@@ -219,6 +228,8 @@ def _goals(asked: Asked) -> list[Goal]:
         )
         if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and option != "flatten")))
     ]
+    if asked.weight is not None:
+        wrong.append("--weight is for assemblies in space; use --pull")
     wanted, odd = goals(asked.pull, asked.turn)
     if asked.objective is not None:
         if asked.pull or asked.turn:
