@@ -12,6 +12,8 @@ import pytest
 ROOT = Path(__file__).parents[1] / "src" / "wiggleroom"
 ORDER = [
     "errors",
+    "deadline",
+    "provenance",
     "files",
     "verdict",
     "drawing",
@@ -30,6 +32,8 @@ ORDER = [
     "separate",
     "sensitivity",
     "live",
+    "spatial",
+    "questions",
     "schema",
     "report",
     "verify",

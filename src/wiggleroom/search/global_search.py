@@ -87,8 +87,9 @@ class _GlobalSearch:
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
         self.value, self.free = _certain_value(first)
         self.values = [self.value]
+        self.hills = {0: self.value}  # values to which the states climbed
         if first.best is not None and not self.free and first.way(first.best).sure:
-            self.tree.add(first.best, 0)
+            self.hills[self.tree.add(first.best, 0)] = self.value
 
     def goes_on(self, starts: int | None) -> bool:
         """True while there is more to do."""
@@ -120,14 +121,19 @@ class _GlobalSearch:
     def start_from(self, state: int, aside: Objective) -> None:
         """Climb another objective from a state for a short while, and then the true one."""
         self.made += 1
-        between = self._climb(aside, ASIDE, state)[1]
+        between, met = self._step_aside(aside, state)
+        if met is not None and met in self.hills:
+            self.values.append(self.hills[met])
         if between is None:
             return
-        climb, _ = self._climb(self.first.objective, CLIMB, between)
-        found = climb.best
+        climb = self._search(self.first.objective, CLIMB)
+        found = self._run(climb, self.tree.states[between].start)
         if found is None or not climb.ended or not climb.way(found).sure:
             return
         self.values.append(found.value)
+        self.hills[between] = found.value
+        if not climb.unlimited and self.tree.known(found.motion) is None:
+            self.hills[self.tree.add(found, between)] = found.value
         least = BETTER * max(abs(found.value), self.first.ready.clearance)
         if climb.unlimited or found.value > self.value + least:
             self._follow(replace(found, legs=(*self.tree.legs_to(between), *found.legs[1:])))
@@ -142,13 +148,16 @@ class _GlobalSearch:
             self.best, self.value, self.free = search, found.value, search.unlimited
             self.values[-1] = found.value
 
-    def _climb(self, objective: Objective, policy: Policy, state: int) -> tuple[LocalSearch, int | None]:
-        """Climb from a state; the number of the new state where the end is one that is certainly reached."""
-        search = self._search(objective, policy)
+    def _step_aside(self, objective: Objective, state: int) -> tuple[int | None, int | None]:
+        """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
+        search = self._search(objective, ASIDE)
         found = self._run(search, self.tree.states[state].start)
-        if found is None or search.unlimited or search.stopped or not self.tree.novel(found.motion):
-            return search, None
-        return search, self.tree.add(found, state) if search.way(found).sure else None
+        if found is None or search.unlimited or search.stopped:
+            return None, None
+        known = self.tree.known(found.motion)
+        if known is not None or not search.way(found).sure:
+            return None, known
+        return self.tree.add(found, state), None
 
     def _search(self, objective: Objective, policy: Policy) -> LocalSearch:
         first = self.first
