@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.solve.factorisation import Factor, factor
-from wiggleroom.solve.newton_step import dot, longest
+from wiggleroom.solve.newton_step import dot, max_step
 from wiggleroom.spatial.plane_program import (
     GraphRetraction,
     LinearisedPlanes,
@@ -336,7 +336,7 @@ class PlaneSolver:
             if shift > 1e12:
                 return False
         du, dy, ds, dlam = system.newton(state, primal, dual, dual_planes, mu - s * lam)
-        share = min(FRACTION * longest(s, ds) if (ds < -s).any() else 1.0, self._longest_share(du))
+        share = min(FRACTION * max_step(s, ds) if (ds < -s).any() else 1.0, self._longest_share(du))
         foreseen = at.along(du, dy)
         heavy = np.maximum(lam / s, (lam / s).max() / HEAVIEST)
         slope = dot(state.home * state.displacement - at.gradient / state.unit, du) - mu * dot(1 / at.h, foreseen)
@@ -352,7 +352,7 @@ class PlaneSolver:
             return False
         if share == 1.0 and shift > FREE:
             ahead = self._stride(state, ahead, du, dy, mu)
-        reach = longest(lam, dlam)
+        reach = max_step(lam, dlam)
         lam = lam + (FRACTION * reach if reach < 1 else 1.0) * dlam
         state.lam = np.clip(lam, mu / (APART * ahead.h), APART * mu / ahead.h)
         self._move, state.shift, state.at, state.s = du, shift, ahead, ahead.h
@@ -392,13 +392,13 @@ class PlaneSolver:
                 shift = max(10 * shift, 1e-5)
                 continue
             _, _, ds, dl = system.newton(state, primal, dual, dual_planes, -s * lam)
-            after = dot(s + longest(s, ds) * ds, lam + longest(lam, dl) * dl) / max(len(s), 1)
+            after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
             centring = (after / mu) ** 3 if mu > 0 else 0.0
             if self._lag > 0.3:
                 centring = max(centring, min(10.0, self._lag))
             goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)
             du, dy, ds, dl = system.newton(state, primal, dual, dual_planes, goal)
-            far, dfar = longest(s, ds), longest(lam, dl)
+            far, dfar = max_step(s, ds), max_step(lam, dl)
             found = _Step(
                 du, dy, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift
             )

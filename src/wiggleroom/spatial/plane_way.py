@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -12,10 +13,9 @@ from wiggleroom.spatial import plane_kernel as kernel
 from wiggleroom.spatial.plane_program import GraphRetraction, PlanePoint, PlaneProgram, parted
 from wiggleroom.spatial.rigid import Pose
 from wiggleroom.spatial.rotations import exponential, logarithm
-import itertools
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.spatial_flex import SpatialPrepared
+    from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
 
