@@ -15,7 +15,7 @@ from wiggleroom.spatial.rigid import Pose
 from wiggleroom.spatial.rotations import exponential, logarithm
 
 if TYPE_CHECKING:
-    from wiggleroom.spatial.spatial_flex import SpatialPrepared
+    from wiggleroom.spatial.spatial_prepare import SpatialPrepared
 
 Floats = NDArray[np.float64]
 

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.convex import distinct_axes
 from wiggleroom.spatial.rigid import Pose
-from wiggleroom.spatial.spatial_flex import SpatialPrepared, SpatialSearch, leaving_parts, prepare_spatial
+from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
+from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
+from wiggleroom.spatial.spatial_search import SpatialSearch
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
