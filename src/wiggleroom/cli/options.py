@@ -96,7 +96,7 @@ def read_options(asked: Asked) -> ReadOptions:
 
 
 def read(file: str, asked: Asked) -> Assembly:
-    """Assembly that a file and the options describe; its notes go to stderr.
+    """Assembly that a file and the options describe; its notes, and what looks odd about it, go to stderr.
 
     Raises
     ------
@@ -166,7 +166,7 @@ def look(file: str, asked: Asked) -> Look:
     made, findings = examine(used) if parts else ((), ())
     shown = made if len(made) == len(parts) else tuple(p for p in parts if p.regions)
     assembly = with_notes(Assembly(shown, used)) if not findings else Assembly(shown, used)
-    return Look(assembly, inventory(drawing, found.layers), found.remarks, (*found.findings, *findings))
+    return Look(assembly, inventory(used, found.layers), found.remarks, (*found.findings, *findings))
 
 
 def asked_drawing(file: str, asked: Asked) -> Drawing:
@@ -241,6 +241,7 @@ def with_roles(drawing: Drawing, asked: Asked, wanted: list[Goal]) -> tuple[Draw
 
     from wiggleroom.assembly.statements import PartNames
     from wiggleroom.cli.asking import joint_gaps, names
+    from wiggleroom.drawing.model import Closer, Translation
     from wiggleroom.errors import InputError
 
     known = PartNames(drawing)
@@ -249,9 +250,17 @@ def with_roles(drawing: Drawing, asked: Asked, wanted: list[Goal]) -> tuple[Draw
     ignored = [tuple(map(known, names([text], members))) for text in asked.ignore]
     gaps, wrong = joint_gaps(asked.gap_of, members, known)
     fixed = [known(name) for name in names(asked.fix, members)]
-    goals = [replace(goal, part=known(goal.part)) if hasattr(goal, "part") else goal for goal in wanted]
-    wrong += [f"--glue {t}: name at least two parts, as A,B" for t, g in zip(asked.glue, glued, strict=True) if len(set(g)) < 2]
-    wrong += [f"--ignore {t}: name two parts, as A,B" for t, g in zip(asked.ignore, ignored, strict=True) if len(set(g)) != 2]
+    goals = [
+        goal if isinstance(goal, Translation | Closer) else replace(goal, part=known(goal.part)) for goal in wanted
+    ]
+    wrong += [
+        f"--glue {t}: name at least two parts, as A,B"
+        for t, g in zip(asked.glue, glued, strict=True)
+        if len(set(g)) < 2
+    ]
+    wrong += [
+        f"--ignore {t}: name two parts, as A,B" for t, g in zip(asked.ignore, ignored, strict=True) if len(set(g)) != 2
+    ]
     if wrong or known.wrong:
         raise InputError([*wrong, *known.wrong])
     asked_pairs = {frozenset(gap.parts) for gap in gaps}
