@@ -56,52 +56,56 @@ def sound(answer: SpatialAnswer) -> SpatialAnswer:
     return answer
 
 
-def test_rows_and_objectives_have_the_derivatives_they_say() -> None:
+@pytest.mark.parametrize(
+    "term",
+    [
+        Displacement(1, np.array([1.0, 2, 3]), np.array([0.3, -1, 2]), np.zeros(3)),
+        Twist(1, np.array([0, 0.6, 0.8]), 2.0),
+    ],
+    ids=["displacement", "twist"],
+)
+def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | Twist) -> None:
     bodies = grouped(spatial(PLATE, PEG)).bodies
     rng = np.random.default_rng(3)
-    for terms in (
-        (Displacement(1, np.array([1.0, 2, 3]), np.array([0.3, -1, 2]), bodies.at[1]),),
-        (Twist(1, np.array([0, 0.6, 0.8]), 2.0),),
-    ):
-        P = build_planes(bodies, SumOfTerms(terms), near_pieces(bodies, bodies.rest, 2.0), length=0.4)
-        pose = Pose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(rng.normal(size=(2, 3)) * 0.4))
-        n = P.start.n + 0.1 * rng.normal(size=P.start.n.shape)
-        point = PlanePoint(pose, n / np.linalg.norm(n, axis=1)[:, None], P.start.d.copy())
-        at = P.linearise(point)
+    P = build_planes(bodies, SumOfTerms((term,)), near_pieces(bodies, bodies.rest, 2.0), length=0.4)
+    pose = Pose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(rng.normal(size=(2, 3)) * 0.4))
+    n = P.start.n + 0.1 * rng.normal(size=P.start.n.shape)
+    point = PlanePoint(pose, n / np.linalg.norm(n, axis=1)[:, None], P.start.d.copy())
+    at = P.linearise(point)
 
-        def moved(u: np.ndarray, y: np.ndarray) -> PlanePoint:
-            from wiggleroom.spatial import plane_kernel as kernel
+    def moved(u: np.ndarray, y: np.ndarray) -> PlanePoint:
+        from wiggleroom.spatial import plane_kernel as kernel
 
-            change = P.unpacked(u) * P.scale
-            there = Pose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
-            n, d = np.empty_like(point.n), np.empty_like(point.d)
-            kernel.move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
-            return PlanePoint(there, n, d)
+        change = P.unpacked(u) * P.scale
+        there = Pose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
+        n, d = np.empty_like(point.n), np.empty_like(point.d)
+        kernel.move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
+        return PlanePoint(there, n, d)
 
-        u, y = rng.normal(size=6), rng.normal(size=(P.planes, 3))
-        step = 1e-6
-        ahead, back = (P.linearise(moved(s * step * u, s * step * y)) for s in (1, -1))
-        assert np.allclose((ahead.h - back.h) / (2 * step), at.along(u, y), atol=1e-6)
-        assert np.isclose((ahead.value - back.value) / (2 * step), at.gradient @ u, rtol=1e-6)
-        lam = rng.random(P.rows) * (at.h > 0)
-        force, moment = at.against(lam)
-        assert np.isclose(force @ u + (moment * y).sum(), lam @ at.along(u, y))
-        # the second derivative of the Lagrangian along the step, with the planes as they are in it
-        far = 1e-3
-        lagrangian = [lam @ P.values(moved(s * far * u, s * far * y)) for s in (1, 0, -1)]
-        bend = (lagrangian[0] - 2 * lagrangian[1] + lagrangian[2]) / far**2
-        zero = np.zeros(P.rows)
-        data, inverse, mixed = at.condensed(zero + 1e-12, lam, np.zeros((1, 3)), 0.0)
-        own = np.zeros((6, 6))
-        k = P.pattern.own[1]
-        own[k >= 0] = data[k[k >= 0]]
-        own = own + np.triu(own, 1).T
-        xi = at.seen(u)[0]
-        planes = sum(
-            (y[j] + inverse[j] @ mixed[j] @ xi) @ np.linalg.solve(inverse[j], y[j] + inverse[j] @ mixed[j] @ xi)
-            for j in range(P.planes)
-        )
-        assert np.isclose(u @ own @ u + planes, -bend, rtol=2e-3, atol=1e-3 * abs(bend))
+    u, y = rng.normal(size=6), rng.normal(size=(P.planes, 3))
+    step = 1e-6
+    ahead, back = (P.linearise(moved(s * step * u, s * step * y)) for s in (1, -1))
+    assert np.allclose((ahead.h - back.h) / (2 * step), at.along(u, y), atol=1e-6)
+    assert np.isclose((ahead.value - back.value) / (2 * step), at.gradient @ u, rtol=1e-6)
+    lam = rng.random(P.rows) * (at.h > 0)
+    force, moment = at.against(lam)
+    assert np.isclose(force @ u + (moment * y).sum(), lam @ at.along(u, y))
+    # the second derivative of the Lagrangian along the step, with the planes as they are in it
+    far = 1e-3
+    lagrangian = [lam @ P.values(moved(s * far * u, s * far * y)) for s in (1, 0, -1)]
+    bend = (lagrangian[0] - 2 * lagrangian[1] + lagrangian[2]) / far**2
+    zero = np.zeros(P.rows)
+    data, inverse, mixed = at.condensed(zero + 1e-12, lam, np.zeros((1, 3)), 0.0)
+    own = np.zeros((6, 6))
+    k = P.pattern.own[1]
+    own[k >= 0] = data[k[k >= 0]]
+    own = own + np.triu(own, 1).T
+    xi = at.seen(u)[0]
+    planes = sum(
+        (y[j] + inverse[j] @ mixed[j] @ xi) @ np.linalg.solve(inverse[j], y[j] + inverse[j] @ mixed[j] @ xi)
+        for j in range(P.planes)
+    )
+    assert np.isclose(u @ own @ u + planes, -bend, rtol=2e-3, atol=1e-3 * abs(bend))
 
 
 def test_square_peg_tilts_shifts_and_twists_as_closed_forms_say() -> None:

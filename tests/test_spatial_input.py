@@ -120,7 +120,8 @@ def test_bad_mesh_files_give_one_line(tmp_path: Path, mesh: str, said: str) -> N
 
 
 def test_sheets_are_read_by_the_name_of_the_part(tmp_path: Path) -> None:
-    sheet = '<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="60mm" viewBox="0 0 80 60"><rect id="lid" width="80" height="30"/></svg>'
+    head = '<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="60mm" viewBox="0 0 80 60">'
+    sheet = head + '<rect id="lid" width="80" height="30"/></svg>'
     (tmp_path / "sheet.svg").write_text(sheet)
     read = read_spatial_assembly(write(tmp_path, {"name": "lid", "outline": "sheet.svg#lid", "thickness": 3}))
     assert read.made[0].volume == pytest.approx(80 * 30 * 3)
@@ -149,7 +150,7 @@ def test_the_gap_moves_every_face_of_the_union_inward() -> None:
     assert centroid_of(made.surface)[0] == pytest.approx((3.8**2 - 2.2**2) * 2.8)
     with pytest.raises(wr.InputError, match="thickness 3 is used up by gap 3"):
         assemble_spatial(read_spatial(text(plate, gap=3)))
-    with pytest.raises(wr.InputError, match="vanishes|falls"):
+    with pytest.raises(wr.InputError, match=r"vanishes|falls"):
         assemble_spatial(read_spatial(text({"name": "p", "boxes": [[0, 0, 0, 1, 1, 1]]}, gap=2)))
 
 
@@ -186,6 +187,6 @@ def test_faces_that_cannot_meet_again_are_refused(tmp_path: Path) -> None:
     ball = trimesh.creation.icosphere(subdivisions=1).difference(trimesh.creation.box((3, 0.5, 0.5)))
     ball.export(tmp_path / "a.stl")
     file = write(tmp_path, {"name": "a", "mesh": "a.stl"}, gap=0.05)
-    with pytest.raises(wr.InputError, match="cannot all move inward|cross each other"):
+    with pytest.raises(wr.InputError, match=r"cannot all move inward|cross each other"):
         read_spatial_assembly(file)
     assert read_spatial_assembly(file, gap=0.0).made[0].pieces

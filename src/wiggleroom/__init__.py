@@ -16,7 +16,7 @@ from wiggleroom.search.drawable import Drawable
 
 if TYPE_CHECKING:
     from wiggleroom.assembly import coupon, patterns
-    from wiggleroom.assembly.build import assemble, read
+    from wiggleroom.assembly.build import assemble
     from wiggleroom.assembly.model import Assembly
     from wiggleroom.bound.prove import prove
     from wiggleroom.drawing.model import (
@@ -39,7 +39,8 @@ if TYPE_CHECKING:
     from wiggleroom.freespace.models.polyhedron import Polyhedron
     from wiggleroom.live.live_result import Mode, Shot
     from wiggleroom.live.live_session import Live
-    from wiggleroom.maximise import flex, prepare
+    from wiggleroom.maximise import prepare
+    from wiggleroom.questions import check, flex, read
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
@@ -50,7 +51,7 @@ if TYPE_CHECKING:
     from wiggleroom.sensitivity.sweep import Sweep, sweep
     from wiggleroom.sensitivity.tighten import Tightening, tighten
     from wiggleroom.sensitivity.worst_case import WorstCase, worst_case
-    from wiggleroom.separate.interlock import Escape, Interlock, check
+    from wiggleroom.separate.interlock import Escape, Interlock
     from wiggleroom.separate.largest_gap import LargestGap, largest_gap
     from wiggleroom.tight.blocking_graph import Blocking, blocking
     from wiggleroom.tight.mobility import TightVerdict, tight_verdict

@@ -119,6 +119,7 @@ def check(assembly: Any, *, stop: Any = None, progress: Callable[[Any], None] | 
     ----------
     assembly : Assembly or SpatialAssembly
     stop, progress : optional
+        In space only `stop` is asked.
     **options
         In the plane those of `wiggleroom.separate.interlock.check`.
 
@@ -129,7 +130,7 @@ def check(assembly: Any, *, stop: Any = None, progress: Callable[[Any], None] | 
     if isinstance(assembly, SpatialAssembly):
         from wiggleroom.spatial.spatial_separation import check_spatial
 
-        return check_spatial(assembly, stop=stop, progress=progress)
+        return check_spatial(assembly, stop=stop)
     from wiggleroom.separate.interlock import check as check_planar
 
     return check_planar(assembly, stop=stop, progress=progress, **options)

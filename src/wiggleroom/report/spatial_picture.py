@@ -140,7 +140,7 @@ def spatial_svg(
         out.append(
             f'<text x="20" y="{28 + 22 * k}" font-family="{FONT}" font-size="{size}" fill="{shade}">{escape(line)}</text>'
         )
-    for facet in _sorted(facets, depth):
+    for facet in _sorted(facets):
         p = place(facet.corners)
         points = " ".join(f"{x:.2f},{y:.2f}" for x, y in p)
         out.append(f'<polygon points="{points}" fill="{facet.colour}" stroke="{facet.colour}" stroke-width="0.8"/>')
@@ -234,7 +234,7 @@ def _facets(surface: Surface, colour: tuple[int, int, int], depth: Floats) -> li
     return found
 
 
-def _sorted(facets: list[_Facet], depth: Floats) -> list[_Facet]:
+def _sorted(facets: list[_Facet]) -> list[_Facet]:
     """Facets from back to front; those that cross the plane of another are cut along it.
 
     Source: the tree of Fuchs, Kedem and Naylor 1980.

@@ -47,6 +47,9 @@ def flex_spatial(
         If two parts touch at rest.
     """
     began = time.perf_counter()
+    if solver != "interior-point":
+        message = f'solver "{solver}" is for drawings; in space leave it out'
+        raise InputError(message)
     its = assembly.assembly if isinstance(assembly, SpatialPrepared) else assembly
     asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
     wrong = goal_findings(its.drawing, asked) + lacking(its, asked)

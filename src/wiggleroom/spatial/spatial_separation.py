@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,9 +75,7 @@ class SpatialSeparation:
     seconds: float = 0.0
 
 
-def check_spatial(
-    assembly: SpatialAssembly, *, stop: Stop | None = None, progress: Callable[[Any], None] | None = None
-) -> SpatialSeparation:
+def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> SpatialSeparation:
     """Whether some parts can be moved without limit away from the others.
 
     Fixed parts stand; where none is fixed, the part of the largest volume stands.
