@@ -19,7 +19,7 @@ from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
 
-MOST_BOXES, BOX_WORK = 120_000, 2_400_000
+MOST_BOXES, BOX_WORK = 120_000, 1_500_000
 """Boxes judged at most, and boxes times corners: a box takes longer where there are more corners."""
 BETTER, PROVEN = 1e-4, 9e-4
 """Motions better by the first share are looked for, until none better by the second is left."""
