@@ -356,3 +356,15 @@ def test_a_missing_extra_is_said_before_the_long_work(
     assert "wiggleroom[film]" in said.err
     assert said.out == ""
     assert not (folder / "a.mp4").exists()
+
+
+def test_flex_says_what_other_starts_came_to(run, folder: Path) -> None:
+    code, out, _ = run("flex", "peg.json", "--pull", "peg:+y", "--search", "3")
+    assert code == 0
+    assert "search:   " in out
+    code, out, _ = run("flex", "peg.json", "--pull", "peg:+y", "--search", "3", "--json", "-")
+    assert 1 <= json.loads(out)["search"]["starts"] <= 4
+    code, out, _ = run("flex", "peg.json", "--pull", "peg:+y", "--search", "0", "--json", "-")
+    assert "search" not in json.loads(out)
+    code, _, err = run("flex", "peg.json", "--pull", "peg:+y", "--search", "-1")
+    assert (code, len(err)) == (2, 1)

@@ -85,7 +85,7 @@ class _GlobalSearch:
         self.first, self.best, self.made, self.work = first, first, 0, 0.0
         self.tree = StateTree(at_rest(ready), ready.bodies.radius, ready.clearance)
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
-        self.value, self.free = _certain_value(first)
+        self.value, self.free = first.certain_value()
         self.values = [self.value]
         self.hills = {0: self.value}  # values to which the states climbed
         if first.best is not None and not self.free and first.way(first.best).sure:
@@ -142,11 +142,12 @@ class _GlobalSearch:
         """Follow a better end to its own end; it becomes the best where its path is certain."""
         search = self._search(self.first.objective, THOROUGH)
         found = self._run(search, incumbent.start())
-        if found is None or not search.ended or not search.way(found).sure:
+        if found is None or not search.ended:
             return
-        if search.unlimited or found.value > self.value:
-            self.best, self.value, self.free = search, found.value, search.unlimited
-            self.values[-1] = found.value
+        value, free = search.certain_value()
+        if free or value > self.value:
+            self.best, self.value, self.free = search, value, free
+            self.values[-1] = value
 
     def _step_aside(self, objective: Objective, state: int) -> tuple[int | None, int | None]:
         """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
@@ -171,16 +172,6 @@ class _GlobalSearch:
         rows = len(start.cells.kind)
         self.work += search.rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
         return found
-
-
-def _certain_value(search: LocalSearch) -> tuple[float, bool]:
-    """Value of what a search has certainly reached, and whether nothing stops it there."""
-    if search.best is None:
-        return 0.0, False
-    way = search.way(search.best)
-    if way.sure:
-        return search.best.value, search.unlimited
-    return search.objective.value(way.motions[max(way.certain, 1) - 1]), False
 
 
 def _turns(ready: Prepared) -> list[Objective]:
