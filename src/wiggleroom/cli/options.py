@@ -92,10 +92,15 @@ def asked_drawing(file: str, asked: Asked) -> Drawing:
     return found
 
 
-def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
-    """What the file says, and the parts that stand and the goals that the options name."""
-    from wiggleroom.cli.asking import goals, names
-    from wiggleroom.cli.say import note
+def asked_goals(asked: Asked) -> list[Goal]:
+    """What the options ask to be made large.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with these and with the numbers among the options, one line each.
+    """
+    from wiggleroom.cli.asking import goals
     from wiggleroom.drawing.model import WHOLE
     from wiggleroom.errors import InputError
 
@@ -114,6 +119,15 @@ def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
         wanted = [WHOLE[asked.objective]()]
     if wrong or odd:
         raise InputError([*wrong, *odd])
+    return wanted
+
+
+def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
+    """What the file says, and the parts that stand and the goals that the options name."""
+    from wiggleroom.cli.asking import names
+    from wiggleroom.cli.say import note
+
+    wanted = asked_goals(asked)
 
     from wiggleroom.drawing import read_drawing
 
