@@ -9,6 +9,7 @@ from wiggleroom.cli.options import Asked
 
 if TYPE_CHECKING:
     from wiggleroom.verify.check import Verified
+    from wiggleroom.verify.claim import Claim
     from wiggleroom.verify.drawn import Drawn
 
 PROVEN, REFUSED = 0, 1
@@ -54,25 +55,26 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: Asked = _NON
         wrong = f'{certificate}: this is not a certificate: "format" must be "{FORMAT}"'
         raise InputError(wrong)
     found = check(content)
-    if found.claim is None:
+    claim = found.claim
+    if claim is None:
         print(f"not verified: {found.why}")  # noqa: T201
         return REFUSED
-    return _compared(found, drawn_by(file, asked, found.claim))
+    return _compared(found, claim, drawn_by(file, asked, claim))
 
 
-def _compared(found: Verified, drawn: Drawn) -> int:
+def _compared(found: Verified, claim: Claim, drawn: Drawn) -> int:
     """Say what is verified, or in what the certificate differs from the drawing and the options."""
     from wiggleroom.verify.claim import sentence
     from wiggleroom.verify.drawn import difference, unstated
 
-    why = difference(found.claim, drawn)
+    why = difference(claim, drawn)
     if why:
         print(f"not verified: {why}")  # noqa: T201
         return REFUSED
-    print(f"verified: {sentence(found.claim, drawn.source)}")  # noqa: T201
+    print(f"verified: {sentence(claim, drawn.source)}")  # noqa: T201
     if drawn.bodies is None:
         print("about the outlines in this file, not compared with a drawing")  # noqa: T201
-    for line in unstated(found.claim, drawn):
+    for line in unstated(claim, drawn):
         print(f"stated by the certificate only: {line}")  # noqa: T201
     print(  # noqa: T201
         f"checked: {found.bodies} bodies, {found.pairs} pairs that hold each other, {found.chords} chords, "

@@ -56,7 +56,9 @@ def _options(asked: Asked, claim: Claim) -> Drawn:
     from wiggleroom.errors import InputError
     from wiggleroom.verify.drawn import Drawn
 
-    odd = [f"--{name} is for a drawing; name it too" for name in ("unit", "flatten") if getattr(asked, name) is not None]
+    odd = [
+        f"--{name} is for a drawing; name it too" for name in ("unit", "flatten") if getattr(asked, name) is not None
+    ]
     if odd:
         raise InputError(odd)
     goals = asked_goals(asked)

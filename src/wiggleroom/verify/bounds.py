@@ -39,7 +39,9 @@ class Enclosure:
     def __init__(self, region: dict[str, Any]) -> None:
         self.angles = np.array([float(angle) for angle, _ in region["loops"]])
         loops = [np.array(at, dtype=float).reshape(-1, 2) for _, at in region["loops"]]
-        self.corners = np.vstack([np.column_stack([at, np.full(len(at), t)]) for t, at in zip(self.angles, loops, strict=True)])
+        self.corners = np.vstack(
+            [np.column_stack([at, np.full(len(at), t)]) for t, at in zip(self.angles, loops, strict=True)]
+        )
         self.tracks = [
             (start[(pairs := np.array(tracks, dtype=int))[:, 0]], end[pairs[:, 1]])
             for (tracks, _), start, end in zip(region["seams"], loops, loops[1:], strict=False)
@@ -251,11 +253,13 @@ def highest(alpha: arb, beta: arb, gamma: arb, low: arb, high: arb) -> arb:
         return best  # it rises or falls throughout
     if not abs(gamma) < radius:
         return best + (radius + abs(gamma)) * (high - low)
-    if not high - low < 2 * arb.pi():
-        return (gamma * low).max(gamma * high) + radius
     top = arb.atan2(beta, alpha) + (gamma / radius).asin()
-    first = math.floor(float((low - top) / (2 * arb.pi()))) - 1
-    for turns in range(first, first + 5):
+    # tops rise or fall throughout: the first or the last one is highest
+    first, last = (math.floor(float((end - top) / (2 * arb.pi()))) for end in (low, high))
+    for turns in {
+        *range(first - 1, first + 3),
+        *range(last - 2, last + 2),
+    }:
         t = top + 2 * arb.pi() * turns
         if not (t < low or t > high):
             best = best.max(value(t))

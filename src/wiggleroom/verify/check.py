@@ -130,7 +130,10 @@ def _bound(case: Case, step: dict[str, Any], ranges: TurnRanges, counted: list[i
     for body, sign, end, multipliers in step["cuts"]:
         counted[0] += 1
         need(ranges.far[body] is not None, "a turn is cut of a body that nothing holds")
-        need(bool(duality.most(multipliers, (body, sign)) <= sign * exact(end)), "multipliers do not prove a cut of a turn")
+        need(
+            bool(duality.most(multipliers, (body, sign)) <= sign * exact(end)),
+            "multipliers do not prove a cut of a turn",
+        )
         cuts.append((body, sign, end))
     with ranges.cut(cuts) as empty:
         return arb.neg_inf() if empty else _follow(case, step, ranges, counted)

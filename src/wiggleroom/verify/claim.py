@@ -151,7 +151,9 @@ def _more(claim: Claim) -> str:
         term = claim.terms[0]
         length = math.hypot(*term.direction)
         if term.spin == 0 and abs(length - 1) < 1e-9:
-            return f"moves its point {_plane(term.point)} by more than {most} mm in direction {_direction(term.direction)}"
+            return (
+                f"moves its point {_plane(term.point)} by more than {most} mm in direction {_direction(term.direction)}"
+            )
         if length == 0 and abs(term.spin) == 1:
             degrees = rounded_up(math.degrees(claim.at_most) * (1 + 1e-14))
             return f"turns it {_sense(term.spin)} by more than {degrees} degrees"

@@ -6,6 +6,7 @@ its range, every index must name something, no name may stand twice.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from typing import Any
@@ -104,7 +105,10 @@ class _Form:
     def number(self, value: Any, most: float, where: str) -> None:
         self.numbers += 1
         fits = type(value) is float or (type(value) is int and abs(value) <= 2**53)
-        need(fits and math.isfinite(value) and abs(value) <= most, f"{where}: {_shown(value)} is no number that can be used")
+        need(
+            fits and math.isfinite(value) and abs(value) <= most,
+            f"{where}: {_shown(value)} is no number that can be used",
+        )
 
     def index(self, value: Any, count: int, where: str) -> None:
         self.numbers += 1
@@ -260,8 +264,7 @@ def _check_ring(ring: list, hole: bool) -> None:
     for k, p in enumerate(ring):
         need(p != ring[k - 1], "an outline has a corner twice")
     area = sum(
-        (cross(less(p, corners[0]), less(q, corners[0])) for p, q in zip(corners[1:], corners[2:], strict=False)),
+        (cross(less(p, corners[0]), less(q, corners[0])) for p, q in itertools.pairwise(corners)),
         start=0 * corners[0][0],
     )
     need(bool(area < 0) if hole else bool(area > 0), "an outline runs the wrong way round")
-

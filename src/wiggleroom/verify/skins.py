@@ -19,7 +19,19 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq
 
-from wiggleroom.verify.ball_arithmetic import Point, Refused, cross, dot, exact, less, need, point, same_sign, size, turned
+from wiggleroom.verify.ball_arithmetic import (
+    Point,
+    Refused,
+    cross,
+    dot,
+    exact,
+    less,
+    need,
+    point,
+    same_sign,
+    size,
+    turned,
+)
 from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
 
@@ -140,8 +152,7 @@ def _inside(chord: tuple[Point, Point], edges: list[tuple[Point, Point]], odd: b
     for v, w in edges:
         edge, seen, then = less(w, v), less(v, p), less(w, p)
         if not (
-            same_sign(cross(along, seen), cross(along, then))
-            or same_sign(cross(edge, seen), cross(edge, less(v, q)))
+            same_sign(cross(along, seen), cross(along, then)) or same_sign(cross(edge, seen), cross(edge, less(v, q)))
         ):
             return False
         if not same_sign(cross(ray, seen), cross(ray, then)):
@@ -178,8 +189,10 @@ class Material:
         raise Refused("a chord does not lie inside its part")
 
 
-def _far_edges(p: np.ndarray, q: np.ndarray, error: float, start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, bool]:
-    """Edges about which doubles cannot be sure that the chord p q misses them, and whether an odd number of the others lies on the ray from p.
+def _far_edges(
+    p: np.ndarray, q: np.ndarray, error: float, start: np.ndarray, end: np.ndarray
+) -> tuple[np.ndarray, bool]:
+    """Edges that, for all doubles tell, the chord p q might meet, and whether an odd number of the others lies on the ray from p.
 
     `error` [mm] is how far p and q may be wrong.
     """
