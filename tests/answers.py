@@ -7,7 +7,7 @@ import numpy as np
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 
 def block(size: float = 1.0, hole: float = 0.0) -> Region:

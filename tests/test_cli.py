@@ -189,7 +189,7 @@ def test_a_stopped_question_reports_what_it_has(run, monkeypatch: pytest.MonkeyP
     import dataclasses
 
     from tests.answers import row
-    from wiggleroom.solve.verdict import Verdict
+    from wiggleroom.verdict import Verdict
 
     class Fake:
         @staticmethod

@@ -20,7 +20,7 @@ from wiggleroom.report.draw import draw
 from wiggleroom.report.film import film, film_of_answer
 from wiggleroom.report.motion import Way, eased
 from wiggleroom.report.scene import Scene, scene
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"
 

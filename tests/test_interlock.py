@@ -17,7 +17,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.passage import passage
-from wiggleroom.report.apart import check_record, further, why
+from wiggleroom.report.apart import check_result, further, why
 
 HERE = Path(__file__).parents[1] / "examples" / "17_does_it_come_apart"
 TRUTH = json.loads((HERE / "truth.json").read_text())
@@ -292,7 +292,7 @@ def test_interlocked_says_how_far_at_most(joint):
             answer = wr.flex(made, wr.Pull("b4", direction, point=corner))
             assert answer.objective <= found.at_most
     assert found.at_most < 1.0
-    assert check_record(found)["at_most"] == found.at_most
+    assert check_result(found).at_most == found.at_most
     assert f"no part gets further than {further(found.at_most)} mm from where it lies" in why(found)
     assert float(further(found.at_most)) >= found.at_most
 

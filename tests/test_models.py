@@ -25,7 +25,7 @@ from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import objective
-from wiggleroom.report.records import flex_record
+from wiggleroom.report.records import flex_result
 from wiggleroom.report.words import sentence
 from wiggleroom.solve.linear_programming import maximise
 
@@ -244,11 +244,11 @@ def test_both_linear_solvers_agree() -> None:
 
 def test_answers_say_what_the_model_does_not_see() -> None:
     answer = wr.flex(wr.patterns.grid(4, 4, gap=0.02), model=wr.HalfPlane(iterated=False))
-    record = flex_record(answer)
-    assert record["model"] == "halfplane"
-    assert record["verdict"] == "stationary"
-    assert record["collision_free"] is False
-    assert record["deepest_overlap"] == answer.deepest_overlap > 0
+    record = flex_result(answer)
+    assert record.model == "halfplane"
+    assert record.verdict == "stationary"
+    assert record.collision_free is False
+    assert record.deepest_overlap == answer.deepest_overlap > 0
     assert "only approximates" in sentence(answer)
     assert "overlap" in sentence(answer)
 

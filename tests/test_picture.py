@@ -19,7 +19,7 @@ from wiggleroom.report.picture import picture, picture_of_assembly
 from wiggleroom.report.png import png
 from wiggleroom.report.text import width
 from wiggleroom.search.answer import Answer
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"
 HREF = "{http://www.w3.org/1999/xlink}href"

@@ -12,10 +12,10 @@ from rich.console import Console
 
 from tests.answers import answer, block, grid, row
 from wiggleroom.drawing.model import Part, Pull, Turn
-from wiggleroom.report.records import flex_record, to_json
+from wiggleroom.report.records import flex_result, to_json
 from wiggleroom.report.table import table
 from wiggleroom.search.answer import Answer
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 KEYS = [
     "format", "verdict", "objective", "at_most", "parts", "collision_free", "deepest_overlap", "path", "contacts",
@@ -26,7 +26,7 @@ KEYS = [
 def test_the_record_keeps_the_contract() -> None:
     case = row(3)
     case = replace(case, motion=np.array([[0, 0, 0], [0.1, -0.0, 0.0], [0.1, 1.2, math.radians(3.4)]]))
-    record = json.loads(to_json(flex_record(case)))
+    record = json.loads(to_json(flex_result(case)))
     assert list(record) == KEYS
     assert record["format"] == "wiggleroom.flex/1"
     assert record["verdict"] == "optimal"
@@ -38,24 +38,24 @@ def test_the_record_keeps_the_contract() -> None:
 
 
 def test_parts_and_contacts_take_one_line_each() -> None:
-    text = to_json(flex_record(grid(5)))
+    text = to_json(flex_result(grid(5)))
     assert len(text.splitlines()) == 25 + 24 + 2 * 2 + len(KEYS) - 2 + 2
     assert "-0.0," not in text
 
 
 def test_nothing_that_json_cannot_say_is_written() -> None:
     case = replace(row(2), motion=np.array([[0, 0, 0], [np.inf, np.nan, 0]]), objective=math.inf)
-    record = json.loads(to_json(flex_record(case)), parse_constant=lambda word: 1 / 0)
+    record = json.loads(to_json(flex_result(case)), parse_constant=lambda word: 1 / 0)
     assert record["parts"]["b2"] == {"dx": None, "dy": None, "turn_deg": 0.0}
 
 
 def test_unbounded_says_who_leaves_and_turns() -> None:
     parts = [Part("a", (block(),), fixed=True), Part("b", (block(),), (3, 0, 0))]
     case = answer(parts, [(0, 0, 0), (9, 0, 0)], (Pull("b", (1, 0)),), 9.0, verdict=Verdict.UNBOUNDED, leaves=("b",))
-    record = flex_record(case)
-    assert record["objective"] is None
-    assert record["leaves"] == ["b"]
-    assert record["turns"] == []
+    result = flex_result(case)
+    assert result.objective is None
+    assert result.leaves == ["b"]
+    assert result.turns == []
     assert "nothing stops" in page(replace(case, objective=None))
 
 

@@ -24,7 +24,8 @@ from wiggleroom.cli import main
 from wiggleroom.compare.monte_carlo import about_pivot, audit
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.report.pages import page_of_space
-from wiggleroom.report.space import space_picture, space_record, volume
+from wiggleroom.report.records import to_json
+from wiggleroom.report.space import space_picture, space_result, volume
 from wiggleroom.report.stack import stack
 
 FULL = math.degrees(0.118387)  # 0.9 (cos + sin) = 1: a square peg of side 1.8 in a square hole of side 2
@@ -44,7 +45,7 @@ def peg(at: tuple[float, float, float] = (0.0, 0.0, 0.0), off: float = 0.0) -> w
 @pytest.mark.parametrize("case", [peg(), peg(off=40.0), peg((300.0, -20.0, 0.7), 3.0)], ids=["plain", "far", "turned"])
 def test_the_record_is_true_of_a_peg_in_a_square_hole(case: wr.Assembly) -> None:
     space = wr.free_space(case, "plate", "peg")
-    record = json.loads(json.dumps(space_record(space, audit(space, case, 2000), "c")))
+    record = json.loads(to_json(space_result(space, audit(space, case, 2000), "c")))
     assert record["closed"] is True
     np.testing.assert_allclose(record["angles_deg"], [-FULL, FULL], atol=1e-3)
     for one in record["slices"]:
@@ -108,7 +109,7 @@ def test_open_spaces_and_glue_are_shown_too() -> None:
     space = wr.free_space(case, "a", "b")
     found = audit(space, case, 1000)
     assert found.unsafe == 0
-    assert space_record(space, found, "")["reach"] > 0
+    assert space_result(space, found, "").reach > 0
     assert "open" in space_picture(space, case, found)
     assert volume(space) > 0
 

@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from wiggleroom.sensitivity.tighten import Tightening, tighten
     from wiggleroom.separate.interlock import Escape, Interlock, check
     from wiggleroom.separate.largest_gap import LargestGap, largest_gap
-    from wiggleroom.solve.verdict import Verdict
     from wiggleroom.tight.blocking_graph import Blocking, blocking
     from wiggleroom.tight.mobility import TightVerdict, tight_verdict
+    from wiggleroom.verdict import Verdict
 
 _HOME = {
     "Answer": "search.answer",
@@ -77,7 +77,7 @@ _HOME = {
     "Towards": "drawing.model",
     "Translation": "drawing.model",
     "Turn": "drawing.model",
-    "Verdict": "solve.verdict",
+    "Verdict": "verdict",
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "assemble": "assembly.build",

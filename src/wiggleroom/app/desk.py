@@ -74,8 +74,9 @@ class Desk:
         if self._sheet is None:
             raise InputError("nothing is open: open a drawing first")
         if isinstance(request, Flex):
-            moves = self._sheet.moves
-            return moves.settled(request, out) if settle else moves.flex(request, out)
+            from wiggleroom.app import moving  # slow to import; a drawing is open before
+
+            return (moving.settled if settle else moving.flex)(self._sheet, request, out)
         kind = kind_of(request)
         getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._sheet, request, out)
         return False

@@ -19,4 +19,4 @@ def space(sheet: Sheet, request: Space, out: Out) -> None:
     found = free_space(sheet.assembly(request.design), request.a, request.b, stop=out.stop)
     out.check()
     line = command("space", sheet.file, request.design, (request.a, request.b), pulled=False)
-    out.reply(space_told(found, sheet.moves.relative(found), line))
+    out.reply(space_told(found, sheet.display.relative(found), line))

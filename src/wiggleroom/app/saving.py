@@ -12,11 +12,11 @@ from wiggleroom.app.command import command, saved_name
 from wiggleroom.app.messages import Save
 from wiggleroom.app.out import Out
 from wiggleroom.drawing import write_drawing
-from wiggleroom.report.apart import check_record
+from wiggleroom.report.apart import check_result
 from wiggleroom.report.apart_picture import Checked
 from wiggleroom.report.draw import draw
 from wiggleroom.report.pages import page_of_answer
-from wiggleroom.report.records import flex_record, to_json
+from wiggleroom.report.records import flex_result, to_json
 
 if TYPE_CHECKING:
     from wiggleroom.app.sheet import Sheet
@@ -59,13 +59,13 @@ def _write(sheet: Sheet, request: Save, path: Path, out: Out) -> None:
     if request.of == "check":
         found = sheet.checked(design, out)
         if request.what == "json":
-            path.write_text(to_json(check_record(found, None, said)), encoding="utf-8")
+            path.write_text(to_json(check_result(found, None, said)), encoding="utf-8")
         else:
             draw(Checked(found), path, command=said, progress=out.counted)
         return
     answer = replace(sheet.answer(design, out), command=said)
     if request.what == "json":
-        path.write_text(to_json(flex_record(answer)), encoding="utf-8")
+        path.write_text(to_json(flex_result(answer)), encoding="utf-8")
     elif request.what == "html":
         path.write_text(page_of_answer(answer, sheet.kept_check(design)), encoding="utf-8")
     else:

@@ -18,7 +18,8 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 
 if TYPE_CHECKING:
-    from wiggleroom.app.moving import Moves
+    from wiggleroom.app.display import Display
+    from wiggleroom.live.live_session import Live
     from wiggleroom.search.answer import Answer
     from wiggleroom.separate.interlock import Interlock
 
@@ -38,11 +39,22 @@ class Sheet:
         self._checks: Recent[Interlock] = Recent(2)
 
     @cached_property
-    def moves(self) -> Moves:
-        """What moves the parts."""
-        from wiggleroom.app.moving import Moves
+    def display(self) -> Display:
+        """What the page shows."""
+        from wiggleroom.app.display import Display  # slow to import; a drawing is open before
 
-        return Moves(self, self.file.drawing)
+        return Display()
+
+    @cached_property
+    def _live(self) -> Live:
+        from wiggleroom.live.live_session import Live
+
+        return Live(self.file.drawing)
+
+    def live(self, design: Design) -> Live:
+        """The live session, its design set."""
+        self._live.design(self.designs.gap(design), design.extra, design.fixed, design.glue)
+        return self._live
 
     def assembly(self, design: Design) -> Assembly:
         """Parts as made for a design."""
@@ -64,7 +76,7 @@ class Sheet:
         """The full answer, worked out once for a design."""
         answer = self.kept(design)
         if answer is None:
-            answer = self.moves.settle(design, out)
+            answer = self.live(design).settle(self.asked(design), stop=out.stop, progress=out.progress)
             out.check()
             self.know(design, answer)
         return answer

@@ -21,12 +21,12 @@ from wiggleroom.drawing.model import Goal, Pull, Turn, part_of
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.geometry.neighbours import placed
+from wiggleroom.maximise import prepare
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.prepare import prepare
 from wiggleroom.separate.interlock import check
-from wiggleroom.solve.verdict import Verdict
 from wiggleroom.tight.blocking_graph import blocking
 from wiggleroom.tight.mobility import tight_verdict
+from wiggleroom.verdict import Verdict
 
 SHORT = {LOCKED: "locked", APART: "apart"}
 FAN = 8

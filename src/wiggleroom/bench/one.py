@@ -16,8 +16,7 @@ from wiggleroom.bench.large import CASES, assembly_of
 from wiggleroom.bench.result import Record
 from wiggleroom.bound.branch_and_bound import Clock
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
-from wiggleroom.maximise import witness
-from wiggleroom.search.prepare import prepare
+from wiggleroom.maximise import prepare, witness
 
 METHODS: dict[str, tuple[PairModel, str]] = {
     "walls": (Walls(), "interior-point"),

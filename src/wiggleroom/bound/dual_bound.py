@@ -30,7 +30,7 @@ from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.answer import Answer, Bound
 from wiggleroom.search.loop import Found
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

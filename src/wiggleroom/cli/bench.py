@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.outputs import check, write_picture, write_record
+from wiggleroom.cli.outputs import check, write_picture, write_result
 from wiggleroom.report.endings import STILLS
 
 if TYPE_CHECKING:
@@ -98,7 +98,7 @@ def bench(
     if json is not None:
         from wiggleroom.bench.machine import machine
 
-        write_record(bench_record(found, command, machine()), json)
+        write_result(bench_record(found, command, machine()), json)
     if json != "-":
         from wiggleroom.cli.say import show as print_page
 

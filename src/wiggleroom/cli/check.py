@@ -9,9 +9,10 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import Outputs, tell
+from wiggleroom.verdict import Separability
 
 _NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
-CODES = {"interlocked": 0, "comes apart": 1, "unknown": 3}
+CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
 
 
 def check(
@@ -51,9 +52,9 @@ def check(
 
         found = work_out(assembly, stop=stop, progress=show)
         border = search(assembly, stop=stop, progress=show) if largest_gap else None
-    from wiggleroom.report.apart import check_record, check_table
+    from wiggleroom.report.apart import check_result, check_table
     from wiggleroom.report.apart_picture import Checked
 
     shown = Checked(found, border)
-    tell(outputs, lambda: check_record(found, border, command), lambda: check_table(found, border), shown, command)
+    tell(outputs, lambda: check_result(found, border, command), lambda: check_table(found, border), shown, command)
     return CODES[found.verdict]

@@ -86,14 +86,14 @@ def flex(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     wanted = Hull(**settings) if model == "hull" else model
     answer = replace(_answer(file, asked, wanted, solver, prove, time, certificate is not None), command=command)
-    from wiggleroom.report.records import flex_record
+    from wiggleroom.report.records import flex_result
     from wiggleroom.report.table import table
 
     if certificate is not None:
         from wiggleroom.cli.proving import write_certificate
 
         write_certificate(answer, certificate)
-    tell(outputs, lambda: flex_record(answer), lambda: table(answer), answer, command)
+    tell(outputs, lambda: flex_result(answer), lambda: table(answer), answer, command)
     return 3 if answer.verdict == "stopped" else 0
 
 

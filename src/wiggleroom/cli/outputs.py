@@ -15,6 +15,7 @@ from wiggleroom.cli.options import RESULTS
 from wiggleroom.report.endings import ANSWERS, PAGE, STUDIES, ending, unlike
 
 if TYPE_CHECKING:
+    from msgspec import Struct
     from rich.console import RenderableType
 
     from wiggleroom.report.draw_study import Study
@@ -116,14 +117,14 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
 
 def tell(
     outputs: Outputs,
-    record: Callable[[], dict[str, Any]],
+    result: Callable[[], Struct],
     page: Callable[[], RenderableType],
     found: Answer | Study,
     command: str,
 ) -> None:
     """What was found as JSON, as a page on stdout (unless the JSON goes there), and as a picture."""
     if outputs.json is not None:
-        write_record(record(), outputs.json)
+        write_result(result(), outputs.json)
     if outputs.json != "-":
         from wiggleroom.cli.say import show
 
@@ -138,13 +139,13 @@ def tell(
         note(f"picture: {outputs.picture}")
 
 
-def write_record(record: dict[str, Any], place: str) -> None:
-    """Record as JSON to a file, or to stdout where the place is "-"."""
+def write_result(result: Struct | dict[str, Any], place: str) -> None:
+    """Result as JSON to a file, or to stdout where the place is "-"."""
     from wiggleroom.cli.say import note
     from wiggleroom.files import write_whole
     from wiggleroom.report.records import to_json
 
-    text = to_json(record)
+    text = to_json(result)
     if place == "-":
         sys.stdout.write(text)
     else:

@@ -52,7 +52,7 @@ def rank(
         from wiggleroom.sensitivity.rank import rank as work_out
 
         ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
-    from wiggleroom.report.ranking import rank_record, rank_table
+    from wiggleroom.report.ranking import rank_result, rank_table
 
-    tell(outputs, lambda: rank_record(ranking, command), lambda: rank_table(ranking), ranking, command)
+    tell(outputs, lambda: rank_result(ranking, command), lambda: rank_table(ranking), ranking, command)
     return 0

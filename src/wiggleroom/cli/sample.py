@@ -73,7 +73,7 @@ def sample(
         from wiggleroom.sensitivity.sample import sample as work_out
 
         found = work_out(assembly, lot, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options)
-    from wiggleroom.report.studies import sample_record, sample_table
+    from wiggleroom.report.studies import sample_result, sample_table
 
-    tell(outputs, lambda: sample_record(found, command), lambda: sample_table(found), found, command)
+    tell(outputs, lambda: sample_result(found, command), lambda: sample_table(found), found, command)
     return 3 if len(found.value) < draws else 0

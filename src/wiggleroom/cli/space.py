@@ -74,11 +74,11 @@ def space(
 
 def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: StudyOutputs, command: str) -> None:
     """JSON and picture, where they are asked for."""
-    from wiggleroom.cli.outputs import write_picture, write_record
-    from wiggleroom.report.space import space_record
+    from wiggleroom.cli.outputs import write_picture, write_result
+    from wiggleroom.report.space import space_result
 
     if outputs.json is not None:
-        write_record(space_record(found, judged, command), outputs.json)
+        write_result(space_result(found, judged, command), outputs.json)
     if outputs.picture is not None:
         if ending(outputs.picture) == PAGE:
             from wiggleroom.report.pages import page_of_space as show

@@ -54,10 +54,10 @@ def sweep(
 
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
-    from wiggleroom.report.studies import sweep_csv, sweep_record, sweep_table
+    from wiggleroom.report.studies import sweep_csv, sweep_result, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
-    tell(shown, lambda: sweep_record(found, command), lambda: sweep_table(found), found, command)
+    tell(shown, lambda: sweep_result(found, command), lambda: sweep_table(found), found, command)
     if csv is not None:
         from wiggleroom.files import write_whole
 

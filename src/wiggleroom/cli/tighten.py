@@ -67,7 +67,7 @@ def tighten(
             assembly, parts=parts, limit=limit, gap=to, draws=draws, seed=seed, stop=stop, progress=show, **options
         )
         cut = stop.is_set()
-    from wiggleroom.report.studies import tighten_record, tighten_table
+    from wiggleroom.report.studies import tighten_result, tighten_table
 
-    tell(outputs, lambda: tighten_record(found, command), lambda: tighten_table(found), found, command)
+    tell(outputs, lambda: tighten_result(found, command), lambda: tighten_table(found), found, command)
     return 0 if found.reached and not cut else 3

@@ -29,7 +29,7 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import part_motions, unlimited
 from wiggleroom.search.path_check import strangers
 from wiggleroom.search.prepare import REACH, arms, survey
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

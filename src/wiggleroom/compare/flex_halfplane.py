@@ -24,7 +24,7 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.search.loop import FAR, Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.solve.linear_programming import maximise
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -21,7 +21,7 @@ from wiggleroom.search.loop import EACH, FAR, FINE, GAIN, Progress, nudged
 from wiggleroom.search.multistart import pulls
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.kkt_conditions import conditions
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
@@ -57,7 +57,7 @@ def flex_hull(
         best = best.after(run.rounds, run.iterations)
         if not isinstance(model, Hull) or run.rounds >= model.rounds:
             return best
-        if not gained or solution.status != "converged":
+        if not gained or solution.status is not SolverStatus.CONVERGED:
             return best
         tell(Progress("free spaces", run.rounds, solution.iterations, value))
         inner = _well_inside(ready, program, program.variables(begin), solution.u)
@@ -89,7 +89,7 @@ class _Run:
         for pull in pulls(ready.bodies, self.objective, ready.clearance) if self.rounds == 1 else ():
             first = self._solved(self._build(faces, pull), aside)
             found.append(self._solved(program, first.inner))
-            if found[-1].status == "stopped":
+            if found[-1].status is SolverStatus.STOPPED:
                 break
         found = found or [self._solved(program, aside)]
         return program, max(found, key=lambda s: self.objective.value(program.motion(s.u)))
@@ -109,9 +109,9 @@ class _Run:
 
 def _verdict(program: Program, solution: Solution, size: float) -> Verdict:
     """What the model says; never "optimal", for the faces are no contacts."""
-    if solution.status == "escaping":
+    if solution.status is SolverStatus.ESCAPING:
         return Verdict.UNBOUNDED
-    held = solution.status == "converged" and conditions(program, solution.u, solution.lam).hold(size)
+    held = solution.status is SolverStatus.CONVERGED and conditions(program, solution.u, solution.lam).hold(size)
     return Verdict.STATIONARY if held else Verdict.STOPPED
 
 

@@ -21,10 +21,11 @@ def json_bytes(value: Any) -> bytes:
     >>> json_bytes({"x": np.float64(0.5), "y": np.array([1, 2]), "z": float("nan")})
     b'{"x":0.5,"y":[1,2],"z":null}'
     """
-    return msgspec.json.encode(value, enc_hook=_plain)
+    return msgspec.json.encode(value, enc_hook=plain)
 
 
-def _plain(value: Any) -> Any:
+def plain(value: Any) -> Any:
+    """What `value`, numpy's, is in plain Python."""
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     message = f"{type(value).__name__} {value!r} cannot be said in JSON"

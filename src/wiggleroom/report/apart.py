@@ -3,57 +3,68 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+import msgspec
 import numpy as np
+from msgspec import UNSET
 
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.words import few, number, towards
+from wiggleroom.schema.fields import PartMotion
+from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.separate.interlock import Escape, Interlock
 from wiggleroom.separate.largest_gap import WITHIN, LargestGap
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group
 
-Record = dict[str, Any]
-
-_COLOURS = {"interlocked": "green", "comes apart": "magenta", "unknown": "yellow"}
+_COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 _MOST_ESCAPES = 12
 STILL = 1e-12
 
 
-def check_record(found: Interlock, border: LargestGap | None = None, command: str = "") -> Record:
-    """Everything `check --json` says, as plain dicts, lists, strings and numbers; lengths in mm, angles in degrees."""
-    record: Record = {"format": "wiggleroom.check/1", **_state(found), "gap": found.assembly.gap}
-    if border is not None:
-        record["largest_gap"] = {
-            "interlocked_at": border.holds,
-            "comes_apart_at": border.parts_at,
-            "interlocked": None if border.interlocked is None else _state(border.interlocked),
-            "comes_apart": None if border.apart is None else _state(border.apart),
-        }
-    return record | {"seconds": round(found.seconds, 4), "command": command}
+def check_result(found: Interlock, border: LargestGap | None = None, command: str = "") -> CheckResult:
+    """Everything `check --json` says; lengths in mm, angles in degrees."""
+    largest_gap = UNSET if border is None else _largest_gap(border)
+    said = msgspec.structs.asdict(_separability(found))
+    return CheckResult(
+        **said,
+        gap=found.assembly.gap,
+        largest_gap=largest_gap,
+        seconds=round(found.seconds, 4),
+        command=command,
+    )
 
 
-def _state(found: Interlock) -> Record:
+def _largest_gap(border: LargestGap) -> LargestGapEntry:
+    return LargestGapEntry(
+        interlocked_at=border.holds,
+        comes_apart_at=border.parts_at,
+        interlocked=None if border.interlocked is None else _separability(border.interlocked),
+        comes_apart=None if border.apart is None else _separability(border.apart),
+    )
+
+
+def _separability(found: Interlock) -> SeparabilityEntry:
     names = found.assembly.names
-    return {
-        "verdict": found.verdict,
-        "certainty": found.certainty,
-        "at_most": found.at_most,
-        "escapes": [{"parts": list(e.parts), "path": _steps(names, e)} for e in found.escapes],
-        "spins": list(found.spins),
-        "remains": list(found.remains),
-    }
+    return SeparabilityEntry(
+        verdict=found.verdict,
+        certainty=found.certainty,
+        at_most=found.at_most,
+        escapes=[EscapeEntry(list(e.parts), _waypoints(names, e)) for e in found.escapes],
+        spins=list(found.spins),
+        remains=list(found.remains),
+    )
 
 
-def _steps(names: tuple[str, ...], escape: Escape) -> list[Record]:
-    """Way-points; each says only the parts that are not at rest anywhere on the way."""
+def _waypoints(names: tuple[str, ...], escape: Escape) -> list[dict[str, PartMotion]]:
+    """Way-points; each says only the parts that are not at rest anywhere on the path."""
     moved = np.flatnonzero((np.abs(escape.path) > STILL).any(axis=(0, 2)))
     return [
-        {names[k]: {"dx": m[k, 0], "dy": m[k, 1], "turn_deg": math.degrees(m[k, 2])} for k in moved}
+        {names[k]: PartMotion(float(m[k, 0]), float(m[k, 1]), math.degrees(m[k, 2])) for k in moved}
         for m in escape.path
     ]
 
@@ -83,19 +94,19 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
 
 def why(found: Interlock) -> str:
     """What the verdict rests on."""
-    if found.verdict == "comes apart":
-        if found.certainty == "searched":
+    if found.verdict is Separability.COMES_APART:
+        if found.certainty is Certainty.SEARCHED:
             return "parts touch at rest; with a little gap this is a way, every step checked for overlap"
         return "every step of the way checked for overlap"
     if found.tight:
         return "parts touch at rest and lock each other to first order" + (
-            ", proven by forces" if found.certainty == "proven" else "; curves were taken as polygons"
+            ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
         )
-    if found.verdict == "unknown":
+    if found.verdict is Separability.UNKNOWN:
         return "the search was cut short, or some questions were not answered"
     if found.at_most is not None:
         return f"proven, no part gets further than {further(found.at_most)} mm from where it lies"
-    if found.certainty == "proven":
+    if found.certainty is Certainty.PROVEN:
         return "proven, free spaces are closed"
     return "searched, every planned question was answered and no way was found"
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from msgspec.structs import asdict
 
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.compare.monte_carlo import Audit
@@ -16,7 +17,7 @@ from wiggleroom.report.blame import ranking_facts, tightening_facts
 from wiggleroom.report.plots import histogram
 from wiggleroom.report.solid import space_told
 from wiggleroom.report.space import headline as space_headline
-from wiggleroom.report.space import said, space_picture, space_record
+from wiggleroom.report.space import said, space_picture, space_result
 from wiggleroom.report.studies import QUANTILES, lost_sentence, sample_sure
 from wiggleroom.report.told import Json
 from wiggleroom.report.told_studies import check_told, ranking_told, step_told
@@ -153,15 +154,15 @@ def page_of_sample(found: Sample, *, command: str = "") -> str:
 
 def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
     """Free space of a pair as one HTML page: the solid to be turned, slices, cells, and how they were judged."""
-    record = space_record(space, judged, command)
-    cells = [(k + 1, c["walls"], *c["angles_deg"]) for k, c in enumerate(record["cells"])]
+    result = space_result(space, judged, command)
+    cells = [(k + 1, c.walls, *c.angles_deg) for k, c in enumerate(result.cells)]
     sections = [
         section("Picture", svg=space_picture(space, assembly, judged, framed=False)),
-        section("Slices", columns=["turn °", "area mm²"], rows=[(s["angle_deg"], s["area"]) for s in record["slices"]]),
+        section("Slices", columns=["turn °", "area mm²"], rows=[(s.angle_deg, s.area) for s in result.slices]),
         section("Cells", columns=["cell", "walls", "from °", "to °"], rows=cells),
     ]
-    if judged is not None:
-        judgement = [(term, str(value)) for term, value in record["audit"].items()]
+    if result.audit is not None:
+        judgement = [(term, str(value)) for term, value in asdict(result.audit).items()]
         sections.append(section("Judged against polygon intersection", terms=judgement))
     told = {
         "opened": opened(assembly),

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from wiggleroom.report.records import Record
 from wiggleroom.report.table import columns
 from wiggleroom.report.words import headline, number, per_gap, short
+from wiggleroom.schema.results import JointImportance, PartImportance, RankResult
 from wiggleroom.sensitivity.rank import Ranking
 
 if TYPE_CHECKING:
@@ -16,38 +16,38 @@ _MOST = 15
 _MOST_JOINTS = 8
 
 
-def rank_record(ranking: Ranking, command: str = "") -> Record:
-    """Everything `rank --json` says, parts and joints in order of importance; format `wiggleroom.rank/1`."""
+def rank_result(ranking: Ranking, command: str = "") -> RankResult:
+    """Everything `rank --json` says, parts and joints in order of importance."""
     answer, names = ranking.answer, ranking.answer.assembly.names
-    parts = {}
-    for k in ranking.order.tolist():
-        parts[names[k]] = {
-            "mm_per_mm": float(ranking.looser[k]),
-            "percent": float(ranking.percent[k]),
-            "tighter_mm_per_mm": float(ranking.tighter[k]),
-            "duals_mm_per_mm": float(ranking.by_duals[k]),
-            "unique": bool(ranking.unique[k]),
-        }
+    parts = {
+        names[k]: PartImportance(
+            float(ranking.looser[k]),
+            float(ranking.percent[k]),
+            float(ranking.tighter[k]),
+            float(ranking.by_duals[k]),
+            bool(ranking.unique[k]),
+        )
+        for k in ranking.order.tolist()
+    }
     joints = [
-        {
-            "parts": [names[i] for i in ranking.joints[k].tolist()],
-            "mm_per_mm": float(ranking.joint_looser[k]),
-            "percent": float(ranking.joint_percent[k]),
-            "unique": bool(ranking.joint_unique[k]),
-        }
+        JointImportance(
+            (names[ranking.joints[k, 0]], names[ranking.joints[k, 1]]),
+            float(ranking.joint_looser[k]),
+            float(ranking.joint_percent[k]),
+            bool(ranking.joint_unique[k]),
+        )
         for k in (-ranking.joint_looser).argsort(kind="stable").tolist()
     ]
-    return {
-        "format": "wiggleroom.rank/1",
-        "objective": answer.objective,
-        "verdict": answer.verdict.value,
-        "by": ranking.by,
-        "parts": parts,
-        "joints": joints,
-        "ranges": ranking.ends,
-        "virtual_percent": 100 * ranking.virtual,
-        "command": command,
-    }
+    return RankResult(
+        objective=answer.objective,
+        verdict=answer.verdict,
+        by=ranking.by,
+        parts=parts,
+        joints=joints,
+        ranges=ranking.ends,
+        virtual_percent=float(100 * ranking.virtual),
+        command=command,
+    )
 
 
 def rank_table(ranking: Ranking) -> Group:

@@ -6,58 +6,60 @@ import json
 import math
 from typing import Any
 
-from wiggleroom.search.answer import Answer
-from wiggleroom.solve.verdict import Verdict
+import msgspec
+from msgspec import UNSET, Struct
 
-Record = dict[str, Any]
+from wiggleroom.drawing.plain import plain
+from wiggleroom.schema.fields import ContactEntry, PartMotion
+from wiggleroom.schema.results import BoundEntry, FlexResult
+from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.verdict import Verdict
 
 
-def flex_record(answer: Answer) -> Record:
-    """Everything `flex --json` says, as plain dicts, lists, strings and numbers; lengths in mm, angles in degrees."""
+def flex_result(answer: Answer) -> FlexResult:
+    """Everything `flex --json` says; lengths in mm, angles in degrees."""
     free = answer.verdict is Verdict.UNBOUNDED
-    record: Record = {
-        "format": "wiggleroom.flex/1",
-        "verdict": answer.verdict.value,
-        "objective": None if free or answer.objective is None else float(answer.objective),
-        "at_most": answer.at_most,
-    }
-    if answer.bound is not None and answer.bound.at_most is not None:
-        within = answer.bound.within
-        record["bound"] = {
-            "kind": answer.bound.kind,
-            "within": None if within is None else float(within),
-            "seconds": round(float(answer.bound.seconds), 4),
-        }
-    if free:
-        record |= {"leaves": list(answer.leaves), "turns": list(answer.turns)}
-    return record | {
-        "parts": {
-            name: {"dx": x, "dy": y, "turn_deg": math.degrees(turn)}
+    return FlexResult(
+        verdict=answer.verdict,
+        objective=None if free or answer.objective is None else float(answer.objective),
+        at_most=answer.at_most,
+        bound=_bound(answer),
+        leaves=list(answer.leaves) if free else UNSET,
+        turns=list(answer.turns) if free else UNSET,
+        parts={
+            name: PartMotion(x, y, math.degrees(turn))
             for name, (x, y, turn) in zip(answer.assembly.names, answer.motion.tolist(), strict=True)
         },
-        "collision_free": bool(answer.collision_free),
-        "deepest_overlap": float(answer.deepest_overlap),
-        "path": answer.path,
-        "contacts": [
-            {
-                "parts": list(c.parts),
-                "point": [float(x) for x in c.point],
-                "normal": [float(x) for x in c.normal],
-                "force": float(c.force),
-            }
-            for c in answer.contacts
-        ],
-        "model": answer.model,
-        "solver": answer.solver,
-        "rounds": int(answer.rounds),
-        "seconds": {stage: round(float(spent), 4) for stage, spent in answer.seconds.items()},
-        "command": answer.command,
-    }
+        collision_free=bool(answer.collision_free),
+        deepest_overlap=float(answer.deepest_overlap),
+        path=answer.path,  # type: ignore[arg-type]
+        contacts=[contact_entry(c) for c in answer.contacts],
+        model=answer.model,
+        solver=answer.solver,
+        rounds=int(answer.rounds),
+        seconds={stage: round(float(spent), 4) for stage, spent in answer.seconds.items()},
+        command=answer.command,
+    )
 
 
-def to_json(record: Record) -> str:
-    """`record` as JSON text that is easy to read: one line for every part and every contact."""
-    lines = [f"  {json.dumps(key)}: {_value(value)}" for key, value in record.items()]
+def _bound(answer: Answer) -> BoundEntry | msgspec.UnsetType:
+    bound = answer.bound
+    if bound is None or bound.at_most is None:
+        return UNSET
+    within = None if bound.within is None else float(bound.within)
+    return BoundEntry(bound.kind, within, round(float(bound.seconds), 4))  # type: ignore[arg-type]
+
+
+def contact_entry(contact: Contact) -> ContactEntry:
+    """One contact in plain numbers."""
+    (x, y), (nx, ny) = contact.point, contact.normal
+    return ContactEntry(contact.parts, (float(x), float(y)), (float(nx), float(ny)), float(contact.force))
+
+
+def to_json(result: Struct | dict[str, Any]) -> str:
+    """`result` as JSON text that is easy to read: one line for every part and every contact."""
+    content = msgspec.to_builtins(result, enc_hook=plain)
+    lines = [f"  {json.dumps(key)}: {_value(value)}" for key, value in content.items()]
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
@@ -80,6 +82,6 @@ def _finite(value: Any) -> Any:
         return value + 0.0 if math.isfinite(value) else None
     if isinstance(value, dict):
         return {k: _finite(v) for k, v in value.items()}
-    if isinstance(value, list):
+    if isinstance(value, list | tuple):
         return [_finite(v) for v in value]
     return value

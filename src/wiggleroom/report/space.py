@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.compare.monte_carlo import Audit, about_pivot
 from wiggleroom.freespace.free_space import FreeSpace
+from wiggleroom.freespace.slices import Slice
 from wiggleroom.report import frame, palette
 from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.names import label, usual
-from wiggleroom.report.records import Record
 from wiggleroom.report.shapes import Shapes, spot, use
 from wiggleroom.report.stack import extent, rings, stack
 from wiggleroom.report.text import escape
 from wiggleroom.report.words import number, short
+from wiggleroom.schema.results import AuditEntry, CellEntry, SliceEntry, SpaceResult
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -59,46 +60,38 @@ def volume(space: FreeSpace) -> float:
     return sum(s.area for s in space.slices) / len(space.slices) * math.degrees(space.angles[1] - space.angles[0])
 
 
-def space_record(space: FreeSpace, judged: Audit | None, command: str) -> Record:
-    """Everything `space --json` says, in the format `wiggleroom.space/1`; lengths in mm, angles in degrees."""
+def space_result(space: FreeSpace, judged: Audit | None, command: str) -> SpaceResult:
+    """Everything `space --json` says; lengths in mm, angles in degrees."""
     walls = np.diff(np.concatenate([[0], np.cumsum(space.cells.kind < 2)])[space.cells.row])
-    return {
-        "format": "wiggleroom.space/1",
-        "parts": list(space.parts),
-        "closed": bool(space.closed),
-        "reach": None if space.closed else float(space.reach),
-        "angles_deg": [math.degrees(x) for x in space.angles],
-        "volume": volume(space),
-        "coverage": float(space.coverage),
-        "pivot": [float(x) for x in space.pivot],
-        "cells": [
-            {"walls": int(n), "angles_deg": [math.degrees(x) for x in ends]}
-            for n, ends in zip(walls, space.intervals.tolist(), strict=True)
+    a, b = space.parts
+    return SpaceResult(
+        parts=(a, b),
+        closed=bool(space.closed),
+        reach=None if space.closed else float(space.reach),
+        angles_deg=[math.degrees(x) for x in space.angles],
+        volume=float(volume(space)),
+        coverage=float(space.coverage),
+        pivot=(float(space.pivot[0]), float(space.pivot[1])),
+        cells=[
+            CellEntry(int(n), (math.degrees(low), math.degrees(high)))
+            for n, (low, high) in zip(walls, space.intervals.tolist(), strict=True)
         ],
-        "slices": [
-            {
-                "angle_deg": math.degrees(s.angle),
-                "area": float(s.area),
-                "holes": [
-                    shapely.get_coordinates(ring)[:-1].tolist()
-                    for p in shapely.get_parts(s.region)
-                    for ring in p.interiors
-                ],
-                "outlines": [shapely.get_coordinates(p.exterior)[:-1].tolist() for p in shapely.get_parts(s.region)],
-            }
-            for s in space.slices
-        ],
-        "audit": None
+        slices=[_slice(s) for s in space.slices],
+        audit=None
         if judged is None
-        else {
-            "samples": judged.samples,
-            "free": judged.free,
-            "accepted": judged.accepted,
-            "unsafe": judged.unsafe,
-            "lost": judged.lost,
-        },
-        "command": command,
-    }
+        else AuditEntry(judged.samples, judged.free, judged.accepted, judged.unsafe, judged.lost),
+        command=command,
+    )
+
+
+def _slice(one: Slice) -> SliceEntry:
+    polygons = shapely.get_parts(one.region)
+    return SliceEntry(
+        angle_deg=math.degrees(one.angle),
+        area=float(one.area),
+        holes=[shapely.get_coordinates(ring)[:-1].tolist() for p in polygons for ring in p.interiors],
+        outlines=[shapely.get_coordinates(p.exterior)[:-1].tolist() for p in polygons],
+    )
 
 
 def space_table(space: FreeSpace, judged: Audit | None) -> Group:
@@ -116,12 +109,12 @@ def space_table(space: FreeSpace, judged: Audit | None) -> Group:
         one = space.slices[k]
         turned = f"{math.degrees(one.angle):.3f}"
         slices.add_row(turned, fixed(one.area, largest), number(x1 - x0, 3), number(y1 - y0, 3))
-    record = space_record(space, None, "")
-    for k, cell in enumerate(record["cells"][:_MOST_CELLS]):
-        low, high = cell["angles_deg"]
-        cells.add_row(str(k + 1), str(cell["walls"]), f"{low:.3f} to {high:.3f}")
-    if len(record["cells"]) > _MOST_CELLS:
-        cells.add_row(f"... and {len(record['cells']) - _MOST_CELLS} more", "", "", style="dim")
+    found = space_result(space, None, "").cells
+    for k, cell in enumerate(found[:_MOST_CELLS]):
+        low, high = cell.angles_deg
+        cells.add_row(str(k + 1), str(cell.walls), f"{low:.3f} to {high:.3f}")
+    if len(found) > _MOST_CELLS:
+        cells.add_row(f"... and {len(found) - _MOST_CELLS} more", "", "", style="dim")
     lines = [Text(f"judged:   {line}") for line in (_judged(judged) if judged else [])]
     facts = [Text(line) for line in said(space, None)]
     return Group(Text(headline(space), style="bold"), *facts, Text(), slices, Text(), cells, Text(), *lines)

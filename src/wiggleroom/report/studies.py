@@ -7,13 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.report.records import Record
 from wiggleroom.report.table import columns
 from wiggleroom.report.words import asked, headline, number, short, unit
+from wiggleroom.schema.results import (
+    CheckedDraws,
+    RandomChoices,
+    SampleResult,
+    SpreadEntry,
+    SweepEntry,
+    SweepResult,
+    TightenResult,
+    WorstDraw,
+    YieldEntry,
+)
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group
@@ -22,25 +32,22 @@ _MOST = 12
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
-def tighten_record(found: Tightening, command: str = "") -> Record:
-    """Everything `tighten --json` says; format `wiggleroom.tighten/1`."""
-    return {
-        "format": "wiggleroom.tighten/1",
-        "objective": found.before.objective,
-        "tightened": found.after.objective,
-        "verdict": found.after.verdict.value,
-        "lowered_percent": found.lowered,
-        "parts": list(found.chosen),
-        "gap": found.gap,
-        "limit": found.limit,
-        "reached": found.reached,
-        "random": {
-            "draws": len(found.random),
-            "mean": float(np.mean(found.random)) if len(found.random) else None,
-            "lowered_percent": found.lowered_at_random,
-        },
-        "command": command,
-    }
+def tighten_result(found: Tightening, command: str = "") -> TightenResult:
+    """Everything `tighten --json` says."""
+    return TightenResult(
+        objective=found.before.objective,
+        tightened=found.after.objective,
+        verdict=found.after.verdict,
+        lowered_percent=found.lowered,
+        parts=list(found.chosen),
+        gap=found.gap,
+        limit=found.limit,
+        reached=found.reached,
+        random=RandomChoices(
+            len(found.random), float(np.mean(found.random)) if len(found.random) else None, found.lowered_at_random
+        ),
+        command=command,
+    )
 
 
 def tighten_table(found: Tightening) -> Group:
@@ -70,22 +77,15 @@ def tighten_table(found: Tightening) -> Group:
     return Group(*lines)
 
 
-def sweep_record(found: Sweep, command: str = "") -> Record:
-    """Everything `sweep --json` says; format `wiggleroom.sweep/1`."""
-    return {
-        "format": "wiggleroom.sweep/1",
-        "gaps": [
-            {
-                "gap": s.gap,
-                "objective": s.objective,
-                "verdict": str(s.verdict),
-                "path": "checked" if s.checked else "not checked",
-            }
-            for s in found.steps
+def sweep_result(found: Sweep, command: str = "") -> SweepResult:
+    """Everything `sweep --json` says."""
+    return SweepResult(
+        gaps=[
+            SweepEntry(s.gap, s.objective, s.verdict, "checked" if s.checked else "not checked") for s in found.steps
         ],
-        "lost_between": None if found.lost is None else list(found.lost),
-        "command": command,
-    }
+        lost_between=found.lost,
+        command=command,
+    )
 
 
 def sweep_table(found: Sweep) -> Group:
@@ -118,42 +118,32 @@ def sweep_csv(found: Sweep) -> str:
     return "\n".join(["gap,objective,verdict", *lines]) + "\n"
 
 
-def sample_record(found: Sample, command: str = "") -> Record:
-    """Everything `sample --json` says; format `wiggleroom.sample/1`."""
+def sample_result(found: Sample, command: str = "") -> SampleResult:
+    """Everything `sample --json` says."""
     names, share = found.answer.assembly.names, found.contributions
     good, low, high = found.yields
-    worst = found.worst
+    spread, worst, bounded = found.spread, found.worst, found.bounded
     order = np.argsort(-share, kind="stable").tolist()
-    bounded = found.bounded
-    return {
-        "format": "wiggleroom.sample/1",
-        "objective": found.answer.objective,
-        "spread": {
-            "width": found.spread.width,
-            "kind": found.spread.kind,
-            "sheet": found.spread.sheet,
-            "bias": found.spread.bias,
-        },
-        "draws": len(found.value),
-        "asked": found.asked,
-        "seed": found.seed,
-        "mean": float(bounded.mean()) if len(bounded) else None,
-        "standard_deviation": float(bounded.std(ddof=1)) if len(bounded) > 1 else None,
-        "foreseen_standard_deviation": found.foreseen,
-        "quantiles": {f"{q:g}": found.quantile(q) for q in QUANTILES},
-        "worst": {
-            "objective": float(found.value[worst]),
-            "extra_gap": dict(zip(names, found.extra[worst].tolist(), strict=True)),
-        },
-        "unbounded": found.loose,
-        "misfits": found.misfits,
-        "cut_short": found.cut_short,
-        "limit": found.limit,
-        "yield": {"share": good, "low": float(low), "high": float(high)},
-        "contributions_percent": {names[k]: float(share[k]) for k in order},
-        "checked": {"draws": len(found.checked), "largest_difference": found.largest_difference},
-        "command": command,
-    }
+    return SampleResult(
+        objective=found.answer.objective,
+        spread=SpreadEntry(spread.width, spread.kind, spread.sheet, spread.bias),
+        draws=len(found.value),
+        asked=found.asked,
+        seed=found.seed,
+        mean=float(bounded.mean()) if len(bounded) else None,
+        standard_deviation=float(bounded.std(ddof=1)) if len(bounded) > 1 else None,
+        foreseen_standard_deviation=found.foreseen,
+        quantiles={f"{q:g}": found.quantile(q) for q in QUANTILES},
+        worst=WorstDraw(float(found.value[worst]), dict(zip(names, found.extra[worst].tolist(), strict=True))),
+        unbounded=found.loose,
+        misfits=found.misfits,
+        cut_short=found.cut_short,
+        limit=found.limit,
+        yields=YieldEntry(good, float(low), float(high)),
+        contributions_percent={names[k]: float(share[k]) for k in order},
+        checked=CheckedDraws(len(found.checked), found.largest_difference),
+        command=command,
+    )
 
 
 def sample_table(found: Sample) -> Group:

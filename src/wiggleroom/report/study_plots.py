@@ -10,6 +10,7 @@ from wiggleroom.report.studies import lost_sentence, spread_words, yield_sentenc
 from wiggleroom.report.words import asked, number, unit
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.verdict import Verdict
 
 _SHOWN = (0.05, 0.5, 0.95)
 
@@ -21,7 +22,7 @@ def sweep_title(found: Sweep) -> str:
 
 def sweep_facts(found: Sweep) -> list[str]:
     """Facts under the title of a sweep."""
-    odd = [s.verdict for s in found.steps if s.verdict in ("touching", "cannot be made")]
+    odd = [s.verdict for s in found.steps if s.verdict in (Verdict.TOUCHING, Verdict.NOT_MAKEABLE)]
     unsure = sum(not s.checked for s in found.steps if s.objective is not None)
     return [
         f"{len(found.steps)} gaps",

@@ -10,7 +10,7 @@ import numpy as np
 from wiggleroom.drawing.model import part_of
 from wiggleroom.report.words import ask, certainty, headline, holding, number, proven, sentence, short
 from wiggleroom.search.answer import Answer
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType

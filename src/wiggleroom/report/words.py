@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 _NAME_LENGTH = 40
 _MOST_GOALS = 4

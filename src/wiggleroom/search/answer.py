@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 
 @dataclass(frozen=True)

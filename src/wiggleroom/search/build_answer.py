@@ -18,7 +18,7 @@ from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.loop import FAR, ROUND, Found, Progress, Search
 from wiggleroom.solve.kkt_conditions import conditions
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 

@@ -27,7 +27,7 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.loop import Found, Search, silent
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution, solve
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
@@ -43,13 +43,12 @@ class Varied:
     ----------
     value : float
         nan where parts do not fit beside each other, infinity where nothing stops the motion.
-    how : str
-        "bounded", "unbounded", "touching" where parts do not fit beside each other at rest, or "cut short": the largest
-        safe motion that was found, without the conditions of an optimum.
+    verdict : Verdict
+        TOUCHING where parts do not fit beside each other at rest; STOPPED: the largest safe motion that was found.
     """
 
     value: float
-    how: str
+    verdict: Verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,14 +92,14 @@ def ended(answer: Answer) -> Found:
 def can_be_ranked(answer: Answer) -> bool:
     """True where the motion ends, at multipliers that say what it is worth to give way."""
     found = answer.trail
-    return isinstance(found, Found) and answer.objective is not None and found.solution.status == "converged"
+    return isinstance(found, Found) and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
 
 
 def base(ready: Prepared, found: Found) -> Base:
     """What variations start from: the last program of a search, solved to ten digits."""
     program, solution = found.program, found.solution
     finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE)
-    solution = finer if finer.status == "converged" else solution
+    solution = finer if finer.status is SolverStatus.CONVERGED else solution
     value = program.objective.value(program.motion(solution.u))
     return Base(ready, program, solution, program.motion(found.solution.inner), value)
 
@@ -116,7 +115,7 @@ def follow(base: Base, inward: Floats) -> float:
     solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE)
     motion = program.motion(solution.u)
     overlapping = overlaps(bodies, motion, base.ready.barred).deepest > SAFE * base.ready.size
-    return np.nan if solution.status != "converged" or overlapping else program.objective.value(motion)
+    return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
 
 
 def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats) -> Varied:
@@ -131,16 +130,16 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
     except InputError:
         return afresh(ready.assembly, goals, inward)
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
-        return Varied(np.nan, "touching")
+        return Varied(np.nan, Verdict.TOUCHING)
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
     finder = Search(varied, objective, solve, None, silent, thorough=False)
     finder.run()
     found = finder.best
-    if found is None or finder.unlimited or found.solution.status != "converged":
+    if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return afresh(ready.assembly, goals, inward)
     if overlaps(bodies, found.motion, ready.barred).deepest > SAFE * ready.size:
         return afresh(ready.assembly, goals, inward)
-    return Varied(found.value, "bounded")
+    return Varied(found.value, Verdict.OPTIMAL)
 
 
 def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> Varied:
@@ -149,7 +148,7 @@ def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> Varie
     try:
         answer = witness(assemble(assembly.drawing, offset=offset), goals)
     except InputError:
-        return Varied(np.nan, "touching")
+        return Varied(np.nan, Verdict.TOUCHING)
     if answer.objective is None:
-        return Varied(np.inf, "unbounded")
-    return Varied(answer.objective, "cut short" if answer.verdict is Verdict.STOPPED else "bounded")
+        return Varied(np.inf, Verdict.UNBOUNDED)
+    return Varied(answer.objective, answer.verdict)

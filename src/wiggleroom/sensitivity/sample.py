@@ -20,6 +20,7 @@ from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.parallel import Many
 from wiggleroom.sensitivity.perturbation import Varied, afresh, ended, vary
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
+from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 
@@ -199,7 +200,7 @@ def sample(
     anew = Many(workers, cluster, stop).each(one_afresh, (assembly, answer.goals), list(extra[again] / 2))
     checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
     return Sample(
-        answer, lot, seed, extra, value, sum(results[k].how == "cut short" for k in done), limit,
+        answer, lot, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
         np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer), draws,
     )  # fmt: skip
 

@@ -28,7 +28,7 @@ from wiggleroom.search.loop import Search, silent
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.solve.interior_point import solve
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 COUNT = 9
 """Gaps of a sweep that names none: from a quarter of the assembly's gap to twice it."""
@@ -49,8 +49,7 @@ class Step:
     gap : float [mm]
     objective : float or None
         None where nothing stops the motion, or where the parts cannot be made or touch.
-    verdict : str
-        That of the answer, or "touching" or "cannot be made".
+    verdict : Verdict
     checked : bool
         True where the way from rest was checked, from gap to gap.
     answer : Answer or None
@@ -59,7 +58,7 @@ class Step:
 
     gap: float
     objective: float | None
-    verdict: str
+    verdict: Verdict
     checked: bool
     answer: Answer | None = field(default=None, repr=False)
 
@@ -187,7 +186,7 @@ def _step(
     try:
         made = assemble(assembly.drawing, gap=gap)
     except InputError:
-        return Step(gap, None, "cannot be made", False), last
+        return Step(gap, None, Verdict.NOT_MAKEABLE, False), last
     ready = _carried(last, made)
     try:
         if last is not None and ready is not None:
@@ -198,19 +197,19 @@ def _step(
             ready, checked = prepare(made, stop=stop), True
             answer = witness(ready, goals, stop=stop)
     except StoppedError:
-        return Step(gap, None, str(Verdict.STOPPED), False), last
+        return Step(gap, None, Verdict.STOPPED, False), last
     except InputError:
-        return Step(gap, None, "touching", False), None
+        return Step(gap, None, Verdict.TOUCHING, False), None
     checked = checked and answer.path == "checked"
     answer = replace(answer, assembly=made, path="checked" if checked else "not checked")
-    step = Step(gap, answer.objective, str(answer.verdict), checked, replace(answer, trail=None))
+    step = Step(gap, answer.objective, answer.verdict, checked, replace(answer, trail=None))
     good = answer.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)
     return step, _State(gap, ready, answer, checked) if good else last
 
 
 def _beyond(gap: float) -> Step:
     """A gap beyond that at which the motion loses its end, where no way out was found from the smaller gaps."""
-    return Step(gap, None, str(Verdict.UNBOUNDED), True)
+    return Step(gap, None, Verdict.UNBOUNDED, True)
 
 
 def _looser(assembly: Assembly, step: Step, gap: float) -> Step:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 import shapely
@@ -20,11 +19,10 @@ from wiggleroom.separate.closed_pairs import BOXES, Links, links, surer
 from wiggleroom.separate.explore import explore, way_out
 from wiggleroom.separate.rigid_subassembly import Rigid, leaves_as_one
 from wiggleroom.separate.translation import Exit, straight_exit, straight_exits
+from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Says = Literal["interlocked", "comes apart", "unknown"]
-Certainty = Literal["proven", "searched"]
 
 ONLY = 150_000
 """Boxes judged at most where one body alone can leave; a few seconds."""
@@ -43,8 +41,8 @@ class Stage:
 
     Parameters
     ----------
-    ended : "interlocked", "comes apart" or "unknown"
-    certainty : "proven" or "searched"
+    ended : Separability
+    certainty : Certainty
     who : (k,) int64
         Bodies that leave.
     way : (k, n, 3) float64 [mm, mm, rad] or None
@@ -55,7 +53,7 @@ class Stage:
         Largest motions that were searched.
     """
 
-    ended: Says
+    ended: Separability
     certainty: Certainty
     who: Ints
     way: Floats | None
@@ -81,7 +79,7 @@ def next_stage(
     tell(Progress("free spaces"))
     known, tries = _rigid(ready, stands, own, boxes, stop)
     if known.all_tied:
-        return Stage("interlocked", "proven", none, None, known.held, 0)
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
     nearly = _nearly(ready, ground, known.group)
     for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, NEARLY) for e in nearly)):
         if stop is not None and stop.is_set():
@@ -91,12 +89,12 @@ def next_stage(
             return stage
     known = surer(ready, known, stop)
     if known.all_tied:
-        return Stage("interlocked", "proven", none, None, known.held, 0)
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
     searched = explore(ready, ground, known.group, nearly, stop, tell, questions)
     if searched.way is not None and searched.exit is not None:
         return replace(_leave(ready, searched.way, searched.exit), questions=searched.questions)
-    ended: Says = "interlocked" if searched.whole else "unknown"
-    return Stage(ended, "searched", none, None, known.held, searched.questions)
+    ended: Separability = Separability.INTERLOCKED if searched.whole else Separability.UNKNOWN
+    return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
 
 
 def _rigid(ready: Prepared, stands: Ints, own: Ints, boxes: int, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
@@ -148,5 +146,5 @@ def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
     deepest = max(overlaps(bodies, m, ready.barred).deepest for m in whole)
     none = np.zeros(0, dtype=np.int64)
     if deepest > SAFE * ready.size:
-        return Stage("unknown", "searched", none, None, none, 0)
-    return Stage("comes apart", "proven", who, whole, none, 0)
+        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none, 0)
+    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, 0)

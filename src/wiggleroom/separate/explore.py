@@ -18,7 +18,7 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import REACH, Prepared
 from wiggleroom.separate.translation import Exit, straight_exit
-from wiggleroom.solve.verdict import Verdict
+from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

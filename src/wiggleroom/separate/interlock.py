@@ -21,9 +21,10 @@ from wiggleroom.search.build_answer import part_motions
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import Prepared, prepare
-from wiggleroom.separate.escape import ONLY, Certainty, Says, next_stage
+from wiggleroom.separate.escape import ONLY, next_stage
 from wiggleroom.separate.explore import MOST_QUESTIONS
 from wiggleroom.tight.mobility import tight_verdict
+from wiggleroom.verdict import Certainty, Separability, Tightness
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -58,8 +59,8 @@ class Interlock(Drawable):
     Parameters
     ----------
     assembly : Assembly
-    verdict : "interlocked", "comes apart" or "unknown"
-    certainty : "proven" or "searched"
+    verdict : Separability
+    certainty : Certainty
         A way apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
         together; else every planned question was asked and no way was found.
     escapes : tuple of Escape
@@ -78,7 +79,7 @@ class Interlock(Drawable):
     """
 
     assembly: Assembly
-    verdict: Says
+    verdict: Separability
     certainty: Certainty
     escapes: tuple[Escape, ...] = ()
     spins: tuple[str, ...] = ()
@@ -149,8 +150,8 @@ def check(
         except TouchingError:
             return _tight(assembly, left, stop, progress, boxes, questions, every)
         except StoppedError:
-            said: Says = "comes apart" if escapes else "unknown"
-            sure: Certainty = "proven" if escapes else "searched"
+            said: Separability = Separability.COMES_APART if escapes else Separability.UNKNOWN
+            sure: Certainty = Certainty.PROVEN if escapes else Certainty.SEARCHED
             return Interlock(assembly, said, sure, tuple(escapes), questions=asked, seconds=time.perf_counter() - began)
         stage = next_stage(ready, boxes, questions, stop, tell)
         asked += stage.questions
@@ -168,19 +169,21 @@ def check(
         if not every:
             break
         if len({int(b) for b in np.delete(ready.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
-            stage = replace(stage, ended="interlocked", certainty="proven", held=np.zeros(0, dtype=np.int64))
+            stage = replace(
+                stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=np.zeros(0, dtype=np.int64)
+            )
             break
     spins = _spins(ready, stage.held, stop) if stage.way is None else ()
-    verdict: Says = "comes apart" if escapes else stage.ended
+    verdict: Separability = Separability.COMES_APART if escapes else stage.ended
     spent = time.perf_counter() - began
-    at_most = furthest(left, max(spent, BRIEF), stop) if verdict == "interlocked" and every else None
+    at_most = furthest(left, max(spent, BRIEF), stop) if verdict is Separability.INTERLOCKED and every else None
     return Interlock(
         assembly,
         verdict,
-        "proven" if escapes or at_most is not None else stage.certainty,
+        Certainty.PROVEN if escapes or at_most is not None else stage.certainty,
         tuple(escapes),
         spins,
-        tuple(names[alive]) if stage.ended == "interlocked" else (),
+        tuple(names[alive]) if stage.ended is Separability.INTERLOCKED else (),
         asked,
         time.perf_counter() - began,
         at_most=at_most,
@@ -198,16 +201,18 @@ def _tight(
 ) -> Interlock:
     """The same for parts that touch at rest."""
     began = time.perf_counter()
-    if tight_verdict(left).verdict == "locked":
+    if tight_verdict(left).verdict is Tightness.LOCKED:
         # a curve drawn tight may turn where the polygon that stands for it does not
         exact = Path(assembly.drawing.source).suffix.lower() in ("", ".json")
-        sure: Certainty = "proven" if exact else "searched"
+        sure: Certainty = Certainty.PROVEN if exact else Certainty.SEARCHED
         names = tuple(assembly.names)
-        return Interlock(assembly, "interlocked", sure, remains=names, seconds=time.perf_counter() - began, tight=True)
+        return Interlock(
+            assembly, Separability.INTERLOCKED, sure, remains=names, seconds=time.perf_counter() - began, tight=True
+        )
     loose = assemble(left.drawing, gap=left.gap + LITTLE * left.size)
     found = check(loose, stop=stop, progress=progress, boxes=boxes, questions=questions, every=every)
-    apart = found.verdict == "comes apart"  # with the little gap, which is not quite the drawing
-    return replace(found, assembly=assembly, certainty="searched" if apart else found.certainty)
+    apart = found.verdict is Separability.COMES_APART  # with the little gap, which is not quite the drawing
+    return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)
 
 
 def _spins(ready: Prepared, held: Ints, stop: Stop | None) -> tuple[str, ...]:

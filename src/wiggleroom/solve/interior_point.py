@@ -20,6 +20,7 @@ from wiggleroom.solve.factorisation import LARGE, Factor, factor
 from wiggleroom.solve.monotone_barrier import Careful
 from wiggleroom.solve.newton_step import TINY_SHIFT, State, dot, longest, newton
 from wiggleroom.solve.saddle_escape import beside, uphill
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 
@@ -68,8 +69,7 @@ class Solution:
         Scaled variables.
     lam : (R,) float64
         Multipliers of the rows: objective [mm] per unit of `program.length`, scaled so that the largest derivative of the objective is 1.
-    status : str
-        "converged", "enough", "stopped", "escaping" or "failed".
+    status : SolverStatus
     iterations : int
     inner : (3F,) float64
         A point well inside all rows on the way, from which the next program can start.
@@ -83,7 +83,7 @@ class Solution:
 
     u: Floats
     lam: Floats
-    status: str
+    status: SolverStatus
     iterations: int
     inner: Floats
     inner_mu: float
@@ -162,17 +162,17 @@ def solve(
     for ridges in range(MOST_RIDGES + 1):
         state = at_start(begin, mu, FIRST_SLACK)
         status = watch.follow(state, quick, MOST_ITERATIONS)
-        if status == "failed" and watch.legal is not None:
+        if status is SolverStatus.FAILED and watch.legal is not None:
             state = at_start(*watch.legal, 0.0)
             status = watch.follow(state, Careful(matrix, retraction, watch.legal[1], farthest).advance, MOST_CAREFUL)
-        up = uphill(state, matrix, tolerance) if status == "converged" and ridges < MOST_RIDGES else None
+        up = uphill(state, matrix, tolerance) if status is SolverStatus.CONVERGED and ridges < MOST_RIDGES else None
         if up is None:
             break
         begin, mu = beside(program, watch.inner[0], up), watch.inner[1]
         watch.back_to_inner()
     shared = SHARED if tolerance > ROUGH and len(begin) > LARGE else 1
-    settled = _settle(state, matrix, retraction, shared, exact) if status == "converged" else state
-    inner = watch.legal if status == "failed" and watch.legal else watch.inner
+    settled = _settle(state, matrix, retraction, shared, exact) if status is SolverStatus.CONVERGED else state
+    inner = watch.legal if status is SolverStatus.FAILED and watch.legal else watch.inner
     return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
 
 
@@ -204,13 +204,13 @@ class _Watch:
         last = next((k for k, u in enumerate(self.way) if u is self.inner[0]), -1)
         del self.way[last + 1 :]
 
-    def follow(self, state: State, advance: Callable[[State, Floats, Floats, float], bool], most: int) -> str:
+    def follow(self, state: State, advance: Callable[[State, Floats, Floats, float], bool], most: int) -> SolverStatus:
         """Advance the state until it is converged, stopped or escaping, or until that fails."""
         before, best, since = np.inf, np.inf, 0
         for k in range(most + 1):
             primal, dual, gap, value = state.residuals()
             status = self._judge(state, primal, dual, gap, value, before, k)
-            if status:
+            if status is not None:
                 return status
             best, since = (self.error, 0) if self.error < 0.9 * best else (best, since + 1)
             target = 0.2 * self.tolerance * max(abs(value), 1.0) / max(len(primal), 1)
@@ -218,11 +218,11 @@ class _Watch:
                 break
             before = value
             self.iterations += 1
-        return "failed"
+        return SolverStatus.FAILED
 
     def _judge(
         self, state: State, primal: Floats, dual: Floats, gap: float, value: float, before: float, k: int
-    ) -> str:
+    ) -> SolverStatus | None:
         """Measure an iterate; the status to end with, or nothing."""
         if self.progress is not None:
             self.progress(self.iterations, state.at.value)
@@ -240,20 +240,20 @@ class _Watch:
             if k == 0 or gap > INNER * max(abs(value), 1.0):
                 self.inner = state.u, self.mu
             if state.at.value >= self.enough:
-                return "enough"
+                return SolverStatus.ENOUGH
         if (
             k >= LEAST_ITERATIONS
             and self.error < self.tolerance
             and unheld < np.sqrt(self.tolerance) * max(abs(value), 1.0)
             and np.abs(dual).max() < max(10 * self.tolerance, BALANCED)
         ):
-            return "converged"
+            return SolverStatus.CONVERGED
         if self.stop is not None and self.stop.is_set():
-            return "stopped"
+            return SolverStatus.STOPPED
         pulled = (state.at.gradient.reshape(-1, 3) != 0).any(axis=1)  # a loose part may drift anywhere
         reached = np.abs(state.u.reshape(-1, 3)[pulled, :2]).max(initial=0.0) * state.at.program.length
         far = reached > self.horizon
-        return ("escaping" if inside else "failed") if far else ""
+        return (SolverStatus.ESCAPING if inside else SolverStatus.FAILED) if far else None
 
 
 def _step(

@@ -21,6 +21,7 @@ from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
 from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -91,7 +92,7 @@ def solve(
         end, end_lam, status = watch.u, watch.lam, watch.status
     else:
         end, end_lam = np.array(out["x"]).ravel(), np.maximum(-np.array(out["lam_g"]).ravel(), 0.0)
-        status = "converged" if stats["success"] else "failed"
+        status = SolverStatus.CONVERGED if stats["success"] else SolverStatus.FAILED
     left = _error(program, end, end_lam, unit)
     return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_mu, tuple(watch.way), left)
 
@@ -209,7 +210,7 @@ class _Watch:
     stop: Stop | None
     progress: Callable[[int, float], None] | None
     iteration: int = -1
-    status: str = ""
+    status: SolverStatus | None = None
     error: BaseException | None = None
     lam: Floats = field(init=False)
     inner: Floats = field(init=False)
@@ -232,10 +233,10 @@ class _Watch:
             if len(self.way) == 1 or h @ lam > INNER * max(abs(value), 1.0):
                 self.inner, self.inner_mu = u, float(h @ lam) / max(len(h), 1)
         if self.stop is not None and self.stop.is_set():
-            self.status = "stopped"
+            self.status = SolverStatus.STOPPED
         elif inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon:
-            self.status = "escaping"
-        return not self.status
+            self.status = SolverStatus.ESCAPING
+        return self.status is None
 
 
 def _listener(casadi: Any, watch: _Watch) -> object:

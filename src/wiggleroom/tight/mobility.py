@@ -23,6 +23,7 @@ from scipy.sparse.linalg import eigsh, splu
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.tight.point_contacts import TightContacts, tight_contacts
 from wiggleroom.tight.self_stress import Lock, holds
+from wiggleroom.verdict import Tightness
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -41,7 +42,7 @@ class TightVerdict:
 
     Parameters
     ----------
-    verdict : str
+    verdict : Tightness
         "locked": no part can move against any other, which is proven by `locks`. "moves": `motion` keeps every contact to first order;
         most such motions go on, but some are stopped by the curvature of contacts (second-order immobility), which is not tested.
     motion : (parts, 3) float64 or None [mm, mm, rad]
@@ -53,7 +54,7 @@ class TightVerdict:
     contacts : TightContacts
     """
 
-    verdict: str
+    verdict: Tightness
     motion: Floats | None
     moving: tuple[str, ...]
     locks: tuple[Lock, ...]
@@ -64,7 +65,7 @@ class TightVerdict:
 
         The proof is checked in exact rationals; it says that the contacts as listed cannot all hold. The motion is checked to 1e-6.
         """
-        if self.verdict == "locked":
+        if self.verdict is Tightness.LOCKED:
             return holds(self.contacts, self.locks)
         if self.motion is None or not np.abs(self.motion).max() > 0:
             return False
@@ -98,16 +99,16 @@ def tight_verdict(assembly: Assembly, within: float | None = None) -> TightVerdi
     contacts = tight_contacts(assembly, within)
     label, locks = _joined(contacts)
     if label.max() == 0:
-        return TightVerdict("locked", None, (), locks, contacts)
+        return TightVerdict(Tightness.LOCKED, None, (), locks, contacts)
     ground = label[contacts.ground]
     twist, force, rows = _together(contacts, label, ground)
     if twist is None:
-        return TightVerdict("locked", None, (), (*locks, Lock(rows, force)), contacts)
+        return TightVerdict(Tightness.LOCKED, None, (), (*locks, Lock(rows, force)), contacts)
     motion = _of_parts(contacts, twist)
     speed = np.hypot(*motion[:, :2].T) + np.abs(motion[:, 2]) * contacts.reach
     motion /= speed.max()
     moving = tuple(name for name, v in zip(contacts.names, speed / speed.max(), strict=True) if v > 1e-6)
-    return TightVerdict("moves", motion, moving, locks, contacts)
+    return TightVerdict(Tightness.MOVES, motion, moving, locks, contacts)
 
 
 def opening(contacts: TightContacts, motion: Floats) -> Floats:

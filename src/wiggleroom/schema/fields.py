@@ -1,0 +1,41 @@
+"""Types of fields, with what they mean where a name alone does not say it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from msgspec import Meta, Struct
+
+Point = tuple[float, float]
+Ring = list[Point]
+Json = dict[str, Any]
+
+Mm = Annotated[float, Meta(description="[mm]")]
+Degrees = Annotated[float, Meta(description="[deg]")]
+Percent = Annotated[float, Meta(description="[%]")]
+Names = Annotated[list[str], Meta(description="names of parts")]
+Pair = Annotated[tuple[str, str], Meta(description="names of two parts")]
+Objective = Annotated[
+    float | None, Meta(description="sum of the goals [mm], turns in [rad]; null where nothing stops the motion")
+]
+AtMost = Annotated[
+    float | None, Meta(description="a value that no motion exceeds, proven; null where none was worked out")
+]
+Command = Annotated[str, Meta(description="the command that answers the same")]
+
+
+class PartMotion(Struct):
+    """Motion of a part: pose minus rest pose, about its reference point."""
+
+    dx: Mm
+    dy: Mm
+    turn_deg: Degrees
+
+
+class ContactEntry(Struct):
+    """A place where two parts hold each other at the end of the motion."""
+
+    parts: Annotated[tuple[str, str], Meta(description="the normal points from the first into the second")]
+    point: Annotated[Point, Meta(description="where they touch, parts moved [mm]")]
+    normal: Annotated[Point, Meta(description="unit vector")]
+    force: Annotated[float, Meta(description="multiplier: objective gained per mm that this contact gives way")]

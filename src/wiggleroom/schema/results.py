@@ -1,0 +1,280 @@
+"""What commands write with `--json`: one structure for each format."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import UNSET, Meta, Struct, UnsetType
+
+from wiggleroom.schema.fields import (
+    AtMost,
+    Command,
+    ContactEntry,
+    Degrees,
+    Mm,
+    Names,
+    Objective,
+    Pair,
+    PartMotion,
+    Percent,
+    Point,
+    Ring,
+)
+from wiggleroom.verdict import Certainty, Separability, Verdict
+
+PathState = Annotated[
+    Literal["checked", "not checked"], Meta(description="whether no two parts overlap anywhere on the path from rest")
+]
+Seconds = Annotated[float, Meta(description="[s]")]
+
+
+class BoundEntry(Struct):
+    """How `at_most` came about."""
+
+    kind: Annotated[
+        Literal["proven", "quick"], Meta(description="asked for and tightened, or found at little cost; both hold")
+    ]
+    within: Annotated[float | None, Meta(description="how far it lies above the motion found, as a share of it")]
+    seconds: Seconds
+
+
+class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=True):
+    """The largest motion that was found: `wiggleroom flex --json`."""
+
+    verdict: Annotated[Verdict, Meta(description="how the search ended")]
+    objective: Objective
+    at_most: AtMost
+    bound: BoundEntry | UnsetType = UNSET
+    leaves: Annotated[
+        list[str] | UnsetType, Meta(description="parts that move away without limit; of unbounded answers")
+    ] = UNSET
+    turns: Annotated[list[str] | UnsetType, Meta(description="parts that turn without limit; of unbounded answers")] = (
+        UNSET
+    )
+    parts: Annotated[dict[str, PartMotion], Meta(description="motion of every part by its name")]
+    collision_free: Annotated[bool, Meta(description="no two parts overlap at the end, by exact geometry")]
+    deepest_overlap: Mm
+    path: PathState
+    contacts: list[ContactEntry]
+    model: Annotated[str, Meta(description="what stands for the free space of a pair: walls, hull or halfplane")]
+    solver: str
+    rounds: Annotated[int, Meta(description="programs that were solved")]
+    seconds: Annotated[dict[str, float], Meta(description="time by stage, and in total [s]")]
+    command: Command
+
+
+class EscapeEntry(Struct):
+    """Parts that leave together."""
+
+    parts: Names
+    path: Annotated[
+        list[dict[str, PartMotion]],
+        Meta(description="way-points from rest on, each with the parts that move on this path"),
+    ]
+
+
+class SeparabilityEntry(Struct, kw_only=True):
+    """Whether parts come apart at one gap."""
+
+    verdict: Separability
+    certainty: Certainty
+    at_most: Annotated[
+        float | None, Meta(description="a distance [mm] that no point of any part exceeds, proven; else null")
+    ]
+    escapes: Annotated[list[EscapeEntry], Meta(description="in the order in which they leave")]
+    spins: Annotated[list[str], Meta(description="parts that turn in place without limit")]
+    remains: Annotated[list[str], Meta(description="parts of which nothing more was found to leave")]
+
+
+class LargestGapEntry(Struct, kw_only=True):
+    """The gap at which the assembly comes apart, from both sides."""
+
+    interlocked_at: Annotated[float | None, Meta(description="largest gap [mm] at which it holds")]
+    comes_apart_at: Annotated[float | None, Meta(description="smallest gap [mm] at which it comes apart")]
+    interlocked: SeparabilityEntry | None
+    comes_apart: SeparabilityEntry | None
+
+
+class CheckResult(SeparabilityEntry, tag_field="format", tag="wiggleroom.check/1", kw_only=True):
+    """Whether it comes apart: `wiggleroom check --json`."""
+
+    gap: Mm
+    largest_gap: LargestGapEntry | UnsetType = UNSET
+    seconds: Seconds
+    command: Command
+
+
+class PartImportance(Struct):
+    """What the gap of one part does to the motion."""
+
+    mm_per_mm: Annotated[float, Meta(description="gain of the objective per mm of extra gap round this part alone")]
+    percent: Annotated[float, Meta(description="share of the sum over all parts [%]")]
+    tighter_mm_per_mm: Annotated[
+        float, Meta(description="loss per mm of smaller gap; differs where parts share a load")
+    ]
+    duals_mm_per_mm: Annotated[float, Meta(description="the same from one set of multipliers")]
+    unique: Annotated[bool, Meta(description="both sides agree")]
+
+
+class JointImportance(Struct):
+    """What the gap of one joint does to the motion."""
+
+    parts: Pair
+    mm_per_mm: float
+    percent: Percent
+    unique: bool
+
+
+class RankResult(Struct, tag_field="format", tag="wiggleroom.rank/1", kw_only=True):
+    """Whose gap matters: `wiggleroom rank --json`."""
+
+    objective: Objective
+    verdict: Verdict
+    by: Annotated[str, Meta(description="duals or differences")]
+    parts: Annotated[dict[str, PartImportance], Meta(description="by name, the most important first")]
+    joints: list[JointImportance]
+    ranges: Annotated[str, Meta(description="whether ranges of multipliers are whole or at least so wide")]
+    virtual_percent: Annotated[float, Meta(description="share of the force that is held where nothing touches [%]")]
+    command: Command
+
+
+class RandomChoices(Struct):
+    """How choices at random do beside the chosen ones."""
+
+    draws: int
+    mean: float | None
+    lowered_percent: float | None
+
+
+class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_only=True):
+    """Which parts to make tighter: `wiggleroom tighten --json`."""
+
+    objective: Objective
+    tightened: Annotated[float | None, Meta(description="objective with the chosen parts tight")]
+    verdict: Verdict
+    lowered_percent: Percent
+    parts: Annotated[list[str], Meta(description="in the order in which they were chosen")]
+    gap: Annotated[float, Meta(description="their share of the gap then [mm]")]
+    limit: float | None
+    reached: bool
+    random: RandomChoices
+    command: Command
+
+
+class SweepEntry(Struct):
+    """The motion at one gap."""
+
+    gap: Mm
+    objective: Objective
+    verdict: Verdict
+    path: PathState
+
+
+class SweepResult(Struct, tag_field="format", tag="wiggleroom.sweep/1", kw_only=True):
+    """Motion against gap: `wiggleroom sweep --json`."""
+
+    gaps: list[SweepEntry]
+    lost_between: Annotated[
+        tuple[float, float] | None, Meta(description="gaps [mm] between which the motion loses its end")
+    ]
+    command: Command
+
+
+class SpreadEntry(Struct):
+    """How gaps were drawn."""
+
+    width: Mm
+    kind: str
+    sheet: Annotated[float, Meta(description="share that the parts of one sheet have in common")]
+    bias: Mm
+
+
+class WorstDraw(Struct):
+    """The draw with the largest motion."""
+
+    objective: float
+    extra_gap: Annotated[dict[str, float], Meta(description="extra gap round every part [mm]")]
+
+
+class YieldEntry(Struct):
+    """Share of draws that keep the limit, with a 95 % interval."""
+
+    share: float | None
+    low: float
+    high: float
+
+
+class CheckedDraws(Struct):
+    """Draws that were solved again from nothing."""
+
+    draws: int
+    largest_difference: float | None
+
+
+class SampleResult(Struct, tag_field="format", tag="wiggleroom.sample/1", kw_only=True, rename={"yields": "yield"}):
+    """Motion with random gaps: `wiggleroom sample --json`."""
+
+    objective: Objective
+    spread: SpreadEntry
+    draws: int
+    asked: int
+    seed: int
+    mean: float | None
+    standard_deviation: float | None
+    foreseen_standard_deviation: Annotated[float | None, Meta(description="from the derivatives alone")]
+    quantiles: dict[str, float | None]
+    worst: WorstDraw
+    unbounded: Annotated[int, Meta(description="draws in which nothing stops the motion")]
+    misfits: Annotated[int, Meta(description="draws in which parts do not fit beside each other")]
+    cut_short: Annotated[int, Meta(description="draws whose motion is safe but not an optimum")]
+    limit: float | None
+    yields: YieldEntry
+    contributions_percent: dict[str, float]
+    checked: CheckedDraws
+    command: Command
+
+
+class CellEntry(Struct):
+    """One cell of a free space."""
+
+    walls: int
+    angles_deg: Annotated[tuple[float, float], Meta(description="interval of turns [deg]")]
+
+
+class SliceEntry(Struct):
+    """All free translations at one turn."""
+
+    angle_deg: Degrees
+    area: Annotated[float, Meta(description="[mm²]")]
+    holes: list[Ring]
+    outlines: list[Ring]
+
+
+class AuditEntry(Struct):
+    """Free space judged at random motions by polygon intersection."""
+
+    samples: int
+    free: int
+    accepted: int
+    unsafe: int
+    lost: int
+
+
+class SpaceResult(Struct, tag_field="format", tag="wiggleroom.space/1", kw_only=True):
+    """The free space of a pair: `wiggleroom space --json`."""
+
+    parts: Pair
+    closed: bool
+    reach: Annotated[float | None, Meta(description="how far an open one was looked at [mm]")]
+    angles_deg: list[float]
+    volume: Annotated[float, Meta(description="[mm² deg]")]
+    coverage: Annotated[float, Meta(description="share that the cells cover")]
+    pivot: Annotated[Point, Meta(description="the point whose motion is told [mm]")]
+    cells: list[CellEntry]
+    slices: list[SliceEntry]
+    audit: AuditEntry | None
+    command: Command
+
+
+RESULTS = (FlexResult, CheckResult, RankResult, TightenResult, SweepResult, SampleResult, SpaceResult)
+"""All formats."""

@@ -1,0 +1,68 @@
+"""How a question ended, and how sure that is. The values are the words in files; nothing else says these things."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+
+
+class Verdict(StrEnum):
+    """How the search for the largest motion ended."""
+
+    OPTIMAL = "optimal"
+    STATIONARY = "stationary"
+    UNBOUNDED = "unbounded"
+    STOPPED = "stopped"
+    TOUCHING = "touching"
+    NOT_MAKEABLE = "cannot be made"
+
+    @property
+    def sentence(self) -> str:
+        """One sentence for people."""
+        return _SENTENCES[self]
+
+
+_SENTENCES = {
+    Verdict.OPTIMAL: "every active wall is a real contact and the optimality conditions hold",
+    Verdict.STATIONARY: "the optimality conditions hold, but a branch at a corner contact is left open",
+    Verdict.UNBOUNDED: "nothing stops the motion",
+    Verdict.STOPPED: "stopped before the end; this is the best safe motion so far",
+    Verdict.TOUCHING: "parts touch at rest",
+    Verdict.NOT_MAKEABLE: "the outlines cannot be made at this gap",
+}
+
+
+class Separability(StrEnum):
+    """Whether parts can be moved without limit away from the others."""
+
+    INTERLOCKED = "interlocked"
+    COMES_APART = "comes apart"
+    UNKNOWN = "unknown"
+
+
+class Certainty(StrEnum):
+    """What a statement rests on: a proof, or a search that found nothing else."""
+
+    PROVEN = "proven"
+    SEARCHED = "searched"
+
+
+class Tightness(StrEnum):
+    """Whether parts drawn without gaps are locked to first order."""
+
+    LOCKED = "locked"
+    MOVES = "moves"
+
+
+class SolverStatus(StrEnum):
+    """How one solve of the nonlinear program ended."""
+
+    CONVERGED = "converged"
+    """The optimality conditions hold to the tolerance."""
+    ENOUGH = "enough"
+    """The objective passed what was asked for."""
+    STOPPED = "stopped"
+    """Somebody asked to stop, or the time was up."""
+    ESCAPING = "escaping"
+    """A body moved past the horizon: nothing stops it."""
+    FAILED = "failed"
+    """Too many iterations, or no step was possible."""
