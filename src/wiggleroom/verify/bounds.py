@@ -205,7 +205,7 @@ class WeakDuality:
         return total + size(rest) * reach
 
     def _corners(self, p: int, facets: list[int]) -> tuple[np.ndarray, arb, dict[int, float]]:
-        """Of what a pair can reach in the ranges: middle (2,), reach from there, and largest values of facets; kept for the next multipliers."""
+        """Middle (2,) of what a pair can reach in the ranges, reach from there, and most of facets; all kept."""
         known = self.pairs.get(p)
         new = [k for k in facets if known is None or k not in known[2]]
         if known is not None and not new:

@@ -32,7 +32,7 @@ from wiggleroom.verify.ball_arithmetic import (
     size,
     turned,
 )
-from wiggleroom.verify.work_limit import EXACT, WorkLimit
+from wiggleroom.verify.work_limit import EXACT, FLOAT, WorkLimit
 
 
 def check_skin(region: dict[str, Any]) -> None:
@@ -170,23 +170,42 @@ class Material:
 
     def __init__(self, polygons: list[list[list[list[float]]]], work: WorkLimit) -> None:
         self.work = work
-        self.edges = []
-        for rings in polygons:
-            at = [np.array(ring, dtype=float) for ring in rings]
-            self.edges.append((np.vstack(at), np.vstack([np.roll(ring, -1, 0) for ring in at])))
+        self.polygons = [Edges([np.array(ring, dtype=float) for ring in rings]) for rings in polygons]
 
     def check(self, chord: tuple[Point, Point]) -> None:
         """Refuse a chord that is not strictly inside one of the polygons."""
         p, q = (np.array([float(v.mid()) for v in end]) for end in chord)
         error = max(float(v.rad()) for end in chord for v in end) + ROUNDING * float(np.abs([p, q]).max())
-        for start, end in self.edges:
-            self.work.spend(len(start))
+        for edges in self.polygons:
+            self.work.spend(len(edges.start))
+            some = edges.near(p, q, error)
+            start, end = edges.start[some], edges.end[some]
             unsure, odd = _far_edges(p, q, error, start, end)
-            self.work.spend(EXACT * len(unsure))
-            near = [(_exact_point(start[k]), _exact_point(end[k])) for k in unsure]
-            if _inside(chord, near, odd):
+            self.work.spend(FLOAT * len(some) + EXACT * len(unsure))
+            if _inside(chord, [(_exact_point(start[k]), _exact_point(end[k])) for k in unsure], odd):
                 return
         raise Refused("a chord does not lie inside its part")
+
+
+class Edges:
+    """Edges of one polygon, their boxes and how far their ends lie to the left of the ray's direction."""
+
+    def __init__(self, rings: list[np.ndarray]) -> None:
+        self.start = np.vstack(rings)
+        self.end = np.vstack([np.roll(ring, -1, 0) for ring in rings])
+        self.low, self.high = np.minimum(self.start, self.end), np.maximum(self.start, self.end)
+        self.left = [AWRY[0] * at[:, 1] - AWRY[1] * at[:, 0] for at in (self.start, self.end)]
+        self.far = float(np.abs(self.start).max())
+
+    def near(self, p: np.ndarray, q: np.ndarray, error: float) -> np.ndarray:
+        """Edges whose boxes meet that of the chord p q, or which may meet the line of the ray from p."""
+        low, high = np.minimum(p, q) - error, np.maximum(p, q) + error
+        boxes = ((self.low <= high) & (self.high >= low)).all(1)
+        ray = AWRY[0] * p[1] - AWRY[1] * p[0]
+        wrong = 2 * error + 4 * ROUNDING * (self.far + float(np.abs(p).max())) + TINY
+        one, two = (left - ray for left in self.left)
+        apart = ((one > wrong) & (two > wrong)) | ((one < -wrong) & (two < -wrong))
+        return np.flatnonzero(boxes | ~apart)
 
 
 def _far_edges(

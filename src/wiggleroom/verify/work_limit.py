@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from wiggleroom.verify.ball_arithmetic import need
 
-STEPS = 5000
+STEPS = 1000
 """Steps for every number of the file, each a few operations on doubles; what proofs that were found need is below a tenth of it."""
+FLOAT = 10
+"""Steps that one comparison counts for which doubles are enough."""
 EXACT = 400
 """Steps that one comparison in ball arithmetic counts for."""
 
@@ -14,7 +16,7 @@ class WorkLimit:
     """Counts steps and refuses to go beyond those that the file's size allows."""
 
     def __init__(self, numbers: int) -> None:
-        self.left = STEPS * (numbers + 1000)
+        self.left = STEPS * (numbers + 10_000)
 
     def spend(self, steps: int) -> None:
         """Count steps before they are taken."""
