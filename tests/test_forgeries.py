@@ -1,3 +1,4 @@
+# ruff: noqa: E501, RUF005, PT017 (tables of forgeries)
 """Certificates that somebody forged: each one claims too much, or what another drawing or question proves, and must be refused."""
 
 from __future__ import annotations
