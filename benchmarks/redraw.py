@@ -2,8 +2,8 @@
 
 The commands stand in docs/pictures/commands.txt. They are run in a folder of their own with the examples beside it, so that what a
 picture says of its making is the same everywhere. Nothing is drawn at random, so the bytes are the same too: with --check they
-are compared with the committed ones, and those that differ are named. The tables of `wiggleroom bench` measure times on this machine; they are
-drawn only by name.
+are compared with the committed ones, and those that differ are named. The tables of `wiggleroom bench` measure times on this
+machine; they are drawn only by name.
 """
 
 from __future__ import annotations

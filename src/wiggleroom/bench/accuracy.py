@@ -116,7 +116,9 @@ def accuracy(
     sheets = (
         Sheet("Over the box of the free space: how much of all motions is lost", COLUMNS, tuple(found)),
         Sheet(
-            "Over the box of the hull itself, as published: what it says where it was made", COLUMNS[:-2], (*own, *ACCURACY)
+            "Over the box of the hull itself, as published: what it says where it was made",
+            COLUMNS[:-2],
+            (*own, *ACCURACY),
         ),
     )
     return Bench("accuracy", title, (*found, *ACCURACY), sheets, notes, command, cut)
