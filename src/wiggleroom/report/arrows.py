@@ -22,8 +22,8 @@ _SHORTEST = 16.0
 PULL_LENGTH = 44.0
 _MOST_CONTACTS = 300
 _FAINT = 1e-3
-_SMALL = 30.0
-"""Parts of fewer pixels are too small for all their contacts."""
+_SMALL, _SLIGHT = 30.0, 0.1
+"""Parts of fewer pixels are too small for all their contacts: those with less than this share of the largest force are left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,7 +125,7 @@ def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: 
     if not held:
         return Mark("")
     if room < _SMALL:  # arrows longer than their parts: of each pair the largest
-        held = list({c.parts: c for c in reversed(held)}.values())[::-1]
+        held = [c for c in {c.parts: c for c in reversed(held)}.values() if c.force > _SLIGHT * largest][::-1]
     held, row = held[:_MOST_CONTACTS], {name: k for k, name in enumerate(answer.assembly.names)}
     radius, longest = min(max(0.035 * room, 1.5), 3.0), min(max(0.45 * room, 16.0), 38.0)
     moved = rest + answer.motion
