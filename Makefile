@@ -1,13 +1,14 @@
-# What developers type: make demo, make test, make lint, make types, make slow, make browser, make web,
+# What developers type: make demo, make test, make doctest, make slow, make lint, make types, make browser, make web,
 # make pictures.
 # The environment .venv is made when it is needed and again only when pyproject.toml changes.
 
 BIN := .venv/bin
+BROWSER := tests/test_html.py tests/test_space_report.py tests/test_study_report.py tests/test_page.py
 FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
 
-.PHONY: demo test slow browser web pictures pictures-check lint types clean
+.PHONY: demo test doctest slow browser web pictures pictures-check lint types clean
 
 demo: .venv/ready-demo
 	@mkdir -p out
@@ -17,12 +18,15 @@ demo: .venv/ready-demo
 test: .venv/ready-test
 	$(BIN)/python -m pytest -n auto -m "not slow"
 
-slow: .venv/ready-test
-	$(BIN)/python -m pytest -n auto -m slow
+doctest: .venv/ready-test # the examples of all docstrings
+	$(BIN)/python -m pytest -n auto --doctest-modules src/wiggleroom
+
+slow: .venv/ready-test # but for those that need a browser
+	$(BIN)/python -m pytest -n auto -m slow $(BROWSER:%=--ignore=%)
 
 browser: .venv/ready-test # needs a Chromium on the path
 	$(BIN)/python -m pip install --quiet --editable '.[browser]'
-	$(BIN)/python -m pytest -m slow tests/test_html.py tests/test_space_report.py tests/test_study_report.py tests/test_page.py
+	$(BIN)/python -m pytest -m slow $(BROWSER)
 
 web: # the live page from its source; needs Node 20 or later and npm
 	cd web && npm ci --silent --ignore-scripts && npm run --silent check && npm run --silent test && npm run --silent build

@@ -32,7 +32,6 @@ from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.drawing.model import Goal
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.loop import Found
 from wiggleroom.search.prepare import survey
 
 SHARES, SECONDS = (0.5, 0.98), 0.8
@@ -131,8 +130,8 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
 
 def _quick(answer: Answer) -> float:
     """Quick bound at whatever cost; infinite where there is none."""
-    found = answer.trail
-    if not isinstance(found, Found) or not isinstance(found.program.objective, PointMotion):
+    found = answer.warm_start
+    if found is None or not isinstance(found.program.objective, PointMotion):
         return np.inf
     most = quick_bound(found, found.program.objective, 10**9)
     return np.inf if most is None else most

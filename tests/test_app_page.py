@@ -17,7 +17,7 @@ import shapely.affinity
 
 import wiggleroom as wr
 from tests.app_client import Visit
-from wiggleroom.app import moving
+from wiggleroom.app import display
 from wiggleroom.cli import main
 from wiggleroom.drawing.assembly_writer import write_assembly
 
@@ -67,7 +67,7 @@ def test_gap_extra_fixed_glue_and_goals_stand_in_place_of_the_files(page: Visit)
     reply = page.ask("flex")
     assert reply["objective"] == pytest.approx(2 * 0.45, abs=1e-6)
     assert shapely.Polygon(page.rings[1][0]).area == pytest.approx(9.5**2)
-    time.sleep(moving.AGAIN)
+    time.sleep(display.AGAIN)
     page.told.clear()
     page.ask("flex")
     assert not any("rings" in r for r in page.told)

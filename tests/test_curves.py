@@ -10,8 +10,9 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from wiggleroom.drawing.curves import Arcs, flatten_arcs, flatten_cubics
-from wiggleroom.drawing.outlines import Outlines
+from wiggleroom.drawing.flatten import Curved
 from wiggleroom.drawing.pathdata import arc_between, parse_path
+from wiggleroom.drawing.strokes import mapped
 from wiggleroom.drawing.transforms import Affine
 
 SAME = Affine()
@@ -92,9 +93,9 @@ def test_circle_needs_as_many_chords_as_theory_says():
 
 
 def corners(data: str, matrix: Affine = SAME, tolerance: float = 0.01) -> np.ndarray:
-    outlines = Outlines()
-    assert outlines.add(parse_path(data)[0], matrix)
-    return outlines.rings(tolerance)[0]
+    curved = Curved()
+    curved.add(mapped(parse_path(data)[0], matrix))
+    return curved.corners(tolerance)[0]
 
 
 @pytest.mark.parametrize("matrix", [Affine(), Affine(1, 0.3, -0.8, 2, 5, 7), Affine(0.5, 0, 0, -3)])

@@ -432,7 +432,7 @@ def test_tighter_joint_counts_most_where_its_lever_is_long():
 def test_a_joint_takes_the_way_of_a_congruent_one_and_no_other_joint_notices() -> None:
     ready = wr.prepare(chain("tee", 4))
     them, cells = ready.bodies, ready.cells
-    motion = wr.flex(chain("tee", 4)).trail.motion * np.array([[0.0], [0.3], [0.7], [1.0]])
+    motion = wr.flex(chain("tee", 4)).warm_start.motion * np.array([[0.0], [0.3], [0.7], [1.0]])
     before, rest = relative_rest(them, cells.a, cells.b, motion), relative_rest(them, cells.a, cells.b)
     after = relative_rest(them, cells.a, cells.b, followed(them, cells, Twin(np.array([2]), 0), motion[None])[0])
     assert after[:2] == pytest.approx(before[:2], abs=1e-12)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+from collections.abc import Container
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -15,6 +17,7 @@ ORDER = [
     "drawing",
     "assembly",
     "geometry",
+    "audit",
     "freespace",
     "program",
     "solve",
@@ -35,45 +38,62 @@ ORDER = [
 ]
 
 
-def imported(tree: ast.AST, package: str) -> set[str]:
-    """Packages of wiggleroom that a module imports anywhere, also inside functions and by relative imports."""
-    names: set[str] = set()
+def modules(root: Path) -> dict[str, Path]:
+    """All modules of the package, by their full names."""
+    found = {".".join(["wiggleroom", *p.relative_to(root).with_suffix("").parts]): p for p in root.rglob("*.py")}
+    return {name.removesuffix(".__init__"): path for name, path in found.items()}
+
+
+def imported(name: str, path: Path, known: Container[str]) -> set[str]:
+    """Modules that a module imports anywhere: at its top, for types only, inside functions, relatively, by names made when it runs."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    own = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
+    found: set[str] = set()
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            names |= {alias.name for alias in node.names}
+            found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
-            base = node.module or ""
-            if node.level:
-                above = package.split(".")[: len(package.split(".")) - node.level + 1]
-                base = ".".join([*above, base]).rstrip(".")
-            names |= {f"{base}.{alias.name}" for alias in node.names}
-        elif isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) in (
-            "import_module",
-            "__import__",
-        ):
-            names |= {a.value for a in node.args[:1] if isinstance(a, ast.Constant) and isinstance(a.value, str)}
-    return {name.split(".")[1] for name in names if name.startswith("wiggleroom.")}
+            above = own[: len(own) - node.level + 1] if node.level else []
+            base = ".".join([*above, *([node.module] if node.module else [])])
+            found |= {f"{base}.{alias.name}" if f"{base}.{alias.name}" in known else base for alias in node.names}
+        elif isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) in LOADERS:
+            found |= named(node.args[0], tree, known) if node.args else set()
+    return {n for n in found if n in known and n != name}
 
 
-def wrong(path: Path, root: Path = ROOT) -> list[str]:
+LOADERS = ("import_module", "__import__")
+
+
+def named(argument: ast.expr, tree: ast.AST, known: Container[str]) -> set[str]:
+    """Modules that a computed name may mean: its constant beginning followed by any text of the module that makes one."""
+    texts = {n.value for n in ast.walk(tree) if isinstance(n, ast.Constant) and isinstance(n.value, str)}
+    pieces = argument.values if isinstance(argument, ast.JoinedStr) else [getattr(argument, "left", argument)]
+    first = pieces[0] if pieces else argument
+    begin = first.value if isinstance(first, ast.Constant) and isinstance(first.value, str) else ""
+    return {name for text in ("", *texts) for name in (begin + text, begin.rstrip(".") + text) if name in known}
+
+
+def wrong(name: str, path: Path, known: Container[str]) -> list[str]:
     """Imports of one module that point to the right."""
-    inside = path.relative_to(root)
-    own = inside.parts[0].removesuffix(".py")
-    package = ".".join(["wiggleroom", *inside.parts[:-1]])
-    found = imported(ast.parse(path.read_text(encoding="utf-8")), package)
-    assert own in ORDER, f"{inside}: this package has no place in the order"
+    own = name.split(".")[1]
+    assert own in ORDER, f"{name}: this package has no place in the order"
     allowed = set(ORDER[: ORDER.index(own) + 1])
-    return [f"{inside} imports {name}" for name in sorted(found & set(ORDER) - allowed)]
+    packages = {n.split(".")[1] for n in imported(name, path, known) if n != "wiggleroom"}
+    return [f"{name} imports {package}" for package in sorted(packages & set(ORDER) - allowed)]
 
 
-MODULES = sorted(
-    p for p in ROOT.rglob("*.py") if p.parent != ROOT or p.stem in ("errors", "files", "verdict", "maximise")
-)
+KNOWN = modules(ROOT)
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda p: str(p.relative_to(ROOT)))
-def test_a_module_imports_only_from_its_left(path: Path) -> None:
-    assert wrong(path) == []
+@pytest.mark.parametrize("name", sorted(KNOWN.keys() - {"wiggleroom"}))
+def test_a_module_imports_only_from_its_left(name: str) -> None:
+    assert wrong(name, KNOWN[name], KNOWN) == []
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    """Inside packages too; what a package's own file imports from its modules counts as well."""
+    graph = {name: imported(name, path, KNOWN) for name, path in KNOWN.items() if name != "wiggleroom"}
+    TopologicalSorter(graph).prepare()  # raises CycleError with the circle
 
 
 def test_every_package_has_a_place() -> None:
@@ -89,14 +109,32 @@ def test_every_package_has_a_place() -> None:
         "from ..report import table",
         "from .. import report",
         "def f():\n    from wiggleroom.report.table import table",
+        "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from wiggleroom.report.table import table",
         "import importlib\nimportlib.import_module('wiggleroom.report')",
+        "from importlib import import_module\nimport_module(f'wiggleroom.report.{NAME}')\nNAME = 'table'",
+        "from importlib import import_module\nimport_module('wiggleroom.report.' + NAME)\nNAME = 'table'",
+        "from importlib import import_module\nNAMES = {'one': 'wiggleroom.report.table'}\nimport_module(NAMES['one'])",
+        "from importlib import import_module\nNAMES = ('report',)\n[import_module(f'wiggleroom.{n}') for n in NAMES]",
     ],
 )
 def test_the_walk_sees_every_kind_of_import(tmp_path: Path, line: str) -> None:
+    (tmp_path / "solve").mkdir()
     module = tmp_path / "solve" / "bad.py"
-    module.parent.mkdir()
     module.write_text(line)
-    assert wrong(module, tmp_path) == ["solve/bad.py imports report"]
+    known = {*KNOWN, "wiggleroom.solve.bad"}
+    assert wrong("wiggleroom.solve.bad", module, known) == ["wiggleroom.solve.bad imports report"]
+
+
+def test_the_walk_sees_circles(tmp_path: Path) -> None:
+    (tmp_path / "solve").mkdir()
+    (tmp_path / "solve" / "one.py").write_text("def f():\n    from wiggleroom.solve import two")
+    (tmp_path / "solve" / "two.py").write_text(
+        "from importlib import import_module\nimport_module('wiggleroom.solve.one')"
+    )
+    known = modules(tmp_path)
+    graph = {name: imported(name, path, known) for name, path in known.items()}
+    with pytest.raises(CycleError):
+        TopologicalSorter(graph).prepare()
 
 
 @pytest.mark.parametrize("module", ["wiggleroom", "wiggleroom.cli.app"])

@@ -62,7 +62,7 @@ def processor_time() -> float:
 @pytest.fixture
 def processes(monkeypatch: pytest.MonkeyPatch) -> Many:
     """Two processes, started at once however short the work is; the first task stays in this one."""
-    monkeypatch.setattr(module, "WORTH", -1.0)
+    monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
     return Many(workers=2)
 
 
@@ -87,13 +87,13 @@ def test_what_a_task_prints_does_no_harm(processes: Many) -> None:
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_errors_come_through(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "WORTH", -1.0)
+    monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
     with pytest.raises(ValueError, match="task 2"):
         Many(workers=workers).each(raises, None, [1, 2, 3])
 
 
 def test_it_can_be_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "WORTH", -1.0)
+    monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
     stop = threading.Event()
     many = Many(workers=2, stop=stop, progress=lambda done, _: stop.set() if done >= 3 else None)
     results = many.each(slow, None, list(range(40)))
@@ -108,7 +108,7 @@ def test_progress_counts_up(processes: Many) -> None:
 
 
 def test_processes_give_the_same_numbers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "WORTH", -1.0)
+    monkeypatch.setattr(module, "MIN_PARALLEL_SECONDS", -1.0)
     one, two = (wr.sample(wr.patterns.chain(4, gap=0.02), 0.002, draws=12, workers=w) for w in (1, 2))
     assert (one.value == two.value).all()
     assert (one.checked == two.checked).all()

@@ -90,7 +90,7 @@ def test_what_slides_out_has_no_pocket():
 
 def bound_at_any_cost(answer):
     """The quick bound without regard to its work; inf where there is none."""
-    found = answer.trail
+    found = answer.warm_start
     most = quick_bound(found, found.program.objective, 10**9)
     return math.inf if most is None else most
 
@@ -119,7 +119,7 @@ def look(seed):
         assert answer.at_most is None or answer.objective is not None
         return
     assert bound_at_any_cost(answer) >= answer.objective * (1 - ROUNDING)
-    found, rng = answer.trail, np.random.default_rng(seed)
+    found, rng = answer.warm_start, np.random.default_rng(seed)
     if not isinstance(found.program.objective, PointMotion):
         return
     wrong = replace(found.solution, lam=found.solution.lam * rng.uniform(0.5, 1.5, len(found.solution.lam)))

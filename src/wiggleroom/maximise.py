@@ -10,6 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, overload
 
+import numpy as np
+
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.dual_bound import with_quick_bound
@@ -17,17 +19,22 @@ from wiggleroom.compare.approximate import Approximation, answer_from, approxima
 from wiggleroom.compare.flex_halfplane import flex_half_planes
 from wiggleroom.compare.flex_hull import flex_hull
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.freespace.models.pair_models import HalfPlane, PairModel, Walls, model_named
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
-from wiggleroom.search.answer import Answer
+from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.loop import Found, Progress, Search, silent
+from wiggleroom.search.complete_search import PROVEN, complete
+from wiggleroom.search.global_search import search_on
+from wiggleroom.search.incumbent import Incumbent, at_rest
+from wiggleroom.search.loop import LocalSearch, Progress, silent
+from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.linear_programming import linear_solver
+from wiggleroom.verdict import Verdict
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +72,7 @@ def prepare(
     model : str, Hull or HalfPlane
         "walls", "hull" or "halfplane": what stands for the free space of a pair.
     stop : optional
-        Anything with `is_set()`, asked now and then; the approximating models do not ask.
+        Anything with `is_set()`, asked now and then.
 
     Raises
     ------
@@ -79,7 +86,7 @@ def prepare(
     wanted = model_named(model)
     if isinstance(wanted, Walls):
         return PreparedModel(**vars(problem.prepare(assembly, stop=stop)))
-    return ApproximateModel(**vars(approximate(assembly, wanted)))
+    return ApproximateModel(**vars(approximate(assembly, wanted, stop)))
 
 
 def flex(
@@ -89,6 +96,7 @@ def flex(
     model: str | PairModel | None = None,
     solver: str = "interior-point",
     start: Answer | None = None,
+    search: int | None = None,
     prove: float | None = None,
     seconds: float = 60.0,
     stop: Stop | None = None,
@@ -108,6 +116,10 @@ def flex(
         "interior-point", or "ipopt" (needs the extra `ipopt`); half-planes need neither.
     start : Answer, optional
         An earlier answer of the same prepared assembly, with walls; the search starts near its motion.
+    search : int, optional
+        So many starts beside the one from rest: with another objective first, then the true one; 0 for none. By default as many as a
+        fixed amount of work allows, until it is unlikely that there is a higher hill; none for more than 50 free bodies, for models
+        that approximate, and from an earlier answer.
     prove : float, optional
         Prove afterwards that no motion is worth more than this share above the answer, see `wiggleroom.prove`.
     seconds : float
@@ -143,14 +155,26 @@ def flex(
         from wiggleroom.bound.prove import check_request
 
         check_request(prove, seconds)
+    if search is not None and search < 0:
+        finding = f"search: {search} starts: it must be 0 or more"
+        raise InputError(finding)
     answer = with_quick_bound(
-        witness(assembly, goals, model=model, solver=solver, start=start, stop=stop, progress=progress)
+        witness(
+            assembly,
+            goals,
+            model=model,
+            solver=solver,
+            start=start,
+            search=0 if search is None and start is not None else search,
+            stop=stop,
+            progress=progress,
+        )
     )
     if prove is None:
         return answer
-    from wiggleroom.bound.prove import prove as with_bound
+    from wiggleroom.bound.prove import prove as proved
 
-    return with_bound(answer, prove, seconds=seconds, stop=stop, progress=progress)
+    return proved(answer, prove, seconds=seconds, stop=stop, progress=progress)
 
 
 def witness(
@@ -160,10 +184,11 @@ def witness(
     model: str | PairModel | None = None,
     solver: str = "interior-point",
     start: Answer | None = None,
+    search: int | None = 0,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
-    """The answer of `flex` without any bound, for studies that ask many questions and need none."""
+    """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither."""
     began = time.perf_counter()
     tell = progress or silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
@@ -171,35 +196,47 @@ def witness(
     wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
     solve = solver_named(solver)
     tell(Progress("pairs"))
-    ready = assembly if not isinstance(assembly, Assembly) and assembly.model == wanted else prepare(its, wanted)
+    try:
+        ready = (
+            assembly
+            if not isinstance(assembly, Assembly) and assembly.model == wanted
+            else prepare(its, wanted, stop=stop)
+        )
+    except StoppedError:
+        rest = np.zeros((1, len(its.parts), 3))
+        none = witnessed(its, asked, Verdict.STOPPED, 0.0, rest, "checked")
+        return replace(none, model=wanted.name, solver=solver, seconds={"total": time.perf_counter() - began})
     if isinstance(ready, Approximation):
+        if search:
+            raise InputError("search: only the model walls is searched from other starts; leave it out")
         if start is not None:
             raise InputError("start: only the model walls begins at an earlier answer; leave it out")
         return _approximately(ready, asked, solver, stop, tell, time.perf_counter() - began)
     goal = ready.objective(asked)
-    search = Search(ready, goal, solve, stop, tell)
-    search.seconds["freespace"] += time.perf_counter() - began
+    climb = LocalSearch(ready, goal, solve, THOROUGH, stop, tell)
+    climb.seconds["freespace"] += time.perf_counter() - began
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
-        return _from_several(search, first, asked, solver, began)
-    if start is not None:
-        search.resume(_trail(start, ready))
-    search.run()
-    return answer_of(search, asked, solver, began)
+        return _from_several(climb, first, asked, solver, began)
+    climb.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
+    if search == 0:
+        return answer_of(climb, asked, solver, began)
+    climb, effort = search_on(climb, search)
+    climb, most = complete(climb)
+    answer = replace(answer_of(climb, asked, solver, began), search=effort)
+    return answer if most is None else with_bound(answer, Bound(most, PROVEN, 0.0))
 
 
 def _from_several(
-    search: Search, first: Sequence[Objective], asked: tuple[Goal, ...], solver: str, began: float
+    search: LocalSearch, first: Sequence[Objective], asked: tuple[Goal, ...], solver: str, began: float
 ) -> Answer:
     """Best answer of searches that begin at the ends of several pulls, for objectives without a direction at rest."""
     answers = []
     for pull in first:
-        way_out = Search(search.ready, pull, search.solve, search.stop, search.tell)
-        way_out.run()
-        again = Search(search.ready, search.objective, search.solve, search.stop, search.tell)
-        if way_out.best is not None:
-            again.resume(way_out.best)
-        again.run()
+        way_out = LocalSearch(search.ready, pull, search.solve, THOROUGH, search.stop, search.tell)
+        end = way_out.improve(at_rest(search.ready))
+        again = LocalSearch(search.ready, search.objective, search.solve, THOROUGH, search.stop, search.tell)
+        again.improve(at_rest(search.ready) if end is None else end.start())
         for stage in search.seconds:
             search.seconds[stage] += way_out.seconds[stage] + again.seconds[stage]
         search.rounds += way_out.rounds + again.rounds
@@ -235,9 +272,9 @@ def _approximately(
     return answer_from(ready, asked, solver, end, seconds)
 
 
-def _trail(start: Answer, ready: Prepared) -> Found:
+def _incumbent(start: Answer, ready: Prepared) -> Incumbent:
     """How an earlier answer for the same prepared assembly was found."""
-    if not isinstance(start.trail, Found) or start.trail.program.bodies is not ready.bodies:
+    if start.warm_start is None or start.warm_start.program.bodies is not ready.bodies:
         finding = "start: the earlier answer belongs to another prepared assembly; ask the same one, from prepare()"
         raise InputError(finding)
-    return start.trail
+    return start.warm_start

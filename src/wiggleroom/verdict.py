@@ -8,6 +8,7 @@ from enum import StrEnum
 class Verdict(StrEnum):
     """How the search for the largest motion ended."""
 
+    PROVEN = "proven"
     OPTIMAL = "optimal"
     STATIONARY = "stationary"
     UNBOUNDED = "unbounded"
@@ -16,12 +17,18 @@ class Verdict(StrEnum):
     NOT_MAKEABLE = "cannot be made"
 
     @property
+    def ends(self) -> bool:
+        """True where a motion that ends was found, and its end satisfies the optimality conditions."""
+        return self in (Verdict.PROVEN, Verdict.OPTIMAL, Verdict.STATIONARY)
+
+    @property
     def sentence(self) -> str:
         """One sentence for people."""
         return _SENTENCES[self]
 
 
 _SENTENCES = {
+    Verdict.PROVEN: "no motion is worth more than 0.1 % more",
     Verdict.OPTIMAL: "every active wall is a real contact and the optimality conditions hold",
     Verdict.STATIONARY: "the optimality conditions hold, but a branch at a corner contact is left open",
     Verdict.UNBOUNDED: "nothing stops the motion",

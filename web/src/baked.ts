@@ -4,41 +4,25 @@ import { effect } from "@preact/signals";
 import { begin, design } from "./design.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { calm, end, showAnswer, showRest } from "./motion.ts";
-import { type CheckReply, type FlexReply, type Frames, fromBase64, type Opened, type RankReply, type Ring, type SpaceReply, type Step } from "./protocol.ts";
+import { type BakedPage, type Frames, fromBase64, type PackedFrames, type Ring, type SharedOutlines } from "./protocol.ts";
 import { showEscape } from "./session.ts";
 import { outOf, posed } from "./stage/shapes.ts";
 import { nearestBy } from "./words.ts";
 import * as state from "./state.ts";
 
-interface Packed { k: number; n: number; data: string }
-/** Outlines about reference points, each shape once, and which of them each part has. */
-interface Outlines { shapes: Ring[][]; of: number[] }
-interface Baked extends Partial<state.Told> {
-  opened: Opened & { outlines: Outlines };
-  begin?: number;
-  tab?: state.Tab;
-  answers?: { gap: number; flex: FlexReply; way: Packed; outlines?: Outlines }[];
-  steps?: Step[];
-  lost?: [number, number] | null;
-  rank?: RankReply;
-  check?: { reply: CheckReply; ways: Packed[] };
-  space?: SpaceReply;
-}
-
 /** True where the page carries what was found; then it is shown. */
 export function unpack(): boolean {
   const text = document.getElementById("baked")?.textContent;
   if (!text) return false;
-  const { opened, answers = [], said = null, study = null, tints = null, ...told } = JSON.parse(text) as Baked;
-  const standing = ({ shapes, of }: Outlines): Ring[][] => opened.parts.map(({ at: [x, y, degrees] }, i) => {
+  const { opened, answers = [], said = null, study = null, tints = null, ...told } = JSON.parse(text) as BakedPage;
+  const standing = ({ shapes, of }: SharedOutlines): Ring[][] => opened.parts.map(({ at: [x, y, degrees] }, i) => {
     const pose = posed(x, y, (degrees * Math.PI) / 180);
     return shapes[of[i]!]!.map((ring) => ring.map((point) => outOf(pose, point)));
   });
   const rest = standing(opened.outlines);
-  opened.parts.forEach((part, i) => (part.rings = rest[i]!));
   state.baked.value = { said, study, tints };
   state.line.value = "open";
-  state.drawing.value = opened;
+  state.drawing.value = { ...opened, parts: opened.parts.map((part, i) => ({ ...part, rings: rest[i]! })) };
   state.tab.value = told.tab ?? "answer";
   state.sheetOpen.value = told.tab === "space" || told.tab === "study"; // on a phone: what the page is about
   state.lost.value = told.lost ?? null;
@@ -73,6 +57,6 @@ export function unpack(): boolean {
   return true;
 }
 
-function frames({ k, n, data }: Packed): Frames {
+function frames({ k, n, data }: PackedFrames): Frames {
   return { k, n, data: new Float32Array(fromBase64(data).buffer) };
 }

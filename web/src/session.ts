@@ -264,7 +264,7 @@ function opened(reply: Opened): void {
     return askFlex(); // the line came back: nothing that was set is lost
   }
   again = false;
-  const read: Design = { ...reply.design };
+  const read: Design = { ...reply.design, gap: reply.gap };
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
   if (!asks(read)) read.goals = suggested;
   state.findings.value = [];

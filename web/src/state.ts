@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { design } from "./design.ts";
 import type {
-  CheckReply, Design, DragReply, FlexReply, Frames, Hello, Modes, Opened, Point, Progress, ProveReply, RankReply, Ring, SpaceReply, Study,
+  CheckReply, Design, DragReply, FlexReply, Frames, Hello, Modes, Opened, Point, ProgressReply, ProveReply, RankReply, Ring, SpaceReply, StudyTab,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
 
@@ -11,7 +11,7 @@ import type { Line } from "./socket.ts";
 export interface About<T> { reply: T; design: Design; ways: Frames[] }
 
 /** On a page that carries what was found: what it is about, and more than the panels of the live page say. */
-export interface Told { said: { title: string; facts: string[] } | null; study: Study | null; tints: { per: string; values: Record<string, number> } | null }
+export interface Told { said: { title: string; facts: string[] } | null; study: StudyTab | null; tints: { per: string; values: Record<string, number> } | null }
 export const baked = signal<Told | null>(null);
 export const line = signal<Line>("connecting");
 export const hello = signal<Hello | null>(null);
@@ -39,7 +39,7 @@ export const solved = signal<Solved[]>([]);
 export const lost = signal<[number, number] | null>(null);
 
 /** Requests under way, by kind, with the last progress that was told. */
-export const running = signal<ReadonlyMap<string, Progress | null>>(new Map());
+export const running = signal<ReadonlyMap<string, ProgressReply | null>>(new Map());
 export const waiting = signal(false);
 
 export const selected = signal<string | null>(null);

@@ -24,7 +24,7 @@ export const degrees = ([x, y]: Point): number => (Math.atan2(y, x) * 180) / Mat
 export function ask(goal: Goal): string {
   if (isPull(goal)) return `${goal.part} in ${towards(goal.direction)}`;
   if (isTurn(goal)) return `turn of ${goal.part} ${goal.turn}`;
-  return `${goal.part} along w = (${goal.w.map((v) => number(v, 3)).join(", ")})`;
+  return `${goal.part} along w = (${(goal.w ?? []).map((v) => number(v, 3)).join(", ")})`;
 }
 
 /** Of some things the one whose number is nearest to another one. */

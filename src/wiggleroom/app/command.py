@@ -6,9 +6,9 @@ import shlex
 from pathlib import PurePath
 
 from wiggleroom.app.designs import goals_of
-from wiggleroom.app.messages import Design
 from wiggleroom.app.opening import File
 from wiggleroom.drawing.assembly_schema import PullEntry
+from wiggleroom.schema.requests import Design
 
 
 def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:

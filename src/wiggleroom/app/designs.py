@@ -7,13 +7,13 @@ from collections.abc import Callable, Hashable
 from dataclasses import replace
 from typing import Any, Generic, TypeVar
 
-from wiggleroom.app.messages import Design
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.assembly.statements import statement_findings, unknown
 from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.drawing.model import WHOLE, Drawing, Goal, Pull, Turn, W
 from wiggleroom.errors import InputError
+from wiggleroom.schema.requests import Design
 
 T = TypeVar("T")
 

@@ -8,11 +8,12 @@ from collections.abc import Callable
 from importlib import import_module
 
 from wiggleroom.app.link import Start
-from wiggleroom.app.messages import AnyRequest, Flex, Open, decode, kind_of
+from wiggleroom.app.messages import decode, kind_of
 from wiggleroom.app.opening import opened, told
 from wiggleroom.app.out import Out
 from wiggleroom.app.sheet import Sheet
 from wiggleroom.errors import InputError, StoppedError, WiggleroomError
+from wiggleroom.schema.requests import AnyRequest, FlexRequest, OpenRequest
 
 ANSWERS = {
     "shape": "moving",
@@ -35,15 +36,15 @@ class Desk:
     def __init__(self) -> None:
         self._sheet: Sheet | None = None
 
-    def open(self, request: Open, out: Out) -> None:
+    def open(self, request: OpenRequest, out: Out) -> None:
         """Read a drawing and tell the page; where that fails the one before stays."""
         sheet, design = Sheet(opened(request)), request.design
         content = told(sheet.file, sheet.file.drawing if design is None else sheet.designs.drawing(design))
         if design is not None:
-            content["design"]["extra"] = design.extra
+            content.design.extra = design.extra
         out.check()
         self._sheet = sheet
-        out.reply(content, kind="opened")
+        out.reply(content)
 
     def work(self, order: Start, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:
         """Answer one request; whether that went well, and whether a full answer is still to come."""
@@ -68,12 +69,12 @@ class Desk:
         return False, False
 
     def _answered(self, request: AnyRequest, settle: bool, out: Out) -> bool:
-        if isinstance(request, Open):
+        if isinstance(request, OpenRequest):
             self.open(request, out)
             return False
         if self._sheet is None:
             raise InputError("nothing is open: open a drawing first")
-        if isinstance(request, Flex):
+        if isinstance(request, FlexRequest):
             from wiggleroom.app import moving  # slow to import; a drawing is open before
 
             return (moving.settled if settle else moving.flex)(self._sheet, request, out)

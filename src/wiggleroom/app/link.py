@@ -23,7 +23,7 @@ class Start(Struct, tag=True):
     settle : bool
         Of a `flex`: the full answer.
     quiet : bool
-        Reply nothing: the page has had it.
+        Outgoing nothing: the page has had it.
     """
 
     ticket: int
@@ -38,7 +38,7 @@ class Stop(Struct, tag=True):
     ticket: int
 
 
-class Reply(Struct, tag=True):
+class Outgoing(Struct, tag=True):
     """Text frame for the page, and the binary frames that go before it."""
 
     ticket: int
@@ -60,7 +60,7 @@ class Ready(Struct, tag=True):
 
 _encoder = msgspec.msgpack.Encoder()
 _orders = msgspec.msgpack.Decoder(Start | Stop)
-_results = msgspec.msgpack.Decoder(Reply | Done | Ready)
+_results = msgspec.msgpack.Decoder(Outgoing | Done | Ready)
 
 
 def block(message: Any) -> bytes:
@@ -74,7 +74,7 @@ def length(head: bytes) -> int:
     return int(_LENGTH.unpack(head)[0])
 
 
-def result(body: bytes) -> Reply | Done | Ready:
+def result(body: bytes) -> Outgoing | Done | Ready:
     """What a solver process says."""
     return _results.decode(body)
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 
+from msgspec import UNSET
+
 from wiggleroom.app.command import command
-from wiggleroom.app.messages import Drag, Flex, Release, Shape, Wiggle
 from wiggleroom.app.out import Out
 from wiggleroom.app.sheet import Sheet
 from wiggleroom.assembly.model import Assembly
@@ -13,6 +14,8 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.live.live_result import Shot
 from wiggleroom.report.told import answer_told, contacts_told, rings_told
 from wiggleroom.report.ways import way_frames
+from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, Released, ShapeReply
+from wiggleroom.schema.requests import DragRequest, FlexRequest, ReleaseRequest, ShapeRequest, WiggleRequest
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Verdict
 
@@ -28,7 +31,7 @@ WORTH = 1e-3
 """A quick answer that is better by less than this share is not told; the full one is looked for then."""
 
 
-def flex(sheet: Sheet, request: Flex, out: Out) -> bool:
+def flex(sheet: Sheet, request: FlexRequest, out: Out) -> bool:
     """Answer quickly, and again while that brings more; True where the full answer is to come."""
     design, display = request.design, sheet.display
     if sheet.kept(design) is not None:
@@ -45,24 +48,24 @@ def flex(sheet: Sheet, request: Flex, out: Out) -> bool:
         last = value
         display.move(live.assembly, shot.motion)
         content = answer_told(quick(live.assembly, goals, shot), command("flex", sheet.file, design))
-        content |= display.new_rings(sheet.designs.shape(design), live.assembly, out.stop)
-        out.reply(content | {"settled": False}, [shot.motion[None]])
+        content.rings, content.settled = display.new_rings(sheet.designs.shape(design), live.assembly, out.stop), False
+        out.reply(content, [shot.motion[None]])
         if shot.settled:
             break
     return True
 
 
-def settled(sheet: Sheet, request: Flex, out: Out) -> bool:
+def settled(sheet: Sheet, request: FlexRequest, out: Out) -> bool:
     """Answer fully."""
     answer = sheet.answer(request.design, out)
     sheet.display.move(answer.assembly, answer.motion)
     content = answer_told(answer, command("flex", sheet.file, request.design))
-    content |= sheet.display.new_rings(sheet.designs.shape(request.design), answer.assembly, out.stop)
-    out.reply(content | {"settled": True}, [way_frames(answer.assembly, answer.waypoints)])
+    content.rings = sheet.display.new_rings(sheet.designs.shape(request.design), answer.assembly, out.stop)
+    out.reply(content, [way_frames(answer.assembly, answer.waypoints)])
     return False
 
 
-def drag(sheet: Sheet, request: Drag, out: Out) -> None:
+def drag(sheet: Sheet, request: DragRequest, out: Out) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
     live = sheet.live(request.design)
     rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
@@ -72,40 +75,42 @@ def drag(sheet: Sheet, request: Drag, out: Out) -> None:
         shot = live.drag(request.part, request.grip, request.target, start=start, seconds=SECONDS, stop=out.stop)
         out.check()
         assert shot.distance is not None
+        assert shot.reached is not None
         stuck = stuck + 1 if shot.distance > last * (1 - LITTLE) else 0
         settled = shot.settled or times == MOST_TURNS - 1 or stuck == MOST_STUCK
         sheet.display.move(live.assembly, shot.motion)
-        content = {
-            "part": request.part,
-            "target": list(request.target),
-            "reached": shot.reached,
-            "distance": shot.distance,
-            "held": contacts_told(shot.contacts),
-            "blocking": list(shot.blocking),
-            "settled": settled,
-        }
-        out.reply(content | rings, [shot.motion[None]])
+        content = DragReply(
+            part=request.part,
+            target=request.target,
+            reached=shot.reached,
+            distance=shot.distance,
+            held=contacts_told(shot.contacts),
+            blocking=list(shot.blocking),
+            settled=settled,
+            rings=rings,
+        )
+        out.reply(content, [shot.motion[None]])
         if settled:
             return
-        rings, start, last = {}, "here", min(last, shot.distance)
+        rings, start, last = UNSET, "here", min(last, shot.distance)
 
 
-def wiggle(sheet: Sheet, request: Wiggle, out: Out) -> None:
+def wiggle(sheet: Sheet, request: WiggleRequest, out: Out) -> None:
     """Show the freedoms that are left."""
     modes = sheet.live(request.design).wiggle(request.part, stop=out.stop)
     out.check()
-    told = [{"size": mode.size, "parts": list(mode.parts), "ends": mode.ends} for mode in modes]
-    out.reply({"modes": told}, [mode.frames for mode in modes], kind="modes")
+    told = [ModeEntry(mode.size, list(mode.parts), mode.ends) for mode in modes]
+    out.reply(Modes(modes=told), [mode.frames for mode in modes])
 
 
-def release(_: Sheet, __: Release, out: Out) -> None:
+def release(_: Sheet, __: ReleaseRequest, out: Out) -> None:
     """End a drag; the parts stay where they are shown."""
-    out.reply({})
+    out.reply(Released())
 
 
-def shape(sheet: Sheet, request: Shape, out: Out) -> None:
+def shape(sheet: Sheet, request: ShapeRequest, out: Out) -> None:
     """Outlines with the gap applied."""
-    out.reply({"rings": rings_told(sheet.assembly(request.design).parts)})
+    out.reply(ShapeReply(rings=rings_told(sheet.assembly(request.design).parts)))
 
 
 def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: Shot) -> Answer:

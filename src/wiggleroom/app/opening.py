@@ -10,12 +10,14 @@ import msgspec
 import numpy as np
 
 from wiggleroom.app.limits import UPLOAD_MB
-from wiggleroom.app.messages import Design, Open
 from wiggleroom.assembly.model import place
+from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
-from wiggleroom.report.told import Json, design_told, drawing_told
+from wiggleroom.report.told import design_told, drawing_told
+from wiggleroom.schema.replies import Opened
+from wiggleroom.schema.requests import OpenRequest
 
 MOST_BYTES = UPLOAD_MB * 1_000_000
 FINE = 1e-4
@@ -47,7 +49,7 @@ class File:
     flatten: float | None = None
 
 
-def opened(request: Open) -> File:
+def opened(request: OpenRequest) -> File:
     """Read what the page sent, in a folder that is gone afterwards.
 
     Raises
@@ -74,10 +76,10 @@ def opened(request: Open) -> File:
 
 def first_open(path: Path, drawing: Drawing, unit: str | None, flatten: float | None, gap: float | None) -> bytes:
     """The request that opens a file of this machine with what the options of a command made of its drawing."""
-    design = msgspec.convert(design_told(drawing), Design)
+    design = design_told(drawing)
     data = path.read_bytes()
     return msgspec.json.encode(
-        Open(id=0, name=path.name, path=str(path), data=data, unit=unit, flatten=flatten, gap=gap, design=design)  # type: ignore[arg-type]
+        OpenRequest(id=0, name=path.name, path=str(path), data=data, unit=unit, flatten=flatten, gap=gap, design=design)  # type: ignore[arg-type]
     )
 
 
@@ -95,7 +97,7 @@ def plain_name(name: str) -> str:
     return stem[:80] + suffix[:8]
 
 
-def _read(path: Path, request: Open) -> tuple[Drawing, float | None]:
+def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
     """The drawing, and how finely its curves were flattened."""
     unit, flatten, gap = request.unit, request.flatten, request.gap
     if path.suffix.lower() == ".json":
@@ -109,15 +111,15 @@ def _read(path: Path, request: Open) -> tuple[Drawing, float | None]:
     return read_drawing(path, unit=unit, flatten=flatten, gap=gap), flatten
 
 
-def told(file: File, drawing: Drawing) -> Json:
+def told(file: File, drawing: Drawing) -> Opened:
     """Reply to `open`: parts as drawn, in world coordinates, and what is asked, as a design."""
     reply = drawing_told(drawing, drawing.parts, file.name)
     if not drawing.goals and len(drawing.parts) > 1:
-        reply["pulled"] = suggested(drawing)
+        reply.pulled = suggested(drawing)
     return reply
 
 
-def suggested(drawing: Drawing) -> Json:
+def suggested(drawing: Drawing) -> PullEntry:
     """A pull for a drawing that asks for none: the part farthest from what is fixed, away from it."""
     middle = np.array([np.vstack([r.outer for r in p.regions]).mean(axis=0) for p in drawing.parts])
     centres = np.array([place(m[None], p.at)[0] for m, p in zip(middle, drawing.parts, strict=True)])
@@ -129,6 +131,5 @@ def suggested(drawing: Drawing) -> Json:
     far = np.where(fixed, -1.0, np.hypot(*away.T))
     k = int(far.argmax())
     along = int(np.abs(away[k]).argmax())
-    direction = [0.0, 0.0]
-    direction[along] = 1.0 if away[k, along] >= 0 else -1.0
-    return {"part": drawing.parts[k].name, "direction": direction}
+    sign = 1.0 if away[k, along] >= 0 else -1.0
+    return PullEntry(drawing.parts[k].name, direction=(sign, 0.0) if along == 0 else (0.0, sign))

@@ -12,9 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.app.link import Reply
-from wiggleroom.app.messages import Json, encode, failed, frame
+from wiggleroom.app.link import Outgoing
+from wiggleroom.app.messages import encode, failed, frame
 from wiggleroom.errors import go_on
+from wiggleroom.schema.replies import ProgressReply, Reply
 
 OFTEN = 0.05
 """Progress is told no more often than this [s]."""
@@ -42,17 +43,17 @@ class Out:
         self.ticket, self.number, self.kind, self.stop = ticket, number, kind, stop
         self._say, self._quiet, self._last = say, quiet, 0.0
 
-    def reply(self, content: Json, motions: Sequence[NDArray[np.float64]] = (), kind: str | None = None) -> None:
+    def reply(self, content: Reply, motions: Sequence[NDArray[np.float64]] = ()) -> None:
         """Send a reply, and before it motions, each (k, n, 3) [mm, mm, rad]."""
-        text = encode({"kind": kind or self.kind, "id": self.number} | content)
+        content.id = self.number
         if not self._quiet:
-            self._say(Reply(self.ticket, text, [frame(self.number, m) for m in motions]))
+            self._say(Outgoing(self.ticket, encode(content), [frame(self.number, m) for m in motions]))
 
     def failed(self, findings: Sequence[str]) -> None:
         """Say what is wrong, one line each."""
         if not self._quiet:
             lines = [on_the_page(line) for line in findings]
-            self._say(Reply(self.ticket, encode(failed(self.number, self.kind, lines))))
+            self._say(Outgoing(self.ticket, encode(failed(self.number, self.kind, lines))))
 
     def check(self) -> None:
         """End here where the work is to stop."""
@@ -74,8 +75,11 @@ class Out:
         if now - self._last < OFTEN:
             return
         self._last = now
-        told = {"kind_of": self.kind, "stage": stage, "round": turn, "iteration": iteration}
-        self.reply(told | {"objective": objective, "share": share}, kind="progress")
+        self.reply(
+            ProgressReply(
+                kind_of=self.kind, stage=stage, round=turn, iteration=iteration, objective=objective, share=share
+            )
+        )
 
 
 def on_the_page(line: str) -> str:

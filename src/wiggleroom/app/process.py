@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from wiggleroom.app.link import Done, Ready, Reply, Start, Stop, block, length, result
+from wiggleroom.app.link import Done, Outgoing, Ready, Start, Stop, block, length, result
 
 MOST_PAGES = 4
 """Each page has a process of its own, and that much memory."""
@@ -51,7 +51,7 @@ class Process:
         if self.child.stdin is not None and not self.child.stdin.is_closing():
             self.child.stdin.write(block(Stop(ticket)))
 
-    async def receive(self) -> Reply | Done | Ready:
+    async def receive(self) -> Outgoing | Done | Ready:
         """What it says next; raises LostError where it is gone."""
         assert self.child.stdout is not None
         try:

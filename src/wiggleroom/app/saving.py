@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.app.command import command, saved_name
-from wiggleroom.app.messages import Save
 from wiggleroom.app.out import Out
 from wiggleroom.drawing import write_drawing
 from wiggleroom.report.apart import check_result
@@ -17,6 +16,8 @@ from wiggleroom.report.apart_picture import Checked
 from wiggleroom.report.draw import draw
 from wiggleroom.report.pages import page_of_answer
 from wiggleroom.report.records import flex_result, to_json
+from wiggleroom.schema.replies import Saved
+from wiggleroom.schema.requests import SaveRequest
 
 if TYPE_CHECKING:
     from wiggleroom.app.sheet import Sheet
@@ -35,7 +36,7 @@ KINDS = {
 """What is added to the drawing's name, and what the browser is told it is."""
 
 
-def save(sheet: Sheet, request: Save, out: Out) -> None:
+def save(sheet: Sheet, request: SaveRequest, out: Out) -> None:
     """One file, by name, kind and content."""
     tail, mime = KINDS[request.what]
     name = saved_name(sheet.file, tail.replace("-moved", "-apart") if request.of == "check" else tail)
@@ -43,10 +44,10 @@ def save(sheet: Sheet, request: Save, out: Out) -> None:
         path = Path(folder) / name
         _write(sheet, request, path, out)
         content = path.read_bytes()
-    out.reply({"name": name, "mime": mime, "data": base64.b64encode(content).decode()}, kind="saved")
+    out.reply(Saved(name=name, mime=mime, data=base64.b64encode(content).decode()))
 
 
-def _write(sheet: Sheet, request: Save, path: Path, out: Out) -> None:
+def _write(sheet: Sheet, request: SaveRequest, path: Path, out: Out) -> None:
     design = request.design
     if request.what in ("assembly", "cut-svg", "cut-dxf"):
         assembly = sheet.assembly(design)

@@ -23,6 +23,7 @@ from wiggleroom.app.messages import encode, failed
 from wiggleroom.app.patient import Patient
 from wiggleroom.app.process import MOST_PAGES, Pool
 from wiggleroom.app.session import Session
+from wiggleroom.schema.replies import ExtraLimits, Hello
 
 LARGEST = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
@@ -153,12 +154,12 @@ async def _listen(socket: WebSocket, session: Session) -> None:
                 await session.submit(said["text"].encode())
 
 
-def hello() -> dict[str, object]:
+def hello() -> Hello:
     """First words to a page: what this installation can do."""
     from importlib.metadata import version
 
     can = [extra for extra, needs in EXTRAS.items() if all(find_spec(n) is not None for n in needs)]
-    return {"kind": "hello", "version": version("wiggleroom"), "can": can, "limits": {"upload_mb": UPLOAD_MB}}
+    return Hello(version=version("wiggleroom"), can=can, limits=ExtraLimits(UPLOAD_MB))
 
 
 def listen(port: int) -> socket.socket:

@@ -12,10 +12,12 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
 
-from wiggleroom.app.link import Done, Ready, Reply, Start
-from wiggleroom.app.messages import Cancel, Flex, Json, decode, encode, failed, head, kind_of
+from wiggleroom.app.link import Done, Outgoing, Ready, Start
+from wiggleroom.app.messages import decode, encode, failed, head, kind_of
 from wiggleroom.app.process import LostError, Pool, Process
 from wiggleroom.errors import InputError
+from wiggleroom.schema.replies import Reply, WorkerState
+from wiggleroom.schema.requests import CancelRequest, FlexRequest
 
 Send = Callable[[list[bytes], bytes], Awaitable[None]]
 """Sends binary frames and then one text frame."""
@@ -101,10 +103,10 @@ class Session:
         except InputError as problem:
             await self._tell(failed(*head(text), problem.findings))
             return
-        if isinstance(request, Cancel):
+        if isinstance(request, CancelRequest):
             self._forget(request.of)
             return
-        kind = "settle" if isinstance(request, Flex) and request.thorough else kind_of(request)
+        kind = "settle" if isinstance(request, FlexRequest) and request.thorough else kind_of(request)
         self._enqueue(Job(kind, request.id, text, next(self._births)))
 
     async def refuse(self, line: str) -> None:
@@ -244,10 +246,10 @@ class Session:
     async def _lost(self, job: Job) -> None:
         """Get a new process; the job is tried once more."""
         assert self._process is not None
-        await self._tell({"kind": "worker", "state": "lost"})
+        await self._tell(WorkerState(state="lost"))
         await self._pool.drop(self._process)
         self._process, self._loaded = await self._pool.take(), False
-        await self._tell({"kind": "worker", "state": "restarted"})
+        await self._tell(WorkerState(state="restarted"))
         if job.late:
             line = f"the drawing was not read within {READING:g} seconds; simplify it, or cut it into several files"
             await self._tell(failed(job.number, job.of, [line]))
@@ -263,13 +265,13 @@ class Session:
         assert self._process is not None
         await self._process.send(order)
 
-    async def _receive(self) -> Reply | Done | Ready:
+    async def _receive(self) -> Outgoing | Done | Ready:
         """What the process says next."""
         assert self._process is not None
         said = await self._process.receive()
         if isinstance(said, Ready):
-            await self._tell({"kind": "worker", "state": "ready"})
+            await self._tell(WorkerState(state="ready"))
         return said
 
-    async def _tell(self, reply: Json) -> None:
+    async def _tell(self, reply: Reply) -> None:
         await self._send([], encode(reply))

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from wiggleroom.app.designs import Designs, Recent
-from wiggleroom.app.messages import Design
 from wiggleroom.app.opening import File
 from wiggleroom.app.out import Out
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
+from wiggleroom.schema.requests import Design
 
 if TYPE_CHECKING:
     from wiggleroom.app.display import Display

@@ -9,18 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.app.command import command
-from wiggleroom.app.messages import Check, Prove, Rank, Sweep
 from wiggleroom.app.out import Out
 from wiggleroom.report.told_studies import check_told, ranking_told, step_told
 from wiggleroom.report.ways import way_frames
 from wiggleroom.report.words import bounded
+from wiggleroom.schema.replies import ProveReply, SweepReply
+from wiggleroom.schema.requests import CheckRequest, ProveRequest, RankRequest, SweepRequest
 
 if TYPE_CHECKING:
     from wiggleroom.app.sheet import Sheet
     from wiggleroom.sensitivity.sweep import Step
 
 
-def rank(sheet: Sheet, request: Rank, out: Out) -> None:
+def rank(sheet: Sheet, request: RankRequest, out: Out) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
     from wiggleroom.sensitivity.rank import rank as work_out
 
@@ -29,35 +30,34 @@ def rank(sheet: Sheet, request: Rank, out: Out) -> None:
     out.reply(ranking_told(found, command("rank", sheet.file, request.design)))
 
 
-def check(sheet: Sheet, request: Check, out: Out) -> None:
+def check(sheet: Sheet, request: CheckRequest, out: Out) -> None:
     """Whether it comes apart; one film for each escape."""
     found = sheet.checked(request.design, out)
     content = check_told(found, command("check", sheet.file, request.design, pulled=False))
     out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
 
 
-def sweep(sheet: Sheet, request: Sweep, out: Out) -> None:
+def sweep(sheet: Sheet, request: SweepRequest, out: Out) -> None:
     """Motion against gap, told gap by gap."""
     from wiggleroom.sensitivity.sweep import sweep as work_out
 
     def tell(step: Step, motion: np.ndarray | None) -> None:
         out.check()
-        out.reply(step_told(step), [] if motion is None else [motion[None]], kind="step")
+        out.reply(step_told(step), [] if motion is None else [motion[None]])
 
     sheet.asked(request.design)
     assembly = sheet.assembly(request.design)
     found = work_out(assembly, request.gaps, stop=out.stop, each=tell)
     out.check()
-    lost = None if found.lost is None else list(found.lost)
     said = command("sweep", sheet.file, request.design, _gaps(request))
-    out.reply({"steps": [step_told(s) for s in found.steps], "lost": lost, "command": said})
+    out.reply(SweepReply(steps=[step_told(s) for s in found.steps], lost=found.lost, command=said))
 
 
-def _gaps(request: Sweep) -> tuple[str, ...]:
+def _gaps(request: SweepRequest) -> tuple[str, ...]:
     return () if not request.gaps else ("--gaps", ",".join(f"{gap:.12g}" for gap in request.gaps))
 
 
-def prove(sheet: Sheet, request: Prove, out: Out) -> None:
+def prove(sheet: Sheet, request: ProveRequest, out: Out) -> None:
     """A value that no motion exceeds."""
     from wiggleroom.bound.prove import prove as work_out
 
@@ -67,13 +67,7 @@ def prove(sheet: Sheet, request: Prove, out: Out) -> None:
     bound = done.bound
     within = None if bound is None or bound.within is None or not math.isfinite(bound.within) else bound.within
     more = ("--prove", f"{request.share:g}", "--time", f"{request.seconds:g}")
-    out.reply(
-        {
-            "at_most": done.at_most,
-            "within": within,
-            "words": bounded(done),
-            "command": command("flex", sheet.file, request.design, more),
-        }
-    )
+    said = command("flex", sheet.file, request.design, more)
+    out.reply(ProveReply(at_most=done.at_most, within=within, words=bounded(done), command=said))
     if done.at_most is not None:
         sheet.know(request.design, replace(answer, at_most=done.at_most, bound=bound))

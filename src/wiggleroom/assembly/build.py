@@ -7,10 +7,11 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
-from wiggleroom.assembly.findings import examine
+from wiggleroom.assembly.findings import examine, opened_overlaps
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.assembly.statements import unknown
-from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.assembly.statements import PartNames, unknown
+from wiggleroom.drawing.layers import ReadOptions
+from wiggleroom.drawing.model import Drawing, Goal, part_of
 from wiggleroom.errors import InputError
 
 
@@ -62,13 +63,21 @@ def assemble(
     used = replace(
         drawing,
         parts=parts,
-        gap=drawing.gap if gap is None else gap,
+        gap=float(drawing.gap if gap is None else gap),
         goals=tuple(goals) or drawing.goals,
     )
     made, findings = examine(used)
     if wrong or findings:
         raise InputError((*wrong, *findings))
     return Assembly(made, used)
+
+
+def with_notes(assembly: Assembly) -> Assembly:
+    """The same, of a drawing with notes on parts that were drawn into each other and that the gap opens."""
+    drawing = assembly.drawing
+    if not drawing.source or drawing.source.lower().endswith(".json"):  # numbers in an assembly file are meant
+        return assembly
+    return Assembly(assembly.parts, replace(drawing, notes=(*drawing.notes, *opened_overlaps(drawing))))
 
 
 def read(
@@ -78,13 +87,17 @@ def read(
     flatten: float | None = None,
     fix: Sequence[str] = (),
     goals: Sequence[Goal] = (),
+    only: Sequence[str] = (),
+    skip: Sequence[str] = (),
+    join: float | None = None,
+    solid: Sequence[str] = (),
 ) -> Assembly:
     """Assembly from a file: `wiggleroom.drawing.read_drawing`, then `assemble`.
 
     Parameters
     ----------
     path : str or path
-        Assembly file (.json) or drawing (.svg, .dxf).
+        Assembly file (.json) or drawing (.svg, .dxf, .lbrn2).
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional
@@ -92,7 +105,13 @@ def read(
     flatten : float, optional [mm]
         Largest distance between a curve and the straight edges that replace it.
     fix, goals
-        As for `assemble`.
+        As for `assemble`; a part may also be given by a point of it, as "@12,30" [mm].
+    only, skip : sequence of str
+        Layers, colours or names of a drawing that alone are read, or that are left out.
+    join : float, optional [mm]
+        Open ends nearer than this are joined.
+    solid : sequence of str
+        Outlines inside others that are parts, not holes: names, points or "all".
 
     Raises
     ------
@@ -101,4 +120,11 @@ def read(
     """
     from wiggleroom.drawing import read_drawing
 
-    return assemble(read_drawing(Path(path), unit=unit, flatten=flatten, gap=gap), gap=gap, fix=fix, goals=goals)
+    named = [name for goal in goals if (name := part_of(goal)) is not None]
+    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named))
+    drawing = read_drawing(Path(path), unit=unit, flatten=flatten, gap=gap, options=options)
+    known = PartNames(drawing)
+    fixed = [known(name) for name in fix]
+    if known.wrong:
+        raise InputError(known.wrong)
+    return with_notes(assemble(drawing, gap=gap, fix=fixed, goals=goals))

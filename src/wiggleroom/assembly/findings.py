@@ -101,15 +101,47 @@ def asked_goals(drawing: Drawing, goals: Goal | Sequence[Goal] | None) -> tuple[
     return asked
 
 
+def opened_overlaps(drawing: Drawing) -> tuple[str, ...]:
+    """Note parts that overlap as drawn, where the gap opens that.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
+    >>> opened_overlaps(Drawing((Part("a", (square,)), Part("b", (square,), at=(1.99, 0.0, 0.0))), gap=0.1))
+    ('parts "a" and "b" overlap by 0.01 mm as drawn; the gap of 0.1 opens that',)
+    """
+    pairs = _free_overlaps(drawing, drawing.parts) if drawing.gap > 0 else []
+    lines = [
+        f'parts "{a}" and "{b}" overlap by {depth:.3g} mm as drawn; the gap of {drawing.gap:g} opens that'
+        for a, b, depth in pairs
+        if depth > _ROUNDING * drawing.gap
+    ]
+    more = [f"{len(lines) - _MOST_LINES} more pairs overlap as drawn; the gap opens that"]
+    return _located(drawing, lines if len(lines) <= _MOST_LINES else [*lines[:_MOST_LINES], *more])
+
+
+_ROUNDING = 0.041
+"""Parts that share a curve may overlap by its chord error, a fiftieth of the gap on either side."""
+_MOST_LINES = 5
+
+
 def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
     """One line per pair that overlaps at rest and may not."""
-    group = glue_groups(drawing)
-    ignored = {frozenset(pair) for pair in drawing.ignore}
     found = []
-    for i, j, depth in overlaps(parts):
-        a, b = parts[i].name, parts[j].name
-        if frozenset((a, b)) in ignored or (a in group and group[a] == group.get(b)):
-            continue
-        right = "draw them apart, ask for a larger gap, or glue or ignore them"
+    for a, b, depth in _free_overlaps(drawing, parts):
+        right = f"draw them apart, ask for a larger gap, or --glue {a},{b} or --ignore {a},{b}"
         found.append(f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}')
     return found
+
+
+def _free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:
+    """Names of parts that overlap at rest and are neither glued nor ignored, and how deep [mm]."""
+    group = glue_groups(drawing)
+    ignored = {frozenset(pair) for pair in drawing.ignore}
+    found = [(parts[i].name, parts[j].name, depth) for i, j, depth in overlaps(parts)]
+    return [
+        (a, b, depth)
+        for a, b, depth in found
+        if frozenset((a, b)) not in ignored and not (a in group and group[a] == group.get(b))
+    ]

@@ -9,7 +9,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.loops import placed
-from wiggleroom.drawing.model import Part
+from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.model import Drawing, Part
 
 TOLERANCE = 1e-9
 """Overlaps no deeper than this are rounding [size of the drawing]."""
@@ -43,6 +44,29 @@ def overlaps(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
         if depth > TOLERANCE * size:
             deepest[pair] = max(depth, deepest.get(pair, 0.0))
     return [(a, b, depth) for (a, b), depth in sorted(deepest.items())]
+
+
+def overlap_areas(drawing: Drawing, parts: Sequence[Part]) -> list[shapely.Geometry]:
+    """Areas [mm] where two parts overlap at rest that are neither glued nor ignored; outlines that cross themselves are skipped.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
+    >>> pair = (Part("a", (square,)), Part("b", (square,), at=(1.5, 0.0, 0.0)))
+    >>> [area.area for area in overlap_areas(Drawing(pair), pair)]
+    [1.0]
+    """
+    sound = [part for part in parts if shapely.is_valid(placed([part])[0]).all()]
+    group = glue_groups(drawing)
+    ignored = {frozenset(pair) for pair in drawing.ignore}
+    found = []
+    for i, j, _ in overlaps(sound):
+        a, b = sound[i], sound[j]
+        if frozenset((a.name, b.name)) in ignored or (a.name in group and group[a.name] == group.get(b.name)):
+            continue
+        found.append(shapely.intersection(*(shapely.union_all(placed([part])[0]) for part in (a, b))))
+    return found
 
 
 def width(shape: shapely.Geometry) -> float:

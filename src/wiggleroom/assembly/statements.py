@@ -7,13 +7,48 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 
 import numpy as np
+import shapely
 
+from wiggleroom.assembly.loops import placed
 from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, W, part_of
+from wiggleroom.drawing.parts import place_of
 
 
 def statement_findings(drawing: Drawing) -> list[str]:
     """Everything wrong with names, references, numbers and roles, whatever the outlines are."""
     return [*_names(drawing), *_references(drawing), *_numbers(drawing), *_roles(drawing)]
+
+
+class PartNames:
+    """Names of parts as people give them: a name, or a point of the part as "@12,30" [mm].
+
+    Calling it gives the name of the part; what no part is at is kept in `wrong`, one line each.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Part, Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
+    >>> known = PartNames(Drawing((Part("a", (square,)),)))
+    >>> known("@1,1"), known("b"), known("@5,1"), known.wrong
+    ('a', 'b', '@5,1', ['@5,1: there is no part at this point'])
+    """
+
+    def __init__(self, drawing: Drawing) -> None:
+        self._drawing = drawing
+        self._names = {p.name for p in drawing.parts}
+        self.wrong: list[str] = []
+
+    def __call__(self, name: str) -> str:
+        """Name of the part."""
+        point = None if name in self._names else place_of(name)
+        if point is None:
+            return name
+        shapes, owner = placed(self._drawing.parts)
+        inside = np.flatnonzero(shapely.intersects_xy(shapes, *point))
+        if not len(inside):
+            self.wrong.append(f"{name}: there is no part at this point")
+            return name
+        return self._drawing.parts[owner[min(inside, key=lambda k: shapes[k].area)]].name
 
 
 def unknown(name: str, names: Iterable[str]) -> str:

@@ -26,7 +26,7 @@ from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.freespace.models.polyhedron import Polyhedron
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.overlap import SAFE
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -196,7 +196,7 @@ def _accepted(
     said = model.contains(relative)
     unsafe = said & ~free
     doubtful = np.flatnonzero(unsafe)
-    deep = depths(walls, assembly, bodies(assembly), relative[doubtful]) > SAFE * assembly.size
+    deep = depths(walls, assembly, bodies(assembly), relative[doubtful]) > OVERLAP_TOLERANCE * assembly.size
     cut_off = ~reached(walls, relative[doubtful], float(bodies(assembly).radius[1]))
     unsafe[doubtful] = deep | cut_off
     return said & (free | unsafe), unsafe

@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from numba import njit
 from numpy.typing import NDArray
+
+from wiggleroom.geometry.jit_options import njit
 
 Floats = NDArray[np.float64]
 

@@ -15,13 +15,12 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
-from wiggleroom.compare.approximate import Approximation, End
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
-from wiggleroom.maximise import prepare
+from wiggleroom.geometry.rigid_motions import of_bodies
+from wiggleroom.maximise import ApproximateModel, PreparedModel, prepare
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.prepare import Prepared
 from wiggleroom.separate.interlock import check
 from wiggleroom.separate.translation import straight_exit
 from wiggleroom.tight.blocking_graph import blocking
@@ -131,11 +130,12 @@ def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] 
     )
 
 
-def _gets_out(ready: Prepared | Approximation, answer: Answer) -> bool:
+def _gets_out(ready: PreparedModel | ApproximateModel, answer: Answer) -> bool:
     """Whether parts leave straight from where a model that knows no motion without end has moved them to."""
-    if not isinstance(answer.trail, End):
+    if answer.model == "walls":
         return False
-    them, motion = answer.trail.program.bodies, answer.trail.motions[-1]
+    them = ready.bodies
+    motion = of_bodies(answer.assembly, them, answer.motion[None])[0]
     ground = int(np.flatnonzero(them.fixed)[0])
     return straight_exit(them, motion, ground, ready.barred, ready.size, np.arange(len(motion))) is not None
 

@@ -25,8 +25,8 @@ from wiggleroom.errors import InputError, see_extra
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.overlap import overlaps
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.objectives import Objective, objective
-from wiggleroom.search.build_answer import part_motions
 from wiggleroom.search.prepare import prepare
 
 Floats = NDArray[np.float64]
@@ -118,7 +118,7 @@ def pulled_to_rest(assembly: Assembly, pulls: Pull | Sequence[Pull] | None = Non
     motion, settled, steps = _run(scene, goal, most)
     return Rest(
         goal.value(motion),
-        part_motions(assembly, them, motion[None])[0],
+        of_parts(assembly, them, motion[None])[0],
         overlaps(them, motion, ready.barred).deepest,
         settled,
         steps,

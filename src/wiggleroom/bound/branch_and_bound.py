@@ -30,15 +30,15 @@ from wiggleroom.solve.safe_dual_bound import LinearBounds
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LEAST = 0.004
+FINEST_BLUR = 0.004
 """Intervals of turns are made narrower until they blur by this share of the clearance."""
-HELD = 1e-3
+ACTIVE_MULTIPLIER = 1e-3
 """A facet holds the program up where its multiplier is at least this share of the largest."""
-ASIDE = 1e-4
+RANGE_MARGIN = 1e-4
 """Ranges stay wider by this share, so that facets, which can be refined, hold the program up and not the ranges themselves."""
-STALLED = 0.1
+MIN_REDUCTION = 0.1
 """A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to a split."""
-DEEPEST = 200
+MAX_PROOF_DEPTH = 200
 """So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
 
 
@@ -87,7 +87,7 @@ class Bounding:
             if best <= enough or self.clock.over():
                 return best
             _, _, ranges, before, step = heapq.heappop(todo)
-            if step is not None and step.depth > DEEPEST:
+            if step is not None and step.depth > MAX_PROOF_DEPTH:
                 return best
             for part, most in self._worked(ranges, before, step):
                 heapq.heappush(todo, (-min(most, value), next(number), part, min(most, value), step and step.follow()))
@@ -117,7 +117,7 @@ class Bounding:
                 step.nothing_left = True
             return []
         gain = (before - value) / (before - self.cut) if np.isfinite(before) else np.inf
-        if max(gain, gained) > STALLED or self.clock.over() or self._sharpen(linear, y):
+        if max(gain, gained) > MIN_REDUCTION or self.clock.over() or self._sharpen(linear, y):
             return [(cut, value)]
         body, middle, halves = self._halves(linear, x, cut)
         if step is not None:
@@ -137,7 +137,7 @@ class Bounding:
             for sign, end in ((1.0, high), (-1.0, low)):
                 cost[linear.turn[body]] = sign
                 most = solver.most_of(cost) * linear.unit[linear.turn[body]]
-                end[body] = sign * (most + 1e-12 + ASIDE * (ranges.high[body] - ranges.low[body]))
+                end[body] = sign * (most + 1e-12 + RANGE_MARGIN * (ranges.high[body] - ranges.low[body]))
                 if step is not None:
                     step.cut(linear, solver.y, scale, int(body), sign, float(end[body]), ranges)
         cut = narrowed(ranges, low, high)
@@ -147,7 +147,7 @@ class Bounding:
     def _sharpen(self, linear: Linear, y: Floats) -> bool:
         """Make the intervals narrower whose facets hold the program up; False where all are narrow enough."""
         rows = y[-len(linear.facet) - 1 : -1]
-        active = np.flatnonzero(np.abs(rows) > HELD * np.abs(y).max(initial=0.0))
+        active = np.flatnonzero(np.abs(rows) > ACTIVE_MULTIPLIER * np.abs(y).max(initial=0.0))
         wanted: dict[int, list[Ints]] = {}
         for p in np.unique(linear.facet[active, 0]):
             which = linear.facet[active[linear.facet[active, 0] == p], 1]
@@ -155,7 +155,7 @@ class Bounding:
             region = self.regions[kind]
             if isinstance(region, Skin):  # sharp from the start
                 continue
-            accuracy = LEAST * region.facing.clearance
+            accuracy = FINEST_BLUR * region.facing.clearance
             wanted.setdefault(kind, []).append(holding(region, linear.cut[int(p)], which, accuracy))
         done = False
         for kind, found in wanted.items():

@@ -28,47 +28,46 @@ from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_rest
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
-from wiggleroom.search.answer import Answer, Bound
-from wiggleroom.search.loop import Found
-from wiggleroom.verdict import Verdict
+from wiggleroom.search.answer import Answer, Bound, with_bound
+from wiggleroom.search.incumbent import Incumbent
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LOOSEST = 2.0
+MAX_BOUND_RATIO = 2.0
 """A bound of more than so many times the motion found says too little to be stated."""
-HOLDS, LOST = 1e-7, 0.01
+ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
 """Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
-ROUNDING = 1e-11
+ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
 
 
 def with_quick_bound(answer: Answer) -> Answer:
     """The answer with a bound, where that takes less work than the answer did and says something."""
     began = time.perf_counter()
-    found = answer.trail
-    if not answer.objective or answer.verdict not in (Verdict.OPTIMAL, Verdict.STATIONARY):
+    found = answer.warm_start
+    if answer.bound is not None or not answer.objective or not answer.verdict.ends:
         return answer
-    if not isinstance(found, Found) or not isinstance(found.program.objective, PointMotion):
+    if found is None or not isinstance(found.program.objective, PointMotion):
         return answer
     most = quick_bound(found, found.program.objective, answer.iterations)
     spent = time.perf_counter() - began
     seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
     seconds["total"] = answer.seconds["total"] + spent
-    if most is None or not answer.objective <= most <= LOOSEST * answer.objective:
+    if most is None or not answer.objective <= most <= MAX_BOUND_RATIO * answer.objective:
         return replace(answer, seconds=seconds)
     bound = Bound(most, most / answer.objective - 1, spent, kind="quick")
-    return replace(answer, at_most=most, bound=bound, seconds=seconds)
+    return with_bound(replace(answer, seconds=seconds), bound)
 
 
-def quick_bound(found: Found, goal: PointMotion, iterations: int) -> float | None:
+def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float | None:
     """Value that no motion exceeds, from the end of a search; None where it would take too long or joints do not close."""
     them, cells = found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
     first, label = classes(them, cells.a, cells.b, relative_rest(them, cells.a, cells.b))
     by_class = np.bincount(label, force, len(first))
-    wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > HOLDS * by_class.max())]
+    wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
     if _work_of_pockets(them, cells.a[first[wanted]], cells.b[first[wanted]]) > _work_of_search(
         iterations, found.program.rows
     ):
@@ -84,7 +83,7 @@ def quick_bound(found: Found, goal: PointMotion, iterations: int) -> float | Non
         if made is not None:
             kind[c] = len(pockets)
             pockets.append(made)
-        elif by_class[c] > LOST * by_class.sum():
+        elif by_class[c] > MAX_OMITTED_FORCE * by_class.sum():
             return None
     known = np.flatnonzero(kind[label] >= 0)
     label = label[known]
@@ -93,7 +92,7 @@ def quick_bound(found: Found, goal: PointMotion, iterations: int) -> float | Non
     return _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
 
 
-def _wrenches(found: Found) -> Floats:
+def _wrenches(found: Incumbent) -> Floats:
     """Forces and moments (P, 3) with which every pair of the program pushes its second body from the first, in the axes of the first."""
     program = found.program
     at = program.linearise(found.solution.u)
@@ -144,7 +143,7 @@ def _value(
         + ranges.far[counts].max(initial=0.0)
     )
     everything = np.hypot(*w.T).sum() * size + np.abs(moment).sum() + sum(np.abs(t).sum() for t in terms)
-    return float(sum(t.sum() for t in terms) + ROUNDING * everything)
+    return float(sum(t.sum() for t in terms) + ROUNDING_MARGIN * everything)
 
 
 class _Parts:

@@ -30,9 +30,9 @@ from wiggleroom.program.objectives import PointMotion
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-WIDER = 1 + 1e-4
+RANGE_FACTOR = 1 + 1e-4
 """First ranges are wider by this factor, so that facets hold the program up, which can be refined."""
-PAD = 1e-12
+ROW_MARGIN = 1e-12
 """Rows hold a little more than they must, by this share of the drawing's size: their coefficients are rounded."""
 
 
@@ -132,7 +132,7 @@ def first_ranges(bodies: Bodies, links: Links, regions: Sequence[Outer | Skin | 
     with np.errstate(invalid="ignore"):
         step = far + np.hypot(*links.arm_a.T) * swing[links.a] + np.hypot(*links.arm_b.T) * swing[links.b]
     shift = _shortest(links, step, step, root)
-    return Ranges(-down * WIDER, up * WIDER, shift * WIDER)
+    return Ranges(-down * RANGE_FACTOR, up * RANGE_FACTOR, shift * RANGE_FACTOR)
 
 
 def _shortest(links: Links, forth: Floats, back: Floats, root: NDArray[np.bool_]) -> Floats:
@@ -181,7 +181,7 @@ class _Builder:
         self, bodies: Bodies, links: Links, regions: Sequence[Outer | Skin], ranges: Ranges, unit: float, size: float
     ) -> None:
         self.links, self.regions, self.ranges = links, regions, ranges
-        self.pad = PAD * size
+        self.pad = ROW_MARGIN * size
         moving = np.flatnonzero(~bodies.fixed & np.isfinite(ranges.far))
         self.column = np.full(len(bodies.fixed), -1, dtype=np.int64)
         self.column[moving] = 5 * np.arange(len(moving))
@@ -236,8 +236,8 @@ class _Builder:
         far, low, high = (v[self.moving] for v in (self.ranges.far, self.ranges.low, self.ranges.high))
         for k, (one, other) in enumerate(((-far, far), (-far, far), (low, high))):
             least[k : self.pairs : 5], most[k : self.pairs : 5] = one, other
-        least[3 : self.pairs : 5], most[3 : self.pairs : 5] = -2.0 - PAD, PAD
-        least[4 : self.pairs : 5], most[4 : self.pairs : 5] = -1.0 - PAD, 1.0 + PAD
+        least[3 : self.pairs : 5], most[3 : self.pairs : 5] = -2.0 - ROW_MARGIN, ROW_MARGIN
+        least[4 : self.pairs : 5], most[4 : self.pairs : 5] = -1.0 - ROW_MARGIN, 1.0 + ROW_MARGIN
         return least, most
 
     def _envelopes(self) -> None:

@@ -19,7 +19,7 @@ from wiggleroom.search.prepare import Survey
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NEAR = 3.0
+PIVOT_REACH = 3.0
 """The pivot of a pair is found from the edges within so many clearances."""
 
 
@@ -33,7 +33,7 @@ def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[Links, list
     for c, k in enumerate(first):
         if over():
             break
-        found, pivot = _region(ground, int(a[k]), int(b[k]), float(ground.near.clearance[k]))
+        found, pivot = _region(ground, int(a[k]), int(b[k]), float(ground.near.clearance[k]), over)
         if found is not None:
             kind[c], pivots[c] = len(regions), pivot
             regions.append(found)
@@ -53,7 +53,7 @@ def facing_of(
     them: Bodies, geometry: NDArray[np.object_], a: int, b: int, clearance: float
 ) -> tuple[Facing, Floats, float]:
     """Two bodies about the pivot of their joint, the pivot in the frame of body `a`, and its lever [mm]; `geometry` (n,) lies at rest."""
-    pivot, lever = pivot_of(geometry[a], geometry[b], NEAR * clearance)
+    pivot, lever = pivot_of(geometry[a], geometry[b], PIVOT_REACH * clearance)
     x, y, angle = them.rest[a]
 
     def seen(shape: shapely.Geometry) -> shapely.Geometry:
@@ -63,8 +63,8 @@ def facing_of(
     return facing, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
 
 
-def _region(ground: Survey, a: int, b: int, clearance: float) -> tuple[Outer | None, Floats]:
-    """Outer region of one pair, None where the joint is open, and its pivot in the frame of body `a`."""
+def _region(ground: Survey, a: int, b: int, clearance: float, over: Callable[[], bool]) -> tuple[Outer | None, Floats]:
+    """Outer region of one pair, None where the joint is open or it was `over` first, and its pivot in the frame of body `a`."""
     them = ground.bodies
     facing, pivot, lever = facing_of(them, ground.geometry, a, b, clearance)
-    return outer_region(facing, lever, float(them.radius[a] + them.radius[b])), pivot
+    return outer_region(facing, lever, float(them.radius[a] + them.radius[b]), over), pivot

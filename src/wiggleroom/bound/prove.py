@@ -17,11 +17,11 @@ from wiggleroom.errors import InputError, Stop, WiggleroomError
 from wiggleroom.freespace.outer.outer_region import Outer
 from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion, objective
-from wiggleroom.search.answer import Answer, Bound
+from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import survey
 
-CUT = 0.6
+CUTOFF_SHARE = 0.6
 """Motions worth more than the witness by this share of what is asked for are looked for."""
 
 
@@ -108,7 +108,7 @@ def prove(
         return _not_proven(answer, clock, why)
     proof = Step() if certify else None
     bounding = Bounding(
-        ground, links, regions, goal, witness + CUT * aim, clock, lambda most: tell("prove", most), proof
+        ground, links, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most: tell("prove", most), proof
     )
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
@@ -122,7 +122,7 @@ def prove(
     paper = None
     if proof is not None:
         paper = certificate(ground, answer.assembly, links, found, goal, ranges, bounding.cut, proof)
-    return replace(answer, at_most=float(most), bound=Bound(float(most), share, clock.spent, certificate=paper))
+    return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
 
 
 def _not_proven(answer: Answer, clock: Clock, why: str) -> Answer:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-ROUNDING = 1e-13
+ROUNDING_MARGIN = 1e-13
 """Supports are larger by this share of their terms."""
 
 
@@ -36,7 +36,7 @@ def support(alpha: Floats, beta: Floats, gamma: Floats, half: Floats) -> Floats:
             most = np.maximum(most, alpha * np.cos(v) + beta * np.sin(v) + gamma * v)
     # more than once round nothing is left to look at
     most = np.where(half > np.pi, size + np.abs(gamma) * half, most)
-    return most + ROUNDING * terms
+    return most + ROUNDING_MARGIN * terms
 
 
 def envelope(low: Floats, high: Floats) -> tuple[Floats, Floats]:
@@ -69,6 +69,6 @@ def envelope(low: Floats, high: Floats) -> tuple[Floats, Floats]:
     # cos v = c (C + 1) + s S, sin v = c S - s (C + 1)
     on_c, on_s = alpha * c - beta * s, alpha * s + beta * c
     most = most - on_c + gamma * middle
-    return np.stack([on_c, on_s, gamma], -1), most + ROUNDING * (
+    return np.stack([on_c, on_s, gamma], -1), most + ROUNDING_MARGIN * (
         np.abs(on_c) + np.abs(on_s) + np.abs(gamma * middle) + 1
     )

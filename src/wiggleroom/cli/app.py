@@ -10,7 +10,7 @@ from wiggleroom.cli.bench import bench
 from wiggleroom.cli.check import check
 from wiggleroom.cli.convert import convert
 from wiggleroom.cli.coupon import coupon
-from wiggleroom.cli.draw import draw
+from wiggleroom.cli.draw import draw, parts
 from wiggleroom.cli.flex import flex
 from wiggleroom.cli.make import make
 from wiggleroom.cli.make_image import image
@@ -50,7 +50,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, rank, tighten, sweep, sample, space, serve, draw, convert, maker, coupon, verify, bench
+        flex, check, rank, tighten, sweep, sample, space, serve, draw, parts, convert, maker, coupon, verify, bench
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):

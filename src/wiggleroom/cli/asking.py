@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 
-from wiggleroom.drawing.model import Goal, Pull, Turn
+from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn
 
 _AXES = {"+x": (1.0, 0.0), "-x": (-1.0, 0.0), "+y": (0.0, 1.0), "-y": (0.0, -1.0)}
 
@@ -23,7 +23,7 @@ def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[
     wrong: list[str] = []
     for text in pulls:
         name, _, way = text.rpartition(":")
-        along, at, place = way.partition("@")
+        along, at, place = way.partition("@")  # the part may be a point itself: @12,30:+y
         direction, point = _AXES.get(along) or _two(along), _two(place)
         if not name or direction is None or math.hypot(*direction) == 0:
             wrong.append(f"--pull {text}: write NAME:+x, -x, +y or -y, or a direction of two numbers as NAME:0.6,0.8")
@@ -40,6 +40,40 @@ def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[
     return found, wrong
 
 
+def listed(texts: Iterable[str]) -> list[str]:
+    """Words from lists such as "A,B"; a point "@12,30" is one word, and so is a colour such as "rgb(1,2,3)".
+
+    >>> listed(["a,@12,30,b", "rgb(255,0,0)"])
+    ['a', '@12,30', 'b', 'rgb(255,0,0)']
+    """
+    found = [word for text in texts for word in re.findall(r"@[^,]*,[^,]*|(?:\([^)]*\)|[^,])+", text)]
+    return [word.strip() for word in found if word.strip()]
+
+
+def joint_gaps(
+    texts: Iterable[str], known: set[str], resolve: Callable[[str], str]
+) -> tuple[list[JointGap], list[str]]:
+    """Gaps of single joints from texts such as "A,B:0.3", and one line for each that cannot be read.
+
+    >>> joint_gaps(["a,b:0.3"], {"a", "b"}, str)
+    ([JointGap(parts=('a', 'b'), gap=0.3)], [])
+    """
+    found: list[JointGap] = []
+    wrong: list[str] = []
+    for text in texts:
+        pair, _, size = text.rpartition(":")
+        parts = names([pair], known)
+        try:
+            gap = float(size)
+        except ValueError:
+            gap = math.nan
+        if len(parts) != 2 or not (math.isfinite(gap) and gap >= 0):
+            wrong.append(f"--gap-of {text}: write two parts and their gap in mm, as A,B:0.3")
+        else:
+            found.append(JointGap((resolve(parts[0]), resolve(parts[1])), gap))
+    return found, wrong
+
+
 def names(texts: Iterable[str], known: set[str]) -> list[str]:
     """Names from lists such as "A,B"; a name that itself holds a comma is recognised among the `known` ones.
 
@@ -50,6 +84,10 @@ def names(texts: Iterable[str], known: set[str]) -> list[str]:
     for text in texts:
         pieces = text.split(",")
         while pieces:
+            if pieces[0].strip().startswith("@") and len(pieces) > 1:
+                found.append(",".join(pieces[:2]).strip())
+                pieces = pieces[2:]
+                continue
             longest = max((k for k in range(1, len(pieces) + 1) if ",".join(pieces[:k]) in known), default=1)
             found.append(",".join(pieces[:longest]))
             pieces = pieces[longest:]

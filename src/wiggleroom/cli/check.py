@@ -22,6 +22,7 @@ def check(
     asked: Asked = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
     largest_gap: Annotated[bool, Parameter(negative="")] = False,
+    time: float | None = None,
 ) -> int:
     """Say whether it comes apart: whether some parts can be moved without limit away from the others.
 
@@ -37,14 +38,22 @@ def check(
         A drawing (.svg, .dxf) or an assembly file (.json).
     largest_gap
         Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides.
+    time
+        Seconds that it may take, with the largest gap; then what is known so far is said. By default as long as it needs.
     """
     import shlex
 
+    from wiggleroom.bound.branch_and_bound import Clock
     from wiggleroom.cli.watch import interruptible, progress
+    from wiggleroom.errors import InputError, Stop
 
+    if time is not None and not 0 < time < float("inf"):
+        finding = f"--time {time:g}: it must be more than 0 seconds"
+        raise InputError(finding)
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
-    with interruptible() as stop, progress() as show:
+    with interruptible() as interrupt, progress() as show:
+        stop: Stop = interrupt if time is None else Clock(time, interrupt)
         assembly = read(file, asked)
 
         from wiggleroom.separate.interlock import check as work_out

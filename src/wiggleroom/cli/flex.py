@@ -27,6 +27,7 @@ def flex(
     slices: int | None = None,
     rounds: int | None = None,
     solver: Literal["interior-point", "ipopt"] = "interior-point",
+    search: int | None = None,
     prove: float | None = None,
     time: float | None = None,
     certificate: Path | None = None,
@@ -53,6 +54,10 @@ def flex(
         For hull: so often the hulls are worked out, from the second time on round the motion found. By default 1.
     solver
         interior-point is this program's own; ipopt needs the extra wiggleroom[ipopt].
+    search
+        So many starts beside the one from rest: each climbs with another objective for a while and then with the true
+        one; 0 for none. By default as many as a fixed amount of work allows, the same on every machine; none for more
+        than 50 free parts.
     prove
         Prove a bound: that no motion is worth more than this share above the answer; 0.01 is one per cent. Needs the
         extra wiggleroom[prove].
@@ -85,7 +90,9 @@ def flex(
     check(file, {"--certificate": (certificate, ())})
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     wanted = Hull(**settings) if model == "hull" else model
-    answer = replace(_answer(file, asked, wanted, solver, prove, time, certificate is not None), command=command)
+    answer = replace(
+        _answer(file, asked, wanted, solver, search, prove, time, certificate is not None), command=command
+    )
     from wiggleroom.report.records import flex_result
     from wiggleroom.report.table import table
 
@@ -102,6 +109,7 @@ def _answer(
     asked: Asked,
     model: str | PairModel,
     solver: str,
+    search: int | None,
     prove: float | None,
     seconds: float | None,
     certify: bool,
@@ -124,7 +132,7 @@ def _answer(
 
         from wiggleroom.maximise import flex as solve
 
-        answer = solve(assembly, model=model, solver=solver, stop=stop, progress=show)
+        answer = solve(assembly, model=model, solver=solver, search=search, stop=stop, progress=show)
         if prove is not None and not stop.is_set():
             from wiggleroom.cli.proving import proven
 

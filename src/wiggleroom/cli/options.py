@@ -9,8 +9,11 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group, Parameter
 
 if TYPE_CHECKING:
+    from wiggleroom.assembly.inventory import InventoryRow
     from wiggleroom.assembly.model import Assembly
+    from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.drawing.model import Drawing, Goal
+    from wiggleroom.drawing.outlines import Remark
 
 Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 
@@ -35,7 +38,7 @@ class Asked:
     flatten
         Largest distance between a curve and the straight edges that stand for it [mm]. By default gap/50.
     fix
-        Parts that stand, by name: A,B. May repeat.
+        Parts that stand, by name: A,B, or by a point of the part in mm: @12,30. May repeat.
     pull
         A part and the way it is pulled: NAME:+y, NAME:-x, NAME:0.6,0.8, or at a point of it NAME:+y@12,1.
         May repeat; pulls add up.
@@ -44,6 +47,21 @@ class Asked:
     objective
         In place of pulls, about all parts: translation, the largest sum of squared translations, or closer, neighbours
         as near each other as they come.
+    only
+        Read these alone of a drawing: layers, colours or names, A,B. May repeat.
+    skip
+        Leave these out: layers, colours or names, A,B. May repeat.
+    join
+        Open ends nearer than this are joined [mm]. By default the smaller of 0.05 mm and a hundredth of the shortest
+        line.
+    solid
+        Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
+    ignore
+        Two parts that never collide, such as stacked sheets: A,B. May repeat.
+    glue
+        Parts that move as one: A,B,C. May repeat.
+    gap_of
+        The gap of one joint [mm]: A,B:0.3. May repeat.
     """
 
     gap: float | None = None
@@ -53,6 +71,28 @@ class Asked:
     pull: Many = ()
     turn: Many = ()
     objective: Literal["translation", "closer"] | None = None
+    only: Many = ()
+    skip: Many = ()
+    join: float | None = None
+    solid: Many = ()
+    ignore: Many = ()
+    glue: Many = ()
+    gap_of: Many = ()
+
+
+def read_options(asked: Asked) -> ReadOptions:
+    """How a drawing is read; parts that are fixed or pulled are parts wherever they lie."""
+    from wiggleroom.cli.asking import goals, listed
+    from wiggleroom.drawing.layers import ReadOptions
+    from wiggleroom.drawing.model import part_of
+
+    named = [part_of(goal) for goal in goals(asked.pull, asked.turn)[0]]
+    return ReadOptions(
+        only=tuple(listed(asked.only)),
+        skip=tuple(listed(asked.skip)),
+        join=asked.join,
+        solid=(*listed(asked.solid), *listed(asked.fix), *(name for name in named if name)),
+    )
 
 
 def read(file: str, asked: Asked) -> Assembly:
@@ -64,9 +104,69 @@ def read(file: str, asked: Asked) -> Assembly:
         With everything that is wrong, one line each.
     """
     drawing, fixed, wanted = _said(file, asked)
-    from wiggleroom.assembly.build import assemble
+    from wiggleroom.assembly.build import assemble, with_notes
+    from wiggleroom.cli.say import note
 
-    return assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted)
+    assembly = with_notes(assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted))
+    for line in assembly.drawing.notes[len(drawing.notes) :]:
+        note(line)
+    return assembly
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """A file as it was read, whether or not it can be worked with.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Parts as made; as drawn where the gap cannot be applied.
+    rows : tuple of InventoryRow
+        Parts as drawn.
+    remarks : tuple of Remark
+        Places of what is wrong, left out or assumed.
+    findings : tuple of str
+        What is wrong, one line each.
+    """
+
+    assembly: Assembly
+    rows: tuple[InventoryRow, ...]
+    remarks: tuple[Remark, ...]
+    findings: tuple[str, ...]
+
+
+def look(file: str, asked: Asked) -> Look:
+    """Read a file with all that is wrong with it.
+
+    Raises
+    ------
+    InputError
+        Where there is nothing to see, or an option names no part.
+    """
+    from dataclasses import replace
+
+    from wiggleroom.assembly.build import with_notes
+    from wiggleroom.assembly.findings import examine
+    from wiggleroom.assembly.inventory import inventory
+    from wiggleroom.assembly.model import Assembly
+    from wiggleroom.assembly.statements import unknown
+    from wiggleroom.drawing.read import reading
+    from wiggleroom.errors import InputError
+
+    wanted = asked_goals(asked)
+    found = reading(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
+    drawing, fixed, goals = with_roles(found.drawing, asked, wanted) if found.drawing.parts else (found.drawing, [], [])
+    names = [p.name for p in drawing.parts]
+    wrong = [f"fix: {unknown(name, names)}" for name in fixed if name not in names]
+    if wrong:
+        raise InputError(wrong)
+    parts = tuple(replace(p, fixed=True) if p.name in fixed else p for p in drawing.parts)
+    gap = drawing.gap if asked.gap is None else asked.gap
+    used = replace(drawing, parts=parts, gap=gap, goals=tuple(goals) or drawing.goals)
+    made, findings = examine(used) if parts else ((), ())
+    shown = made if len(made) == len(parts) else tuple(p for p in parts if p.regions)
+    assembly = with_notes(Assembly(shown, used)) if not findings else Assembly(shown, used)
+    return Look(assembly, inventory(drawing, found.layers), found.remarks, (*found.findings, *findings))
 
 
 def asked_drawing(file: str, asked: Asked) -> Drawing:
@@ -92,14 +192,20 @@ def asked_drawing(file: str, asked: Asked) -> Drawing:
     return found
 
 
-def asked_goals(asked: Asked) -> list[Goal]:
-    """What the options ask to be made large.
+def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
+    """What the file says, and the parts that stand and the goals that the options name."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.drawing import read_drawing
 
-    Raises
-    ------
-    InputError
-        With everything that is wrong with these and with the numbers among the options, one line each.
-    """
+    wanted = asked_goals(asked)
+    drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
+    for line in drawing.notes:
+        note(line)
+    return with_roles(drawing, asked, wanted)
+
+
+def asked_goals(asked: Asked) -> list[Goal]:
+    """Goals that the options name; what is wrong with any option is told at once."""
     from wiggleroom.cli.asking import goals
     from wiggleroom.drawing.model import WHOLE
     from wiggleroom.errors import InputError
@@ -108,9 +214,10 @@ def asked_goals(asked: Asked) -> list[Goal]:
         f"--{option} {value:g}: it must be {right}"
         for option, value, right in (
             ("gap", asked.gap, "0 or more"),
+            ("join", asked.join, "0 or more"),
             ("flatten", asked.flatten, "more than 0"),
         )
-        if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and option == "gap")))
+        if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and option != "flatten")))
     ]
     wanted, odd = goals(asked.pull, asked.turn)
     if asked.objective is not None:
@@ -122,16 +229,36 @@ def asked_goals(asked: Asked) -> list[Goal]:
     return wanted
 
 
-def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
-    """What the file says, and the parts that stand and the goals that the options name."""
-    from wiggleroom.cli.asking import names
-    from wiggleroom.cli.say import note
+def with_roles(drawing: Drawing, asked: Asked, wanted: list[Goal]) -> tuple[Drawing, list[str], list[Goal]]:
+    """Drawing with what the options glue, ignore and give a gap; the parts that stand, and the goals, by name.
 
-    wanted = asked_goals(asked)
+    Raises
+    ------
+    InputError
+        With one line for every option that cannot be read, or point that lies in no part.
+    """
+    from dataclasses import replace
 
-    from wiggleroom.drawing import read_drawing
+    from wiggleroom.assembly.statements import PartNames
+    from wiggleroom.cli.asking import joint_gaps, names
+    from wiggleroom.errors import InputError
 
-    drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap)
-    for line in drawing.notes:
-        note(line)
-    return drawing, names(asked.fix, {p.name for p in drawing.parts}), wanted
+    known = PartNames(drawing)
+    members = {p.name for p in drawing.parts}
+    glued = [tuple(map(known, names([text], members))) for text in asked.glue]
+    ignored = [tuple(map(known, names([text], members))) for text in asked.ignore]
+    gaps, wrong = joint_gaps(asked.gap_of, members, known)
+    fixed = [known(name) for name in names(asked.fix, members)]
+    goals = [replace(goal, part=known(goal.part)) if hasattr(goal, "part") else goal for goal in wanted]
+    wrong += [f"--glue {t}: name at least two parts, as A,B" for t, g in zip(asked.glue, glued, strict=True) if len(set(g)) < 2]
+    wrong += [f"--ignore {t}: name two parts, as A,B" for t, g in zip(asked.ignore, ignored, strict=True) if len(set(g)) != 2]
+    if wrong or known.wrong:
+        raise InputError([*wrong, *known.wrong])
+    asked_pairs = {frozenset(gap.parts) for gap in gaps}
+    used = replace(
+        drawing,
+        glue=(*drawing.glue, *glued),
+        ignore=(*drawing.ignore, *((group[0], group[1]) for group in ignored)),
+        gaps=(*(joint for joint in drawing.gaps if frozenset(joint.parts) not in asked_pairs), *gaps),
+    )
+    return used, fixed, goals

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wiggleroom.report.draw_study import Study
     from wiggleroom.search.answer import Answer
 
-_Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
 
 
 @Parameter(name="*", group=RESULTS)
@@ -38,7 +38,7 @@ class Outputs:
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
-    json: _Text = None
+    json: Text = None
     picture: Path | None = None
 
     def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
@@ -60,7 +60,7 @@ class StudyOutputs(Outputs):
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = STUDIES
-    json: _Text = None
+    json: Text = None
     picture: Path | None = None
 
 

@@ -14,27 +14,28 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.halfspaces import Faces
 from wiggleroom.freespace.models.pair_hulls import Hulls, hulls
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import hulls_meet
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.build_answer import part_motions, unlimited
-from wiggleroom.search.path_check import strangers
-from wiggleroom.search.prepare import REACH, arms, survey
+from wiggleroom.search.build_answer import unlimited
+from wiggleroom.search.prepare import REACH, survey
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-LEAST_WAY = 0.5
+WAYPOINT_SPACING = 0.5
 """Way-points are kept where a body has moved by this many clearances since the last."""
 
 
@@ -103,7 +104,7 @@ class End:
         return replace(self, rounds=rounds, iterations=iterations)
 
 
-def approximate(assembly: Assembly, model: Hull | HalfPlane) -> Approximation:
+def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None = None) -> Approximation:
     """Make an assembly ready; raises as `wiggleroom.prepare` does."""
     began = time.perf_counter()
     ground = survey(assembly)
@@ -111,7 +112,7 @@ def approximate(assembly: Assembly, model: Hull | HalfPlane) -> Approximation:
     found = None
     if isinstance(model, Hull):
         pairs = hulls_meet(them, ground.geometry, barred=ground.barred)
-        found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model)
+        found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)
         if found is None:
             finding = f"{assembly.drawing.source or 'the assembly'}: no free space was found round rest; parts touch"
             raise InputError(finding)
@@ -136,24 +137,23 @@ def answer_from(
     began = time.perf_counter()
     bodies, assembly = ready.bodies, ready.assembly
     deepest = overlaps(bodies, end.motions[-1], ready.barred).deepest
-    verdict, free = end.verdict, False
-    if verdict is Verdict.UNBOUNDED:  # said only where nothing is met on the way, by exact geometry
-        nothing = np.zeros(0, dtype=np.int64)
-        free = not len(strangers(bodies, arms(assembly, bodies), end.motions, nothing, ready.barred)[0])
-        verdict = Verdict.UNBOUNDED if free else Verdict.STOPPED
-    leaves, turns = unlimited(assembly, bodies, end.motions[-1], ready.size) if free else ((), ())
+    waypoints = of_parts(assembly, bodies, end.motions)
+    free = audit_path(assembly, waypoints).free
+    away = end.verdict is Verdict.UNBOUNDED and free  # said only where nothing is met on the way
+    verdict = Verdict.STOPPED if end.verdict is Verdict.UNBOUNDED and not free else end.verdict
+    leaves, turns = unlimited(assembly, bodies, end.motions[-1], ready.size) if away else ((), ())
     seconds = seconds | {"check": time.perf_counter() - began}
     seconds["total"] = sum(seconds.values())
     return Answer(
         assembly=assembly,
         goals=asked,
         verdict=verdict,
-        objective=None if free else end.value,
-        motion=part_motions(assembly, bodies, end.motions[-1:])[0],
-        waypoints=part_motions(assembly, bodies, end.motions),
+        objective=None if away else end.value,
+        motion=waypoints[-1],
+        waypoints=waypoints,
         contacts=(),
         path="checked" if free else "not checked",
-        collision_free=deepest <= SAFE * ready.size,
+        collision_free=deepest <= OVERLAP_TOLERANCE * ready.size,
         deepest_overlap=deepest,
         model=ready.model.name,
         solver=solver,
@@ -162,7 +162,6 @@ def answer_from(
         seconds=seconds,
         leaves=leaves,
         turns=turns,
-        trail=end,
     )
 
 
@@ -171,6 +170,6 @@ def thinned(bodies: Bodies, motions: Sequence[Floats], clearance: float) -> Floa
     kept = [motions[0]]
     for motion in motions[1:-1]:
         step = np.abs(motion - kept[-1])
-        if (step[:, :2].max(axis=1) + bodies.radius * step[:, 2]).max() > LEAST_WAY * clearance:
+        if (step[:, :2].max(axis=1) + bodies.radius * step[:, 2]).max() > WAYPOINT_SPACING * clearance:
             kept.append(motion)
     return np.array([*kept, motions[-1]] if len(motions) > 1 else kept)

@@ -29,18 +29,18 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-STEP = 2.0
+FIRST_TRUST_RADIUS = 2.0
 """Neighbours move against each other by at most this many clearances in the first steps."""
-SEES = 3.0
+EDGE_REACH = 3.0
 """Corners see edges this many times further than that."""
-ALLOWED = 0.1
+MAX_PENETRATION = 0.1
 """A step that leaves a corner deeper in the other part than this share of the clearance is tried again, half as long."""
-SHRINK, GROW, SMALLEST = 0.5, 2.0, 1e-5
+TRUST_SHRINK, TRUST_GROWTH, MIN_TRUST_RADIUS = 0.5, 2.0, 1e-5
 """Factors of the trust region, and its last size as a share of the first."""
-FINE = 1e-6
+GAIN_TOLERANCE = 1e-6
 """Gains below this share of the typical radius, or of the objective where that is more, count as none."""
-PATIENCE = 3
-MOST_STEPS = 300
+MAX_STALLED_STEPS = 3
+MAX_STEPS = 300
 
 
 def flex_half_planes(
@@ -103,23 +103,23 @@ class _Steps:
         ready, size = self.ready, 1.0
         at, faces = self._linearised(way[-1], self.objective)
         idle, too_far, verdict = 0, False, Verdict.STOPPED
-        unit = FINE * float(np.median(ready.bodies.radius)) * _unit(at)
-        for _ in range(MOST_STEPS):
+        unit = GAIN_TOLERANCE * float(np.median(ready.bodies.radius)) * _unit(at)
+        for _ in range(MAX_STEPS):
             if self.stop is not None and self.stop.is_set():
                 break
             self.rounds += 1
             du = self._solve(at, faces, size)
             if du is None:  # the solver found no way: ask for less
-                size *= SHRINK
-                if size < SMALLEST:
+                size *= TRUST_SHRINK
+                if size < MIN_TRUST_RADIUS:
                     break
                 continue
             moved = way[-1] + at.program.motion(du)
             after, faces_there = self._linearised(moved, self.objective)
             self.tell(Progress("solve", self.rounds, 0, after.value))
-            worse = max(_violation(at), 0.1 * size * ALLOWED)
-            if _violation(after) > max(ALLOWED * size**0.5, worse) and size > SMALLEST:
-                size, too_far = size * SHRINK, True
+            worse = max(_violation(at), 0.1 * size * MAX_PENETRATION)
+            if _violation(after) > max(MAX_PENETRATION * size**0.5, worse) and size > MIN_TRUST_RADIUS:
+                size, too_far = size * TRUST_SHRINK, True
                 continue
             gain = after.value - at.value
             promised = float(at.gradient @ du)
@@ -128,13 +128,13 @@ class _Steps:
             if np.abs(moved[:, :2]).max() > FAR * ready.size:
                 verdict = Verdict.UNBOUNDED
                 break
-            idle = idle + 1 if gain < max(unit, FINE * abs(at.value)) else 0
+            idle = idle + 1 if gain < max(unit, GAIN_TOLERANCE * abs(at.value)) else 0
             if gain < 0.5 * promised or idle:
-                size = max(size * SHRINK, SMALLEST)
+                size = max(size * TRUST_SHRINK, MIN_TRUST_RADIUS)
             elif gain > 0.9 * promised and not too_far:
-                size = min(size * GROW, 1.0)
+                size = min(size * TRUST_GROWTH, 1.0)
             too_far = False
-            if idle >= PATIENCE and _violation(at) < ALLOWED * FINE**0.5:
+            if idle >= MAX_STALLED_STEPS and _violation(at) < MAX_PENETRATION * GAIN_TOLERANCE**0.5:
                 verdict = Verdict.STATIONARY
                 break
         return self._end(way, at, verdict)
@@ -144,7 +144,7 @@ class _Steps:
     ) -> tuple[Linearised, Faces]:
         """Rows at a motion, and the derivatives of the objective there or at another motion."""
         ready = self.ready
-        reach = SEES * STEP * ready.clearance
+        reach = EDGE_REACH * FIRST_TRUST_RADIUS * ready.clearance
         near = neighbours(ready.bodies, placed(ready.bodies, motion), reach, barred=ready.barred)
         faces = half_planes(ready.bodies, near.a, near.b, motion, reach)
         program = build(ready.bodies, faces, objective, length=ready.clearance)
@@ -179,7 +179,7 @@ class _Steps:
 
 def _box(ready: Approximation, faces: Faces, size: float) -> Faces:
     """Bounds of the motion of every pair against each other, as faces."""
-    count, far = len(faces.a), size * STEP * ready.clearance
+    count, far = len(faces.a), size * FIRST_TRUST_RADIUS * ready.clearance
     lever = np.minimum(ready.bodies.radius[faces.a], ready.bodies.radius[faces.b])
     normal = np.tile(np.vstack([np.eye(3), -np.eye(3)]), (count, 1, 1))
     normal[:, :, 2] *= lever[:, None]

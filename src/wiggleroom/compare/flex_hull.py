@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.compare.approximate import Approximation, End, thinned
-from wiggleroom.errors import Stop
+from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.freespace.models.halfspaces import Faces
 from wiggleroom.freespace.models.pair_hulls import hulls
 from wiggleroom.freespace.models.pair_models import Hull
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction
@@ -25,7 +25,7 @@ from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
-HALVINGS = 5
+MAX_HALVINGS = 5
 """Hulls are worked out anew so many halvings of the way before its end."""
 
 
@@ -61,7 +61,12 @@ def flex_hull(
             return best
         tell(Progress("free spaces", run.rounds, solution.iterations, value))
         inner = _well_inside(ready, program, program.variables(begin), solution.u)
-        fresh = None if inner is None else hulls(ready.bodies, faces.a, faces.b, ready.reference, model, inner)
+        try:
+            fresh = (
+                None if inner is None else hulls(ready.bodies, faces.a, faces.b, ready.reference, model, inner, stop)
+            )
+        except StoppedError:
+            return replace(best, verdict=Verdict.STOPPED)
         if inner is None or fresh is None:
             return best
         faces, begin, way = fresh.faces, inner, [*way, inner]
@@ -119,9 +124,9 @@ def _well_inside(ready: Approximation, program: Program, begin: Floats, end: Flo
     """A motion (n, 3) a little before `end` (3F,), seen from `begin`, that overlaps nowhere."""
     retraction = Retraction(program)
     inner, found = begin, None
-    for _ in range(HALVINGS):
+    for _ in range(MAX_HALVINGS):
         inner = retraction.between(inner, end)
         motion = program.motion(inner)
-        if overlaps(ready.bodies, motion, ready.barred).deepest <= SAFE * ready.size:
+        if overlaps(ready.bodies, motion, ready.barred).deepest <= OVERLAP_TOLERANCE * ready.size:
             found = motion
     return found

@@ -13,12 +13,12 @@ from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.overlap import SAFE
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 
-BATCH = 2000
+BATCH_SIZE = 2000
 """Samples whose polygons are in memory at a time."""
 
 
@@ -81,7 +81,7 @@ def audit(space: FreeSpace, assembly: Assembly, samples: int, *, seed: int = 0) 
     depth = depths(space, assembly, them, relative)
     row = them.body_of[assembly.names.index(space.parts[1])]
     free = (depth == 0) & reached(space, relative, float(them.radius[row]))
-    unsafe = accepted & (depth > SAFE * assembly.size)
+    unsafe = accepted & (depth > OVERLAP_TOLERANCE * assembly.size)
     return Audit(samples, int(free.sum()), int(accepted.sum()), int(unsafe.sum()), int((free & ~accepted).sum()))
 
 
@@ -92,8 +92,8 @@ def depths(space: FreeSpace, assembly: Assembly, them: Bodies, relative: Floats)
     shapely.prepare(a)
     at_a, at_b = assembly.rest[rows[0]], assembly.rest[rows[1], :2]
     corners, depth = shapely.get_coordinates(b), np.zeros(len(relative))
-    for first in range(0, len(relative), BATCH):
-        some = relative[first : first + BATCH]
+    for first in range(0, len(relative), BATCH_SIZE):
+        some = relative[first : first + BATCH_SIZE]
         n, m = len(some), len(corners)
         shift = turn(some[:, :2], np.full(n, at_a[2]))
         moved = turn(np.tile(corners - at_b, (n, 1)), np.repeat(some[:, 2], m)) + np.repeat(shift, m, axis=0) + at_b

@@ -54,7 +54,7 @@ class GapEntry(Entry):
     gap: float
 
 
-class PullEntry(Entry):
+class PullEntry(Entry, omit_defaults=True):
     """One term of what is asked: a direction, a turn, or the paper's W."""
 
     part: str
@@ -78,6 +78,21 @@ class FileEntry(Entry):
     gaps: list[Any] = []
     pull: list[Any] = []
     objective: str | None = None
+
+
+class AssemblyFile(Entry, kw_only=True):
+    """The whole file with everything in it: what its published schema says."""
+
+    format: Literal["wiggleroom/1"]
+    unit: Literal["mm", "cm", "m", "in"] = "mm"
+    gap: float = 0.0
+    shapes: dict[str, ShapeEntry] = {}
+    parts: list[PartEntry]
+    glue: list[list[str]] = []
+    ignore: list[tuple[str, str]] = []
+    gaps: list[GapEntry] = []
+    pull: list[PullEntry] = []
+    objective: Literal["translation", "closer"] | None = None
 
 
 def decode(source: Source) -> Any:

@@ -1,4 +1,4 @@
-"""The little of CSS that decides about parts: fill, fill rule, visibility; simple selectors only."""
+"""The little of CSS that decides about parts: fill, stroke, visibility; simple selectors only."""
 
 from __future__ import annotations
 
@@ -7,27 +7,8 @@ from collections.abc import Iterable, Mapping
 
 _COMMENT = re.compile(r"/\*.*?\*/|<!--|-->", re.DOTALL)
 _SIMPLE = re.compile(r"^(\*|[\w-]+)?((?:[.#][\w-]+)*)$")
-_RED = re.compile(
-    r"^(?:red|#f00f?|#ff0000(?:ff)?"
-    r"|rgba?\(255(?:\.0*)?[ ,]+0(?:\.0*)?[ ,]+0(?:\.0*)?(?:[ ,/]+[\d.]+%?)?\)"
-    r"|rgba?\(100%[ ,]+0%[ ,]+0%(?:[ ,/]+[\d.]+%?)?\)"
-    r"|hsla?\((?:0|360)(?:deg)?[ ,]+100%[ ,]+50%(?:[ ,/]+[\d.]+%?)?\))$"
-)
-
 Rules = list[tuple[tuple[int, int], str, str, dict[str, str]]]
 """(weight and order), element name or "", rest of the selector, declarations."""
-
-
-def is_red(colour: str) -> bool:
-    """Whether a colour is pure red, however it is spelled.
-
-    Examples
-    --------
-    >>> [is_red(colour) for colour in ("Red", "#F00", "rgb(100%, 0%, 0%)", "#f01")]
-    [True, True, True, False]
-    """
-    flat = re.sub(r"\s+", " ", colour.strip().lower()).replace("( ", "(").replace(" )", ")")
-    return bool(_RED.match(flat))
 
 
 def declarations(text: str) -> dict[str, str]:
@@ -75,4 +56,7 @@ def properties(tag: str, attributes: Mapping[str, str], rules: Rules) -> dict[st
     return found
 
 
-_PRESENTATION = ("fill", "fill-rule", "display", "visibility", "color", "transform")
+_PRESENTATION = (
+    "fill", "fill-rule", "fill-opacity", "stroke", "stroke-opacity", "opacity", "display", "visibility", "color",
+    "font-size", "text-anchor", "dominant-baseline", "transform",
+)  # fmt: skip

@@ -1,32 +1,23 @@
-"""Read a DXF drawing: closed outlines, and loose edges joined to such, become parts [mm]."""
+"""Read a DXF drawing: its lines, curves and texts [mm]."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 from wiggleroom.drawing.dxf_file import load_dxf, scale_of
-from wiggleroom.drawing.dxf_outlines import shapes_of
 from wiggleroom.drawing.dxf_walk import DxfWalk
-from wiggleroom.drawing.limits import check_options
-from wiggleroom.drawing.model import Drawing
-from wiggleroom.drawing.parts import drawing_of
+from wiggleroom.drawing.elements import Artwork
 from wiggleroom.errors import InputError
 
 
-def read_dxf(
-    path: str | Path, *, unit: str | None = None, flatten: float | None = None, gap: float | None = None
-) -> Drawing:
-    """Parts of a DXF drawing, text or binary, of any version from R12 on.
+def dxf_artwork(path: str | Path, unit: str | None = None) -> Artwork:
+    """Strokes and texts of a DXF drawing, text or binary, of any version from R12 on.
 
     Parameters
     ----------
     path : str or Path
     unit : str, optional
         What one unit is (mm, cm, m, in, px), whatever the file says.
-    flatten : float [mm], optional
-        Chord error of curves; by default gap / 50, or 1e-4 of the median part size where the gap is 0.
-    gap : float [mm], optional
-        Clearance across every joint; a drawing itself has none.
 
     Raises
     ------
@@ -35,7 +26,6 @@ def read_dxf(
     MissingExtraError
         If ezdxf is not installed.
     """
-    check_options(flatten=flatten, gap=gap)
     file = load_dxf(Path(path))
     scale, assumed = scale_of(file, unit)
     walk = DxfWalk(file.name, file.document, scale)
@@ -46,13 +36,16 @@ def read_dxf(
     except Exception:  # tables and layouts of a damaged file
         message = f"{file.name}: is damaged; export it again"
         raise InputError(message) from None
-    shapes, notes = shapes_of(walk)
-    return drawing_of(
-        file.name,
-        shapes,
-        walk.findings,
-        notes=(*assumed, *file.notes, *notes),
-        left_out=walk.left_out,
-        flatten=flatten,
-        gap=gap,
+    notes = [*assumed, *file.notes]
+    if walk.hidden:
+        notes.append(f"{file.name}: layers that are off or frozen are left out: {', '.join(sorted(walk.hidden))}")
+    if walk.pointlike:
+        notes.append(f"{file.name}: {walk.pointlike} elements of no length are left out")
+    return Artwork(
+        file=file.name,
+        strokes=tuple(walk.strokes),
+        texts=tuple(walk.texts),
+        notes=tuple(notes),
+        findings=tuple(walk.findings),
+        left_out=tuple(walk.left_out.items()),
     )

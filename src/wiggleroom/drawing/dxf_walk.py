@@ -4,24 +4,21 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 from wiggleroom.drawing.dxf_curves import STROKES, stroke_of
-from wiggleroom.drawing.elements import MOST, Group
+from wiggleroom.drawing.elements import MOST, Group, Lettering, Stroke
+from wiggleroom.drawing.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.limits import LARGEST
-from wiggleroom.drawing.pathdata import Subpath
 from wiggleroom.drawing.strokes import mapped, reach
 from wiggleroom.drawing.transforms import Affine
 from wiggleroom.errors import InputError
 
 NAME = "WIGGLEROOM"
 """Extended data of this application hold a part's name, the number of this outline and how many there are."""
-LABELS = "labels"
-"""Names for people to read stand on this layer; it holds no outlines."""
-HOLES = "hole"
-"""Outlines on layers whose name begins so are holes of the part around them."""
+HOLES = "holes"
+"""Outlines that we write on this layer are holes of the part around them."""
 _UNSEEN = ("defpoints", LABELS)
 _TEXTS = ("TEXT", "MTEXT")
 _SILENT = ("VIEWPORT", "POINT", "ATTDEF", "ATTRIB", "SEQEND")
@@ -31,36 +28,6 @@ _FLAT = 1e-9
 """An entity whose plane is tilted by more than this is not in the drawing's plane."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Stroke:
-    """One entity that draws, on the page [mm].
-
-    Parameters
-    ----------
-    tag, handle, layer : str
-        What it is and where it stands, for messages.
-    groups : tuple of Group
-        Layer, DXF group and blocks, from the outermost inward.
-    place : tuple of int
-        Which copies of which blocks it is in: edges of different copies are never joined.
-    piece : (name, number, count) or None
-        What the file says about the part whose outline this is.
-    path : Subpath [mm]
-    """
-
-    tag: str
-    handle: str
-    layer: str
-    groups: tuple[Group, ...]
-    place: tuple[int, ...]
-    piece: tuple[str, int, int] | None
-    path: Subpath
-
-    def __str__(self) -> str:
-        """Say what a message calls it."""
-        return f'{self.tag} {self.handle} on layer "{self.layer}"'
-
-
 @dataclass(frozen=True, slots=True)
 class _State:
     """What an entity inherits from the blocks that it is in."""
@@ -68,6 +35,7 @@ class _State:
     matrix: Any
     layer: str = "0"
     groups: tuple[Group, ...] = ()
+    colour: str = ""
     place: tuple[int, ...] = ()
     blocks: tuple[str, ...] = ()
 
@@ -80,7 +48,7 @@ class DxfWalk:
     document: Any
     scale: float
     strokes: list[Stroke] = field(default_factory=list)
-    texts: list[tuple[str, complex]] = field(default_factory=list)
+    texts: list[Lettering] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
     pointlike: int = 0
@@ -163,22 +131,49 @@ class DxfWalk:
         if not reach(path) <= LARGEST:
             self.findings.append(f"{self.file}: {named}: has coordinates beyond {LARGEST:g} mm; move or scale it")
             return
+        groups = self._groups_of(entity, state)
+        piece = _piece(entity)
         self.strokes.append(
             Stroke(
                 tag=entity.dxftype(),
-                handle=handle,
+                place=f'layer "{state.layer}" ({handle})',
+                paths=(path,),
+                label=piece[0] if piece else "",
+                groups=groups,
                 layer=state.layer,
-                groups=self._groups_of(entity, state),
-                place=state.place,
-                piece=_piece(entity),
-                path=path,
+                colour=self._colour(entity, state),
+                fixed=any(group.name.lower() == "fixed" for group in groups),
+                even_odd=True,
+                hole=is_hole_layer(state.layer),
+                piece=piece,
+                pool=(state.layer.lower(), *state.place),
             )
         )
 
+    def _colour(self, entity: Any, state: _State) -> str:
+        """Colour of an entity, of its layer or of its block, as `#rrggbb`."""
+        from ezdxf.colors import aci2rgb, int2rgb
+
+        if entity.dxf.hasattr("true_color"):
+            return _hex(int2rgb(entity.dxf.true_color))
+        code = int(entity.dxf.get("color", 256))
+        if code == 0:
+            return state.colour
+        if code == 256 and state.layer in self.document.layers:
+            layer = self.document.layers.get(state.layer)
+            if layer.dxf.hasattr("true_color"):
+                return _hex(int2rgb(layer.dxf.true_color))
+            code = abs(int(layer.dxf.get("color", 7)))
+        if not 0 < code < 256 or code == 7:
+            return "#000000"  # white on a black screen, black on paper
+        return _hex(aci2rgb(code))
+
     def _groups_of(self, entity: Any, state: _State) -> tuple[Group, ...]:
         key = state.layer.lower()
-        plain = key == "0" or key.startswith(HOLES)
-        layer = self._layers.setdefault(key, Group("" if plain else state.layer, key.startswith("glue")))
+        plain = key == "0" or is_hole_layer(key)
+        layer = self._layers.setdefault(
+            key, Group("" if plain else state.layer, key.startswith("glue"), (state.layer,))
+        )
         grouped = self._grouped.get(entity.dxf.get("handle"))
         return (layer, *((grouped,) if grouped else ()), *state.groups)
 
@@ -204,6 +199,7 @@ class DxfWalk:
             inner = _State(
                 matrix=copy.matrix44() @ state.matrix,
                 layer=state.layer,
+                colour=self._colour(insert, state),
                 groups=(*state.groups, *((grouped,) if grouped else ()), group),
                 place=(*state.place, self._copies),
                 blocks=(*state.blocks, name),
@@ -220,7 +216,9 @@ class DxfWalk:
         at = _affine(state.matrix, entity.ocs() if entity.dxftype() == "TEXT" else None).point(
             complex(point[0], point[1])
         )
-        self.texts.append((text_of(" ".join(content.split())), at))
+        words = text_of(" ".join(content.split()))
+        if words:
+            self.texts.append(Lettering(words, at))
 
 
 def text_of(value: str) -> str:
@@ -256,9 +254,5 @@ def _piece(entity: Any) -> tuple[str, int, int] | None:
     return text_of(name), numbers[0], numbers[1]
 
 
-def edges_by_place(strokes: list[Stroke]) -> Iterator[list[Stroke]]:
-    """Strokes that may be edges of one outline: of one layer, in one copy of a block."""
-    pools: dict[tuple[str, tuple[int, ...]], list[Stroke]] = {}
-    for stroke in strokes:
-        pools.setdefault((stroke.layer.lower(), stroke.place), []).append(stroke)
-    yield from pools.values()
+def _hex(colour: Any) -> str:
+    return "#" + "".join(f"{int(part):02x}" for part in tuple(colour)[:3])

@@ -7,12 +7,13 @@ from io import StringIO
 from typing import Any
 
 from wiggleroom.drawing.dxf_file import import_ezdxf
-from wiggleroom.drawing.dxf_walk import HOLES, LABELS, NAME
+from wiggleroom.drawing.dxf_walk import HOLES, NAME
+from wiggleroom.drawing.layers import LABELS
 from wiggleroom.drawing.lettering import Label, labels_of, lettered
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.svg_writer import merged, placed_rings
 
-_LAYERS = {"cut": 7, "fixed": 1, HOLES + "s": 3, LABELS: 5}
+_LAYERS = {"cut": 7, "fixed": 1, HOLES: 3, LABELS: 5}
 """Layers and their colours: black or white, red, green, blue."""
 _CHUNK = 30
 """Characters of a name in one string of extended data, which holds 255, where one may take 7."""
@@ -67,7 +68,7 @@ def _document(ezdxf: Any, drawing: Drawing, labels: Sequence[Label]) -> Any:
             line.set_xdata(NAME, [*chunks, (1070, number + 1), (1070, len(part.regions))])
             outers[part.name].append(line)
             for hole in holes:
-                space.add_lwpolyline(hole.tolist(), close=True, dxfattribs={"layer": HOLES + "s"})
+                space.add_lwpolyline(hole.tolist(), close=True, dxfattribs={"layer": HOLES})
     for label in labels:
         for stroke in lettered(label):
             space.add_lwpolyline(stroke.tolist(), dxfattribs={"layer": LABELS})

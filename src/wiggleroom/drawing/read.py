@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
+from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.parts import Reading, reading_of, sound
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 
@@ -16,25 +19,32 @@ if TYPE_CHECKING:
     from wiggleroom.drawing.lettering import Label
 
 T = TypeVar("T")
-Reader = Callable[[Path, str | None, float | None, float | None], Drawing]
+Reader = Callable[[Path, "str | None", "float | None", "float | None", ReadOptions], Reading]
 Writer = Callable[[Drawing, "Sequence[Label] | None"], str]
 
 
 def read_drawing(
-    path: str | Path, *, unit: str | None = None, flatten: float | None = None, gap: float | None = None
+    path: str | Path,
+    *,
+    unit: str | None = None,
+    flatten: float | None = None,
+    gap: float | None = None,
+    options: ReadOptions | None = None,
 ) -> Drawing:
     """Read what a file says, in millimetres and radians.
 
     Parameters
     ----------
     path : str or Path
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     unit : str, optional
         What one user unit of a drawing is (mm, cm, m, in, px), whatever the file says.
     flatten : float [mm], optional
         Chord error of curves in a drawing.
     gap : float [mm], optional
         Clearance across every joint, in place of the file's.
+    options : ReadOptions, optional
+        Which lines of a drawing are read, and how.
 
     Raises
     ------
@@ -45,11 +55,33 @@ def read_drawing(
     --------
     >>> read_drawing("puzzle.pdf")
     Traceback (most recent call last):
-    wiggleroom.errors.InputError: puzzle.pdf: ".pdf" files are not read; it must be one of .svg, .dxf, .json
+    wiggleroom.errors.InputError: puzzle.pdf: ".pdf" files are not read; it must be one of .svg, .dxf, .lbrn2, .lbrn, .json
     """
+    return sound(reading(path, unit=unit, flatten=flatten, gap=gap, options=options))
+
+
+def reading(
+    path: str | Path,
+    *,
+    unit: str | None = None,
+    flatten: float | None = None,
+    gap: float | None = None,
+    options: ReadOptions | None = None,
+) -> Reading:
+    """The same with everything that is wrong, left out or assumed, and where; see `read_drawing`.
+
+    Raises
+    ------
+    InputError
+        Where there is nothing that could be drawn.
+    """
+    options = options or ReadOptions()
     check_options(flatten=flatten, gap=gap)
+    if options.join is not None and not (math.isfinite(options.join) and options.join >= 0):
+        message = f"join is {options.join:g}; it must be 0 mm or more"
+        raise InputError(message)
     reader = _by_extension(Path(path), READERS, "read")
-    return reader(Path(path), unit, flatten, gap)
+    return reader(Path(path), unit, flatten, gap, options)
 
 
 def write_drawing(drawing: Drawing, path: str | Path, *, labels: Sequence[Label] | None = None) -> None:
@@ -87,29 +119,43 @@ def _by_extension(path: Path, table: Mapping[str, T], done: str) -> T:
     return found
 
 
-def _read_svg(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
-    from wiggleroom.drawing.svg import read_svg
+def _read_svg(path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions) -> Reading:
+    from wiggleroom.drawing.svg import svg_artwork
 
-    return read_svg(path, unit=unit, flatten=flatten, gap=gap)
-
-
-def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
-    from wiggleroom.drawing.dxf import read_dxf
-
-    return read_dxf(path, unit=unit, flatten=flatten, gap=gap)
+    return reading_of(svg_artwork(path, unit), options, flatten=flatten, gap=gap)
 
 
-def _read_assembly(path: Path, unit: str | None, flatten: float | None, gap: float | None) -> Drawing:
+def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions) -> Reading:
+    from wiggleroom.drawing.dxf import dxf_artwork
+
+    return reading_of(dxf_artwork(path, unit), options, flatten=flatten, gap=gap)
+
+
+def _read_lightburn(
+    path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions
+) -> Reading:
+    from wiggleroom.drawing.lightburn import lightburn_artwork
+
+    return reading_of(lightburn_artwork(path, unit), options, flatten=flatten, gap=gap)
+
+
+def _read_assembly(
+    path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions
+) -> Reading:
     from wiggleroom.drawing.assembly_file import read_assembly
 
     if unit is not None:
         message = f'{path.name}: an assembly file says its own unit; change "unit" in it'
         raise InputError(message)
     drawing = read_assembly(path)
-    if flatten is not None:
-        note = f"{path.name}: an assembly file has no curves; flatten does not matter"
-        drawing = replace(drawing, notes=(*drawing.notes, note))
-    return drawing if gap is None else replace(drawing, gap=gap)
+    useless = [("flatten", flatten), ("only", options.only), ("skip", options.skip), ("join", options.join)]
+    notes = [
+        f"{path.name}: an assembly file has no curves, layers or open lines; {name} does not matter"
+        for name, value in useless
+        if value not in (None, ())
+    ]
+    drawing = replace(drawing, notes=(*drawing.notes, *notes))
+    return Reading(drawing if gap is None else replace(drawing, gap=gap))
 
 
 def _write_svg(drawing: Drawing, labels: Sequence[Label] | None) -> str:
@@ -130,5 +176,11 @@ def _write_assembly(drawing: Drawing, _: Sequence[Label] | None) -> str:
     return write_assembly(drawing)
 
 
-READERS: dict[str, Reader] = {".svg": _read_svg, ".dxf": _read_dxf, ".json": _read_assembly}
+READERS: dict[str, Reader] = {
+    ".svg": _read_svg,
+    ".dxf": _read_dxf,
+    ".lbrn2": _read_lightburn,
+    ".lbrn": _read_lightburn,
+    ".json": _read_assembly,
+}
 WRITERS: dict[str, Writer] = {".json": _write_assembly, ".svg": _write_svg, ".dxf": _write_dxf}

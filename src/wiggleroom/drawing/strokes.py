@@ -104,6 +104,19 @@ def trace(path: Subpath, steps: int = 8) -> list[complex]:
     return points
 
 
+def extent(path: Subpath) -> float:
+    """Longer side of the box round a subpath [mm], curves by a few points.
+
+    Examples
+    --------
+    >>> extent(Subpath(0j, [Line(3 - 4j)], False))
+    4.0
+    """
+    points = trace(path, 4)
+    real, imag = [point.real for point in points], [point.imag for point in points]
+    return max(max(real) - min(real), max(imag) - min(imag))
+
+
 def reach(path: Subpath) -> float:
     """Largest coordinate of the points that define a subpath; infinite where one is no number.
 

@@ -4,18 +4,67 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from wiggleroom.drawing.elements import Artwork
+from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.drawing.parts import drawing_of
+from wiggleroom.drawing.parts import reading_of, sound
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.svg_page import page_map
 from wiggleroom.drawing.svg_walk import Walk
 from wiggleroom.drawing.xmltree import parse_xml
 from wiggleroom.errors import InputError
 
+_BOXES = "Created with Boxes.py"
+
+
+def svg_artwork(source: str | Path, unit: str | None = None) -> Artwork:
+    """Strokes and texts of an SVG drawing.
+
+    Parameters
+    ----------
+    source : str or Path
+        Path of the file, or its text.
+    unit : str, optional
+        What one user unit is (mm, cm, m, in, px), whatever the file says.
+
+    Raises
+    ------
+    InputError
+        If the text is no SVG.
+    """
+    text = load(source, opening="<", name="drawing")
+    root = parse_xml(text)
+    if root.tag != "svg":
+        message = f"{text.name}: is not an SVG drawing; its outermost element must be svg"
+        raise InputError(message)
+    matrix, port, notes = page_map(root, unit, text.name)
+    walk = Walk(text.name, root)
+    walk.run(matrix, port)
+    if walk.repeated:
+        named = ", ".join(walk.repeated[:3]) + (", ..." if len(walk.repeated) > 3 else "")
+        notes = (*notes, f"{text.name}: ids that are used more than once: {named}; parts are told apart by a number")
+    low = matrix.point(complex(port.x, port.y + port.height))
+    view = (low.real, low.imag, matrix.a * port.width, -matrix.d * port.height)
+    return Artwork(
+        file=text.name,
+        strokes=tuple(walk.strokes),
+        texts=tuple(walk.texts),
+        notes=notes,
+        findings=tuple(walk.findings),
+        left_out=tuple(walk.left_out.items()),
+        view=view if min(view[2:]) > 0 else None,
+        program="boxes.py" if _BOXES in text.text else "",
+    )
+
 
 def read_svg(
-    source: str | Path, *, unit: str | None = None, flatten: float | None = None, gap: float | None = None
+    source: str | Path,
+    *,
+    unit: str | None = None,
+    flatten: float | None = None,
+    gap: float | None = None,
+    options: ReadOptions | None = None,
 ) -> Drawing:
     """Parts of an SVG drawing.
 
@@ -29,6 +78,7 @@ def read_svg(
         Chord error of curves; by default gap / 50, or 1e-4 of the median part size where the gap is 0.
     gap : float [mm], optional
         Clearance across every joint; a drawing itself has none.
+    options : ReadOptions, optional
 
     Raises
     ------
@@ -42,14 +92,4 @@ def read_svg(
     ('a', (2.0, 8.0, 0.0))
     """
     check_options(flatten=flatten, gap=gap)
-    text = load(source, opening="<", name="drawing")
-    root = parse_xml(text)
-    if root.tag != "svg":
-        message = f"{text.name}: is not an SVG drawing; its outermost element must be svg"
-        raise InputError(message)
-    matrix, port, notes = page_map(root, unit, text.name)
-    walk = Walk(text.name, root)
-    walk.run(matrix, port)
-    return drawing_of(
-        text.name, walk.shapes, walk.findings, notes=notes, left_out=walk.left_out, flatten=flatten, gap=gap
-    )
+    return sound(reading_of(svg_artwork(source, unit), options or ReadOptions(), flatten=flatten, gap=gap))

@@ -7,17 +7,24 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from wiggleroom.drawing.css import Rules, is_red, parse_rules, properties
-from wiggleroom.drawing.elements import MOST, Group, Shape
+from wiggleroom.drawing.css import Rules, parse_rules, properties
+from wiggleroom.drawing.colours import RED, colour_of
+from wiggleroom.drawing.elements import MOST, Group, Lettering, Stroke
+from wiggleroom.drawing.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.shapes import SHAPES, subpaths_of
+from wiggleroom.drawing.strokes import mapped
 from wiggleroom.drawing.transforms import Affine, Box, fit, parse_length, parse_transform, parse_view_box
 from wiggleroom.drawing.xmltree import Element
 from wiggleroom.errors import InputError
 
 _GROUPS = ("g", "a", "switch")
-_LEFT_OUT = ("text", "image", "foreignObject")
-LABELS = "labels"
-"""A group with this id or label holds names for people to read, and no parts."""
+_LEFT_OUT = ("image", "foreignObject")
+_NOT_DRAWN = (
+    "defs", "symbol", "metadata", "style", "title", "desc", "script", "clipPath", "mask", "marker", "pattern", "filter",
+    "linearGradient", "radialGradient", "view", "font", "cursor", "animate", "animateTransform", "set", "namedview",
+    "font-face", "color-profile", "solidcolor", "hatch", "mesh", "meshgradient", "animateMotion", "animateColor",
+)  # fmt: skip
+"""Elements that draw nothing where they stand."""
 _DEEPEST = 200
 
 T = TypeVar("T")
@@ -31,6 +38,7 @@ class _State:
     port: Box
     style: dict[str, str] = field(default_factory=dict)
     groups: tuple[Group, ...] = ()
+    layer: str = ""
     fixed: bool = False
     copies: tuple[Element, ...] = ()
     depth: int = 0
@@ -42,7 +50,9 @@ class Walk:
 
     file: str
     root: Element
-    shapes: list[Shape] = field(default_factory=list)
+    strokes: list[Stroke] = field(default_factory=list)
+    texts: list[Lettering] = field(default_factory=list)
+    repeated: list[str] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
     left_out: Counter[str] = field(default_factory=Counter)
 
@@ -53,9 +63,8 @@ class Walk:
         drawn = (*SHAPES, *_GROUPS, "use", "symbol", "svg")
         named = [element for element in elements if element.tag in drawn and element.attributes.get("id")]
         self._by_id = {element.attributes["id"]: element for element in reversed(named)}
-        for name, count in Counter(element.attributes["id"] for element in named).items():
-            if count > 1:
-                self.findings.append(f'{self.file}: id "{name}" is used {count} times; every id must be used once only')
+        counts = Counter(element.attributes["id"] for element in named)
+        self.repeated = [name for name, count in counts.items() if count > 1]
 
     def run(self, matrix: Affine, port: Box) -> None:
         """Collect everything below the root, which `matrix` maps to the page."""
@@ -83,26 +92,36 @@ class Walk:
 
     def _visit(self, element: Element, outer: _State) -> None:
         tag = element.tag
-        if tag not in (*SHAPES, *_GROUPS, *_LEFT_OUT, "use", "svg"):
+        if tag not in (*SHAPES, *_GROUPS, *_LEFT_OUT, "text", "use", "svg"):
+            if tag and tag not in _NOT_DRAWN:
+                self.left_out[f"unknown {tag}"] += 1
             return
         self._visited += 1
         if self._visited > MOST:
             message = f"{self.file}: draws more than {MOST} elements, copies counted; split the drawing"
             raise InputError(message)
         state = self._inherit(element, outer)
-        name = "" if state.copies else _name(element)
         if state.style.get("display") == "none":
+            if _is_layer(element):
+                self.left_out[f'hidden layer "{_label(element) or _id(element)}"'] += 1
             return
         if tag == "g" and not state.copies and LABELS in _marks(element):
             return
         if tag in SHAPES:
-            self._shape(element, name, state)
+            self._shape(element, state)
+            return
+        if tag == "text":
+            self._text(element, state)
             return
         if tag in _LEFT_OUT:
             self.left_out[tag] += 1
             return
         glue = not state.copies and any(mark.startswith("glue") for mark in _marks(element))
-        state = replace(state, groups=(*state.groups, Group(name, glue)))
+        name = "" if state.copies else _label(element) or _id(element)
+        marks = () if state.copies else tuple(filter(None, (_label(element), _id(element), *_classes(element))))
+        state = replace(state, groups=(*state.groups, Group(name, glue, marks)))
+        if _is_layer(element) or (len(state.groups) == 1 and not state.copies):
+            state = replace(state, layer=name)
         if tag == "use":
             self._use(element, state)
         elif tag == "svg":
@@ -111,28 +130,65 @@ class Walk:
         else:
             self._children(element, state)
 
-    def _shape(self, element: Element, name: str, state: _State) -> None:
+    def _shape(self, element: Element, state: _State) -> None:
         if state.style.get("visibility") in ("hidden", "collapse"):
             return
-        fill = state.style.get("fill", "")
-        if fill.lower() == "currentcolor":
-            fill = state.style.get("color", "")
-        shape = Shape(
+        fill = self._colour("fill", state, "black")
+        copied = bool(state.copies)
+        stroke = Stroke(
             tag=element.tag,
             place=f"line {element.line}",
-            name=name,
+            paths=(),
+            name="" if copied else _id(element),
+            label="" if copied else _label(element),
             groups=state.groups,
-            fixed=state.fixed or is_red(fill),
+            layer=state.layer,
+            marks=tuple(_classes(element)),
+            colour=self._colour("stroke", state, ""),
+            fill=fill,
+            styled="fill" in state.style or "stroke" in state.style,
+            fixed=state.fixed or fill == RED,
             even_odd=state.style.get("fill-rule", "").lower() == "evenodd",
-            matrix=state.matrix,
-            subpaths=[],
+            hole=any(is_hole_layer(mark) for group in state.groups for mark in group.marks),
+            whole="data-pieces" in element.attributes,
+            pool=(state.layer, *(id(copy) for copy in state.copies)),
         )
         try:
             subpaths = subpaths_of(element.tag, element.attributes, state.port)
         except ValueError as error:
-            self.findings.append(f"{self.file}: {shape}: {error}")
-        else:
-            self.shapes.append(replace(shape, subpaths=subpaths))
+            self.findings.append(f"{self.file}: {stroke}: {error}")
+            return
+        self.strokes.append(replace(stroke, paths=tuple(mapped(path, state.matrix) for path in subpaths)))
+
+    def _colour(self, key: str, state: _State, otherwise: str) -> str:
+        """Colour of the fill or the line, or nothing where it does not show."""
+        value = state.style.get(key, otherwise)
+        if value.lower() == "currentcolor":
+            value = state.style.get("color", "black")
+        try:
+            hidden = any(float(state.style.get(k, "1").rstrip("%")) == 0 for k in (f"{key}-opacity", "opacity"))
+        except ValueError:
+            hidden = False
+        return "" if hidden else colour_of(value)
+
+    def _text(self, element: Element, state: _State) -> None:
+        """Keep a text and a point within its first letters."""
+        words = " ".join(" ".join(child.text for child in _everything(element)).split())
+        if not words:
+            return
+        spots = [e.attributes for e in _everything(element) if e.tag in ("text", "tspan") and "x" in e.attributes]
+        first = spots[0] if spots else element.attributes
+        try:
+            x, y = (parse_length(first.get(key, "0").replace(",", " ").split()[0], 0.0) for key in ("x", "y"))
+            size = parse_length(state.style.get("font-size", "16px"), 16.0)
+        except (ValueError, IndexError):
+            x = y = 0.0
+            size = 1.0
+        below = state.style.get("dominant-baseline", "") in ("hanging", "text-before-edge")
+        middle = state.style.get("dominant-baseline", "") in ("middle", "central")
+        side = {"middle": 0.0, "end": -0.3}.get(state.style.get("text-anchor", ""), 0.3)
+        up = 0.3 if below else 0.0 if middle else -0.3
+        self.texts.append(Lettering(words, state.matrix.point(complex(x + side * size, y + up * size))))
 
     def _use(self, element: Element, state: _State) -> None:
         link = element.attributes.get("href") or element.attributes.get("xlink:href") or ""
@@ -172,8 +228,23 @@ class Walk:
             return otherwise
 
 
-def _name(element: Element) -> str:
-    return element.attributes.get("id", "").strip() or element.attributes.get("inkscape:label", "").strip()
+def _id(element: Element) -> str:
+    return element.attributes.get("id", "").strip()
+
+
+def _label(element: Element) -> str:
+    """What a person called an element: its Inkscape label, else its title."""
+    label = element.attributes.get("inkscape:label", "").strip()
+    title = next((child.text for child in element.children if child.tag == "title"), "")
+    return label or " ".join(title.split())
+
+
+def _classes(element: Element) -> list[str]:
+    return element.attributes.get("class", "").split()
+
+
+def _is_layer(element: Element) -> bool:
+    return element.attributes.get("inkscape:groupmode") == "layer" or element.attributes.get("data-name") is not None
 
 
 def _marks(element: Element) -> set[str]:

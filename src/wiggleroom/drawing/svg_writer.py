@@ -85,6 +85,7 @@ def _label(label: Label, shift: Points, bottom: float) -> str:
 
 def _path(part: Part, rings: list[Points], bottom: float) -> str:
     colour = ' fill="red"' if part.fixed else ""
+    colour += f' data-pieces="{len(part.regions)}"' if len(part.regions) > 1 else ""
     data = "".join(_data(ring, bottom) for ring in rings)
     return f'<path id={quoteattr(part.name)}{colour} d="{data}"/>'
 

@@ -7,7 +7,6 @@ from typing import overload
 
 import numpy as np
 import shapely
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
@@ -21,17 +20,18 @@ from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, 
 from wiggleroom.freespace.models.polyhedron import Polyhedron
 from wiggleroom.freespace.slices import Slice, march, meeting
 from wiggleroom.geometry.bodies import Bodies, bodies
+from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.relative_pose import Relative, relate, turn
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TOUCHING = 1e-6
+CONTACT_TOLERANCE = 1e-6
 """A clearance below this share of the drawing's size counts as touching."""
-SEEN = 6.0
+HALF_PLANE_REACH = 6.0
 """Half-planes are made of corners and edges no further apart than this multiple of the clearance."""
-REACH = 10.0
+OPEN_REACH = 10.0
 """Open free spaces are worked out this many clearances far, though no further than the larger part's radius."""
 
 
@@ -207,7 +207,7 @@ def free_space(
     one, other = _bodies_of(assembly, them, a, b)
     material = placed(them)[[one, other]]
     apart = float(shapely.distance(*material))
-    if apart < TOUCHING * assembly.size:
+    if apart < CONTACT_TOLERANCE * assembly.size:
         where = assembly.drawing.source or "the assembly"
         finding = (
             f'{where}: parts "{a}" and "{b}" touch at rest, clearance {apart:.3g} mm; '
@@ -215,7 +215,7 @@ def free_space(
         )
         raise TouchingError(finding, (a, b), apart)
     if isinstance(wanted, Walls):
-        usual = min(REACH * apart, float(them.radius[[one, other]].max()))
+        usual = min(OPEN_REACH * apart, float(them.radius[[one, other]].max()))
         return _walls(assembly, them, (one, other), (a, b), material, usual if reach is None else reach, stop)
     return _polyhedron(assembly, them, (one, other), (a, b), wanted)
 
@@ -265,7 +265,7 @@ def _polyhedron(
         slices, angles, closed = hull.slices, hull.ends, hull.closed
     else:
         apart = float(shapely.distance(*placed(them)[list(rows)]))
-        faces = half_planes(them, a, b, np.zeros_like(them.rest), SEEN * apart)
+        faces = half_planes(them, a, b, np.zeros_like(them.rest), HALF_PLANE_REACH * apart)
         turns = np.where(faces.normal[:, 2] != 0, -faces.offset / faces.normal[:, 2], np.inf)
         angles = float(-np.abs(turns[turns < 0]).min(initial=np.inf)), float(turns[turns > 0].min(initial=np.inf))
         closed = bool(np.isfinite(angles).all())

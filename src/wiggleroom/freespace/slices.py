@@ -18,19 +18,19 @@ from wiggleroom.geometry.relative_pose import turn
 Floats = NDArray[np.float64]
 Box = tuple[float, float, float, float]
 
-SLIVER = 1e-9
+SLIVER_ANGLE = 1e-9
 """Parallelograms whose sides differ in direction by less than this [rad] are left out: others do their work."""
-SPECK = 1e-12
+MIN_THICKNESS = 1e-12
 """Pieces thinner than this share of the clearance are rounding."""
-NUDGES = (0.0, 1e-9, -1e-9, 1e-8)
+ANGLE_NUDGES = (0.0, 1e-9, -1e-9, 1e-8)
 """Angles [rad] tried one after the other where the union of the parallelograms fails or loses the piece."""
-MOST_QUADS = 20000
+MAX_PARALLELOGRAMS = 20000
 """Windows that more parallelograms touch are not widened: the free space counts as open."""
-BATCH = 48
+BATCH_SIZE = 48
 """Parallelograms cut off at a time."""
-END = 1e-7
+ANGLE_TOLERANCE = 1e-7
 """How closely the last free angle is found [rad]."""
-WIDEST_STEP = 0.05
+MAX_ANGLE_STEP = 0.05
 """Longest step of the march [rad]."""
 
 
@@ -117,7 +117,7 @@ def slice_near(pair: Meeting, phi: float, near: shapely.Geometry, limit: float =
     limit : float [mm]
         Half the side of the largest window, a square round rest; without it the window grows until it holds the pieces.
     """
-    for nudge in NUDGES:
+    for nudge in ANGLE_NUDGES:
         try:
             found = _grown(pair, phi + nudge, near, limit)
         except shapely.errors.GEOSException:
@@ -142,7 +142,7 @@ def _grown(pair: Meeting, phi: float, near: shapely.Geometry, limit: float) -> S
         rim = shapely.box(*box).exterior
         closed = not bool(shapely.intersects(pieces, rim).any())
         most = max(map(abs, box)) >= largest and min(abs(low - margin).min(), abs(high + margin).min()) >= largest
-        if closed or most or (len(quads) > MOST_QUADS and limit == np.inf):
+        if closed or most or (len(quads) > MAX_PARALLELOGRAMS and limit == np.inf):
             region = pieces[0] if len(pieces) == 1 else shapely.multipolygons(pieces)
             return Slice(phi, region, closed, float(shapely.area(region)))
         margin *= 2
@@ -160,7 +160,7 @@ def parallelograms(pair: Meeting, phi: float, box: Box) -> Floats:
     i, j = np.nonzero(near)
     e, f = a[i, 1] - a[i, 0], b[j, 1] - b[j, 0]
     cross = e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]
-    keep = np.abs(cross) > SLIVER * np.hypot(*e.T) * np.hypot(*f.T)
+    keep = np.abs(cross) > SLIVER_ANGLE * np.hypot(*e.T) * np.hypot(*f.T)
     start = a[i, 0] - b[j, 0]
     middle, half = (low + high) / 2, (high - low) / 2
     for own, other in ((e, f), (f, e)):  # the box lies beyond one of the sides
@@ -182,7 +182,7 @@ def _pieces(quads: Floats, box: Box, near: shapely.Geometry) -> NDArray[np.objec
     todo = shapely.polygons(quads)
     todo = todo[np.argsort(shapely.distance(todo, shapely.centroid(near)), kind="stable")]
     while len(todo):
-        region = shapely.difference(shapely.multipolygons(pieces), shapely.union_all(todo[:BATCH]))
+        region = shapely.difference(shapely.multipolygons(pieces), shapely.union_all(todo[:BATCH_SIZE]))
         if not shapely.is_valid(region):
             return pieces[:0]
         pieces = shapely.get_parts(region)
@@ -191,14 +191,14 @@ def _pieces(quads: Floats, box: Box, near: shapely.Geometry) -> NDArray[np.objec
         ]
         left = shapely.multipolygons(pieces)
         shapely.prepare(left)
-        todo = todo[BATCH:]
+        todo = todo[BATCH_SIZE:]
         todo = todo[shapely.intersects(left, todo)]
     return pieces
 
 
 def _free(pair: Meeting, phi: float, piece: shapely.Polygon) -> bool:
     """One point decides; a piece too thin to hold one is rounding."""
-    if piece.area <= SPECK * pair.clearance * piece.length:
+    if piece.area <= MIN_THICKNESS * pair.clearance * piece.length:
         return False
     spot = shapely.get_coordinates(shapely.point_on_surface(piece))
     a, b = pair.material
@@ -273,8 +273,8 @@ def march(pair: Meeting, reach: float) -> March:
 def _followed(pair: Meeting, rest: Slice, goal: float, limit: float) -> list[Slice]:
     """Slices from rest towards the turn `goal`, closer together where they change quickly and at the end."""
     found = [rest]
-    step = float(np.sign(goal)) * min(pair.clearance / (4 * pair.radius), WIDEST_STEP)
-    while abs(step) > END and found[-1].angle != goal:
+    step = float(np.sign(goal)) * min(pair.clearance / (4 * pair.radius), MAX_ANGLE_STEP)
+    while abs(step) > ANGLE_TOLERANCE and found[-1].angle != goal:
         here = found[-1]
         there = min(here.angle + step, goal) if goal > 0 else max(here.angle + step, goal)
         beside = slice_near(pair, there, here.region, limit)
@@ -284,7 +284,7 @@ def _followed(pair: Meeting, rest: Slice, goal: float, limit: float) -> list[Sli
         found.append(beside)
         if limit == np.inf and not beside.closed:
             break
-        step = float(np.clip(1.5 * step, -WIDEST_STEP, WIDEST_STEP))
+        step = float(np.clip(1.5 * step, -MAX_ANGLE_STEP, MAX_ANGLE_STEP))
     return found
 
 
@@ -300,7 +300,7 @@ def _folded_back(pair: Meeting, slices: list[Slice], limit: float) -> list[Slice
         for k in order:
             mine = slices[k]
             beside = slices[k + 1 if order.step < 0 else k - 1]
-            if abs(beside.angle - mine.angle) < 100 * END or not _sticks_out(beside, mine):
+            if abs(beside.angle - mine.angle) < 100 * ANGLE_TOLERANCE or not _sticks_out(beside, mine):
                 continue
             wider = slice_near(pair, mine.angle, shapely.union_all([mine.region, beside.region]), limit)
             if wider is not None and wider.area > mine.area * (1 + 1e-9):

@@ -12,7 +12,7 @@ from wiggleroom.assembly.model import Assembly, place
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ALIKE = 1e-10
+CONGRUENCE_TOLERANCE = 1e-10
 """Two shapes are the same where all corners agree to this share of their radius."""
 
 
@@ -207,7 +207,7 @@ def _same(rings: list[Floats], member: list[int], table: dict, known: list) -> i
         round(float(size), 6),
     )
     for s in table.get(key, []):
-        if np.abs(np.vstack(known[s][0]) - flat).max() <= ALIKE * size:
+        if np.abs(np.vstack(known[s][0]) - flat).max() <= CONGRUENCE_TOLERANCE * size:
             return s
     known.append((rings, member))
     table.setdefault(key, []).append(len(known) - 1)

@@ -1,16 +1,67 @@
-"""How functions are compiled.
+"""How functions are compiled, and when what was compiled is stale.
 
-What was compiled is kept beside the package. Of what a function calls in other modules only the outermost one's file is looked at to see
-whether it is still right: after a change to what `grow` builds on, change the time of grow.py as well (touch).
+What was compiled is kept beside the package. numba looks whether the file of a function has changed; what the function calls in other files
+is compiled into it unseen. So here its key also holds the sources of all modules that its own module imports, and theirs.
 """
 
 from __future__ import annotations
 
+import hashlib
+import re
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numba
+
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
 """For functions that make arrays."""
-FILLING = {**OPTIONS, "no_cfunc_wrapper": True, "_nrt": False}
+NO_ALLOCATION = {**OPTIONS, "no_cfunc_wrapper": True, "_nrt": False}
 """For functions that only fill the arrays they are given: without the counting of references they compile much quicker."""
-INNER = {**FILLING, "no_cpython_wrapper": True}
+COMPILED_CALLERS_ONLY = {**NO_ALLOCATION, "no_cpython_wrapper": True}
 """For functions that moreover only compiled code calls."""
-ONCE = {**INNER, "inline": "always"}
+INLINED = {**COMPILED_CALLERS_ONLY, "inline": "always"}
 """For long functions with one caller: compiled as part of it, not twice."""
+
+_ROOT = Path(__file__).parents[1]
+_IMPORT = re.compile(r"^from wiggleroom\.([\w.]+) import", re.MULTILINE)
+
+
+def njit(**options: Any) -> Callable[[Callable], Any]:
+    """Compile a function as `numba.njit` does, and anew whenever a source below it has changed."""
+
+    def compiled(function: Callable) -> Any:
+        made = numba.njit(**options)(function)
+        index = made._cache._cache_file  # numba has no public way to say what the key of a cached function depends on
+        index._source_stamp = (index._source_stamp, source_key(Path(function.__code__.co_filename)))
+        return made
+
+    return compiled
+
+
+def source_key(path: Path) -> str:
+    """Hash of a module's source and of the sources of all modules of the package that it imports, directly or not."""
+    digest = hashlib.sha256()
+    for file in sorted(_below(path)):
+        digest.update(_source(file))
+    return digest.hexdigest()
+
+
+def _below(path: Path) -> set[Path]:
+    found: set[Path] = set()
+    waiting = [path]
+    while waiting:
+        file = waiting.pop()
+        if file in found:
+            continue
+        found.add(file)
+        names = _IMPORT.findall(_source(file).decode())
+        files = ((_ROOT / name.replace(".", "/")).with_suffix(".py") for name in names)
+        waiting += [f for f in files if f.exists()]
+    return found
+
+
+@cache
+def _source(path: Path) -> bytes:
+    return path.read_bytes()

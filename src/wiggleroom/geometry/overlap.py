@@ -14,7 +14,7 @@ from wiggleroom.geometry.neighbours import placed
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SAFE = 1e-9
+OVERLAP_TOLERANCE = 1e-9
 """Overlap that counts as none, as a share of the drawing's size."""
 
 

@@ -17,6 +17,12 @@ def of_bodies(assembly: Assembly, bodies: Bodies, motions: Floats) -> Floats:
     return about(motions[:, first], bodies.rest[:, :2] - assembly.rest[first, :2])
 
 
+def of_parts(assembly: Assembly, bodies: Bodies, motions: Floats) -> Floats:
+    """Motions (k, parts, 3) of the parts about their reference points, from those of the bodies (k, n, 3)."""
+    who = bodies.body_of
+    return about(motions[:, who], assembly.rest[:, :2] - bodies.rest[who, :2])
+
+
 def about(motions: Floats, arm: Floats) -> Floats:
     """Motions (k, n, 3) of points that lie `arm` (n, 2) [mm] from those whose motions are given, on the same rigid things."""
     half = motions[..., 2] / 2

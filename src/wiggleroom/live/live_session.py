@@ -15,33 +15,35 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode, Shot
 from wiggleroom.live.loose_modes import modes
 from wiggleroom.live.prepared_designs import Design, Designs
-from wiggleroom.live.warm_start import State, Until, Warm, at_rest, pushed, warm
+from wiggleroom.live.warm_start import State, Until, WarmSearch, at_rest, pushed
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import Approach
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.search.build_answer import part_motions, unlimited
+from wiggleroom.search.build_answer import unlimited
 from wiggleroom.search.contact_forces import contacts
-from wiggleroom.search.loop import Found, Progress
+from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Spot = tuple[float, float]
 
-THERE = 1e-3
+ARRIVAL_TOLERANCE = 1e-3
 """A grip this share of the clearance from its target has arrived."""
-FARTHEST = 3.0
+MAX_TARGET_DISTANCE = 3.0
 """A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
-CLOSE = 0.1
+MAX_CARRIED_GROWTH = 0.1
 """A largest motion is followed to parts larger by up to this share of the clearance."""
-ASIDE = (0.01, 0.05, 0.15)
+RETREAT_SHARES = (0.01, 0.05, 0.15)
 """Shares of its motion that it is taken back by besides, one after the other: into the room of all joints."""
-MOST_TRIED = 3
-MOST_ENDS = 16
+MAX_WARM_STARTS = 3
+MAX_KEPT_ENDS = 16
 """So many ends of largest motions are kept, for others to begin at."""
 
 
@@ -165,22 +167,22 @@ class Live:
         ready = self.ready
         away = np.subtract(target, grip)
         far = float(np.hypot(*away))
-        if far > FARTHEST * ready.size:
-            away = away * (FARTHEST * ready.size / far)
+        if far > MAX_TARGET_DISTANCE * ready.size:
+            away = away * (MAX_TARGET_DISTANCE * ready.size / far)
         aim = np.add(grip, away)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
         state = self._state if self._state is not None and start == "here" else at_rest(ready)
         here = term.value(state.inner)  # what counts is what is gained from there
-        enough = float(away @ away) - here - (THERE * ready.clearance) ** 2
-        search = warm(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
+        enough = float(away @ away) - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
+        search = WarmSearch(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
         self._state, settled = search.reach()
-        motion = part_motions(ready.assembly, ready.bodies, self._state.motion[None])[0]
+        motion = of_parts(ready.assembly, ready.bodies, self._state.motion[None])[0]
         x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
         left = float(np.hypot(*np.subtract(aim, reached)))
-        held = _held(ready, search, 2 * left) if settled and left > THERE * ready.clearance else ()
+        held = _held(ready, search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
         blocking = dict.fromkeys(n for c in held if part in c.parts for n in c.parts if n != part)
         seconds = time.perf_counter() - began
         return Shot(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
@@ -209,13 +211,13 @@ class Live:
         if state is None:
             state = at_rest(ready)
             for pull in pulls(ready.bodies, term, ready.clearance)[:1]:  # rest shows no direction
-                state, _ = warm(ready, pull, state, until).reach()
-        search = warm(ready, term, state, until)
+                state, _ = WarmSearch(ready, pull, state, until).reach()
+        search = WarmSearch(ready, term, state, until)
         state, settled = search.reach()
         settled = settled and state.linked
         self._remember(_End(asked, self._design, state))
-        motion = part_motions(ready.assembly, ready.bodies, state.motion[None])[0]
-        if search.unlimited:
+        motion = of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
+        if search.search.unlimited:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return Shot(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
         held = _held(ready, search, 1.0)
@@ -240,8 +242,8 @@ class Live:
         if self._now is not old:
             self._state = None
         answer = witness(self.ready, asked, stop=stop, progress=progress)
-        found = answer.trail
-        if isinstance(found, Found) and answer.objective is not None and answer.collision_free:
+        found = answer.warm_start
+        if found is not None and answer.objective is not None and answer.collision_free:
             cells = found.program.cells
             ended = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion)
             state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
@@ -289,7 +291,7 @@ class Live:
     def _remember(self, end: _End) -> None:
         """Keep an end, in place of an older one of the same design and goals."""
         others = [e for e in self._ends if e.goals != end.goals or e.design.assembly is not end.design.assembly]
-        self._ends = [*others, end][-MOST_ENDS:]
+        self._ends = [*others, end][-MAX_KEPT_ENDS:]
 
     def _nearby(self, goals: tuple[Goal, ...]) -> State | None:
         """State to begin at: the end of the same goals at the nearest gap, or at a smaller one."""
@@ -298,9 +300,12 @@ class Live:
             return None
         same = [e for e in self._ends if e.goals == goals and e.design.roles == now.roles]
         same.sort(key=lambda e: float(np.abs(e.design.inward - now.inward).max()))
-        for end in same[:MOST_TRIED]:
+        for end in same[:MAX_WARM_STARTS]:
             state = _kept(end.state, end.design, now)
-            if state is None and np.abs(end.design.inward - now.inward).max() < CLOSE * now.ready.clearance:
+            if (
+                state is None
+                and np.abs(end.design.inward - now.inward).max() < MAX_CARRIED_GROWTH * now.ready.clearance
+            ):
                 state = _followed(end.state, end.design, now)
             if state is not None:
                 return replace(state, near=True)
@@ -320,7 +325,7 @@ def _followed(end: State, old: Design, new: Design) -> State | None:
     if there is None:
         return None
     less = 2 * float((old.inward - new.inward).max()) / old.ready.clearance  # motions shrink like the gap
-    for aside in ASIDE:
+    for aside in RETREAT_SHARES:
         state = pushed(new.ready, replace(there, inner=max(1 - less - aside, 0.0) * there.inner, linked=False))
         if state is not None:
             return state
@@ -337,9 +342,9 @@ def _in_design(state: State, old: Design, new: Design) -> State | None:
     return replace(state, cells=carried(state.cells, one, other))
 
 
-def _held(ready: Prepared, search: Warm, unit: float) -> tuple[Contact, ...]:
+def _held(ready: Prepared, search: WarmSearch, unit: float) -> tuple[Contact, ...]:
     """Contacts that hold the best motion, forces in this unit."""
     found = search.best
-    if found is None or found.solution.status != "converged":
+    if found is None or found.solution.status is not SolverStatus.CONVERGED:
         return ()
     return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)

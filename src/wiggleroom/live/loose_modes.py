@@ -9,29 +9,29 @@ from scipy.sparse.linalg import eigsh, splu
 
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies, corners
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode
-from wiggleroom.live.warm_start import at_rest, warm
+from wiggleroom.live.warm_start import WarmSearch, at_rest
 from wiggleroom.program.nonlinear_program import Program, build
-from wiggleroom.program.objectives import NOTHING, PointMotion, Points
-from wiggleroom.search.build_answer import part_motions
+from wiggleroom.program.objectives import ZERO_MOTION, PointMotion, Points
 from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
 
-SOFT = 1e-9
+STIFFNESS_SHIFT = 1e-9
 """Share of the mean stiffness that is added everywhere: bodies that nothing holds would else have none."""
-VISIBLE = 0.05
+MIN_AMPLITUDE = 0.05
 """A freedom that moves no corner by this share of the clearance is none."""
-SIDEWAYS = 1e-3
+MIN_INDEPENDENCE = 1e-3
 """Directions with less than this share beside the freedoms already found are none."""
-ALIKE = 0.95
+PARALLEL_COSINE = 0.95
 """Freedoms whose ends agree to this cosine are one."""
-FRAMES = 12
+FRAMES_PER_SIDE = 12
 """Frames from rest to either end."""
-CUT = 0.3
+MAX_SHOWN_TRAVEL = 0.3
 """Where nothing stops a freedom, it is shown up to this share of the drawing's size."""
-MOST_NAMED = 5
+MAX_NAMED_PARTS = 5
 
 
 def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> tuple[Mode, ...]:
@@ -42,14 +42,14 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
 
     Source: the paper's W (Mind the Gap, section 4.4) with the eigenvector as weights.
     """
-    program = build(ready.bodies, ready.cells, NOTHING, length=ready.clearance)
+    program = build(ready.bodies, ready.cells, ZERO_MOTION, length=ready.clearance)
     found: list[tuple[Mode, Floats]] = []
     gone: list[Floats] = []  # directions of the freedoms found: what leads along them is no new one
     for towards in _directions(program, body, count):
         if len(found) == count or (stop is not None and stop.is_set()):
             break
         direction = towards - sum((towards @ g) * g for g in gone)
-        if np.linalg.norm(direction) < SIDEWAYS * np.linalg.norm(towards):
+        if np.linalg.norm(direction) < MIN_INDEPENDENCE * np.linalg.norm(towards):
             continue
         one, far = _end(ready, program, direction, stop)
         other, further = _end(ready, program, -direction, stop)
@@ -57,15 +57,15 @@ def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> t
         long = np.linalg.norm(ends)
         there = _furthest(ready.bodies, one[-1]), _furthest(ready.bodies, other[-1])
         size = np.maximum(*there)
-        if size.max() < VISIBLE * ready.clearance:
+        if size.max() < MIN_AMPLITUDE * ready.clearance:
             continue
         flipped = np.concatenate([other[-1].ravel(), one[-1].ravel()])
-        if any(max(ends @ e, flipped @ e) > ALIKE * long * np.linalg.norm(e) for _, e in found):
+        if any(max(ends @ e, flipped @ e) > PARALLEL_COSINE * long * np.linalg.norm(e) for _, e in found):
             continue
         frames = np.concatenate([one, one[-2::-1], other[1:], other[-2::-1]])
-        most = [b for b in np.argsort(-size, kind="stable")[:MOST_NAMED] if size[b] > 0.3 * size.max()]
+        most = [b for b in np.argsort(-size, kind="stable")[:MAX_NAMED_PARTS] if size[b] > 0.3 * size.max()]
         names = tuple(ready.assembly.names[p] for b in most for p in ready.bodies.members[b])
-        shown = part_motions(ready.assembly, ready.bodies, frames)
+        shown = of_parts(ready.assembly, ready.bodies, frames)
         for end in (one[-1], other[-1]):
             along = program.variables(end)
             along = along - sum((along @ g) * g for g in gone)
@@ -84,7 +84,7 @@ def _directions(program: Program, body: int | None, count: int) -> list[Floats]:
     n = len(u)
     upper = sp.csc_matrix((data, program.pattern.indices, program.pattern.indptr), shape=(n, n))
     stiff = sp.csc_matrix(upper + sp.triu(upper, 1).T)
-    soft = SOFT * float(stiff.diagonal().mean())
+    soft = STIFFNESS_SHIFT * float(stiff.diagonal().mean())
     stiff = sp.csc_matrix(stiff + soft * sp.eye(n))
     if body is not None:
         loads = np.zeros((n, 3))
@@ -105,17 +105,18 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
     weights = (direction / program.scale).reshape(-1, 3)
     weights = weights / np.abs(weights[:, :2]).max(initial=1e-300)
     goal = PointMotion(program.free, weights[:, :2], np.zeros((len(program.free), 2)), weights[:, 2])
-    search = warm(ready, goal, at_rest(ready), stop)
-    search.reach()
+    warm = WarmSearch(ready, goal, at_rest(ready), stop)
+    warm.reach()
+    search = warm.search
     still = np.zeros((1, len(ready.bodies.fixed), 3))
     if search.best is None:
         return still, False
     way = search.way(search.best)
-    motions, safe = way.motions[: way.certain], SAFE * ready.size
+    motions, safe = way.motions[: way.certain], OVERLAP_TOLERANCE * ready.size
     if search.unlimited:
-        far = np.array([_furthest(ready.bodies, m).max() for m in motions]) > CUT * ready.size
+        far = np.array([_furthest(ready.bodies, m).max() for m in motions]) > MAX_SHOWN_TRAVEL * ready.size
         motions = motions[: max(1, int(far.argmax()))] if far.any() else motions
-    pick = np.unique(np.linspace(0, len(motions) - 1, FRAMES).round().astype(int))
+    pick = np.unique(np.linspace(0, len(motions) - 1, FRAMES_PER_SIDE).round().astype(int))
     shown = [m for m in motions[pick] if overlaps(ready.bodies, m, ready.barred).deepest <= safe]
     return np.concatenate([still, shown[1:]]) if len(shown) > 1 else still, search.unlimited
 

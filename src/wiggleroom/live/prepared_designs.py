@@ -21,17 +21,17 @@ from wiggleroom.geometry.offset_bodies import moved
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import build
-from wiggleroom.program.objectives import NOTHING
+from wiggleroom.program.objectives import ZERO_MOTION
 from wiggleroom.search.prepare import Prepared, cells_at, prepare
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_KEPT = 12
+MAX_CACHED = 12
 """So many prepared designs are kept."""
-SAME = 1e-9
+OUTLINE_TOLERANCE = 1e-9
 """Outlines that agree to this share of the drawing's size are the same."""
-ROOM = 0.02
+MIN_CARRIED_CLEARANCE = 0.02
 """Where a carried cell leaves rest less room than this share of the clearance, it is grown anew."""
 
 
@@ -65,7 +65,7 @@ class Design:
         there, here = outline_corners(self.assembly), corners(self.ready.bodies)[1]
         if len(there) != len(here):
             return None
-        far, nearest = cKDTree(there).query(here, distance_upper_bound=SAME * self.ready.size)
+        far, nearest = cKDTree(there).query(here, distance_upper_bound=OUTLINE_TOLERANCE * self.ready.size)
         return nearest if (far < np.inf).all() and len(np.unique(nearest)) == len(there) else None
 
     def same(self, bodies: Bodies, made: Assembly) -> bool:
@@ -73,7 +73,9 @@ class Design:
         there = outline_corners(made)
         if self.order is None or len(there) != len(self.order):
             return False
-        return bool(np.abs(there[self.order] - corners(bodies)[1]).max(initial=0.0) < SAME * self.ready.size)
+        return bool(
+            np.abs(there[self.order] - corners(bodies)[1]).max(initial=0.0) < OUTLINE_TOLERANCE * self.ready.size
+        )
 
 
 class Designs:
@@ -116,7 +118,7 @@ class Designs:
     def _keep(self, key: tuple[object, ...], design: Design) -> None:
         """Keep a design; the oldest goes, but one that others can be carried from stays."""
         self._kept[key] = design
-        if len(self._kept) > MOST_KEPT:
+        if len(self._kept) > MAX_CACHED:
             kept = list(self._kept)
             self._kept.pop(next((k for k in kept if not self._kept[k].proven), kept[0]))
 
@@ -165,8 +167,8 @@ def outline_corners(assembly: Assembly) -> Floats:
 
 def _with_room(ready: Prepared) -> Prepared:
     """Return the same, with new cells for the pairs that have hardly any room at rest in the carried ones."""
-    program = build(ready.bodies, ready.cells, NOTHING, length=ready.clearance)
-    tight = program.values(np.zeros(len(program.scale))) < ROOM
+    program = build(ready.bodies, ready.cells, ZERO_MOTION, length=ready.clearance)
+    tight = program.values(np.zeros(len(program.scale))) < MIN_CARRIED_CLEARANCE
     pairs = np.unique(ready.cells.pair[tight])
     if not len(pairs):
         return ready

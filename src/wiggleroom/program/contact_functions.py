@@ -9,14 +9,13 @@ Rows of kind 4 are flat faces, linear in where a point v of B is seen and in psi
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import FILLING
+from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 
 A_EDGE, B_EDGE, LOW, HIGH, FACE = 0, 1, 2, 3, 4
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def relative_poses(pose, a, b, g, turn):
     """Fill g (P, 3) with B seen from A, and turn (P, 2) with cos and sin of A's angle."""
     for p in range(len(a)):
@@ -27,7 +26,7 @@ def relative_poses(pose, a, b, g, turn):
         turn[p, 0], turn[p, 1] = c, s
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def wall_values(g, row, kind, normal, per_turn, off, corner, h):
     """Values h (R,) of all rows; rows of pair p are row[p] .. row[p + 1]."""
     for p in range(len(row) - 1):
@@ -48,7 +47,7 @@ def wall_values(g, row, kind, normal, per_turn, off, corner, h):
                 h[k] = nx * (c * vx - s * vy + x) + ny * (s * vx + c * vy + y) + per_turn[k] * psi - off[k]
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def wall_gradients(g, row, kind, normal, per_turn, corner, d):
     """Derivatives d (R, 3) of all rows with respect to (q, psi)."""
     for p in range(len(row) - 1):
@@ -71,7 +70,7 @@ def wall_gradients(g, row, kind, normal, per_turn, corner, d):
                 d[k, 0], d[k, 1], d[k, 2] = nx, ny, ny * zx - nx * zy + per_turn[k]
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def along(g, turn, a, b, row, d, scale, slot, u, out):
     """Out = J u: directional derivative of every row; `slot` maps bodies to free bodies (-1: fixed)."""
     for p in range(len(a)):
@@ -90,7 +89,7 @@ def along(g, turn, a, b, row, d, scale, slot, u, out):
             out[k] = d[k, 0] * ex + d[k, 1] * ey + d[k, 2] * et
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def against(g, turn, a, b, row, d, scale, slot, y, out):
     """Add J^T y to out."""
     for p in range(len(a)):
@@ -112,7 +111,7 @@ def against(g, turn, a, b, row, d, scale, slot, y, out):
             out[3 * i + 2] += (g[p, 1] * fx - g[p, 0] * fy - ft) * scale[3 * i + 2]
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def condensed(
     g, turn, a, b, row, kind, d, normal, corner, weight, lam, balance, scale, slot, diagonal_at, block_at, room, data
 ):

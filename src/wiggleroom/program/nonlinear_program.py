@@ -198,7 +198,7 @@ def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float
     free = np.flatnonzero(~bodies.fixed)
     slot = np.full(len(bodies.fixed), -1, dtype=np.int64)
     slot[free] = np.arange(len(free))
-    scale = np.repeat(length, 3 * len(free)).reshape(-1, 3)
+    scale = np.full((len(free), 3), float(length))
     scale[:, 2] /= bodies.radius[free]
     n, (i, j) = len(slot), objective.couples
     own, other = cells.a * n + cells.b, i * n + j

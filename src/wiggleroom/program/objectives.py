@@ -38,7 +38,7 @@ class Objective(Protocol):
         """Bodies (k,) and their blocks (k, 3, 3), which add up, and blocks (c, 3, 3) of the coupled pairs, rows of the first body."""
 
 
-_NONE = np.zeros(0, dtype=np.int64)
+_EMPTY = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class PointMotion:
     @property
     def couples(self) -> tuple[Ints, Ints]:
         """None: every body for itself."""
-        return _NONE, _NONE
+        return _EMPTY, _EMPTY
 
     @property
     def points(self) -> Points:
@@ -120,7 +120,7 @@ class PointMotion:
         return self.body, blocks, np.zeros((0, 3, 3))
 
 
-NOTHING = PointMotion(_NONE, np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
+ZERO_MOTION = PointMotion(_EMPTY, np.zeros((0, 2)), np.zeros((0, 2)), np.zeros(0))
 """Asks for nothing: for programs whose rows alone are of interest."""
 
 
@@ -137,7 +137,7 @@ class SquaredTravel:
     @property
     def couples(self) -> tuple[Ints, Ints]:
         """None: every body for itself."""
-        return _NONE, _NONE
+        return _EMPTY, _EMPTY
 
     def value(self, motion: Floats) -> float:
         """Objective [mm2]."""
@@ -180,7 +180,7 @@ class Approach:
     @property
     def couples(self) -> tuple[Ints, Ints]:
         """None: every body for itself."""
-        return _NONE, _NONE
+        return _EMPTY, _EMPTY
 
     def value(self, motion: Floats) -> float:
         """Objective [mm2]."""
@@ -326,7 +326,7 @@ def _pulled(assembly: Assembly, bodies: Bodies, goals: Sequence[Any], _: tuple[I
     for goal in goals:
         part = assembly.names.index(goal.part)
         body = int(bodies.body_of[part])
-        direction, point, turn = _PULLS[type(goal)](goal)
+        direction, point, turn = _LINEAR_GOALS[type(goal)](goal)
         spot = assembly.parts[part].at[:2] if point is None else point
         arm = np.asarray(spot) - bodies.rest[body, :2]
         rows.append((body, *(goal.weight * np.asarray(direction)), *arm, goal.weight * turn))
@@ -372,7 +372,7 @@ def _w(goal: W) -> tuple[Sequence[float], Sequence[float] | None, float]:
     return goal.w[:2], None, goal.w[2]
 
 
-_PULLS: dict[type, Callable[..., tuple]] = {Pull: _pull, Turn: _turn, W: _w}
+_LINEAR_GOALS: dict[type, Callable[..., tuple]] = {Pull: _pull, Turn: _turn, W: _w}
 
 TERMS: dict[type, Callable[..., Objective]] = {
     Pull: _pulled, Turn: _pulled, W: _pulled, Towards: _towards, Translation: _travel, Closer: _nearness,

@@ -16,7 +16,7 @@ from wiggleroom.program.nonlinear_program import Linearised, Program
 
 Floats = NDArray[np.float64]
 
-ANCHOR = 1e-9
+ANCHOR_WEIGHT = 1e-9
 """Weight that ties bodies without neighbours to the straight step."""
 
 
@@ -37,7 +37,7 @@ class Retraction:
         shape = (len(pairs), len(program.free))
         self._edges = sp.csr_matrix((np.concatenate(vals), (np.concatenate(rows), np.concatenate(cols))), shape=shape)
         self._ends = sp.csr_matrix(self._edges.T)
-        laplacian = self._ends @ self._edges + ANCHOR * sp.eye(shape[1])
+        laplacian = self._ends @ self._edges + ANCHOR_WEIGHT * sp.eye(shape[1])
         self._laplacian = qdldl.Solver(sp.csc_matrix(laplacian))
         self._program = program
 

@@ -37,6 +37,7 @@ def check_result(found: Interlock, border: LargestGap | None = None, command: st
         gap=found.assembly.gap,
         largest_gap=largest_gap,
         seconds=round(found.seconds, 4),
+        notes=list(found.assembly.drawing.notes),
         command=command,
     )
 
@@ -83,7 +84,7 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     if len(found.escapes) > _MOST_ESCAPES:
         lines.append(Text(f"     ... and {len(found.escapes) - _MOST_ESCAPES} more"))
     if found.escapes and len(found.remains) > 1:
-        lines.append(Text(f"remains interlocked: {few(found.remains)}"))
+        lines.append(Text(_remains(found)))
     if found.spins:
         lines.append(Text(f"turns in place without limit: {few(found.spins)}"))
     if border is not None:
@@ -92,6 +93,15 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     searched = f", {_searched(found)}" if found.questions else ""
     lines.append(Text(f"seconds: {spent}{searched}", style="dim"))
     return Group(*lines)
+
+
+def _remains(found: Interlock) -> str:
+    """Say what stays; several fixed parts hold others, but are not interlocked with each other."""
+    fixed = {p.name for p in found.assembly.parts if p.fixed}
+    held = [name for name in found.remains if name not in fixed]
+    if len(fixed) < 2 or not held:
+        return f"remains interlocked: {few(found.remains)}"
+    return f"remains interlocked with what is fixed: {few(held)}"
 
 
 def why(found: Interlock) -> str:

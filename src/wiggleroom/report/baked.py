@@ -9,32 +9,43 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import resources
 from pathlib import PurePath
+from typing import Any
 
 import numpy as np
+from msgspec import UNSET
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.text import escape
-from wiggleroom.report.told import Json, answer_told, digits_of, drawing_told
+from wiggleroom.report.told import answer_told, digits_of, drawing_told
 from wiggleroom.report.ways import way_frames
+from wiggleroom.schema.baked_page import (
+    BakedAnswer,
+    BakedDrawing,
+    BakedPage,
+    PackedFrames,
+    Piece,
+    PlacedPart,
+    SharedOutlines,
+)
 from wiggleroom.search.answer import Answer
 
 
-def baked(title: str, told: Json) -> str:
-    """One HTML page that shows what it is told, as `web/src/baked.ts` reads it; what users name is only ever data.
+def baked(title: str, **found: Any) -> str:
+    """One HTML page that carries what was found; what users name is only ever data.
 
     Parameters
     ----------
     title : str
         Name of the page.
-    told : dict
-        `opened` from `opened`, and what was found about it: `answers`, `rank`, `check` and so on.
+    found
+        Fields of `BakedPage`.
     """
-    data = json_bytes(told).decode().replace("<", "\\u003c")
+    data = json_bytes(BakedPage(**found)).decode().replace("<", "\\u003c")
     scripts = [_shipped("page.js")]
-    if "space" in told:
+    if "space" in found:
         scripts.insert(0, _shipped("space-view.js"))
     style = _shipped("page.css")
     policy = (
@@ -51,15 +62,23 @@ def baked(title: str, told: Json) -> str:
     )
 
 
-def opened(assembly: Assembly, goals: tuple[Goal, ...] = ()) -> Json:
+def opened(assembly: Assembly, goals: tuple[Goal, ...] = ()) -> BakedDrawing:
     """The drawing as it is shown at rest, and what is asked of it."""
     drawing = replace(assembly.drawing, goals=goals)
     told = drawing_told(drawing, assembly.parts, PurePath(drawing.source).name)
-    parts = [{"name": part["name"], "at": part["at"]} for part in told["parts"]]
-    return {"kind": "opened", "id": 0} | told | {"notes": [], "parts": parts, "outlines": outlines(assembly)}
+    return BakedDrawing(
+        name=told.name,
+        gap=told.gap,
+        unit=told.unit,
+        notes=[],
+        size=told.size,
+        parts=[PlacedPart(part.name, part.at) for part in told.parts],
+        design=told.design,
+        outlines=outlines(assembly),
+    )
 
 
-def outlines(assembly: Assembly) -> Json:
+def outlines(assembly: Assembly) -> SharedOutlines:
     """Outlines of parts about their reference points [mm]: each `shape` once, and which one a part has."""
     digits = digits_of(assembly.size)
     found: dict[tuple[bytes, ...], int] = {}
@@ -72,27 +91,26 @@ def outlines(assembly: Assembly) -> Json:
             found[key] = len(shapes)
             shapes.append([ring.tolist() for ring in rings])
         of.append(found[key])
-    return {"shapes": shapes, "of": of}
+    return SharedOutlines(shapes, of)  # type: ignore[arg-type]
 
 
-def answered(answers: Mapping[float, Answer], command: str) -> list[Json]:
+def answered(answers: Mapping[float, Answer], command: str) -> list[BakedAnswer]:
     """Answers by gap [mm], each with the frames of its way, and with its outlines where they are not those of the first."""
-    found: list[Json] = []
+    found: list[BakedAnswer] = []
     first = None
     for gap, answer in answers.items():
         made = outlines(answer.assembly)
         first = first or made
-        flex = {"kind": "flex", "id": 0, "settled": True} | answer_told(answer, command)
-        one = {"gap": gap, "flex": flex, "way": way(answer.assembly, answer.waypoints)}
-        found.append(one if made == first else one | {"outlines": made})
+        frames = way(answer.assembly, answer.waypoints)
+        found.append(BakedAnswer(gap, answer_told(answer, command), frames, UNSET if made == first else made))
     return found
 
 
-def way(assembly: Assembly, points: NDArray[np.float64]) -> Json:
+def way(assembly: Assembly, points: NDArray[np.float64]) -> PackedFrames:
     """Frames along a way, as they go over the wire."""
     frames = way_frames(assembly, points).astype("<f4")
     k, n, _ = frames.shape
-    return {"k": k, "n": n, "data": base64.b64encode(frames.tobytes()).decode()}
+    return PackedFrames(k, n, base64.b64encode(frames.tobytes()).decode())
 
 
 def section(
@@ -103,11 +121,11 @@ def section(
     columns: Sequence[str] = (),
     rows: Sequence[Sequence[str | float]] = (),
     terms: Sequence[tuple[str, str]] = (),
-) -> Json:
-    """A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean."""
-    cells = [["∞" if cell == math.inf else cell for cell in row] for row in rows]  # JSON cannot say it
-    told: Json = {"title": title, "text": text, "columns": list(columns), "rows": cells}
-    return told | {"terms": list(terms), "svg": svg[svg.index("<svg") :] if svg else ""}
+) -> Piece:
+    """A piece of a page under its heading; infinity is written as a word, because JSON cannot say it."""
+    cells = [["∞" if cell == math.inf else cell for cell in row] for row in rows]
+    picture = svg[svg.index("<svg") :] if svg else ""
+    return Piece(title, text, list(columns), cells, list(terms), picture)  # type: ignore[arg-type]
 
 
 def _hashed(text: str) -> str:

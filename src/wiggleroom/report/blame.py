@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.report import frame, palette
 from wiggleroom.report.picture import Tints, picture
+from wiggleroom.report.studies import at_random, less
 from wiggleroom.report.words import number, per_gap, short, unit
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.rank import Ranking
@@ -18,14 +19,14 @@ from wiggleroom.sensitivity.tighten import Tightening
 def picture_of_ranking(ranking: Ranking, *, command: str = "") -> str:
     """Answer as an SVG picture, its parts coloured by how much their gap matters."""
     answer = ranking.answer
-    tints = tinted(answer, ranking.looser, per_gap(answer.goals))
+    tints = tinted(answer, ranking.importance, per_gap(answer.goals))
     return picture(replace(answer, command=command), tints=tints, said=ranking_facts(ranking))
 
 
 def ranking_facts(ranking: Ranking) -> list[str]:
     """Facts under the headline of a ranking."""
     answer, first = ranking.answer, ranking.order[0]
-    value = f"{number(max(float(ranking.looser[first]), 0.0), 3)} {per_gap(answer.goals)}"
+    value = f"{number(max(float(ranking.importance[first]), 0.0), 3)} {per_gap(answer.goals)}"
     return [
         f"{short(answer.assembly.names[first])} matters most: {value}, {ranking.percent[first]:.0f} % of all",
         f"{answer.verdict}, gap {number(answer.assembly.gap)} mm",
@@ -88,5 +89,5 @@ def tightening_facts(found: Tightening) -> list[str]:
         f"{many} {'part' if many == 1 else 'parts'} to a gap of {number(found.gap)} mm",
     ]
     if len(found.random):
-        said.append(f"{found.lowered:.0f} % less; as many at random: {found.lowered_at_random:.0f} %")
+        said.append(f"{less(found.lowered, 0)}; as many at random: {at_random(found, 0)}")
     return said

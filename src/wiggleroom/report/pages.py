@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from msgspec.structs import asdict
 
@@ -19,9 +21,9 @@ from wiggleroom.report.solid import space_told
 from wiggleroom.report.space import headline as space_headline
 from wiggleroom.report.space import said, space_picture, space_result
 from wiggleroom.report.studies import QUANTILES, lost_sentence, sample_sure
-from wiggleroom.report.told import Json
 from wiggleroom.report.told_studies import check_told, ranking_told, step_told
 from wiggleroom.report.words import headline, number, unit
+from wiggleroom.schema.baked_page import BakedCheck, StudyTab, Tints, Title
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.perturbation import can_be_ranked
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
@@ -44,21 +46,21 @@ def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
     told = _about(answer, answer.command) | ({} if found is None else _check(Checked(found), ""))
     if answer.model == "walls" and can_be_ranked(answer):
         told["rank"] = ranking_told(rank_at_once(answer), answer.command)
-    return baked(headline(answer), told)
+    return baked(headline(answer), **told)
 
 
 def page_of_ranking(ranking: Ranking, *, command: str = "") -> str:
     """Ranking as one HTML page: coloured parts, parts and joints in order, and the answer that they are about."""
     answer = ranking.answer
     told = _about(answer, command) | {"rank": ranking_told(ranking, command), "tab": "gaps"}
-    return baked(headline(answer), told | {"said": {"title": headline(answer), "facts": ranking_facts(ranking)}})
+    return baked(headline(answer), **told, said=Title(headline(answer), ranking_facts(ranking)))
 
 
 def page_of_check(checked: Checked, *, command: str = "") -> str:
     """Check as one HTML page: the verdict, who leaves in which order and how as films, and how sure it is."""
     found, title = checked.found, check_title(checked.found)
-    said = {"title": title, "facts": check_facts(found, checked.border)}
-    return baked(title, {"opened": opened(found.assembly), "said": said, "tab": "apart"} | _check(checked, command))
+    said = Title(title, check_facts(found, checked.border))
+    return baked(title, opened=opened(found.assembly), said=said, tab="apart", **_check(checked, command))
 
 
 def page_of_sweep(found: Sweep, *, command: str = "") -> str:
@@ -91,9 +93,9 @@ def page_of_sweep(found: Sweep, *, command: str = "") -> str:
         "answers": answered(answers, command),
         "steps": [step_told(step) for step in found.steps],
         "lost": found.lost,
-        "study": {"tab": "Gaps", "sections": [section("Motion against gap", columns=heads, rows=rows, terms=sure)]},
+        "study": StudyTab("Gaps", [section("Motion against gap", columns=heads, rows=rows, terms=sure)]),
     }
-    return baked(study_plots.sweep_title(found), told)
+    return baked(study_plots.sweep_title(found), **told)
 
 
 def page_of_tightening(found: Tightening, *, command: str = "") -> str:
@@ -113,12 +115,12 @@ def page_of_tightening(found: Tightening, *, command: str = "") -> str:
         plot = histogram(found.random, label=what, title="as many parts at random", marks=marks, framed=False)
         sections.append(section(f"As many parts at random, {len(found.random)} times", svg=plot))
     told = _about(after, command) | {
-        "said": {"title": headline(after), "facts": tightening_facts(found)},
+        "said": Title(headline(after), tightening_facts(found)),
         "tab": "study",
-        "study": {"tab": "Tighter", "sections": sections},
-        "tints": {"per": "", "values": dict.fromkeys(found.chosen, 1.0)},
+        "study": StudyTab("Tighter", sections),
+        "tints": Tints("", dict.fromkeys(found.chosen, 1.0)),
     }
-    return baked(headline(after), told)
+    return baked(headline(after), **told)
 
 
 def page_of_sample(found: Sample, *, command: str = "") -> str:
@@ -136,20 +138,20 @@ def page_of_sample(found: Sample, *, command: str = "") -> str:
     parts = [(names[k], float(share[k]), worst[k]) for k in np.argsort(-share, kind="stable").tolist()]
     title = study_plots.sample_title(found)
     told = _about(answer, command) | {
-        "said": {"title": title, "facts": study_plots.sample_facts(found)},
+        "said": Title(title, study_plots.sample_facts(found)),
         "tab": "study",
-        "study": {
-            "tab": "Draws",
-            "sections": [
+        "study": StudyTab(
+            "Draws",
+            [
                 section("Motions of the draws", svg=study_plots.picture_of_sample(found, framed=False)),
                 section("In numbers", columns=["what", f"motion {what}".rstrip()], rows=numbers),
                 section("Parts", columns=["part", "contributes %", "extra gap mm in the worst draw"], rows=parts),
                 section("How sure are the draws", terms=sample_sure(found)),
             ],
-        },
-        "tints": {"per": "% of the variance", "values": dict(zip(names, share.tolist(), strict=True))},
+        ),
+        "tints": Tints("% of the variance", dict(zip(names, share.tolist(), strict=True))),
     }
-    return baked(title, told)
+    return baked(title, **told)
 
 
 def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
@@ -166,22 +168,22 @@ def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = N
         sections.append(section("Judged against polygon intersection", terms=judgement))
     told = {
         "opened": opened(assembly),
-        "said": {"title": space_headline(space), "facts": said(space, judged)},
+        "said": Title(space_headline(space), said(space, judged)),
         "tab": "space",
-        "space": {"kind": "space", "id": 0} | space_told(space, (0.0, 0.0, 0.0), command),
-        "study": {"tab": "Slices and cells", "sections": sections},
+        "space": space_told(space, (0.0, 0.0, 0.0), command),
+        "study": StudyTab("Slices and cells", sections),
     }
-    return baked(space_headline(space), told)
+    return baked(space_headline(space), **told)
 
 
-def _check(checked: Checked, command: str) -> Json:
+def _check(checked: Checked, command: str) -> dict[str, Any]:
     """A verdict with the ways of those that leave."""
     found = checked.found
-    reply = {"kind": "check", "id": 0} | check_told(found, command, checked.border)
-    return {"check": {"reply": reply, "ways": [way(found.assembly, escape.path) for escape in found.escapes]}}
+    ways = [way(found.assembly, escape.path) for escape in found.escapes]
+    return {"check": BakedCheck(check_told(found, command, checked.border), ways)}
 
 
-def _about(answer: Answer, command: str) -> Json:
+def _about(answer: Answer, command: str) -> dict[str, Any]:
     """A drawing and the answer to one question about it."""
     gap = answer.assembly.gap
     return {

@@ -64,12 +64,6 @@ def picture(
     return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints, leaving)
 
 
-def picture_of_assembly(assembly: Assembly, *, command: str = "") -> str:
-    """Parts at rest as an SVG picture, with what the drawing asks for."""
-    title = f"{len(assembly.parts)} parts"
-    return _draw(assembly, None, 1.0, title, [f"gap {number(assembly.gap)} mm"], command)
-
-
 def _draw(
     assembly: Assembly,
     answer: Answer | None,
@@ -99,13 +93,13 @@ def _draw(
     if answer is not None:
         marks.insert(0, contact_mark(view, answer, rest, shown, room))
     pulled = {assembly.names[row] for _, row in marked}
-    body = _parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
+    body = drawn_parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
     legend = _legend(assembly, answer, bool(pulled), tints, leaving)
     foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 
-def _parts(
+def drawn_parts(
     view: View,
     assembly: Assembly,
     rest: Floats | None,

@@ -26,6 +26,7 @@ def rank_result(ranking: Ranking, command: str = "") -> RankResult:
             float(ranking.tighter[k]),
             float(ranking.by_duals[k]),
             bool(ranking.unique[k]),
+            float(ranking.importance[k]),
         )
         for k in ranking.order.tolist()
     }
@@ -35,8 +36,10 @@ def rank_result(ranking: Ranking, command: str = "") -> RankResult:
             float(ranking.joint_looser[k]),
             float(ranking.joint_percent[k]),
             bool(ranking.joint_unique[k]),
+            float(ranking.joint_tighter[k]),
+            float(ranking.joint_importance[k]),
         )
-        for k in (-ranking.joint_looser).argsort(kind="stable").tolist()
+        for k in ranking.joint_order.tolist()
     ]
     return RankResult(
         objective=answer.objective,
@@ -46,6 +49,7 @@ def rank_result(ranking: Ranking, command: str = "") -> RankResult:
         joints=joints,
         ranges=ranking.ends,
         virtual_percent=float(100 * ranking.virtual),
+        notes=list(answer.assembly.drawing.notes),
         command=command,
     )
 
@@ -66,13 +70,15 @@ def rank_table(ranking: Ranking) -> Group:
     if rest > 0:
         left = 100 - ranking.percent[ranking.order[:_MOST]].sum()
         found.add_row(f"... and {rest} more", "", *([""] if both else []), f"{max(left, 0.0):.1f}", style="dim")
-    joints = columns("joint", per, "%")
-    order = (-ranking.joint_looser).argsort(kind="stable")
+    ranged = not ranking.joint_unique.all()
+    joints = columns("joint", per, *(["if tighter"] if ranged else []), "%")
+    order = ranking.joint_order
     for k in order[:_MOST_JOINTS].tolist():
         pair = " | ".join(short(names[i]) for i in ranking.joints[k].tolist())
-        joints.add_row(pair, number(ranking.joint_looser[k]), f"{ranking.joint_percent[k]:.1f}")
+        side = [number(ranking.joint_tighter[k])] if ranged else []
+        joints.add_row(pair, number(ranking.joint_looser[k]), *side, f"{ranking.joint_percent[k]:.1f}")
     if len(order) > _MOST_JOINTS:
-        joints.add_row(f"... and {len(order) - _MOST_JOINTS} more", "", "", style="dim")
+        joints.add_row(f"... and {len(order) - _MOST_JOINTS} more", "", *([""] if ranged else []), "", style="dim")
     lines = [Text(f"{term + ':':<9} {line}") for term, line in ranking_sure(ranking)]
     return Group(Text(headline(answer), style="bold"), Text(), found, Text(), joints, Text(), *lines)
 
@@ -92,4 +98,5 @@ def ranking_unique(ranking: Ranking) -> str:
     """Say for how many parts both sides of a derivative differ."""
     many = int((~ranking.unique).sum())
     ends = "" if ranking.ends == "whole" else " (at least so wide)"
-    return f"not for {many} {'part' if many == 1 else 'parts'}: a looser and a tighter gap count differently{ends}"
+    parts = f"{many} {'part' if many == 1 else 'parts'}"
+    return f"not for {parts}: a looser and a tighter gap count differently{ends}; order and % by their middle"

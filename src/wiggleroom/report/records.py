@@ -11,7 +11,7 @@ from msgspec import UNSET, Struct
 
 from wiggleroom.drawing.plain import plain
 from wiggleroom.schema.fields import ContactEntry, PartMotion
-from wiggleroom.schema.results import BoundEntry, FlexResult
+from wiggleroom.schema.results import BoundEntry, FlexResult, SearchEntry
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
 
@@ -24,6 +24,7 @@ def flex_result(answer: Answer) -> FlexResult:
         objective=None if free or answer.objective is None else float(answer.objective),
         at_most=answer.at_most,
         bound=_bound(answer),
+        search=UNSET if answer.search is None else SearchEntry(**vars(answer.search)),
         leaves=list(answer.leaves) if free else UNSET,
         turns=list(answer.turns) if free else UNSET,
         parts={
@@ -38,6 +39,7 @@ def flex_result(answer: Answer) -> FlexResult:
         solver=answer.solver,
         rounds=int(answer.rounds),
         seconds={stage: round(float(spent), 4) for stage, spent in answer.seconds.items()},
+        notes=list(answer.assembly.drawing.notes),
         command=answer.command,
     )
 

@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import base64
-from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from msgspec import UNSET
 from numpy.typing import NDArray
 
 from wiggleroom.compare.monte_carlo import about_pivot
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report.space import headline, said
 from wiggleroom.report.stack import TALL, edges, extent, rings
-from wiggleroom.report.told import Json
 from wiggleroom.report.words import number
+from wiggleroom.schema.replies import SpaceReply, SpaceSlice
 
 Floats = NDArray[np.float64]
 
@@ -22,43 +22,35 @@ MOST_TILES = 33
 """Slices that the page is given."""
 
 
-def space_told(found: FreeSpace, state: Sequence[float], command: str) -> Json:
-    """Free space of a pair, with the state (x [mm], y [mm], turn [deg]) that is shown in it."""
-    content = solid(found)
-    if not found.closed:
-        words = f"it has no end: looked at as far as {number(found.reach, 3)} mm"
-        content |= {"open": True, "words": words}
-    a, b = found.parts
-    return content | {
-        "a": a,
-        "b": b,
-        "headline": headline(found),
-        "facts": said(found, None),
-        "pivot": found.pivot.tolist(),
-        "state": list(state),
-        "model": "walls",
-        "command": command,
-    }
+def space_told(found: FreeSpace, state: tuple[float, float, float], command: str) -> SpaceReply:
+    """Free space of a pair, with the state (x [mm], y [mm], turn [deg]) that is shown in it.
 
-
-def solid(found: FreeSpace) -> Json:
-    """Solid over x [mm], y [mm] and angle [deg], in motions of the pivot; `scale` is how many mm a degree is tall."""
+    The solid stands over x [mm], y [mm] and angle [deg], in motions of the pivot.
+    """
     regions, angles = about_pivot(found), np.degrees([s.angle for s in found.slices])
     low, high = extent(regions)
     levels = np.degrees(edges(found))
     first, last = float(levels[0]), float(levels[-1])
     vertices, triangles = _stacked(regions, levels)
     shown = np.unique(np.linspace(0, len(regions) - 1, min(len(regions), MOST_TILES)).round().astype(int))
-    return {
-        "vertices": base64.b64encode(vertices.astype("<f4").tobytes()).decode(),
-        "triangles": base64.b64encode(triangles.astype("<u4").tobytes()).decode(),
-        "slices": [
-            {"angle_deg": float(angles[k]), "rings": [ring.tolist() for ring in rings(regions[k])]}
-            for k in shown.tolist()
-        ],
-        "range_deg": [first, last],
-        "scale": TALL * float((high - low).max()) / (last - first) if last > first else 1.0,
-    }
+    a, b = found.parts
+    return SpaceReply(
+        a=a,
+        b=b,
+        vertices=base64.b64encode(vertices.astype("<f4").tobytes()).decode(),
+        triangles=base64.b64encode(triangles.astype("<u4").tobytes()).decode(),
+        slices=[SpaceSlice(float(angles[k]), [ring.tolist() for ring in rings(regions[k])]) for k in shown.tolist()],
+        range_deg=(first, last),
+        scale=TALL * float((high - low).max()) / (last - first) if last > first else 1.0,
+        pivot=(float(found.pivot[0]), float(found.pivot[1])),
+        state=state,
+        headline=headline(found),
+        facts=said(found, None),
+        model="walls",
+        command=command,
+        open=UNSET if found.closed else True,
+        words=UNSET if found.closed else f"it has no end: looked at as far as {number(found.reach, 3)} mm",
+    )
 
 
 def _stacked(regions: list[shapely.Geometry], levels: Floats) -> tuple[Floats, NDArray[np.int64]]:

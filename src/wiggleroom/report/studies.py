@@ -34,20 +34,46 @@ QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 def tighten_result(found: Tightening, command: str = "") -> TightenResult:
     """Everything `tighten --json` says."""
+    fits = found.random[np.isfinite(found.random)]
     return TightenResult(
         objective=found.before.objective,
         tightened=found.after.objective,
         verdict=found.after.verdict,
-        lowered_percent=found.lowered,
+        lowered_percent=_finite(found.lowered),
         parts=list(found.chosen),
         gap=found.gap,
         limit=found.limit,
         reached=found.reached,
         random=RandomChoices(
-            len(found.random), float(np.mean(found.random)) if len(found.random) else None, found.lowered_at_random
+            len(found.random),
+            float(np.mean(fits)) if len(fits) else None,
+            _finite(found.lowered_at_random),
+            found.misfits,
         ),
+        notes=list(found.before.assembly.drawing.notes),
         command=command,
     )
+
+
+def _finite(value: float) -> float | None:
+    """A number that JSON can hold, or None."""
+    return value if math.isfinite(value) else None
+
+
+def less(share: float, places: int) -> str:
+    """Say by how much the motion gets less.
+
+    >>> less(12.34, 0), less(float("nan"), 1)
+    ('12 % less', 'no less')
+    """
+    return f"{share:.{places}f} % less" if math.isfinite(share) else "no less"
+
+
+def at_random(found: Tightening, places: int) -> str:
+    """Say what tightening as many parts at random takes away, and how often the parts do not fit then."""
+    if found.misfits == len(found.random):
+        return "the parts do not fit"
+    return less(found.lowered_at_random, places) + (f" ({found.misfits} do not fit)" if found.misfits else "")
 
 
 def tighten_table(found: Tightening) -> Group:
@@ -59,7 +85,7 @@ def tighten_table(found: Tightening) -> Group:
     if found.after.objective is None:
         now = "nothing stops it"
     else:
-        now = f"{number(found.after.objective)} {what}".rstrip() + f", {found.lowered:.1f} % less"
+        now = f"{number(found.after.objective)} {what}".rstrip() + f", {less(found.lowered, 1)}"
     lines = [Text(headline(found.before), style="bold"), Text()]
     if found.chosen:
         parts = ", ".join(short(n) for n in found.chosen)
@@ -71,7 +97,7 @@ def tighten_table(found: Tightening) -> Group:
     if len(found.random):
         lines.append(
             Text(
-                f"at random:     {found.lowered_at_random:.1f} % less, mean of {len(found.random)} choices of as many parts"
+                f"at random:     {at_random(found, 1)}, mean of {len(found.random) - found.misfits} choices of as many parts"
             )
         )
     return Group(*lines)
@@ -84,6 +110,7 @@ def sweep_result(found: Sweep, command: str = "") -> SweepResult:
             SweepEntry(s.gap, s.objective, s.verdict, "checked" if s.checked else "not checked") for s in found.steps
         ],
         lost_between=found.lost,
+        notes=list(found.assembly.drawing.notes),
         command=command,
     )
 
@@ -142,6 +169,7 @@ def sample_result(found: Sample, command: str = "") -> SampleResult:
         yields=YieldEntry(good, float(low), float(high)),
         contributions_percent={names[k]: float(share[k]) for k in order},
         checked=CheckedDraws(len(found.checked), found.largest_difference),
+        notes=list(found.answer.assembly.drawing.notes),
         command=command,
     )
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.drawing.model import part_of
-from wiggleroom.report.words import ask, certainty, headline, holding, number, proven, sentence, short
+from wiggleroom.report.words import ask, certainty, headline, holding, number, proven, searched, sentence, short
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _MOST_PARTS = 12
 _MOST_CONTACTS = 8
 _COLOURS = {
+    Verdict.PROVEN: "green",
     Verdict.OPTIMAL: "green",
     Verdict.STATIONARY: "yellow",
     Verdict.UNBOUNDED: "magenta",
@@ -92,6 +93,7 @@ def _sure(answer: Answer) -> list[str]:
         most = [f"truth:    {proven(answer)}, a quick bound; --prove 0.01 brings it nearer"]
     return [
         *most,
+        *([f"search:   {searched(answer)}"] if answer.search is not None else []),
         f"checked:  {certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm",
         f"solved:   {answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations",
         *([f"seconds:  {spent}"] if spent else []),

@@ -4,57 +4,52 @@ from __future__ import annotations
 
 from wiggleroom.report.apart import border_sentence, check_sure, leaves, why
 from wiggleroom.report.ranking import ranking_sure
-from wiggleroom.report.told import Json
 from wiggleroom.report.words import per_gap
+from wiggleroom.schema.replies import CheckReply, ImportanceEntry, JointEntry, LeavingEntry, RankReply, StepReply
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sweep import Step
 from wiggleroom.separate.interlock import Interlock
 from wiggleroom.separate.largest_gap import LargestGap
 
 
-def ranking_told(ranking: Ranking, command: str) -> Json:
+def ranking_told(ranking: Ranking, command: str) -> RankReply:
     """Whose gap matters, of parts and of joints, the most important first."""
     names = ranking.answer.assembly.names
-    joints = (-ranking.joint_looser).argsort(kind="stable")
-    return {
-        "parts": {
-            names[k]: {
-                "mm_per_mm": float(ranking.looser[k]),
-                "tighter": float(ranking.tighter[k]),
-                "percent": float(ranking.percent[k]),
-            }
+    return RankReply(
+        parts={
+            names[k]: ImportanceEntry(float(ranking.looser[k]), float(ranking.tighter[k]), float(ranking.percent[k]))
             for k in ranking.order.tolist()
         },
-        "joints": [
-            {
-                "parts": [names[i] for i in ranking.joints[k].tolist()],
-                "mm_per_mm": float(ranking.joint_looser[k]),
-                "percent": float(ranking.joint_percent[k]),
-            }
-            for k in joints.tolist()
+        joints=[
+            JointEntry(
+                (names[ranking.joints[k, 0]], names[ranking.joints[k, 1]]),
+                float(ranking.joint_looser[k]),
+                float(ranking.joint_percent[k]),
+            )
+            for k in ranking.joint_order.tolist()
         ],
-        "per": per_gap(ranking.answer.goals),
-        "unique": bool(ranking.unique.all()),
-        "note": "by " + "; ".join(line for _, line in ranking_sure(ranking)),
-        "command": command,
-    }
+        per=per_gap(ranking.answer.goals),
+        unique=bool(ranking.unique.all()),
+        note="by " + "; ".join(line for _, line in ranking_sure(ranking)),
+        command=command,
+    )
 
 
-def check_told(found: Interlock, command: str, border: LargestGap | None = None) -> Json:
+def check_told(found: Interlock, command: str, border: LargestGap | None = None) -> CheckReply:
     """Whether it comes apart, who leaves in which order and how, and how sure that is."""
-    return {
-        "verdict": found.verdict,
-        "certainty": found.certainty,
-        "words": f"{found.verdict}: {why(found)}",
-        "sure": check_sure(found),
-        "escapes": [{"parts": list(e.parts), "words": leaves(found, e)} for e in found.escapes],
-        "spins": list(found.spins),
-        "remains": list(found.remains),
-        "border": None if border is None else border_sentence(border),
-        "command": command,
-    }
+    return CheckReply(
+        verdict=found.verdict,
+        certainty=found.certainty,
+        words=f"{found.verdict}: {why(found)}",
+        sure=check_sure(found),
+        escapes=[LeavingEntry(list(e.parts), leaves(found, e)) for e in found.escapes],
+        spins=list(found.spins),
+        remains=list(found.remains),
+        border=None if border is None else border_sentence(border),
+        command=command,
+    )
 
 
-def step_told(step: Step) -> Json:
+def step_told(step: Step) -> StepReply:
     """One gap of a sweep."""
-    return {"gap": step.gap, "objective": step.objective, "verdict": str(step.verdict), "checked": step.checked}
+    return StepReply(gap=step.gap, objective=step.objective, verdict=step.verdict, checked=step.checked)

@@ -157,6 +157,17 @@ def bounded(answer: Answer) -> str:
     return between + near + spent + (f"; no nearer one: {bound.why}" if bound is not None and bound.why else "")
 
 
+def searched(answer: Answer) -> str:
+    """Say how many starts were made, how many ended at the value reported, and the best value but one."""
+    effort = answer.search
+    if effort is None:
+        return "from rest only"
+    if effort.starts == 1:
+        return "1 start"
+    ends = f"{effort.starts} starts, {effort.at_value} ended at this value"
+    return ends if effort.next_best is None else f"{ends}; the best of the others at {number(effort.next_best, 4)}"
+
+
 def answer_sure(answer: Answer) -> list[tuple[str, str]]:
     """How sure an answer is, and what it cost: a word and a sentence each."""
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
@@ -165,6 +176,7 @@ def answer_sure(answer: Answer) -> list[tuple[str, str]]:
         ("verdict", f"{answer.verdict.value}: {sentence(answer)}"),
         ("checked", f"{certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
         ("at most", bounded(answer)),
+        ("search", searched(answer)),
         ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
     ]

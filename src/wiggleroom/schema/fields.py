@@ -22,6 +22,7 @@ AtMost = Annotated[
     float | None, Meta(description="a value that no motion exceeds, proven; null where none was worked out")
 ]
 Command = Annotated[str, Meta(description="the command that answers the same")]
+Notes = Annotated[list[str], Meta(description="what was assumed or left out when the file was read, one line each")]
 
 
 class PartMotion(Struct):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import msgspec
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from wiggleroom.schema.fields import (
@@ -13,6 +14,7 @@ from wiggleroom.schema.fields import (
     Degrees,
     Mm,
     Names,
+    Notes,
     Objective,
     Pair,
     PartMotion,
@@ -38,6 +40,14 @@ class BoundEntry(Struct):
     seconds: Seconds
 
 
+class SearchEntry(Struct):
+    """What the search beyond the nearest hill came to."""
+
+    starts: Annotated[int, Meta(description="climbs that were made, the one from rest among them")]
+    at_value: Annotated[int, Meta(description="how many of them ended at the objective, to 0.1 %")]
+    next_best: Annotated[float | None, Meta(description="best value at which others ended; null where there is none")]
+
+
 class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=True):
     """The largest motion that was found: `wiggleroom flex --json`."""
 
@@ -45,6 +55,7 @@ class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=Tr
     objective: Objective
     at_most: AtMost
     bound: BoundEntry | UnsetType = UNSET
+    search: SearchEntry | UnsetType = UNSET
     leaves: Annotated[
         list[str] | UnsetType, Meta(description="parts that move away without limit; of unbounded answers")
     ] = UNSET
@@ -60,6 +71,7 @@ class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=Tr
     solver: str
     rounds: Annotated[int, Meta(description="programs that were solved")]
     seconds: Annotated[dict[str, float], Meta(description="time by stage, and in total [s]")]
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -101,6 +113,7 @@ class CheckResult(SeparabilityEntry, tag_field="format", tag="wiggleroom.check/1
     gap: Mm
     largest_gap: LargestGapEntry | UnsetType = UNSET
     seconds: Seconds
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -114,6 +127,7 @@ class PartImportance(Struct):
     ]
     duals_mm_per_mm: Annotated[float, Meta(description="the same from one set of multipliers")]
     unique: Annotated[bool, Meta(description="both sides agree")]
+    importance: Annotated[float, Meta(description="middle of both sides: what order and percent go by")]
 
 
 class JointImportance(Struct):
@@ -123,6 +137,10 @@ class JointImportance(Struct):
     mm_per_mm: float
     percent: Percent
     unique: bool
+    tighter_mm_per_mm: Annotated[
+        float, Meta(description="loss per mm of smaller gap; differs where joints share a load")
+    ]
+    importance: Annotated[float, Meta(description="middle of both sides: what order and percent go by")]
 
 
 class RankResult(Struct, tag_field="format", tag="wiggleroom.rank/1", kw_only=True):
@@ -135,6 +153,7 @@ class RankResult(Struct, tag_field="format", tag="wiggleroom.rank/1", kw_only=Tr
     joints: list[JointImportance]
     ranges: Annotated[str, Meta(description="whether ranges of multipliers are whole or at least so wide")]
     virtual_percent: Annotated[float, Meta(description="share of the force that is held where nothing touches [%]")]
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -144,6 +163,7 @@ class RandomChoices(Struct):
     draws: int
     mean: float | None
     lowered_percent: float | None
+    misfits: Annotated[int, Meta(description="choices whose parts do not fit then; the mean is of the others")]
 
 
 class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_only=True):
@@ -152,12 +172,13 @@ class TightenResult(Struct, tag_field="format", tag="wiggleroom.tighten/1", kw_o
     objective: Objective
     tightened: Annotated[float | None, Meta(description="objective with the chosen parts tight")]
     verdict: Verdict
-    lowered_percent: Percent
+    lowered_percent: float | None
     parts: Annotated[list[str], Meta(description="in the order in which they were chosen")]
     gap: Annotated[float, Meta(description="their share of the gap then [mm]")]
     limit: float | None
     reached: bool
     random: RandomChoices
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -177,6 +198,7 @@ class SweepResult(Struct, tag_field="format", tag="wiggleroom.sweep/1", kw_only=
     lost_between: Annotated[
         tuple[float, float] | None, Meta(description="gaps [mm] between which the motion loses its end")
     ]
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -231,6 +253,7 @@ class SampleResult(Struct, tag_field="format", tag="wiggleroom.sample/1", kw_onl
     yields: YieldEntry
     contributions_percent: dict[str, float]
     checked: CheckedDraws
+    notes: Notes = msgspec.field(default_factory=list)
     command: Command
 
 
@@ -278,3 +301,27 @@ class SpaceResult(Struct, tag_field="format", tag="wiggleroom.space/1", kw_only=
 
 RESULTS = (FlexResult, CheckResult, RankResult, TightenResult, SweepResult, SampleResult, SpaceResult)
 """All formats."""
+
+
+class PartEntry(Struct):
+    """One part as drawn."""
+
+    name: str
+    layer: str
+    x: Annotated[float, Meta(description="reference point [mm]")]
+    y: Mm
+    width: Annotated[float, Meta(description="of the box round it [mm]")]
+    height: Mm
+    area: Annotated[float, Meta(description="[mm2]")]
+    pieces: int
+    holes: int
+    fixed: bool
+
+
+class PartsResult(Struct, tag_field="format", tag="wiggleroom.parts/1", kw_only=True):
+    """What a file holds: `wiggleroom parts --json`."""
+
+    parts: list[PartEntry]
+    notes: Notes
+    findings: Annotated[list[str], Meta(description="what is wrong with the file, one line each")]
+    command: Command

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,12 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.global_search import SearchEffort
+from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.verdict import Verdict
+
+PROVEN_WITHIN = 1.001
+"""An answer is proven where no motion is worth more than this multiple of it."""
 
 
 @dataclass(frozen=True)
@@ -89,7 +94,9 @@ class Answer(Drawable):
         A value that no motion can exceed, where one was worked out.
     bound : Bound or None
         How that was proven, or why not; None where nobody asked.
-    trail : object
+    search : SearchEffort or None
+        What the search beyond the nearest hill came to; None where there was none.
+    warm_start : Incumbent or None
         How it was found, from which another question about the same prepared assembly can start.
     """
 
@@ -113,7 +120,16 @@ class Answer(Drawable):
     at_most: float | None = None
     bound: Bound | None = None
     command: str = ""
-    trail: object = field(default=None, repr=False)
+    search: SearchEffort | None = None
+    warm_start: Incumbent | None = field(default=None, repr=False)
+
+
+def with_bound(answer: Answer, bound: Bound) -> Answer:
+    """The answer with a bound, its verdict `proven` where that is near enough."""
+    value, most = answer.objective, bound.at_most
+    near = value is not None and most is not None and 0 < value <= most <= PROVEN_WITHIN * value
+    verdict = Verdict.PROVEN if near and answer.verdict.ends and answer.path == "checked" else answer.verdict
+    return replace(answer, at_most=most, bound=bound, verdict=verdict)
 
 
 def witnessed(

@@ -58,11 +58,6 @@ class Prepared:
     corners: Ints
     model: Walls = field(default_factory=Walls)
 
-    @property
-    def arm(self) -> Floats:
-        """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
-        return arms(self.assembly, self.bodies)
-
     def objective(self, goals: tuple[Goal, ...]) -> Objective:
         """What the program maximises for some goals."""
         n = len(self.bodies.fixed)
@@ -70,12 +65,14 @@ class Prepared:
         return objective(self.assembly, self.bodies, goals, (near // n, near % n))
 
 
-def prepare(assembly: Assembly, *, stop: Stop | None = None) -> Prepared:
+def prepare(assembly: Assembly, *, ground: Survey | None = None, stop: Stop | None = None) -> Prepared:
     """Find the pairs that can meet and work out their cells round rest, congruent pairs once.
 
     Parameters
     ----------
     assembly : Assembly
+    ground : Survey, optional
+        Of the same assembly, where it was made already.
     stop : optional
         Anything with `is_set()`, asked now and then.
 
@@ -88,7 +85,7 @@ def prepare(assembly: Assembly, *, stop: Stop | None = None) -> Prepared:
     InputError
         If nothing can move.
     """
-    ground = survey(assembly)
+    ground = ground or survey(assembly)
     them, geometry, near = ground.bodies, ground.geometry, ground.near
     a, b = near.a, near.b
     go_on(stop)
@@ -142,14 +139,6 @@ def survey(assembly: Assembly) -> Survey:
     return Survey(them, geometry, barred, clearance, size, near)
 
 
-def arms(assembly: Assembly, them: Bodies) -> Floats:
-    """How far the reference points of each body's parts lie from the body's own (n,) [mm]."""
-    arm = np.zeros(len(them.fixed))
-    away = np.hypot(*(assembly.rest[:, :2] - them.rest[them.body_of, :2]).T)
-    np.maximum.at(arm, them.body_of, away)
-    return arm
-
-
 def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:
     """True where boundaries run along each other, not only past a corner."""
     near = shapely.buffer(b, 1.5 * REACH * clearance)
@@ -177,12 +166,12 @@ def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floa
 def _clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
     """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median."""
     if len(geometry) < 2:
-        return gap or 1e-3 * size
+        return float(gap) or 1e-3 * size
     some = geometry[np.linspace(0, len(geometry) - 1, min(len(geometry), ENOUGH)).astype(int)]
     _, apart = shapely.STRtree(geometry).query_nearest(some, exclusive=True, all_matches=False, return_distance=True)
     apart = apart[apart > TOUCHING * size]
     middle = float(np.median(apart)) if len(apart) else 1e-3 * size
-    return gap if 0.3 * middle < gap < 3 * middle else middle
+    return float(gap) if 0.3 * middle < gap < 3 * middle else middle
 
 
 def _barred(assembly: Assembly, them: Bodies) -> Ints:

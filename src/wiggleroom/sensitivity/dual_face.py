@@ -19,11 +19,11 @@ from wiggleroom.program.nonlinear_program import Program
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-DIRECTIONS = 12
+RANDOM_DIRECTIONS = 12
 """Random directions within the face in which every derivative is tried."""
-NONE = 1e-4
+MIN_DIRECTION = 1e-4
 """A random direction of which less than this is left within the face is rounding: the face is a point."""
-UNIQUE = 1e-3
+UNIQUENESS_TOLERANCE = 1e-3
 """A derivative that varies by less than this share of itself, or of a thousandth of the largest, is unique."""
 
 
@@ -82,10 +82,10 @@ def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> Face:
     matrix = (scaled.T @ scaled).tocsc()
     shift = 1e-13 * matrix.diagonal().max(initial=1e-300)
     normal = sp.linalg.splu(matrix + shift * sp.eye_array(matrix.shape[0], format="csc"))
-    z = np.random.default_rng(0).standard_normal((len(holds), DIRECTIONS))
+    z = np.random.default_rng(0).standard_normal((len(holds), RANDOM_DIRECTIONS))
     for _ in range(2):  # the second pass removes what rounding left of the first
         z -= scaled @ normal.solve(scaled.T @ z)
-    z[:, np.hypot.reduce(z, axis=0) < NONE] = 0.0
+    z[:, np.hypot.reduce(z, axis=0) < MIN_DIRECTION] = 0.0
     least, most = z.min(axis=0, initial=0.0), z.max(axis=0, initial=0.0)
     ahead = 1 / np.maximum(-least, 1e-300)
     behind = 1 / np.maximum(most, 1e-300)
@@ -109,4 +109,4 @@ def worths(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], group
 def is_unique(low: Floats, high: Floats) -> NDArray[np.bool_]:
     """True where the derivative has one value."""
     size = np.maximum(np.abs(low), np.abs(high))
-    return high - low <= UNIQUE * np.maximum(size, 1e-3 * size.max(initial=0.0))
+    return high - low <= UNIQUENESS_TOLERANCE * np.maximum(size, 1e-3 * size.max(initial=0.0))

@@ -12,8 +12,8 @@ from wiggleroom.errors import InputError
 
 Floats = NDArray[np.float64]
 
-KINDS = ("normal", "uniform", "truncated")
-CUT = 2.0
+DISTRIBUTIONS = ("normal", "uniform", "truncated")
+TRUNCATION = 2.0
 """A truncated normal distribution ends at so many standard deviations of the one that is cut."""
 
 
@@ -49,8 +49,8 @@ class Spread:
         wrong = []
         if not 0 < self.width < np.inf:
             wrong.append(f"spread {self.width:g}: it must be more than 0")
-        if self.kind not in KINDS:
-            wrong.append(f'distribution "{self.kind}": it is one of {", ".join(KINDS)}')
+        if self.kind not in DISTRIBUTIONS:
+            wrong.append(f'distribution "{self.kind}": it is one of {", ".join(DISTRIBUTIONS)}')
         if not 0 <= self.sheet <= 1:
             wrong.append(f"correlation {self.sheet:g}: it must be between 0 and 1")
         if not np.isfinite(self.bias):
@@ -65,8 +65,10 @@ class Spread:
             return self.width / np.sqrt(3)
         if self.kind == "normal":
             return self.width
-        inside = 2 * ndtr(CUT) - 1
-        return float(self.width * np.sqrt(1 - 2 * CUT * np.exp(-(CUT**2) / 2) / np.sqrt(2 * np.pi) / inside))
+        inside = 2 * ndtr(TRUNCATION) - 1
+        return float(
+            self.width * np.sqrt(1 - 2 * TRUNCATION * np.exp(-(TRUNCATION**2) / 2) / np.sqrt(2 * np.pi) / inside)
+        )
 
     def draw(self, draws: int, parts: int, seed: int) -> Floats:
         """Extra gaps (draws, parts) [mm]; the first draws of a longer list are those of a shorter one.
@@ -74,7 +76,7 @@ class Spread:
         Examples
         --------
         >>> Spread(0.1, "uniform", sheet=1.0).draw(2, 3, seed=0).round(3).tolist()
-        [[0.01, 0.01, 0.01], [0.09, 0.09, 0.09]]
+        [[0.01, 0.01, 0.01], [-0.041, -0.041, -0.041]]
         """
         z = np.random.default_rng(seed).standard_normal((draws, parts + 1))
         # correlated normal numbers, then to the wanted distribution by their rank
@@ -82,7 +84,7 @@ class Spread:
         if self.kind == "uniform":
             z = 2 * ndtr(z) - 1
         elif self.kind == "truncated":
-            z = ndtri(ndtr(-CUT) + ndtr(z) * (1 - 2 * ndtr(-CUT)))
+            z = ndtri(ndtr(-TRUNCATION) + ndtr(z) * (1 - 2 * ndtr(-TRUNCATION)))
         return self.bias + self.width * z
 
 

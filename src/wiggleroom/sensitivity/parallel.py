@@ -22,9 +22,9 @@ from wiggleroom.errors import Stop, WiggleroomError, see_extra
 Work = Callable[[Any, Any], Any]
 """A function of a module: work(shared, task) -> result; everything can be pickled."""
 
-WORTH = 5.0
+MIN_PARALLEL_SECONDS = 5.0
 """Processes are started where one would need longer than this [s]: they take a second to get going."""
-MOST_LOSSES = 3
+MAX_RETRIES = 3
 """A task whose worker died so often is given up."""
 
 
@@ -73,7 +73,7 @@ class Many:
             workers = self.workers or _processors()
             while rest and not self.stopped:
                 spent = time.perf_counter() - began
-                if workers > 1 and results and spent / len(results) * len(rest) > WORTH:
+                if workers > 1 and results and spent / len(results) * len(rest) > MIN_PARALLEL_SECONDS:
                     _in_processes(self, work, shared, tasks, rest, min(workers, len(rest)), results, tell)
                     break
                 k = rest.pop(0)
@@ -161,7 +161,7 @@ def _in_processes(
                 if ending.is_set():
                     return
                 losses[k] = losses.get(k, 0) + 1
-                if losses[k] <= MOST_LOSSES:
+                if losses[k] <= MAX_RETRIES:
                     continue  # the same task again, in a new process
                 good, result = False, WiggleroomError(f"worker processes died {losses[k]} times on one task")
             done.put((k, good, result))

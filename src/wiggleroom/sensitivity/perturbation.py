@@ -18,20 +18,22 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.geometry.offset_bodies import moved
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.loop import Found, Search, silent
+from wiggleroom.search.incumbent import Incumbent, at_rest
+from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.moves import PLAIN
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution, solve
 from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
-FINE = 1e-10
+FINE_TOLERANCE = 1e-10
 """Share of the objective that a program solved for a difference may leave on the table."""
 
 
@@ -74,7 +76,7 @@ class Base:
     value: float
 
 
-def ended(answer: Answer) -> Found:
+def ended(answer: Answer) -> Incumbent:
     """How the motion of an answer was found.
 
     Raises
@@ -86,19 +88,19 @@ def ended(answer: Answer) -> Found:
         why = "nothing stops the motion" if answer.objective is None else "the search for its motion was cut short"
         finding = f"{answer.assembly.drawing.source or 'the assembly'}: {why}, so no gap can be held against it"
         raise InputError(finding)
-    return cast(Found, answer.trail)
+    return cast(Incumbent, answer.warm_start)
 
 
 def can_be_ranked(answer: Answer) -> bool:
     """True where the motion ends, at multipliers that say what it is worth to give way."""
-    found = answer.trail
-    return isinstance(found, Found) and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
+    found = answer.warm_start
+    return found is not None and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
 
 
-def base(ready: Prepared, found: Found) -> Base:
+def base(ready: Prepared, found: Incumbent) -> Base:
     """What variations start from: the last program of a search, solved to ten digits."""
     program, solution = found.program, found.solution
-    finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE)
+    finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE_TOLERANCE)
     solution = finer if finer.status is SolverStatus.CONVERGED else solution
     value = program.objective.value(program.motion(solution.u))
     return Base(ready, program, solution, program.motion(found.solution.inner), value)
@@ -112,9 +114,9 @@ def follow(base: Base, inward: Floats) -> float:
     old = base.program
     bodies = moved(old.bodies, inward)
     program = build(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
-    solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE)
+    solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
     motion = program.motion(solution.u)
-    overlapping = overlaps(bodies, motion, base.ready.barred).deepest > SAFE * base.ready.size
+    overlapping = overlaps(bodies, motion, base.ready.barred).deepest > OVERLAP_TOLERANCE * base.ready.size
     return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
 
 
@@ -132,12 +134,11 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
         return Varied(np.nan, Verdict.TOUCHING)
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
-    finder = Search(varied, objective, solve, None, silent, thorough=False)
-    finder.run()
-    found = finder.best
+    finder = LocalSearch(varied, objective, solve, PLAIN)
+    found = finder.improve(at_rest(varied))
     if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return afresh(ready.assembly, goals, inward)
-    if overlaps(bodies, found.motion, ready.barred).deepest > SAFE * ready.size:
+    if overlaps(bodies, found.motion, ready.barred).deepest > OVERLAP_TOLERANCE * ready.size:
         return afresh(ready.assembly, goals, inward)
     return Varied(found.value, Verdict.OPTIMAL)
 

@@ -16,7 +16,7 @@ from wiggleroom.program.gap_sensitivity import gains
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.loop import Found
+from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.dual_face import face, is_unique, worths
 from wiggleroom.sensitivity.parallel import Many
@@ -52,8 +52,8 @@ class Ranking(Drawable):
         The same from the multipliers in the middle of all that are possible; equals `looser` where that is unique.
     joints : (m, 2) int64
         Pairs of parts that hold each other.
-    joint_looser, joint_unique : (m,)
-        Objective gained for each mm of extra gap in a joint.
+    joint_looser, joint_tighter, joint_unique : (m,)
+        The same for the gap of each joint.
     ends : str
         "whole" where ranges are the true ends of what is possible, "sampled" where they are at least so wide.
     virtual : float
@@ -68,24 +68,50 @@ class Ranking(Drawable):
     by_duals: Floats
     joints: Ints
     joint_looser: Floats
+    joint_tighter: Floats
     joint_unique: NDArray[np.bool_]
     ends: str
     virtual: float
 
     @property
+    def importance(self) -> Floats:
+        """What the gap round each part (n,) is worth: the middle of `looser` and `tighter` where these differ.
+
+        Of two equal stops side by side neither lets the motion grow when it alone gets looser, and each takes it away when it alone gets
+        tighter.
+        """
+        return _middle(self.looser, self.tighter, self.unique)
+
+    @property
+    def joint_importance(self) -> Floats:
+        """What the gap of each joint (m,) is worth."""
+        return _middle(self.joint_looser, self.joint_tighter, self.joint_unique)
+
+    @property
     def percent(self) -> Floats:
-        """Share of each part (n,) [%] in the sum over all parts."""
-        return _percent(self.looser)
+        """Share of each part (n,) [%] in the sum of importance over all parts."""
+        return _percent(self.importance)
 
     @property
     def joint_percent(self) -> Floats:
-        """Share of each joint (m,) [%] in the sum over all joints."""
-        return _percent(self.joint_looser)
+        """Share of each joint (m,) [%] in the sum of importance over all joints."""
+        return _percent(self.joint_importance)
 
     @property
     def order(self) -> Ints:
         """Parts (n,), the most important first."""
-        return np.argsort(-np.nan_to_num(self.looser), kind="stable")
+        return np.argsort(-np.nan_to_num(self.importance), kind="stable")
+
+    @property
+    def joint_order(self) -> Ints:
+        """Joints (m,), the most important first."""
+        return np.argsort(-np.nan_to_num(self.joint_importance), kind="stable")
+
+
+def _middle(looser: Floats, tighter: Floats, unique: NDArray[np.bool_]) -> Floats:
+    """Middle of two one-sided derivatives; the one that is known where the other is not."""
+    both = np.isfinite(looser) & np.isfinite(tighter) & ~unique
+    return np.where(both, (looser + tighter) / 2, np.where(np.isfinite(looser), looser, tighter))
 
 
 def _percent(value: Floats) -> Floats:
@@ -145,7 +171,7 @@ def rank(
     found = ended(answer)
     again = by == "differences" or exact
     if not again:
-        return _by_duals(answer, found)
+        return _by_duals(answer, found, stop=stop)
     ready = question if isinstance(question, Prepared) else prepare(answer.assembly)
     start = base(ready, found)
     ranking = _by_duals(
@@ -166,7 +192,7 @@ def rank_at_once(answer: Answer) -> Ranking:
     return _by_duals(answer, ended(answer), most_rows=0)
 
 
-def _by_duals(answer: Answer, found: Found, most_rows: int = MOST_ROWS) -> Ranking:
+def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MOST_ROWS, stop: Stop | None = None) -> Ranking:
     """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
     program, solution = found.program, found.solution
     touch = touching(program, solution.u, solution.lam)
@@ -183,16 +209,21 @@ def _by_duals(answer: Answer, found: Found, most_rows: int = MOST_ROWS) -> Ranki
     whole = len(touch.row) <= most_rows
     middle = by_part @ one.force
     low, high = np.where(unique, middle, low), np.where(unique, middle, high)
-    if whole:
-        for k in np.flatnonzero(~unique):
-            low[k], high[k] = one.range_of(by_part[[k]].toarray()[0])
     joint_low, joint_high = one.spread(by_joint)
     joint_unique = is_unique(joint_low, joint_high)
-    value = np.where(joint_unique, by_joint @ one.force, joint_low)
-    held = value > 1e-9 * value.max(initial=0.0)
+    value = by_joint @ one.force
+    joint_low, joint_high = np.where(joint_unique, value, joint_low), np.where(joint_unique, value, joint_high)
+    for worth, least, most, same in ((by_part, low, high, unique), (by_joint, joint_low, joint_high, joint_unique)):
+        for k in np.flatnonzero(~same) if whole else ():
+            if stop is not None and stop.is_set():
+                whole = False
+                break
+            least[k], most[k] = one.range_of(worth[[k]].toarray()[0])
+    held = joint_high > 1e-9 * joint_high.max(initial=0.0)
     total = float(touch.force.sum())
     return Ranking(
-        answer, "duals", low, high, unique, middle, joints[held], value[held], joint_unique[held],
+        answer, "duals", low, high, unique, middle, joints[held], joint_low[held], joint_high[held],
+        joint_unique[held],
         "whole" if whole else "sampled", float(touch.force[touch.virtual].sum()) / total if total > 0 else 0.0,
     )  # fmt: skip
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.bodies import bodies
@@ -24,7 +25,9 @@ from wiggleroom.program.objectives import objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.loop import Search, silent
+from wiggleroom.search.incumbent import Start
+from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.solve.interior_point import solve
@@ -51,7 +54,7 @@ class Step:
         None where nothing stops the motion, or where the parts cannot be made or touch.
     verdict : Verdict
     checked : bool
-        True where the way from rest was checked, from gap to gap.
+        True where the way from rest was checked, at this gap.
     answer : Answer or None
         What was found there, its way from rest through the ends at smaller gaps; None where there is no such motion.
     """
@@ -176,7 +179,6 @@ class _State:
     gap: float
     ready: Prepared
     answer: Answer
-    checked: bool
 
 
 def _step(
@@ -189,22 +191,18 @@ def _step(
         return Step(gap, None, Verdict.NOT_MAKEABLE, False), last
     ready = _carried(last, made)
     try:
-        if last is not None and ready is not None:
-            answer, checked = _from(last, ready, goals, stop), last.checked
-            if answer.objective is not None and answer.objective < (last.answer.objective or 0.0):
-                answer = last.answer  # what was free for larger parts still is
-        else:
-            ready, checked = prepare(made, stop=stop), True
+        answer = None if last is None or ready is None else _from(last, ready, goals, stop)
+        if answer is None or ready is None:
+            ready = prepare(made, stop=stop)
             answer = witness(ready, goals, stop=stop)
     except StoppedError:
         return Step(gap, None, Verdict.STOPPED, False), last
     except InputError:
         return Step(gap, None, Verdict.TOUCHING, False), None
-    checked = checked and answer.path == "checked"
-    answer = replace(answer, assembly=made, path="checked" if checked else "not checked")
-    step = Step(gap, answer.objective, answer.verdict, checked, replace(answer, trail=None))
-    good = answer.verdict in (Verdict.OPTIMAL, Verdict.STATIONARY)
-    return step, _State(gap, ready, answer, checked) if good else last
+    answer = replace(answer, assembly=made)
+    step = Step(gap, answer.objective, answer.verdict, answer.path == "checked", replace(answer, warm_start=None))
+    good = answer.verdict.ends
+    return step, _State(gap, ready, answer) if good else last
 
 
 def _beyond(gap: float) -> Step:
@@ -237,16 +235,17 @@ def _carried(last: _State | None, made: Assembly) -> Prepared | None:
     return replace(last.ready, assembly=made, bodies=after, cells=cells, clearance=last.ready.clearance + more)
 
 
-def _from(last: _State, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | None) -> Answer:
-    """Answer for a larger gap, begun where a smaller one ended."""
+def _from(last: _State, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | None) -> Answer | None:
+    """Answer for a larger gap, begun where a smaller one ended; None where the whole path is not certainly free."""
     began = time.perf_counter()
     found = ended(last.answer)
-    search = Search(ready, objective(ready.assembly, ready.bodies, goals), solve, stop, silent)
-    search.cells = carried(found.program.cells, found.program.bodies, ready.bodies)
-    search.inner = found.motion
-    search.run()
+    search = LocalSearch(ready, objective(ready.assembly, ready.bodies, goals), solve, THOROUGH, stop)
+    search.improve(Start(carried(found.program.cells, found.program.bodies, ready.bodies), found.motion))
     answer = answer_of(search, goals, "interior-point", began)
-    return replace(answer, waypoints=np.concatenate([last.answer.waypoints, answer.waypoints]))
+    answer = replace(answer, waypoints=np.concatenate([last.answer.waypoints, answer.waypoints]))
+    if answer.objective is not None and answer.objective < (last.answer.objective or 0.0):
+        answer = last.answer  # what was free for larger parts still is
+    return answer if audit_path(ready.assembly, answer.waypoints).free else None
 
 
 def _lost(

@@ -48,7 +48,7 @@ class Tightening(Drawable):
     limit : float or None
         The wanted largest motion.
     random : (draws,) float64
-        Objective with as many parts chosen at random.
+        Objective with as many parts chosen at random; nan where these do not fit.
     """
 
     before: Answer
@@ -65,8 +65,14 @@ class Tightening(Drawable):
 
     @property
     def lowered_at_random(self) -> float:
-        """Mean share [%] that parts chosen at random take away; nan without draws."""
-        return _lowered(self.before, float(np.mean(self.random))) if len(self.random) else float("nan")
+        """Mean share [%] that parts chosen at random take away, of those choices whose parts fit; nan where none does."""
+        fits = self.random[np.isfinite(self.random)]
+        return _lowered(self.before, float(np.mean(fits))) if len(fits) else float("nan")
+
+    @property
+    def misfits(self) -> int:
+        """Choices at random whose parts, made tighter, do not fit beside each other."""
+        return int(np.isnan(self.random).sum())
 
     @property
     def reached(self) -> bool:
@@ -75,7 +81,7 @@ class Tightening(Drawable):
 
 
 def _lowered(before: Answer, value: float | None) -> float:
-    if before.objective is None or value is None:
+    if before.objective is None or value is None or not before.objective > 0:
         return float("nan")
     return 100 * (1 - value / before.objective)
 

@@ -1,4 +1,4 @@
-"""Which bodies certainly never leave each other, pair by pair: the cheap proof that something interlocks."""
+"""Which bodies certainly never leave each other, by enclosure and pair by pair: the cheap proof that something interlocks."""
 
 from __future__ import annotations
 
@@ -14,9 +14,12 @@ from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
 from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_rest
 from wiggleroom.search.prepare import REACH, Prepared
+from wiggleroom.separate.enclosure import Enclosed, holds
 
 Ints = NDArray[np.int64]
 
+AT_ONCE = 50
+"""Pairs that are measured between two looks at `stop`."""
 BOXES = 20_000
 """Boxes judged at most for a pair among many."""
 MANY = 400_000
@@ -47,38 +50,59 @@ class Links:
         return bool((self.group == self.group[0]).all())
 
 
-def links(ready: Prepared, ground: Ints, stop: Stop | None = None) -> Links:
+def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> Links:
+    """Tie together what stands, and what lies in closed holes to what it lies in.
+
+    Parameters
+    ----------
+    fixed : (n,) bool
+        Bodies that stand.
+    around : Enclosed
+    """
+    ground = np.flatnonzero(fixed)
+    standing = [(int(ground[0]), int(k)) for k in ground]
+    pairs = [(int(a), int(b)) for a, b in around.pairs]
+    still = [(a, b) for a, b in pairs if around.held[a] and around.held[b]]
+    none = np.zeros((0, 2), dtype=np.int64)
+    return Links(_labels(len(fixed), standing + pairs), _labels(len(fixed), standing + still), none)
+
+
+def links(ready: Prepared, begin: Links, stop: Stop | None = None) -> Links:
     """Tie bodies together wherever the free space of a pair alone is certainly closed.
 
     What two bodies cannot do while all others are taken away they cannot do among them either. Pairs that lie along each other longest come
-    first, congruent pairs are looked at once, and pairs that are tied already are left out.
+    first, congruent pairs are looked at once, and pairs that are held already are left out.
 
     Parameters
     ----------
     ready : Prepared
-    ground : (k,) int64
-        Bodies that stand, tied to begin with.
+    begin : Links
+        What is tied to begin with; of that nothing more is asked.
     stop : optional
         Asked before every pair.
     """
     bodies, n = ready.bodies, len(ready.bodies.fixed)
+    if stop is not None and stop.is_set():
+        return begin
     geometry = placed(bodies)
     near = neighbours(bodies, geometry, REACH * ready.clearance, barred=ready.barred)
-    tied: list[tuple[int, int]] = [(int(ground[0]), int(k)) for k in ground]
-    held, undecided = list(tied), list(tied[:0])
+    tied, held = _ties(begin.group), _ties(begin.held)
+    undecided: list[tuple[int, int]] = []
     if len(near.a):
-        _, label = classes(bodies, near.a, near.b, relative_rest(bodies, near.a, near.b))
-        along = _along(geometry[near.a], geometry[near.b], ready.clearance)
+        first, label = classes(bodies, near.a, near.b, relative_rest(bodies, near.a, near.b))
+        along = _along(geometry[near.a[first]], geometry[near.b[first]], ready.clearance, stop)[label]
         known: dict[int, Passage] = {}
         for k in np.argsort(-along, kind="stable"):
             a, b, c = int(near.a[k]), int(near.b[k]), int(label[k])
             if stop is not None and stop.is_set():
                 break
             labels = _labels(n, held)
-            if labels[a] == labels[b]:
+            if labels[a] == labels[b] or begin.group[a] == begin.group[b]:
                 continue
             if c not in known:
-                known[c] = passage(geometry[a], geometry[b], most=BOXES)
+                known[c] = passage(geometry[a], geometry[b], most=BOXES, stop=stop)
+                if not known[c].closed and known[c].way is None and _one_holds_other(geometry[a], geometry[b]):
+                    known[c] = replace(known[c], closed=True)
             if known[c].held:
                 held.append((a, b))
             if known[c].closed:
@@ -107,7 +131,7 @@ def surer(ready: Prepared, known: Links, stop: Stop | None = None) -> Links:
                 return replace(known, group=group, held=held)
             c = int(label[k])
             if c not in seen:
-                seen[c] = passage(geometry[a[k]], geometry[b[k]], most=MANY)
+                seen[c] = passage(geometry[a[k]], geometry[b[k]], most=MANY, stop=stop)
             if seen[c].closed:
                 held = np.where(held == held[b[k]], held[a[k]], held) if seen[c].held else held
                 group = np.where(group == group[b[k]], group[a[k]], group)
@@ -116,10 +140,26 @@ def surer(ready: Prepared, known: Links, stop: Stop | None = None) -> Links:
             return replace(known, group=group, held=held)
 
 
-def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.float64]:
-    """How long two bodies lie along each other [mm]."""
-    near = shapely.buffer(b, 1.5 * REACH * clearance, quad_segs=2)
-    return np.asarray(shapely.length(shapely.intersection(shapely.boundary(a), near)))
+def _one_holds_other(one: shapely.Geometry, other: shapely.Geometry) -> bool:
+    return holds(one, other) or holds(other, one)
+
+
+def _ties(group: Ints) -> list[tuple[int, int]]:
+    """Pairs that tie together what has the same number."""
+    _, first, label = np.unique(group, return_index=True, return_inverse=True)
+    return [(int(first[g]), k) for k, g in enumerate(label.tolist())]
+
+
+def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float, stop: Stop | None) -> NDArray[np.float64]:
+    """How long two bodies lie along each other [mm], zero for those that come after `stop`."""
+    found = np.zeros(len(a))
+    for k in range(0, len(a), AT_ONCE):
+        if stop is not None and stop.is_set():
+            break
+        some = slice(k, k + AT_ONCE)
+        near = shapely.buffer(b[some], 1.5 * REACH * clearance, quad_segs=2)
+        found[some] = shapely.length(shapely.intersection(shapely.boundary(a[some]), near))
+    return found
 
 
 def _labels(n: int, ties: list[tuple[int, int]]) -> Ints:

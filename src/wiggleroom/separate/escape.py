@@ -10,13 +10,17 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.overlap import SAFE, overlaps
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.separate.closed_pairs import BOXES, Links, links, surer
+from wiggleroom.separate.enclosure import enclosed_by_held
 from wiggleroom.separate.explore import explore, way_out
+from wiggleroom.separate.remaining import without
 from wiggleroom.separate.rigid_subassembly import Rigid, leaves_as_one
 from wiggleroom.separate.translation import Exit, straight_exit, straight_exits
 from wiggleroom.verdict import Certainty, Separability
@@ -31,6 +35,8 @@ NEARLY = 40_000
 ROOM = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """So much further inward outlines lie then, as shares of the clearance."""
 MOST_NEARLY = 8
+FRAME = 2.0
+"""Seconds that a distance may take which no part of a frame exceeds."""
 BEYOND = 0.1
 """Parts that left end this share of the drawing's size beyond all others."""
 
@@ -62,29 +68,30 @@ class Stage:
 
 
 def next_stage(
-    ready: Prepared, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
+    ready: Prepared, begin: Links, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
 ) -> Stage:
-    """The next parts that leave, the cheapest ways of finding them first."""
+    """The next parts that leave, the cheapest ways of finding them first; `begin` says what is tied already."""
     bodies, n = ready.bodies, len(ready.bodies.fixed)
     stands = np.flatnonzero(bodies.fixed)
     ground = int(stands[0])
-    own = np.arange(n)
-    own[stands] = ground
     none = np.zeros(0, dtype=np.int64)
     rest = np.zeros((1, n, 3))
     tell(Progress("straight ways"))
-    found = straight_exit(bodies, rest[0], ground, ready.barred, ready.size, own)
+    found = straight_exit(bodies, rest[0], ground, ready.barred, ready.size, begin.group, stop)
     if found is not None:
         return _leave(ready, rest, found)
     tell(Progress("free spaces"))
-    known, tries = _rigid(ready, stands, own, boxes, stop)
+    known, tries = _rigid(ready, begin, boxes, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
-    nearly = _nearly(ready, ground, known.group)
-    for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, NEARLY) for e in nearly)):
+    known = _walled_in(ready, known, stop)
+    if known.all_tied:
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
+    nearly = _nearly(ready, ground, known.group, stop)
+    for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, NEARLY, stop) for e in nearly)):
         if stop is not None and stop.is_set():
             break
-        out = None if rigid.way is None else way_out(ready, ground, known.group, rigid.way)
+        out = None if rigid.way is None else way_out(ready, ground, known.group, rigid.way, stop=stop)
         if out is not None and (stage := _leave(ready, *out)).way is not None:
             return stage
     known = surer(ready, known, stop)
@@ -97,22 +104,37 @@ def next_stage(
     return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
 
 
-def _rigid(ready: Prepared, stands: Ints, own: Ints, boxes: int, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
+def _rigid(ready: Prepared, begin: Links, boxes: int, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
     """What is tied to what, and for each group that may leave what is known about its leaving as one."""
-    if len(stands) == len(own) - 1:
-        free = np.flatnonzero(~ready.bodies.fixed)
-        rigid = leaves_as_one(ready, free, boxes)
-        alone = (own == free[0]).astype(np.int64)
+    free = np.flatnonzero(~ready.bodies.fixed)
+    if len(free) == 1:
+        rigid = leaves_as_one(ready, free, boxes, stop)
+        alone = (~ready.bodies.fixed).astype(np.int64)
         return Links(alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)), iter(
             [rigid]
         )
-    known = links(ready, stands, stop)
-    ground = known.group[stands[0]]
+    known = links(ready, begin, stop)
+    ground = known.group[np.flatnonzero(ready.bodies.fixed)[0]]
     groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
-    return known, (leaves_as_one(ready, who, BOXES) for who in groups if stop is None or not stop.is_set())
+    return known, (leaves_as_one(ready, who, BOXES, stop) for who in groups if stop is None or not stop.is_set())
 
 
-def _nearly(ready: Prepared, ground: int, group: Ints) -> list[Exit]:
+def _walled_in(ready: Prepared, known: Links, stop: Stop | None) -> Links:
+    """Tie what lies inside a frame of several bodies that are tied together and can move but little."""
+    bodies, geometry = ready.bodies, placed(ready.bodies)
+    ground = known.group[np.flatnonzero(bodies.fixed)[0]]
+    frame = np.flatnonzero(known.group == ground)
+    if stop is not None and stop.is_set():
+        return known
+    if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.barred, 0.0, stop)):
+        return known
+    others = np.flatnonzero(known.group[bodies.body_of] != ground)
+    far = furthest(without(ready.assembly, others), FRAME, stop)
+    inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.barred, far, stop)
+    return replace(known, group=np.where(np.isin(known.group, known.group[inside]), ground, known.group))
+
+
+def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> list[Exit]:
     """Sets of bodies that would leave straight if there were a little more room: the first to look at."""
     if len(np.unique(group)) < 3:
         return []
@@ -120,9 +142,9 @@ def _nearly(ready: Prepared, ground: int, group: Ints) -> list[Exit]:
     found: dict[tuple[int, ...], Exit] = {}
     for share in ROOM:
         thinner = share * ready.clearance
-        for e in straight_exits(ready.bodies, rest, ground, ready.barred, ready.size, group, thinner):
+        for e in straight_exits(ready.bodies, rest, ground, ready.barred, ready.size, group, thinner, stop):
             found.setdefault(tuple(e.who.tolist()), e)
-        if len(found) >= MOST_NEARLY:
+        if len(found) >= MOST_NEARLY or (stop is not None and stop.is_set()):
             break
     return list(found.values())[:MOST_NEARLY]
 
@@ -143,8 +165,7 @@ def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
     back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]
     back[:, who] = out[who]
     whole = np.concatenate([way, out[None], back])
-    deepest = max(overlaps(bodies, m, ready.barred).deepest for m in whole)
     none = np.zeros(0, dtype=np.int64)
-    if deepest > SAFE * ready.size:
+    if not audit_path(ready.assembly, of_parts(ready.assembly, bodies, whole)).free:
         return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none, 0)
     return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, 0)

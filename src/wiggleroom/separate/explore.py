@@ -81,6 +81,8 @@ def explore(
         Questions asked at most.
     """
     bodies = ready.bodies
+    if stop is not None and stop.is_set():
+        return Explored(None, None, False, 0)
     near = neighbours(bodies, placed(bodies), REACH * ready.clearance, barred=ready.barred)
     places = [relative_rest(bodies, near.a, near.b)]
     waiting: deque[Answer | None] = deque([None])
@@ -98,7 +100,7 @@ def explore(
                 continue
             open_questions += answer.verdict is Verdict.STOPPED
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
-            found = way_out(ready, ground, group, motions, LOOKS)
+            found = way_out(ready, ground, group, motions, LOOKS, stop)
             if found is not None:
                 return Explored(*found, True, questions)
             place = relative_rest(bodies, near.a, near.b, motions[-1])
@@ -117,12 +119,17 @@ def _ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: S
 
 
 def way_out(
-    ready: Prepared, ground: int, group: Ints, motions: Floats, looks: int | None = None
+    ready: Prepared,
+    ground: int,
+    group: Ints,
+    motions: Floats,
+    looks: int | None = None,
+    stop: Stop | None = None,
 ) -> tuple[Floats, Exit] | None:
     """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its way-points are looked at, or all."""
     last = len(motions) - 1
     for k in np.unique(np.linspace(last, 1, min(looks or last, last)).round().astype(int)):
-        found = straight_exit(ready.bodies, motions[k], ground, ready.barred, ready.size, group)
+        found = straight_exit(ready.bodies, motions[k], ground, ready.barred, ready.size, group, stop)
         if found is not None:
             return motions[: k + 1], found
     return None
@@ -140,7 +147,8 @@ def _questions(ready: Prepared, ground: int, group: Ints, nearly: list[Exit]) ->
     bodies, rest = ready.bodies, ready.bodies.rest
     middle = rest[ground, :2]
     out = rest[:, :2] - middle
-    names = [ready.assembly.names[members[0]] for members in bodies.members]
+    parts = ready.assembly.names
+    names = [parts[members[0]] for members in bodies.members]
     free = np.flatnonzero(~bodies.fixed)
     for e in nearly:
         yield tuple(Pull(names[b], _pair(e.direction), _pair(rest[b, :2]), 1.0 / len(e.who)) for b in e.who)

@@ -13,16 +13,20 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.bound.branch_and_bound import Clock
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.drawing.model import Turn
-from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError
+from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, WiggleroomError
+from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.maximise import witness
-from wiggleroom.search.build_answer import part_motions
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
-from wiggleroom.search.prepare import Prepared, prepare
-from wiggleroom.separate.escape import ONLY, next_stage
+from wiggleroom.search.prepare import Survey, prepare, survey
+from wiggleroom.separate.closed_pairs import enclosed_links
+from wiggleroom.separate.enclosure import enclosed
+from wiggleroom.separate.escape import ONLY, Stage, next_stage
 from wiggleroom.separate.explore import MOST_QUESTIONS
+from wiggleroom.separate.remaining import without
 from wiggleroom.tight.mobility import tight_verdict
 from wiggleroom.verdict import Certainty, Separability, Tightness
 
@@ -34,6 +38,9 @@ LITTLE = 1e-4
 """Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
 BRIEF = 1.0
 """A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
+LEAST = 0.1
+"""The same where a distance is known already and a nearer one is looked for."""
+NOBODY = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +75,7 @@ class Interlock(Drawable):
     spins : tuple of names
         Parts that turn in place without limit.
     remains : tuple of names
-        Parts that are left where nothing more was found to leave.
+        Parts that are left where nothing more was found to leave; none where only what stands is left.
     questions : int
         Largest motions that were searched.
     tight : bool
@@ -98,6 +105,7 @@ def check(
     boxes: int = ONLY,
     questions: int = MOST_QUESTIONS,
     every: bool = True,
+    seconds: float | None = None,
 ) -> Interlock:
     """Whether some parts can be moved without limit away from the others.
 
@@ -115,14 +123,16 @@ def check(
     questions : int
         Largest motions searched at most, each time some parts have left.
     every : bool
-        False: the first parts that leave are enough; what of the others is not asked.
+        False: the first parts that leave are enough; what of the others is not asked, nor what turns in place.
+    seconds : float, optional
+        Time that it may take; then the verdict is what is known so far, as after `stop`.
 
     Raises
     ------
     TouchingError
         If two parts overlap at rest.
     InputError
-        If there is only one body, or all are fixed.
+        If there is only one body, or all are fixed; if `seconds` is not more than 0.
 
     Notes
     -----
@@ -133,10 +143,15 @@ def check(
     --------
     >>> import wiggleroom as wr
     >>> found = wr.check(wr.patterns.chain(3, joint="swallowtail", gap=0.02))
-    >>> found.verdict, found.certainty
+    >>> str(found.verdict), str(found.certainty)
     ('interlocked', 'proven')
     """
     began = time.perf_counter()
+    if seconds is not None:
+        if not 0 < seconds < np.inf:
+            finding = f"seconds {seconds:g}: it must be more than 0"
+            raise InputError(finding)
+        stop = Clock(seconds, stop)
     tell = progress or silent
     left = _standing(assembly)
     names = np.array(assembly.names, dtype=object)
@@ -146,44 +161,53 @@ def check(
     asked = 0
     while True:
         try:
-            ready = prepare(left, stop=stop)
+            ground = survey(left)
+            around = enclosed(ground.bodies, ground.geometry, ground.barred, stop)
+            begin = enclosed_links(ground.bodies.fixed, around)
+            if begin.all_tied:
+                stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NOBODY, None, begin.held, 0)
+                break
+            stage = next_stage(prepare(left, ground=ground, stop=stop), begin, boxes, questions, stop, tell)
         except TouchingError:
             return _tight(assembly, left, stop, progress, boxes, questions, every)
         except StoppedError:
             said: Separability = Separability.COMES_APART if escapes else Separability.UNKNOWN
             sure: Certainty = Certainty.PROVEN if escapes else Certainty.SEARCHED
             return Interlock(assembly, said, sure, tuple(escapes), questions=asked, seconds=time.perf_counter() - began)
-        stage = next_stage(ready, boxes, questions, stop, tell)
         asked += stage.questions
         if stage.way is None:
             break
-        who = np.array([p for b in stage.who for p in ready.bodies.members[b]])
+        who = np.array([p for b in stage.who for p in ground.bodies.members[b]])
         path = np.repeat(far[None], len(stage.way), 0)
-        path[:, alive] = part_motions(left, ready.bodies, stage.way)
+        path[:, alive] = of_parts(left, ground.bodies, stage.way)
         escapes.append(Escape(tuple(names[np.sort(alive[who])]), path))
         far = np.zeros_like(far)
         gone = np.setdiff1d(np.arange(len(names)), np.delete(alive, who))
         far[gone] = path[-1, gone]
         alive = np.delete(alive, who)
-        left = _without(left, who)
+        left = without(left, who)
         if not every:
             break
-        if len({int(b) for b in np.delete(ready.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
-            stage = replace(
-                stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=np.zeros(0, dtype=np.int64)
-            )
+        if len({int(b) for b in np.delete(ground.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
+            stage = replace(stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=NOBODY)
             break
-    spins = _spins(ready, stage.held, stop) if stage.way is None else ()
+    spins = _spins(left, ground, stage.held, stop) if stage.way is None and every else ()
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
-    spent = time.perf_counter() - began
-    at_most = furthest(left, max(spent, BRIEF), stop) if verdict is Separability.INTERLOCKED and every else None
+    at_most = None
+    if verdict is Separability.INTERLOCKED and every:
+        whole = (
+            around.far.max()
+        )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
+        spent = max(time.perf_counter() - began, BRIEF if np.isinf(whole) else LEAST)
+        found = furthest(left, spent, stop)
+        at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
     return Interlock(
         assembly,
         verdict,
         Certainty.PROVEN if escapes or at_most is not None else stage.certainty,
         tuple(escapes),
         spins,
-        tuple(names[alive]) if stage.ended is Separability.INTERLOCKED else (),
+        tuple(names[alive]) if stage.ended is Separability.INTERLOCKED and not all(p.fixed for p in left.parts) else (),
         asked,
         time.perf_counter() - began,
         at_most=at_most,
@@ -215,14 +239,17 @@ def _tight(
     return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)
 
 
-def _spins(ready: Prepared, held: Ints, stop: Stop | None) -> tuple[str, ...]:
+def _spins(assembly: Assembly, ground: Survey, held: Ints, stop: Stop | None) -> tuple[str, ...]:
     """Names of the parts that turn in place without limit."""
-    bodies, names = ready.bodies, ready.assembly.names
-    if not len(held):
+    bodies, names = ground.bodies, assembly.names
+    if not len(held) or (held == held[0]).all():
         return ()
-    ground = int(np.flatnonzero(bodies.fixed)[0])
+    try:
+        ready = prepare(assembly, ground=ground, stop=stop)
+    except WiggleroomError:
+        return ()
     found: set[str] = set()
-    for b in np.flatnonzero(held != held[ground]):
+    for b in np.flatnonzero(held != held[int(np.flatnonzero(bodies.fixed)[0])]):
         name = names[bodies.members[b][0]]
         if name in found or (stop is not None and stop.is_set()):
             continue
@@ -243,19 +270,3 @@ def _standing(assembly: Assembly) -> Assembly:
         finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; draw at least two"
         raise InputError(finding)
     return replace(assembly, parts=parts, drawing=replace(assembly.drawing, parts=parts))
-
-
-def _without(assembly: Assembly, who: Ints) -> Assembly:
-    """The assembly as made, without some of its parts."""
-    parts = tuple(p for k, p in enumerate(assembly.parts) if k not in set(who.tolist()))
-    names = {p.name for p in parts}
-    old = assembly.drawing
-    drawing = replace(
-        old,
-        parts=parts,
-        glue=tuple(g for g in (tuple(n for n in g if n in names) for g in old.glue) if len(g) > 1),
-        ignore=tuple(p for p in old.ignore if set(p) <= names),
-        gaps=(),
-        goals=(),
-    )
-    return Assembly(parts, drawing)

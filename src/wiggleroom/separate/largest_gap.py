@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.errors import InputError, Stop, TouchingError
+from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.loop import Progress
 from wiggleroom.separate.interlock import Interlock, check
 
@@ -43,7 +45,11 @@ class LargestGap:
 
 
 def largest_gap(
-    assembly: Assembly, *, stop: Stop | None = None, progress: Callable[[Progress], None] | None = None
+    assembly: Assembly,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    seconds: float | None = None,
 ) -> LargestGap:
     """The gap of the whole assembly at which it comes apart, to 0.1 %.
 
@@ -56,6 +62,8 @@ def largest_gap(
         Its own gap is where the search begins.
     stop, progress
         As for `check`.
+    seconds : float, optional
+        Time that it may take; then both sides are those that are known so far.
 
     Raises
     ------
@@ -69,26 +77,45 @@ def largest_gap(
     >>> found.holds is None
     True
     """
+    if seconds is not None:
+        if not 0 < seconds < float("inf"):
+            finding = f"seconds {seconds:g}: it must be more than 0"
+            raise InputError(finding)
+        stop = Clock(seconds, stop)
     tried: dict[float, Interlock | None] = {}
 
     def at(gap: float) -> str:
         """The verdict at a gap; "gone" where no parts are left at it, "unknown" where they touch."""
         if gap not in tried:
+            go_on(stop)
             try:
                 made = assemble(assembly.drawing, gap=gap)
             except InputError:
                 tried[gap] = None
                 return "gone"
             try:
-                tried[gap] = check(made, stop=stop, progress=progress, boxes=BOXES, questions=QUESTIONS, every=False)
+                verdict = check(made, stop=stop, progress=progress, boxes=BOXES, questions=QUESTIONS, every=False)
             except TouchingError:
                 return "unknown"
+            if verdict.verdict == "unknown":
+                go_on(stop)  # a check that was cut short says nothing about its gap
+            tried[gap] = verdict
         found = tried[gap]
         return "gone" if found is None else found.verdict
 
     def known(verdict: str) -> list[float]:
         return [g for g in tried if at(g) == verdict]
 
+    with suppress(StoppedError):
+        _bracket(assembly, at, known)
+    holds, parts_at = max(known("interlocked"), default=None), min(known("comes apart"), default=None)
+    return LargestGap(
+        holds, parts_at, None if holds is None else tried[holds], None if parts_at is None else tried[parts_at]
+    )
+
+
+def _bracket(assembly: Assembly, at: Callable[[float], str], known: Callable[[str], list[float]]) -> None:
+    """Try gaps until one that interlocks and one that does not are near each other, or none interlocks."""
     begin = assembly.gap or START * assembly.size
     low: float | None = begin if assembly.gap or at(0.0) != "interlocked" else 0.0
     while low and at(low) != "interlocked":
@@ -99,11 +126,8 @@ def largest_gap(
             high *= 2
         _narrow(at, low, high, ENDED)
         low = max(known("interlocked"))
-        _narrow(at, low, min(g for g in tried if g > low), {*ENDED, "unknown"})
-    holds, parts_at = max(known("interlocked"), default=None), min(known("comes apart"), default=None)
-    return LargestGap(
-        holds, parts_at, None if holds is None else tried[holds], None if parts_at is None else tried[parts_at]
-    )
+        above = [g for bad in (*ENDED, "unknown") for g in known(bad) if g > low]
+        _narrow(at, low, min(above), {*ENDED, "unknown"})
 
 
 def _narrow(at: Callable[[float], str], low: float, high: float, bad: set[str]) -> None:

@@ -8,10 +8,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.audit.outlines import outlines
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import passage
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.rigid_motions import about
-from wiggleroom.search.path_check import strangers
+from wiggleroom.geometry.rigid_motions import about, of_parts
 from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
@@ -41,7 +43,7 @@ class Rigid:
     way: Floats | None
 
 
-def leaves_as_one(ready: Prepared, who: Ints, most: int) -> Rigid:
+def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = None) -> Rigid:
     """Look for a way on which the bodies `who` leave as one, the others staying where they are.
 
     Parameters
@@ -50,6 +52,8 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int) -> Rigid:
     who : (k,) int64
     most : int
         Boxes judged at most.
+    stop : optional
+        Asked now and then.
     """
     bodies, n = ready.bodies, len(ready.bodies.fixed)
     geometry = placed(bodies)
@@ -57,15 +61,15 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int) -> Rigid:
     a, b = ready.barred // n, ready.barred % n
     if (np.isin(a, who) != np.isin(b, who)).any():  # pairs that pass through each other are not one solid
         return Rigid(False, False, None)
-    found = passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most)
+    found = passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most, stop=stop)
     if found.way is None:
         return Rigid(found.held, found.closed, None)
     points = _finer(found.way)
-    nobody = np.zeros(0, dtype=np.int64)
+    parts = outlines(ready.assembly)
     for _ in range(MOST_HALVINGS):
         motions = np.zeros((len(points), n, 3))
         motions[:, who] = about(np.repeat(points[:, None], len(who), 1), bodies.rest[who, :2] - found.pivot)
-        if not len(strangers(bodies, ready.arm, motions, nobody, ready.barred)[0]):
+        if audit_path(parts, of_parts(ready.assembly, bodies, motions)).free:
             return Rigid(False, False, motions)
         points = np.insert(points, np.arange(1, len(points)), (points[1:] + points[:-1]) / 2, axis=0)
     return Rigid(False, False, None)

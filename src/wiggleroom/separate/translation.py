@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.slices import edges_of
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import placed
@@ -39,14 +40,29 @@ class Exit:
     direction: Floats
 
 
-def straight_exit(bodies: Bodies, motion: Floats, ground: int, barred: Ints, size: float, group: Ints) -> Exit | None:
+def straight_exit(
+    bodies: Bodies,
+    motion: Floats,
+    ground: int,
+    barred: Ints,
+    size: float,
+    group: Ints,
+    stop: Stop | None = None,
+) -> Exit | None:
     """The smallest set of bodies that leaves straight from where all are now, or None; parameters as for `straight_exits`."""
-    found = straight_exits(bodies, motion, ground, barred, size, group)
+    found = straight_exits(bodies, motion, ground, barred, size, group, stop=stop)
     return min(found, key=lambda e: len(e.who), default=None)
 
 
 def straight_exits(
-    bodies: Bodies, motion: Floats, ground: int, barred: Ints, size: float, group: Ints, thinner: float = 0.0
+    bodies: Bodies,
+    motion: Floats,
+    ground: int,
+    barred: Ints,
+    size: float,
+    group: Ints,
+    thinner: float = 0.0,
+    stop: Stop | None = None,
 ) -> list[Exit]:
     """Sets of bodies that leave straight from where all are now, the smallest one of every direction.
 
@@ -65,6 +81,8 @@ def straight_exits(
         Bodies of the same number are known not to leave each other.
     thinner : float [mm]
         As if every outline lay further inward by this: who would leave if there were a little more room.
+    stop : optional
+        Asked before every direction; then those found so far are given.
     """
     n = len(bodies.fixed)
     geometry = placed(bodies, motion)
@@ -77,6 +95,8 @@ def straight_exits(
     groups = int(group.max()) + 1
     found: list[Exit] = []
     for d in _directions(edges):
+        if stop is not None and stop.is_set():
+            break
         turned = _upwards(edges, first, d)
         boxes = _boxes(turned, first)
         done = np.zeros((n, n), dtype=np.bool_)

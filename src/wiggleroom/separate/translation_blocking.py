@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import INNER, OPTIONS
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def blocked(edges, top, b0, b1, a0, a1, unit):
     """True where an edge of b lies behind one of a on the same line along x, by more than `unit` both ways."""
     for i in range(b0, b1):

@@ -13,7 +13,7 @@ from wiggleroom.program.nonlinear_program import Pattern
 
 Floats = NDArray[np.float64]
 
-SMALL, LARGE = 1000, 3000
+MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
 """Up to so many rows one column at a time is the quickest, and from so many on nested dissection and threads pay."""
 
 
@@ -29,7 +29,7 @@ class Factor(Protocol):
 
 def factor(pattern: Pattern) -> Factor:
     """The fastest factorisation that is installed: rslab (extra `fast`) for more than a few hundred bodies, else qdldl."""
-    if len(pattern.indptr) <= SMALL:
+    if len(pattern.indptr) <= MAX_SIMPLICIAL_ROWS:
         return Plain(pattern)
     try:
         return Supernodal(pattern)
@@ -81,9 +81,9 @@ class Supernodal:
         lower.sort_indices()
         self._order = lower.data.astype(np.int64)  # where each entry of the lower triangle stands in the upper one
         self._diagonal = pattern.diagonal_at[:, [0, 2, 5]].ravel()
-        ordering = "metis" if n > LARGE else "amd"
+        ordering = "metis" if n > MIN_DISSECTION_ROWS else "amd"
         self._symbolic = rslab.analyze(
-            lower, path="ldlt", ordering=ordering, threads=min(4, os.cpu_count() or 1) if n > LARGE else 1
+            lower, path="ldlt", ordering=ordering, threads=min(4, os.cpu_count() or 1) if n > MIN_DISSECTION_ROWS else 1
         )
         self._factor: Any = None
         self._size = n

@@ -1,7 +1,7 @@
 """Primal-dual interior-point method on the condensed system: the default solver.
 
 Slacks and multipliers are eliminated, so one symmetric 3F x 3F matrix with the sparsity of the neighbour graph is factorised per
-iteration. Mehrotra's predictor and corrector choose the centring; steps are taken along `Retraction`, which keeps long assemblies legal
+iteration. Mehrotra's predictor and corrector choose the centring; steps are taken along `Retraction`, which keeps long assemblies feasible
 while they turn.
 """
 
@@ -16,47 +16,80 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.retraction import Retraction
-from wiggleroom.solve.factorisation import LARGE, Factor, factor
-from wiggleroom.solve.monotone_barrier import Careful
-from wiggleroom.solve.newton_step import TINY_SHIFT, State, dot, longest, newton
-from wiggleroom.solve.saddle_escape import beside, uphill
+from wiggleroom.solve.factorisation import MIN_DISSECTION_ROWS, Factor, factor
+from wiggleroom.solve.monotone_barrier import MonotoneBarrier
+from wiggleroom.solve.newton_step import MIN_SHIFT, Iterate, dot, max_step, newton
+from wiggleroom.solve.saddle_escape import ascent_direction, perturbed_start
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 
-FRACTION = 0.99
-"""Share of the way to the nearest wall that a step may use."""
-CORRECTION = 10.0
-"""Mehrotra's second-order term is held within this multiple of mu; larger ones come from steps too long to trust."""
-SHORT = 0.05
-"""A step shorter than this is tried again with a stronger diagonal."""
-FIRST_MU = 0.1
-INNER = 3e-2
-"""The next program starts at the last legal iterate whose complementarity was still this share of the objective."""
-LEAST_SLACK = 1e-14
-FIRST_SLACK = 1e-3
-"""Slacks begin no smaller: a wall right beside the start would else block every step away from the others."""
-LONGEST = 0.1
-"""Share of the horizon that a body may move in one iteration."""
-HOME = 0.01
-"""Share of the tolerance that may be given up to stay near rest."""
-UNHELD = 0.3
-"""Share of what forces out of balance would bring, were the round's motion made again, that must not fall behind complementarity."""
-EARLY = 0.05
-"""As long as they would bring more than this share of the objective."""
-BALANCED = 1e-3
-"""Share of the largest derivative of the objective that the forces on a body may be out of balance at the end."""
-LEAST_ITERATIONS, MOST_ITERATIONS, MOST_CAREFUL = 3, 100, 200
-SHARED, ROUGH = 3, 1e-3
-"""So many of the last steps share a factorisation in large programs, where the tolerance is coarser than this."""
-MOST_RIDGES = 2
-"""So often the search goes on beside a point that balances on a ridge."""
-PATIENCE = 30
-"""After so many iterations that do not make the error less, the quick steps have failed."""
-EXACT = 1e-12
+INITIAL_BARRIER = 0.1
+"""Complementarity to begin with, as a share of the objective's largest derivative."""
+WARM_START_GAP = 3e-2
+"""The next program starts at the last feasible iterate whose complementarity was still this share of the objective."""
+SLACK_TOLERANCE = 1e-12
 """Slacks that are right to this share of `program.length` are exact."""
-FREE = 1e-3
-"""A diagonal strengthened by more than this keeps steps short."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Parameters of the method.
+
+    Parameters
+    ----------
+    fraction_to_boundary : float in (0, 1)
+        Share of the step to the nearest bound that is taken; nearer to 1 is quicker and less safe.
+    max_correction : float > 1
+        Mehrotra's second-order term is kept within this multiple of mu; larger ones come from steps too long to trust.
+    min_step_length : float in (0, 1)
+        A shorter step is tried again with a stronger diagonal.
+    min_slack : float > 0 [program.length]
+        Slacks never become smaller: their reciprocals stay finite.
+    initial_slack : float > 0 [program.length]
+        Slacks begin no smaller: a wall right beside the start would block every step away from the others.
+    max_step_share : float in (0, 1)
+        Share of the horizon that a body may move in one iteration.
+    proximal_share : float in (0, 1)
+        Share of the tolerance that may be given up to stay near rest, so that bodies that nothing holds do not drift.
+    dual_error_ratio, dual_error_floor : float in (0, 1)
+        Bound on dual residual times displacement since the start, relative to the duality gap; it counts where it exceeds the floor, a
+        share of the objective.
+    dual_tolerance : float in (0, 1)
+        Largest dual residual at the end, as a share of the objective's largest derivative.
+    min_iterations, max_iterations, max_monotone_iterations : int
+        Of the predictor-corrector method, and of the monotone barrier method that takes over where it fails.
+    max_stalled_iterations : int
+        After so many iterations that do not reduce the error the predictor-corrector method has failed.
+    refactorisation_interval, reuse_tolerance : int, float
+        So many of the last steps share a factorisation in large programs, where the tolerance is coarser than this.
+    max_saddle_escapes : int
+        Most escapes from saddle points, where the first-order conditions hold but the objective curves upwards.
+    max_free_shift : float > 0
+        A diagonal strengthened by more than this keeps steps short; then longer ones are tried.
+    """
+
+    fraction_to_boundary: float = 0.99
+    max_correction: float = 10.0
+    min_step_length: float = 0.05
+    min_slack: float = 1e-14
+    initial_slack: float = 1e-3
+    max_step_share: float = 0.1
+    proximal_share: float = 0.01
+    dual_error_ratio: float = 0.3
+    dual_error_floor: float = 0.05
+    dual_tolerance: float = 1e-3
+    min_iterations: int = 3
+    max_iterations: int = 100
+    max_monotone_iterations: int = 200
+    max_stalled_iterations: int = 30
+    refactorisation_interval: int = 3
+    reuse_tolerance: float = 1e-3
+    max_saddle_escapes: int = 2
+    max_free_shift: float = 1e-3
+
+
+SETTINGS = Settings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,11 +143,11 @@ def solve(
     program: Program,
     start: Floats | None = None,
     *,
-    mu: float = FIRST_MU,
+    mu: float = INITIAL_BARRIER,
     tolerance: float = 1e-6,
     horizon: float = np.inf,
     enough: float = np.inf,
-    exact: float = EXACT,
+    exact: float = SLACK_TOLERANCE,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> Solution:
@@ -145,40 +178,54 @@ def solve(
     begin = np.zeros(len(program.scale)) if start is None else start.copy()
     matrix, retraction = factor(program.pattern), Retraction(program)
     unit = float(np.abs(program.linearise(begin).gradient).max()) or 1.0
-    farthest = LONGEST * horizon / program.length
-    watch = _Watch(tolerance, horizon, enough, stop, progress, begin, mu)
+    farthest = SETTINGS.max_step_share * horizon / program.length
+    watch = _Monitor(tolerance, horizon, enough, stop, progress, begin, mu)
 
-    def at_start(u: Floats, mu: float, least: float) -> State:
+    def at_start(u: Floats, mu: float, least: float) -> Iterate:
         at = program.linearise(u)
         s = np.maximum(at.h, least)
-        return State(u, s, mu / s, at, unit, np.zeros_like(u), HOME * tolerance)
+        return Iterate(u, s, mu / s, at, unit, np.zeros_like(u), SETTINGS.proximal_share * tolerance)
 
-    def quick(state: State, primal: Floats, dual: Floats, least: float) -> bool:
-        step = _step(state, matrix, retraction, primal, dual, watch.mu, watch.lag, least)
+    def predictor_corrector(state: Iterate, primal: Floats, dual: Floats, least: float) -> bool:
+        step = _step(state, matrix, retraction, primal, dual, watch.mu, watch.infeasibility_ratio, least)
         if step is not None:
-            _advance(state, step.capped(farthest), retraction)
+            _take_step(state, step.capped(farthest), retraction)
         return step is not None
 
-    for ridges in range(MOST_RIDGES + 1):
-        state = at_start(begin, mu, FIRST_SLACK)
-        status = watch.follow(state, quick, MOST_ITERATIONS)
-        if status is SolverStatus.FAILED and watch.legal is not None:
-            state = at_start(*watch.legal, 0.0)
-            status = watch.follow(state, Careful(matrix, retraction, watch.legal[1], farthest).advance, MOST_CAREFUL)
-        up = uphill(state, matrix, tolerance) if status is SolverStatus.CONVERGED and ridges < MOST_RIDGES else None
+    for escapes in range(SETTINGS.max_saddle_escapes + 1):
+        state = at_start(begin, mu, SETTINGS.initial_slack)
+        status = watch.follow(state, predictor_corrector, SETTINGS.max_iterations)
+        if status is SolverStatus.FAILED and watch.feasible is not None:
+            state = at_start(*watch.feasible, 0.0)
+            status = watch.follow(
+                state,
+                MonotoneBarrier(matrix, retraction, watch.feasible[1], farthest).advance,
+                SETTINGS.max_monotone_iterations,
+            )
+        up = (
+            ascent_direction(state, matrix, tolerance)
+            if status is SolverStatus.CONVERGED and escapes < SETTINGS.max_saddle_escapes
+            else None
+        )
         if up is None:
             break
-        begin, mu = beside(program, watch.inner[0], up), watch.inner[1]
-        watch.back_to_inner()
-    shared = SHARED if tolerance > ROUGH and len(begin) > LARGE else 1
-    settled = _settle(state, matrix, retraction, shared, exact) if status is SolverStatus.CONVERGED else state
-    inner = watch.legal if status is SolverStatus.FAILED and watch.legal else watch.inner
+        begin, mu = perturbed_start(program, watch.inner[0], up), watch.inner[1]
+        watch.rewind_to_inner()
+    shared = (
+        SETTINGS.refactorisation_interval
+        if tolerance > SETTINGS.reuse_tolerance and len(begin) > MIN_DISSECTION_ROWS
+        else 1
+    )
+    settled = (
+        _restore_feasibility(state, matrix, retraction, shared, exact) if status is SolverStatus.CONVERGED else state
+    )
+    inner = watch.feasible if status is SolverStatus.FAILED and watch.feasible else watch.inner
     return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
 
 
 @dataclass(eq=False)
-class _Watch:
-    """Looks at every iterate: whether to go on, and what to remember."""
+class _Monitor:
+    """Convergence tests at every iterate, and what the next program needs to start from."""
 
     tolerance: float
     horizon: float
@@ -190,8 +237,8 @@ class _Watch:
     iterations: int = 0
     error: float = np.inf
     mu: float = 0.0
-    lag: float = 0.0
-    legal: tuple[Floats, float] | None = None
+    infeasibility_ratio: float = 0.0
+    feasible: tuple[Floats, float] | None = None
     way: list[Floats] = field(default_factory=list)
     inner: tuple[Floats, float] = field(init=False)
 
@@ -199,12 +246,14 @@ class _Watch:
         """Begin with the start as the inner point."""
         self.inner = self.begin, self.first_mu
 
-    def back_to_inner(self) -> None:
-        """Forget the way past the inner point."""
+    def rewind_to_inner(self) -> None:
+        """Forget the iterates past the inner point."""
         last = next((k for k, u in enumerate(self.way) if u is self.inner[0]), -1)
         del self.way[last + 1 :]
 
-    def follow(self, state: State, advance: Callable[[State, Floats, Floats, float], bool], most: int) -> SolverStatus:
+    def follow(
+        self, state: Iterate, advance: Callable[[Iterate, Floats, Floats, float], bool], most: int
+    ) -> SolverStatus:
         """Advance the state until it is converged, stopped or escaping, or until that fails."""
         before, best, since = np.inf, np.inf, 0
         for k in range(most + 1):
@@ -214,14 +263,14 @@ class _Watch:
                 return status
             best, since = (self.error, 0) if self.error < 0.9 * best else (best, since + 1)
             target = 0.2 * self.tolerance * max(abs(value), 1.0) / max(len(primal), 1)
-            if k == most or since > PATIENCE or not advance(state, primal, dual, target):
+            if k == most or since > SETTINGS.max_stalled_iterations or not advance(state, primal, dual, target):
                 break
             before = value
             self.iterations += 1
         return SolverStatus.FAILED
 
     def _judge(
-        self, state: State, primal: Floats, dual: Floats, gap: float, value: float, before: float, k: int
+        self, state: Iterate, primal: Floats, dual: Floats, gap: float, value: float, before: float, k: int
     ) -> SolverStatus | None:
         """Measure an iterate; the status to end with, or nothing."""
         if self.progress is not None:
@@ -229,23 +278,27 @@ class _Watch:
         self.mu = gap / max(len(primal), 1)
         infeasible = dot(state.lam, np.abs(primal))
         wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
-        unheld = dot(np.abs(dual), np.abs(state.u - self.begin))
-        far_off = UNHELD * unheld if unheld > EARLY * max(abs(value), 1.0) else 0.0
-        self.lag = max(infeasible, wrong, far_off) / gap if gap > 0 else 0.0
+        dual_displacement = dot(np.abs(dual), np.abs(state.u - self.begin))
+        dual_error = (
+            SETTINGS.dual_error_ratio * dual_displacement
+            if dual_displacement > SETTINGS.dual_error_floor * max(abs(value), 1.0)
+            else 0.0
+        )
+        self.infeasibility_ratio = max(infeasible, wrong, dual_error) / gap if gap > 0 else 0.0
         self.error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:
-            self.legal = state.u, self.mu
+            self.feasible = state.u, self.mu
             self.way.append(state.u)
-            if k == 0 or gap > INNER * max(abs(value), 1.0):
+            if k == 0 or gap > WARM_START_GAP * max(abs(value), 1.0):
                 self.inner = state.u, self.mu
             if state.at.value >= self.enough:
                 return SolverStatus.ENOUGH
         if (
-            k >= LEAST_ITERATIONS
+            k >= SETTINGS.min_iterations
             and self.error < self.tolerance
-            and unheld < np.sqrt(self.tolerance) * max(abs(value), 1.0)
-            and np.abs(dual).max() < max(10 * self.tolerance, BALANCED)
+            and dual_displacement < np.sqrt(self.tolerance) * max(abs(value), 1.0)
+            and np.abs(dual).max() < max(10 * self.tolerance, SETTINGS.dual_tolerance)
         ):
             return SolverStatus.CONVERGED
         if self.stop is not None and self.stop.is_set():
@@ -257,46 +310,57 @@ class _Watch:
 
 
 def _step(
-    state: State,
+    state: Iterate,
     matrix: Factor,
     retraction: Retraction,
     primal: Floats,
     dual: Floats,
     mu: float,
-    lag: float,
+    infeasibility_ratio: float,
     least: float,
 ) -> _Step | None:
-    """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not a stub."""
+    """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not too short."""
     s, lam, at = state.s, state.lam, state.at
     data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
-    shift = TINY_SHIFT if state.shift <= 1e-8 else state.shift / 5
+    shift = MIN_SHIFT if state.shift <= 1e-8 else state.shift / 5
     found = None
     for attempt in range(16):
-        if not matrix.update(data, shift + state.pull_home):
+        if not matrix.update(data, shift + state.proximal_weight):
             shift = max(10 * shift, 1e-5)
             continue
         _, ds, dl = newton(state, matrix, primal, dual, -s * lam)
-        after = dot(s + longest(s, ds) * ds, lam + longest(lam, dl) * dl) / max(len(s), 1)
+        after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
         centring = (after / mu) ** 3 if mu > 0 else 0.0
-        if lag > 0.3:  # feasibility must not fall behind complementarity
-            centring = max(centring, min(10.0, lag))
-        goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)
+        if infeasibility_ratio > 0.3:  # feasibility must not fall behind complementarity
+            centring = max(centring, min(10.0, infeasibility_ratio))
+        goal = (
+            max(centring * mu, least)
+            - s * lam
+            - np.clip(ds * dl, -SETTINGS.max_correction * mu, SETTINGS.max_correction * mu)
+        )
         du, ds, dl = newton(state, matrix, primal, dual, goal)
-        far, dfar = longest(s, ds), longest(lam, dl)
-        found = _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift)
-        if found.primal > SHORT or attempt >= 5:
+        far, dfar = max_step(s, ds), max_step(lam, dl)
+        found = _Step(
+            du,
+            ds,
+            dl,
+            SETTINGS.fraction_to_boundary * far if far < 1 else 1.0,
+            SETTINGS.fraction_to_boundary * dfar if dfar < 1 else 1.0,
+            shift,
+        )
+        if found.primal > SETTINGS.min_step_length or attempt >= 5:
             break
         shift = max(10 * shift, 1e-6)
     return found
 
 
-def _advance(state: State, step: _Step, retraction: Retraction) -> None:
-    """Take the step; halve it while the true rows fall behind the foreseen ones by more than half the complementarity."""
+def _take_step(state: Iterate, step: _Step, retraction: Retraction) -> None:
+    """Take the step; halve it while the infeasibility grows beyond half the complementarity."""
     lam = state.lam + step.dual * step.lam
     share = step.primal
     before = dot(state.lam, np.abs(state.s - state.at.h))
-    # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so stride out
-    state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > FREE else 1.0
+    # full steps in a row that a strengthened diagonal keeps short: nothing is in the way, so try longer ones
+    state.stride = min(4 * state.stride, 4096.0) if step.primal == 1.0 and step.shift > SETTINGS.max_free_shift else 1.0
     if state.stride > 4.0:
         u = retraction.step(state.u, state.stride * step.u, state.at)
         at = state.at.program.linearise(u)
@@ -308,7 +372,7 @@ def _advance(state: State, step: _Step, retraction: Retraction) -> None:
     for _ in range(6):
         u = retraction.step(state.u, share * step.u, state.at)
         at = state.at.program.linearise(u)
-        s = np.maximum(np.maximum(state.s + share * step.s, at.h), LEAST_SLACK)
+        s = np.maximum(np.maximum(state.s + share * step.s, at.h), SETTINGS.min_slack)
         if dot(lam, s - at.h) <= max(0.5 * dot(s, lam), 2.0 * before):
             break
         share /= 2
@@ -316,8 +380,8 @@ def _advance(state: State, step: _Step, retraction: Retraction) -> None:
     state.u, state.s, state.lam, state.at = u, s, lam, at
 
 
-def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int, exact: float) -> State:
-    """A few short centred steps that remove what is left of the violation; bodies that nothing holds stay where they are.
+def _restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, shared: int, exact: float) -> Iterate:
+    """A few centred steps that remove the remaining infeasibility; bodies that nothing holds stay where they are.
 
     Each factorisation serves `shared` steps.
     """
@@ -326,7 +390,7 @@ def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int, e
     for k in range(6):
         primal, dual, _, _ = state.residuals()
         wrong = np.abs(primal).max(initial=0.0)
-        if wrong < EXACT or (wrong < exact and state.at.h.min(initial=np.inf) > 0):
+        if wrong < SLACK_TOLERANCE or (wrong < exact and state.at.h.min(initial=np.inf) > 0):
             break
         if k % shared == 0:  # the rows are met to first order whatever matrix the step comes from
             share = state.lam / state.s
@@ -335,10 +399,17 @@ def _settle(state: State, matrix: Factor, retraction: Retraction, shared: int, e
             while not matrix.update(data, shift):
                 shift *= 10
         du, ds, dl = newton(state, matrix, primal, dual, mu - state.s * state.lam)
-        far, dfar = longest(state.s, ds), longest(state.lam, dl)
-        _advance(
+        far, dfar = max_step(state.s, ds), max_step(state.lam, dl)
+        _take_step(
             state,
-            _Step(du, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift),
+            _Step(
+                du,
+                ds,
+                dl,
+                SETTINGS.fraction_to_boundary * far if far < 1 else 1.0,
+                SETTINGS.fraction_to_boundary * dfar if dfar < 1 else 1.0,
+                shift,
+            ),
             retraction,
         )
     return state

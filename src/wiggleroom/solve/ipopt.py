@@ -20,22 +20,22 @@ from wiggleroom.errors import InputError, Stop, see_extra
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
-from wiggleroom.solve.interior_point import FIRST_MU, INNER, Solution
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, WARM_START_GAP, Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SHARPER = 1e-2
+TOLERANCE_SHARE = 1e-2
 """IPOPT bounds each complementarity, ours their sum: its tolerance is this share of ours."""
-MOST_ITERATIONS = 1000
+MAX_ITERATIONS = 1000
 
 
 def solve(
     program: Program,
     start: Floats | None = None,
     *,
-    mu: float = FIRST_MU,
+    mu: float = INITIAL_BARRIER,
     tolerance: float = 1e-6,
     horizon: float = np.inf,
     stop: Stop | None = None,
@@ -79,7 +79,7 @@ def solve(
     u = np.zeros(len(program.scale)) if start is None else start
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
-    watch = _Watch(program, unit, u, horizon, stop, progress)
+    watch = _Monitor(program, unit, u, horizon, stop, progress)
     variables, value, rows = _expressions(casadi, program)
     nlp = {"x": variables, "f": -value / unit, "g": rows}
     listener = _listener(casadi, watch)
@@ -107,7 +107,7 @@ def _casadi() -> Any:
 
 def described() -> str:
     """The linear solver and the options that IPOPT is given, for whoever quotes its times."""
-    options = {k.removeprefix("ipopt."): v for k, v in _options(None, FIRST_MU, 1e-6).items() if k.startswith("ipopt.")}
+    options = {k.removeprefix("ipopt."): v for k, v in _options(None, INITIAL_BARRIER, 1e-6).items() if k.startswith("ipopt.")}
     told = ("linear_solver", "nlp_scaling_method", "tol", "acceptable_tol", "mu_init", "bound_relax_factor", "max_iter")
     return "through CasADi, exact derivatives; " + ", ".join(f"{name} {options[name]}" for name in told)
 
@@ -123,9 +123,9 @@ def _options(listener: object | None, mu: float, tolerance: float) -> dict[str, 
         "ipopt.linear_solver": "mumps",
         "ipopt.nlp_scaling_method": "none",
         "ipopt.bound_relax_factor": 0.0,
-        "ipopt.tol": SHARPER * tolerance,
-        "ipopt.acceptable_tol": 10 * SHARPER * tolerance,
-        "ipopt.max_iter": MOST_ITERATIONS,
+        "ipopt.tol": TOLERANCE_SHARE * tolerance,
+        "ipopt.acceptable_tol": 10 * TOLERANCE_SHARE * tolerance,
+        "ipopt.max_iter": MAX_ITERATIONS,
         "ipopt.mu_init": mu,
         "ipopt.warm_start_init_point": "yes",
         **{f"ipopt.warm_start_{k}": v for k, v in push.items()},
@@ -207,7 +207,7 @@ def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:
 
 
 @dataclass(eq=False)
-class _Watch:
+class _Monitor:
     """What is kept from the iterations, and the reasons to end them."""
 
     program: Program
@@ -221,7 +221,7 @@ class _Watch:
     error: BaseException | None = None
     lam: Floats = field(init=False)
     inner: Floats = field(init=False)
-    inner_mu: float = FIRST_MU
+    inner_mu: float = INITIAL_BARRIER
     way: list[Floats] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -237,7 +237,7 @@ class _Watch:
         inside = h.min(initial=np.inf) > 0
         if inside:
             self.way.append(u)
-            if len(self.way) == 1 or h @ lam > INNER * max(abs(value), 1.0):
+            if len(self.way) == 1 or h @ lam > WARM_START_GAP * max(abs(value), 1.0):
                 self.inner, self.inner_mu = u, float(h @ lam) / max(len(h), 1)
         if self.stop is not None and self.stop.is_set():
             self.status = SolverStatus.STOPPED
@@ -246,7 +246,7 @@ class _Watch:
         return self.status is None
 
 
-def _listener(casadi: Any, watch: _Watch) -> object:
+def _listener(casadi: Any, watch: _Monitor) -> object:
     """CasADi's iteration callback, which hands every iterate to `watch`."""
     sizes = {"x": len(watch.program.scale), "f": 1, "g": watch.program.rows}
     sizes |= {"lam_x": sizes["x"], "lam_g": sizes["g"], "lam_p": 0}

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-SHARP = 1e-9
+LP_TOLERANCE = 1e-9
 """Tolerance, absolute and relative."""
-MOST_ITERATIONS = 120
+MAX_ITERATIONS = 120
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,8 +63,8 @@ def _piqp(cost: Floats, rows: sp.csr_matrix, least: Floats, bound: Floats) -> Li
 
     n = len(cost)
     solver: Any = piqp.SparseSolver()
-    solver.settings.eps_abs = solver.settings.eps_rel = SHARP
-    solver.settings.max_iter = MOST_ITERATIONS
+    solver.settings.eps_abs = solver.settings.eps_rel = LP_TOLERANCE
+    solver.settings.max_iter = MAX_ITERATIONS
     zero = sp.csc_matrix((n, n))
     solver.setup(zero, -cost, None, None, sp.csc_matrix(rows), least, None, -bound, bound)
     status = solver.solve()

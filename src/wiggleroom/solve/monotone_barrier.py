@@ -1,10 +1,12 @@
-"""The slow and certain way: every iterate is legal, and every step makes the barrier function smaller.
+"""The slow and certain way: every iterate is feasible, and every step makes the barrier function smaller.
 
 Quick steps let slacks fall behind the true rows and catch up later. Where that goes round in circles, or a body flies off into the open
-and leaves the rows behind, this takes over from the last legal point.
+and leaves the rows behind, this takes over from the last feasible point.
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,28 +14,50 @@ from numpy.typing import NDArray
 from wiggleroom.program.nonlinear_program import Linearised
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.newton_step import TINY_SHIFT, State, dot, longest, newton
+from wiggleroom.solve.newton_step import MIN_SHIFT, Iterate, dot, max_step, newton
 
 Floats = NDArray[np.float64]
 
-FRACTION = 0.995
-"""Share of the way to the nearest wall that a step may use."""
-LESS = 0.2
-"""mu becomes this share of itself when the problem at one mu is solved."""
-SOLVED = 10.0
-"""A problem is solved when its residual is below this multiple of mu."""
-DOWNHILL = 1e-4
-"""Share of the foreseen descent that a step must bring."""
-APART = 1e8
-"""A multiplier may differ from mu / slack by this factor."""
-MOST_HALVINGS = 40
-LONGEST_STRIDE = 1024.0
-FREE = 1e-3
-"""A diagonal strengthened by more than this keeps steps short; then longer ones are tried."""
+
+@dataclass(frozen=True)
+class BarrierSettings:
+    """Parameters of the method.
+
+    Parameters
+    ----------
+    fraction_to_boundary : float in (0, 1)
+        Share of the step to the nearest bound that is taken.
+    barrier_reduction : float in (0, 1)
+        mu becomes this share of itself when the subproblem at one mu is solved.
+    subproblem_tolerance : float > 1
+        A subproblem is solved when its residual is below this multiple of mu.
+    armijo_share : float in (0, 1)
+        Share of the predicted decrease that a step must bring.
+    max_multiplier_ratio : float > 1
+        A multiplier may differ from mu / slack by this factor.
+    max_backtracks : int
+        Halvings of one step.
+    max_extension : float > 1
+        Longest multiple of a step that is tried where a strengthened diagonal keeps it short.
+    max_free_shift : float > 0
+        A diagonal strengthened by more than this keeps steps short.
+    """
+
+    fraction_to_boundary: float = 0.995
+    barrier_reduction: float = 0.2
+    subproblem_tolerance: float = 10.0
+    armijo_share: float = 1e-4
+    max_multiplier_ratio: float = 1e8
+    max_backtracks: int = 40
+    max_extension: float = 1024.0
+    max_free_shift: float = 1e-3
 
 
-class Careful:
-    """Steps from a legal state to another one, with a mu that only falls.
+SETTINGS = BarrierSettings()
+
+
+class MonotoneBarrier:
+    """Steps from a feasible state to another one, with a mu that only falls.
 
     Parameters
     ----------
@@ -49,53 +73,58 @@ class Careful:
 
     def __init__(self, matrix: Factor, retraction: Retraction, mu: float, farthest: float) -> None:
         self._matrix, self._retraction, self._mu, self._farthest = matrix, retraction, mu, farthest
-        self._shift = TINY_SHIFT
+        self._shift = MIN_SHIFT
 
-    def advance(self, state: State, primal: Floats, dual: Floats, least: float) -> bool:
+    def advance(self, state: Iterate, primal: Floats, dual: Floats, least: float) -> bool:
         """Improve the state by one step; False where nothing does. mu stays above `least`."""
         s, lam, at = state.s, state.lam, state.at
         wrong = float(np.abs(dual).max(initial=0.0))
-        while self._mu > least and max(wrong, np.abs(s * lam - self._mu).max(initial=0.0)) < SOLVED * self._mu:
-            self._mu = max(LESS * self._mu, least)
+        while (
+            self._mu > least
+            and max(wrong, np.abs(s * lam - self._mu).max(initial=0.0)) < SETTINGS.subproblem_tolerance * self._mu
+        ):
+            self._mu = max(SETTINGS.barrier_reduction * self._mu, least)
         mu, shift = self._mu, self._shift
         data = at.condensed(lam / s, lam, self._retraction.balance(dual, at), 1.0 / state.unit)
-        while not self._matrix.update(data, shift + state.pull_home):
+        while not self._matrix.update(data, shift + state.proximal_weight):
             shift = max(8 * shift, 1e-5)
         du, ds, dlam = newton(state, self._matrix, primal, dual, mu - s * lam)
         far = float(np.abs(du).max(initial=0.0))
-        share = min(_to_the_wall(s, ds), 1.0, self._farthest / far if far > 0 else 1.0)
-        if not _descend(state, self._retraction, du, share, mu, strides=shift > FREE):
+        share = min(_step_to_boundary(s, ds), 1.0, self._farthest / far if far > 0 else 1.0)
+        if not _line_search(state, self._retraction, du, share, mu, strides=shift > SETTINGS.max_free_shift):
             return False
-        reach = longest(lam, dlam)
-        lam = lam + (FRACTION * reach if reach < 1 else 1.0) * dlam
-        state.lam = np.clip(lam, mu / (APART * state.s), APART * mu / state.s)
+        reach = max_step(lam, dlam)
+        lam = lam + (SETTINGS.fraction_to_boundary * reach if reach < 1 else 1.0) * dlam
+        state.lam = np.clip(
+            lam, mu / (SETTINGS.max_multiplier_ratio * state.s), SETTINGS.max_multiplier_ratio * mu / state.s
+        )
         state.move = du
-        self._shift = TINY_SHIFT if shift <= 1e-8 else shift / 3
+        self._shift = MIN_SHIFT if shift <= 1e-8 else shift / 3
         return True
 
 
-def _to_the_wall(s: Floats, ds: Floats) -> float:
-    """Share of a step that uses up FRACTION of the room to the nearest wall, as the rows' derivatives foresee it."""
+def _step_to_boundary(s: Floats, ds: Floats) -> float:
+    """Share of a step that leads up to the nearest bound, as the rows' derivatives foresee it."""
     shrinking = ds < 0
-    return FRACTION * float((-s[shrinking] / ds[shrinking]).min()) if shrinking.any() else np.inf
+    return SETTINGS.fraction_to_boundary * float((-s[shrinking] / ds[shrinking]).min()) if shrinking.any() else np.inf
 
 
-def _descend(state: State, retraction: Retraction, du: Floats, share: float, mu: float, strides: bool) -> bool:
-    """Move along `du`: as far as `share`, less where that is illegal or brings too little, more where it pays; False in vain."""
-    here, weight = state.at, state.pull_home
+def _line_search(state: Iterate, retraction: Retraction, du: Floats, share: float, mu: float, strides: bool) -> bool:
+    """Move along `du`: as far as `share`, less where that is infeasible or brings too little, more where it pays; False in vain."""
+    here, weight = state.at, state.proximal_weight
     now = _barrier(here, state.u, mu, state.unit, weight)
     slope = dot(weight * state.u - here.gradient / state.unit - here.against(mu / here.h), du)
-    for _ in range(MOST_HALVINGS):
+    for _ in range(SETTINGS.max_backtracks):
         u = retraction.step(state.u, share * du, here)
         at = here.program.linearise(u)
         after = _barrier(at, u, mu, state.unit, weight)
-        if after <= now + DOWNHILL * share * min(slope, 0.0) + 1e-13 * abs(now):
+        if after <= now + SETTINGS.armijo_share * share * min(slope, 0.0) + 1e-13 * abs(now):
             break
         share /= 2
     else:
         return False
     longer = 4 * share
-    while strides and longer <= LONGEST_STRIDE:
+    while strides and longer <= SETTINGS.max_extension:
         v = retraction.step(state.u, longer * du, here)
         further = here.program.linearise(v)
         value = _barrier(further, v, mu, state.unit, weight)

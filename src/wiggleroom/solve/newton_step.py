@@ -12,12 +12,12 @@ from wiggleroom.solve.factorisation import Factor
 
 Floats = NDArray[np.float64]
 
-TINY_SHIFT = 1e-11
+MIN_SHIFT = 1e-11
 """Added to the diagonal always."""
 
 
 @dataclass(eq=False)
-class State:
+class Iterate:
     """Iterate of the method; `s` are slacks of the rows."""
 
     u: Floats
@@ -26,24 +26,24 @@ class State:
     at: Linearised
     unit: float
     move: Floats
-    home: float
-    shift: float = TINY_SHIFT
+    proximal_share: float
+    shift: float = MIN_SHIFT
     stride: float = 1.0
     way: list[Floats] = field(default_factory=list)
 
     def residuals(self) -> tuple[Floats, Floats, float, float]:
         """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
         primal = self.s - self.at.h
-        dual = self.pull_home * self.u - self.at.gradient / self.unit - self.at.against(self.lam)
+        dual = self.proximal_weight * self.u - self.at.gradient / self.unit - self.at.against(self.lam)
         return primal, dual, dot(self.s, self.lam), self.at.value / self.unit
 
     @property
-    def pull_home(self) -> float:
-        """Weight of half the squared motion, so small that it decides only between motions that are equally good."""
-        return self.home * max(abs(self.at.value) / self.unit, 1.0) / max(dot(self.u, self.u), 1.0)
+    def proximal_weight(self) -> float:
+        """Weight of the proximal term, half the squared motion: so small that it decides only between equally good motions."""
+        return self.proximal_share * max(abs(self.at.value) / self.unit, 1.0) / max(dot(self.u, self.u), 1.0)
 
 
-def newton(state: State, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
+def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
     """Directions (du, ds, dlam) that change s * lam by `goal` and remove both residuals, to first order."""
     s, lam, at = state.s, state.lam, state.at
     du = matrix.solve(at.against((lam * primal + goal) / s) - dual)
@@ -56,7 +56,7 @@ def dot(x: Floats, y: Floats) -> float:
     return float(np.einsum("i,i->", x, y))
 
 
-def longest(x: Floats, dx: Floats) -> float:
+def max_step(x: Floats, dx: Floats) -> float:
     """Largest step in [0, 1] that keeps x + step * dx >= 0, for x > 0."""
     fastest = float((dx / x).min(initial=0.0))
     return 1.0 if fastest > -1.0 else -1.0 / fastest

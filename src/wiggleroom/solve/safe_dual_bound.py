@@ -20,7 +20,7 @@ from wiggleroom.errors import see_extra
 
 Floats = NDArray[np.float64]
 
-ULP = 2.3e-16
+UNIT_ROUNDOFF = 2.3e-16
 
 
 def safe_bound(
@@ -58,11 +58,11 @@ def _safe_bound(
     y = np.where(np.isfinite(side) & np.isfinite(y), y, 0.0)
     side = np.where(y == 0, 0.0, side)
     rest = cost - back @ y
-    doubt = deep * ULP * (size @ np.abs(y) + np.abs(cost))
+    doubt = deep * UNIT_ROUNDOFF * (size @ np.abs(y) + np.abs(cost))
     box = np.maximum(rest * least, rest * most)
     blur = doubt * np.maximum(np.abs(least), np.abs(most))
     terms = np.concatenate([y * side, box, blur])
-    return float(terms.sum() + (len(terms) + 4) * ULP * np.abs(terms).sum())
+    return float(terms.sum() + (len(terms) + 4) * UNIT_ROUNDOFF * np.abs(terms).sum())
 
 
 def need_highs() -> Any:

@@ -20,7 +20,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.tight.point_contacts import SAME_WAY, TightContacts, tight_contacts
+from wiggleroom.tight.point_contacts import ANGLE_TOLERANCE, TightContacts, tight_contacts
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -95,7 +95,7 @@ def blocking(assembly: Assembly, within: float | None = None) -> Blocking:
 def blocking_graph(contacts: TightContacts, direction: Floats) -> sparse.csr_array:
     """Arcs (n, n) from each body to those it would run into if it began to move along `direction` (2,)."""
     share = contacts.normal @ np.asarray(direction, dtype=float)
-    ahead, behind = share > SAME_WAY, share < -SAME_WAY
+    ahead, behind = share > ANGLE_TOLERANCE, share < -ANGLE_TOLERANCE
     i = np.r_[contacts.a[ahead], contacts.b[behind]]
     j = np.r_[contacts.b[ahead], contacts.a[behind]]
     return sparse.csr_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(contacts.count,) * 2)
@@ -107,8 +107,8 @@ def _deciding(contacts: TightContacts) -> Floats:
     angle = np.sort(np.arctan2(nx, -ny) % np.pi)
     if not len(angle):
         return np.array([[1.0, 0.0]])
-    angle = angle[np.diff(angle, prepend=angle[0] - 1) > SAME_WAY]
-    if len(angle) > 1 and angle[-1] > angle[0] + np.pi - SAME_WAY:
+    angle = angle[np.diff(angle, prepend=angle[0] - 1) > ANGLE_TOLERANCE]
+    if len(angle) > 1 and angle[-1] > angle[0] + np.pi - ANGLE_TOLERANCE:
         angle = angle[:-1]
     way = np.column_stack([np.cos(angle), np.sin(angle)])
     return np.where(np.abs(way) < 1e-12, 0.0, way)

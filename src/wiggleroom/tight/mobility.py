@@ -28,11 +28,11 @@ from wiggleroom.verdict import Tightness
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FAST = 1e6
+MAX_VELOCITY = 1e6
 """Largest entry of a first-order motion that opens every contact it opens by at least 1 (lengths in sizes of the bodies)."""
-FLAT = 1e-12
+EIGENVALUE_TOLERANCE = 1e-12
 """Eigenvalues of B^T B below this share of the largest are zero: contacts only slide there."""
-DENSE = 300
+MAX_DENSE_UNKNOWNS = 300
 """Up to this many unknowns the eigenvalues are worked out without sparse matrices."""
 
 
@@ -91,7 +91,7 @@ def tight_verdict(assembly: Assembly, within: float | None = None) -> TightVerdi
     Examples
     --------
     >>> import wiggleroom as wr
-    >>> wr.tight_verdict(wr.patterns.grid(3, 3, "swallowtail")).verdict
+    >>> str(wr.tight_verdict(wr.patterns.grid(3, 3, "swallowtail")).verdict)
     'locked'
     >>> wr.tight_verdict(wr.patterns.chain(2, "finger")).moving
     ('b2',)
@@ -237,7 +237,7 @@ def cone(B: sparse.csr_array) -> tuple[Floats | None, Floats | None]:
         return y, None
     one = sparse.eye_array(d)
     done = linprog(
-        np.r_[-np.ones(k), np.zeros(k), np.full(2 * d, FAST)],
+        np.r_[-np.ones(k), np.zeros(k), np.full(2 * d, MAX_VELOCITY)],
         A_eq=sparse.hstack([B.T, B.T, one, -one]).tocsc(),
         b_eq=np.zeros(d),
         bounds=[(0, 1)] * k + [(0, None)] * (k + 2 * d),
@@ -259,11 +259,11 @@ def _null(B: sparse.csr_array) -> Floats | None:
     """A direction with B y = 0, largest entry 1, or None where B has full rank."""
     K = (B.T @ B).tocsc()
     largest = float(K.diagonal().max())
-    if K.shape[0] <= DENSE:
+    if K.shape[0] <= MAX_DENSE_UNKNOWNS:
         value, vector = np.linalg.eigh(K.toarray())
     else:
         value, vector = eigsh(K, k=1, sigma=-1e-10 * largest, which="LM", v0=np.ones(K.shape[0]))
-    if value[0] > FLAT * largest:
+    if value[0] > EIGENVALUE_TOLERANCE * largest:
         return None
     y = vector[:, 0] / vector[np.abs(vector[:, 0]).argmax(), 0]
     return np.where(np.abs(y) < 1e-12, 0.0, y)

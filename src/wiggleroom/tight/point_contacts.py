@@ -19,9 +19,9 @@ from wiggleroom.errors import InputError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TOUCHING = 1e-6
+CONTACT_TOLERANCE = 1e-6
 """Outlines closer than this touch [size of the drawing]."""
-SAME_WAY = 1e-6
+ANGLE_TOLERANCE = 1e-6
 """Directions that differ by less are the same [rad]."""
 
 
@@ -116,7 +116,7 @@ def tight_contacts(assembly: Assembly, within: float | None = None) -> TightCont
     body_of, ground = _bodies(assembly, parts)
     loops, owner = _outlines(parts)
     size = float(np.ptp(loops.points, axis=0).max())
-    tolerance = TOUCHING * size if within is None else within
+    tolerance = CONTACT_TOLERANCE * size if within is None else within
     body = body_of[owner]
     found = _Edges(loops, body, _barred(assembly), owner)
     rows = [_flush(found, tolerance), _corners(found, tolerance)]
@@ -212,7 +212,7 @@ def _corners(them: _Edges, tolerance: float) -> Rows:
     inside = (foot > tolerance) & (foot < length - tolerance)
     filled = ((foot <= tolerance) & inward[j]) | ((foot >= length - tolerance) & inward[them.loops.after[j]])
     ahead, back = them.along[k], -them.along[them.loops.before[k]]
-    clear = ((ahead * out).sum(1) > -SAME_WAY) & ((back * out).sum(1) > -SAME_WAY)
+    clear = ((ahead * out).sum(1) > -ANGLE_TOLERANCE) & ((back * out).sum(1) > -ANGLE_TOLERANCE)
     good = (inside | filled) & clear
     k, j = k[good], j[good]
     swap = them.body[j] > them.body[k]  # the normal leaves the edge's body; a is the body of lower number
@@ -228,7 +228,7 @@ def _once(a: Ints, b: Ints, point: Floats, edge: Floats) -> Ints:
         return np.zeros(0, dtype=np.int64)
     way = edge[:, 1] - edge[:, 0]
     way = way / np.hypot(*way.T)[:, None]
-    key = np.column_stack([a, b, np.round(point), np.round(way / (10 * SAME_WAY))]) + 0.0
+    key = np.column_stack([a, b, np.round(point), np.round(way / (10 * ANGLE_TOLERANCE))]) + 0.0
     return np.sort(np.unique(key, axis=0, return_index=True)[1])
 
 

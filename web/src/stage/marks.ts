@@ -1,12 +1,12 @@
 /** Marks over the parts: contacts with their forces, and the thread from a dragged point to the pointer. */
 
-import type { Contact, Point } from "../protocol.ts";
+import type { ContactEntry, Point } from "../protocol.ts";
 import type { Colours } from "./colours.ts";
 import { into, outOf, placed, type Shape } from "./shapes.ts";
 import { type Size, toScreen, type View } from "./view.ts";
 
 export interface Marks {
-  contacts: readonly Contact[];
+  contacts: readonly ContactEntry[];
   /** True end of the motion that the contacts belong to. */
   at: Float32Array;
   thread: { from: Point; to: Point } | null;

@@ -18,13 +18,13 @@ from wiggleroom.geometry.bodies import Bodies, Shapes
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SPAN = 0.5
+MAX_ANGLE_SPAN = 0.5
 """A cell reaches at most this far [rad] from its seed; beyond, it is rebuilt."""
-FINEST = 1e-8
+MIN_STEP_SHARE = 1e-8
 """Share of the first step of the march at which it gives up, where the end of the turn matters."""
-ALONE = 2000
+MIN_PARALLEL_CORNERS = 2000
 """Up to so many corners of all pairs together one thread is as quick as two."""
-AT_ONCE = 20_000
+STOP_CHECK_CORNERS = 20_000
 """After so many, whether to stop is asked again."""
 
 
@@ -75,7 +75,7 @@ def grow_cells(
     bar: Ints | None = None,
     wish: Floats | None = None,
     to_the_end: NDArray[np.bool_] | None = None,
-    span: float = SPAN,
+    span: float = MAX_ANGLE_SPAN,
     stop: Stop | None = None,
 ) -> tuple[Cells, NDArray[np.bool_]]:
     """Grow one cell round each seed, all in one batch.
@@ -126,15 +126,15 @@ def grow_cells(
     seeds["half"], seeds["tiny"] = 10 * clearance, 1e-12 * radius
     seeds["margin"] = 0.005 * seeds["half"]
     step = np.minimum(clearance / (4 * radius), span / 4)
-    finest = 1 / 64 if to_the_end is None else np.where(to_the_end, FINEST, 1 / 64)
+    finest = 1 / 64 if to_the_end is None else np.where(to_the_end, MIN_STEP_SHARE, 1 / 64)
     seeds["step"], seeds["least"], seeds["span"] = step, step * finest, span
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
     table, corners = outlines(shapes), np.diff(shapes.first)
     work = int(corners[seeds["a"]].sum() + corners[seeds["b"]].sum())
-    if count < 2 or work < ALONE:
+    if count < 2 or work < MIN_PARALLEL_CORNERS:
         walls = grow(table, seeds, keeps)
     else:
-        cuts = np.linspace(0, count, min(count, max(8, work // AT_ONCE)) + 1).astype(int)
+        cuts = np.linspace(0, count, min(count, max(8, work // STOP_CHECK_CORNERS)) + 1).astype(int)
 
         def grown(part: slice) -> Ints:
             go_on(stop)

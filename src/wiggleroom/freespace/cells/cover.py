@@ -6,28 +6,28 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.freespace.cells.cells import SPAN, Cells, grow_cells, joined, select
+from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, grow_cells, joined, select
 from wiggleroom.freespace.cells.walls import clip
 from wiggleroom.freespace.slices import March, Slice
 from wiggleroom.geometry.bodies import Bodies, Shapes
+from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import Relative, turn
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Geometries = NDArray[np.object_]
 
-LEFT_OUT = 0.002
+MAX_UNCOVERED = 0.002
 """Share of the free space that may stay uncovered."""
-LEAST_GAIN = 2e-5
+MIN_COVERAGE_GAIN = 2e-5
 """Cells that cover less new space than this share are left out."""
-SEEDS = 16
+SEEDS_PER_ROUND = 16
 """Places where a cell is tried in one round."""
-ROUNDS = 60
-COUNTS = (48, 96, 192, 384)
+MAX_COVER_ROUNDS = 60
+SLICE_COUNTS = (48, 96, 192, 384)
 """Numbers of slices looked at; each after the first is also a fresh test of the cells so far."""
 
 
@@ -65,12 +65,12 @@ def cover(bodies: Bodies, pair: tuple[int, int], relation: Relative, space: Marc
     """
     work = _Work(bodies, pair, relation, space, stop)
     cells = work.grown(np.zeros((1, 3)))
-    for count in COUNTS:
+    for count in SLICE_COUNTS:
         slices = _evenly(space, count, stop)
         left = work.uncovered(cells, slices)
         first = _share(left, slices)
         cells, left = work.filled(cells, left, slices)
-        if first <= LEFT_OUT or _share(left, slices) > LEFT_OUT:
+        if first <= MAX_UNCOVERED or _share(left, slices) > MAX_UNCOVERED:
             break
     return Cover(cells, slices, 1.0 - _share(left, slices))
 
@@ -100,7 +100,9 @@ class _Work:
         """Cells grown at some shifts of the pivot and turns (k, 3), those that could be."""
         a, b = (np.full(len(seeds), k, dtype=np.int64) for k in self.pair)
         pose = self.relation.pose(seeds[:, :2], seeds[:, 2])
-        cells, good = grow_cells(self.bodies, a, b, pose, np.full(len(seeds), self.space.pair.clearance), span=SPAN)
+        cells, good = grow_cells(
+            self.bodies, a, b, pose, np.full(len(seeds), self.space.pair.clearance), span=MAX_ANGLE_SPAN
+        )
         return select(cells, np.flatnonzero(good))
 
     def uncovered(self, cells: Cells, slices: tuple[Slice, ...]) -> Geometries:
@@ -127,9 +129,9 @@ class _Work:
     def filled(self, cells: Cells, left: Geometries, slices: tuple[Slice, ...]) -> tuple[Cells, Geometries]:
         """Add cells while they gain something, the best of each round first."""
         volume = sum(s.area for s in slices)
-        for _ in range(ROUNDS):
+        for _ in range(MAX_COVER_ROUNDS):
             go_on(self.stop)
-            if _share(left, slices) <= LEFT_OUT / 2:
+            if _share(left, slices) <= MAX_UNCOVERED / 2:
                 break
             seeds = _seeds(left, slices, self.space.pair.clearance)
             if not len(seeds):
@@ -140,7 +142,7 @@ class _Work:
             for c in sorted(range(len(own)), key=lambda c: -float(shapely.area(own[c][1]).sum())):
                 at, polygons = own[c]
                 rest = _without(left[at], polygons)
-                if float((shapely.area(left[at]) - shapely.area(rest)).sum()) > LEAST_GAIN * volume:
+                if float((shapely.area(left[at]) - shapely.area(rest)).sum()) > MIN_COVERAGE_GAIN * volume:
                     left[at] = rest
                     use.append(c)
             if not use:
@@ -173,11 +175,11 @@ def _without(left: Geometries, polygons: Geometries) -> Geometries:
 def _seeds(left: Geometries, slices: tuple[Slice, ...], clearance: float) -> Floats:
     """Middles (k, 3) of the largest uncovered pieces, not two in the same spot at nearly the same angle."""
     pieces, where = shapely.get_parts(left, return_index=True)
-    areas, apart = shapely.area(pieces), len(slices) // SEEDS
+    areas, apart = shapely.area(pieces), len(slices) // SEEDS_PER_ROUND
     seeds: list[tuple[float, float, float]] = []
     taken = np.zeros(len(pieces), dtype=bool)
     for k in np.argsort(-areas):
-        if areas[k] <= 0 or len(seeds) == SEEDS:
+        if areas[k] <= 0 or len(seeds) == SEEDS_PER_ROUND:
             break
         if taken[k]:
             continue

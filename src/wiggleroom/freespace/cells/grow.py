@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.pair_edges import Outlines, Pair, posed, put
 from wiggleroom.freespace.cells.separate_edges import hide_all
-from wiggleroom.freespace.cells.separating_lines import LINES, MOST_LINES, MOST_ON_LINE, room_for
+from wiggleroom.freespace.cells.separating_lines import LINES, MAX_LINES, MAX_WALLS_PER_LINE, room_for
 from wiggleroom.freespace.cells.walls import joined, slice_middle
-from wiggleroom.geometry.jit_options import FILLING, ONCE
+from wiggleroom.geometry.jit_options import INLINED, NO_ALLOCATION, njit
 
-EACH = 64
+INITIAL_WALLS = 64
 """Walls per cell that there is room for at first."""
-MOST = MOST_LINES * MOST_ON_LINE
+MAX_WALLS = MAX_LINES * MAX_WALLS_PER_LINE
 """No cell has more."""
 
 
-@njit(**ONCE)
+@njit(**INLINED)
 def march(pair, work, seed, keep, way):
     """Carry the cell on from the seed's angle, upwards or downwards: the angle reached."""
     here, d = posed(seed.x, seed.y, seed.psi), seed.step
@@ -62,7 +61,7 @@ def march(pair, work, seed, keep, way):
     return here.psi
 
 
-@njit(**FILLING)
+@njit(**NO_ALLOCATION)
 def grow_many(outlines, work, seeds, keeps, begin, walls):
     """Grow one cell per seed, from seed `begin` on: (seed where the room for walls may end, number of walls).
 
@@ -70,7 +69,7 @@ def grow_many(outlines, work, seeds, keeps, begin, walls):
     """
     total = 0
     for c in range(begin, len(seeds)):
-        if total + MOST > len(walls):
+        if total + MAX_WALLS > len(walls):
             return c, total
         seed, keep = seeds[c], keeps[c]
         na, ra = put(outlines, seed.a, work.edges, 0, work.runs, 0)
@@ -115,7 +114,7 @@ def grow(outlines: Outlines, seeds: np.ndarray, keeps: NDArray[np.float64]) -> N
     """
     work, done, found = room_for(outlines), 0, [np.zeros((0, 3), dtype=np.int64)]
     while done < len(seeds):
-        walls = np.empty((EACH * (len(seeds) - done) + MOST, 3), dtype=np.int64)
+        walls = np.empty((INITIAL_WALLS * (len(seeds) - done) + MAX_WALLS, 3), dtype=np.int64)
         done, count = grow_many(outlines, work, seeds, keeps, done, walls)
         found.append(walls[:count].copy())
     return np.concatenate(found)

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.bodies import Shapes
-from wiggleroom.geometry.jit_options import INNER
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 EDGE = np.dtype(
     [
@@ -71,7 +70,7 @@ def outlines(shapes: Shapes) -> Outlines:
     return Outlines(edges, runs, shapes.first, shapes.run_first)
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def put(outlines, shape, edges, n, runs, r):
     """Copy a shape to rows n .. of a pair's edges and r .. of its runs; the rows after them."""
     first, run_first = outlines.first[shape], outlines.run_first[shape]
@@ -88,13 +87,13 @@ def put(outlines, shape, edges, n, runs, r):
     return n, r
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def posed(x, y, psi):
     """Relative pose."""
     return Pose(x, y, psi, np.cos(psi), np.sin(psi))
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def seen(pair, edge, v, pose):
     """Corner v of one part in the frame of the part that `edge` is of."""
     x, y, c, s = pair.edges[v].x, pair.edges[v].y, pose.c, pose.s
@@ -104,7 +103,7 @@ def seen(pair, edge, v, pose):
     return c * x + s * y, -s * x + c * y
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def in_front(pair, edge, v, pose):
     """Wall value h: how far corner v is in front of the line of `edge`."""
     x, y = seen(pair, edge, v, pose)
@@ -112,13 +111,13 @@ def in_front(pair, edge, v, pose):
     return e.nx * (x - e.x) + e.ny * (y - e.y)
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def edge_in_front(pair, edge, other, pose):
     """How far the whole edge `other` is in front of the line of `edge`."""
     return min(in_front(pair, edge, other, pose), in_front(pair, edge, pair.edges[other].after, pose))
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def normal_seen(pair, edge, psi):
     """Normal of the line of `edge` in the frame of the other part."""
     e, c, s = pair.edges[edge], np.cos(psi), np.sin(psi)
@@ -127,13 +126,13 @@ def normal_seen(pair, edge, psi):
     return c * e.nx - s * e.ny, s * e.nx + c * e.ny
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def left_of(a, b, p):
     """Positive where A sees corner p left of the line from corner a to b."""
     return (b.seen_x - a.seen_x) * (p.seen_y - a.seen_y) - (b.seen_y - a.seen_y) * (p.seen_x - a.seen_x)
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def from_point(p, a, b):
     """Squared distance of corner p and the segment from corner a to b, as A sees them."""
     ux, uy = b.seen_x - a.seen_x, b.seen_y - a.seen_y
@@ -144,7 +143,7 @@ def from_point(p, a, b):
     return ex * ex + ey * ey
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def apart2(pair, i, j):
     """Squared distance of two edges, as A sees them; 0 where they cross."""
     a, c = pair.edges[i], pair.edges[j]

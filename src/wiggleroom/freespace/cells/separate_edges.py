@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from wiggleroom.freespace.cells.pair_edges import edge_in_front, normal_seen, posed
 from wiggleroom.freespace.cells.separating_lines import (
@@ -16,9 +15,9 @@ from wiggleroom.freespace.cells.separating_lines import (
     set_ahead,
 )
 from wiggleroom.freespace.cells.walls import keeps, out_of_reach
-from wiggleroom.geometry.jit_options import INNER, ONCE
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, INLINED, njit
 
-NO_LINE, NO_ROOM = -1, -2
+NO_SEPARATING_LINE, OUT_OF_MEMORY = -1, -2
 
 SEED = np.dtype(
     [
@@ -37,7 +36,7 @@ SEED = np.dtype(
 """What a cell is grown for, and what was found."""
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def parallel(pair, i, j, p, q):
     """Angle strictly inside (p, q) at which edge i of A and edge j of B are parallel, or nan."""
     a, b = pair.edges[i], pair.edges[j]
@@ -47,7 +46,7 @@ def parallel(pair, i, j, p, q):
     return angle if p + 1e-12 < angle < q - 1e-12 else np.nan
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def line_between(pair, i, j, pose, tiny):
     """Edge whose line edge i of A is behind (or edge j of B) and the other edge furthest in front of, and how far."""
     edge, best = i, -np.inf
@@ -63,7 +62,7 @@ def line_between(pair, i, j, pose, tiny):
     return edge, best
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def a_first(pair, i, j, pose, seed):
     """Which line is tried first: the one further away, or that leaves more room at the wish, unless it is the barred one."""
     if seed.bar == i or seed.bar == j:
@@ -73,14 +72,14 @@ def a_first(pair, i, j, pose, seed):
     return edge_in_front(pair, i, j, pose) >= edge_in_front(pair, j, i, pose)
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def rise(pair, edge, u, v, psi):
     """How much further corner v is in front of the line of `edge` than corner u, at an angle."""
     mx, my = normal_seen(pair, edge, psi)
     return mx * (pair.edges[v].x - pair.edges[u].x) + my * (pair.edges[v].y - pair.edges[u].y)
 
 
-@njit(**ONCE)
+@njit(**INLINED)
 def part(pair, work, seed, keep, i, j, pose, p, q):
     """Add the walls that part edge i of A and edge j of B over [p, q]: the line they stand on, NO_LINE or NO_ROOM.
 
@@ -112,17 +111,17 @@ def part(pair, work, seed, keep, i, j, pose, p, q):
             continue
         line = line_of(pair, work, edge)
         if line < 0:
-            return NO_ROOM
+            return OUT_OF_MEMORY
         before = work.lines[line].count
         if need_u and not add_wall(work.lines[line], u):
-            return NO_ROOM
+            return OUT_OF_MEMORY
         if need_v and not add_wall(work.lines[line], v):
-            return NO_ROOM
-        return line if work.lines[line].count > before else NO_ROOM
-    return NO_LINE
+            return OUT_OF_MEMORY
+        return line if work.lines[line].count > before else OUT_OF_MEMORY
+    return NO_SEPARATING_LINE
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def hide_all(pair, work, seed, keep, pose, p, q):
     """Add walls until every edge pair is hidden over [p, q] or out of reach, nearest first from `pose`.
 
@@ -145,9 +144,9 @@ def hide_all(pair, work, seed, keep, pose, p, q):
             if out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny):
                 return True, np.nan
         line = part(pair, work, seed, keep, i, j, pose, p, q)
-        if line == NO_ROOM:
+        if line == OUT_OF_MEMORY:
             return False, np.nan
-        if line == NO_LINE:
+        if line == NO_SEPARATING_LINE:
             beyond = not looked and out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny)
             return beyond, parallel(pair, i, j, p, q)
         set_ahead(pair, work, line, p, q)

@@ -12,21 +12,20 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.pair_edges import EDGE, RUN, Outlines, apart2, normal_seen, seen
-from wiggleroom.geometry.jit_options import INNER
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
-MOST_LINES = 400
-MOST_ON_LINE = 48
-MOST_CORNERS = 1600
+MAX_LINES = 400
+MAX_WALLS_PER_LINE = 48
+MAX_LINE_CORNERS = 1600
 LINES, PAIRS = 0, 1
 UNSEEN, SEEN, COVERED = 0, 1, 2
 
-LINE = np.dtype([("edge", "i8"), ("count", "i8"), ("before", "i8"), ("walls", "i8", (MOST_ON_LINE,))], align=True)
+LINE = np.dtype([("edge", "i8"), ("count", "i8"), ("before", "i8"), ("walls", "i8", (MAX_WALLS_PER_LINE,))], align=True)
 """A line, the number of walls on it, now and before the present step, and their corners."""
-MEETING = np.dtype([("state", "i8"), ("bound", "f8")], align=True)
+RUN_PAIR = np.dtype([("state", "i8"), ("bound", "f8")], align=True)
 """What is known of a run of A and one of B: UNSEEN, SEEN or COVERED, and that they are at least so far apart [mm]."""
 OPEN_PAIR = np.dtype([("a", "i8"), ("b", "i8"), ("apart2", "f8")], align=True)
 """An edge pair that no line hides, and the square of its distance [mm^2]."""
@@ -74,23 +73,23 @@ def room_for(outlines: Outlines) -> Work:
         edges=np.empty(2 * n, dtype=EDGE),
         runs=np.empty(2 * r, dtype=RUN),
         number=np.zeros(2, dtype=np.int64),
-        lines=np.empty(MOST_LINES, dtype=LINE),
-        ahead=np.empty((MOST_LINES, 2 * n)),
-        run_ahead=np.empty((MOST_LINES, 2 * r)),
-        meetings=np.empty((r, r), dtype=MEETING),
+        lines=np.empty(MAX_LINES, dtype=LINE),
+        ahead=np.empty((MAX_LINES, 2 * n)),
+        run_ahead=np.empty((MAX_LINES, 2 * r)),
+        meetings=np.empty((r, r), dtype=RUN_PAIR),
         open_pairs=np.empty(n * n, dtype=OPEN_PAIR),
-        polygons=np.empty((2, MOST_CORNERS, 2)),
+        polygons=np.empty((2, MAX_LINE_CORNERS, 2)),
     )
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def line_of(pair, work, edge):
     """Line of an edge, added where there is none yet; -1 where there is no room for it."""
     number = work.number[LINES]
     for k in range(number):
         if work.lines[k].edge == edge:
             return k
-    if number == MOST_LINES:
+    if number == MAX_LINES:
         return -1
     work.number[LINES] = number + 1
     line = work.lines[number]
@@ -111,21 +110,21 @@ def line_of(pair, work, edge):
     return number
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def add_wall(line, v):
     """Put a wall for corner v on a line, where it is not there yet; False where there is no room for it."""
     count = line.count
     for k in range(count):
         if line.walls[k] == v:
             return True
-    if count == MOST_ON_LINE:
+    if count == MAX_WALLS_PER_LINE:
         return False
     line.walls[count] = v
     line.count = count + 1
     return True
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def least_in_front(px, py, qx, qy, dx, dy):
     """Least n(psi) . d while the unit normal n turns counter-clockwise from p to q (less than half a turn)."""
     least = min(px * dx + py * dy, qx * dx + qy * dy)
@@ -134,7 +133,7 @@ def least_in_front(px, py, qx, qy, dx, dy):
     return least
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def set_ahead(pair, work, k, p, q):
     """How far each edge of the other part stays in front of line k over the angles [p, q], by edge and by run."""
     line = work.lines[k]
@@ -165,7 +164,7 @@ def set_ahead(pair, work, k, p, q):
         work.run_ahead[k, r] = most
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def hides(of_a, ahead, k, i, j, tiny):
     """True where line k, of A or not, hides edge (or run) i of A from edge (or run) j of B."""
     if of_a:
@@ -173,7 +172,7 @@ def hides(of_a, ahead, k, i, j, tiny):
     return ahead[k, j] <= ahead[k, i] + tiny
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def hidden(pair, work, ahead, i, j, tiny):
     """True where any line hides edge (or run) i of A from edge (or run) j of B."""
     for k in range(work.number[LINES]):  # noqa: SIM110 (compiled code has no generators)
@@ -182,7 +181,7 @@ def hidden(pair, work, ahead, i, j, tiny):
     return False
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def first_look(pair, work, pose, tiny):
     """Look from a pose: which pairs of runs some line covers wholly, and how near the pose brings the others at least."""
     for v in range(pair.n):
@@ -200,7 +199,7 @@ def first_look(pair, work, pose, tiny):
             meeting.bound = max(0.0, np.hypot(x - a.x, y - a.y) - b.radius - a.radius)
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def nearest_open(pair, work, tiny):
     """Place in the list of the nearest edge pair that no line hides, or -1; runs are opened in the order of their distance."""
     best, where = np.inf, -1
@@ -229,7 +228,7 @@ def nearest_open(pair, work, tiny):
                     best, where = found.apart2, n
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def cover(pair, work, k, tiny):
     """Strike what line k hides from the runs and from the list of open edge pairs."""
     of_a = work.lines[k].edge < pair.na

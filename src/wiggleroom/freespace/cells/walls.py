@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from wiggleroom.freespace.cells.pair_edges import in_front, normal_seen, posed, seen
 from wiggleroom.freespace.cells.separating_lines import LINES
-from wiggleroom.geometry.jit_options import INNER
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def clip(poly, n, nx, ny, off, out):
     """Part of a convex polygon where n . p >= off."""
     m = 0
@@ -29,7 +28,7 @@ def clip(poly, n, nx, ny, off, out):
     return m
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def square(poly, x, y, half):
     """Fill the first four corners with a square round (x, y)."""
     for k in range(4):
@@ -38,7 +37,7 @@ def square(poly, x, y, half):
     return 4
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def height(pair, edge, v, mx, my, pose):
     """How much corner v adds to its wall value; (mx, my) is the normal of the line of `edge` in A's frame."""
     x, y = pair.edges[v].x, pair.edges[v].y
@@ -47,7 +46,7 @@ def height(pair, edge, v, mx, my, pose):
     return mx * x + my * y
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def direction(pair, edge, psi):
     """Normal of the line of `edge` in A's frame."""
     if edge < pair.na:
@@ -55,7 +54,7 @@ def direction(pair, edge, psi):
     return normal_seen(pair, edge, psi)
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def slice_middle(pair, work, pose, half):
     """Slice of the cell at the pose's angle within a square round it: (number of corners, middle x, y, whether it meets the rim)."""
     poly, spare = work.polygons[0], work.polygons[1]
@@ -90,7 +89,7 @@ def slice_middle(pair, work, pose, half):
     return n, x0 + cx / (3.0 * area), y0 + cy / (3.0 * area), rim
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def keeps(pair, edge, v, keep, tiny, margin):
     """True where the wall leaves every point of `keep` inside, and by `margin` those where corner and edge do not touch."""
     e = pair.edges[edge]
@@ -109,7 +108,7 @@ def keeps(pair, edge, v, keep, tiny, margin):
     return True
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def joined(pair, work, one, other):
     """True where the straight way between two relative poses certainly stays inside all walls."""
     turn, move = other.psi - one.psi, np.hypot(other.x - one.x, other.y - one.y)
@@ -127,7 +126,7 @@ def joined(pair, work, one, other):
     return True
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def out_of_reach(pair, work, pose, p, q, apart, tiny):
     """True where the walls keep every pose of [p, q] so near to `pose` that edges `apart` from each other cannot meet.
 

@@ -12,13 +12,13 @@ from wiggleroom.freespace.slices import Meeting, Slice, parallelograms
 
 Floats = NDArray[np.float64]
 
-NEARBY = 3.0
+EDGE_REACH = 3.0
 """Edges of a slice no further from B's place than this multiple of the clearance are extended."""
-EXTRA = 1e-9
+AREA_TOLERANCE = 1e-9
 """Share of an area that rounding may add."""
 TIE = 1e-9
 """Sides are equally near where their distances differ by less than this share of the window."""
-CORNERS = 32
+BALL_CORNERS = 32
 """Corners of the polygon in the ball of Lemma 1."""
 
 
@@ -31,10 +31,10 @@ def bounded(pair: Meeting, one: Slice, spot: Floats, window: float) -> Slice:
     Source: Mind the Gap, section 4.1; what counts as nearby, and the window, are ours.
     """
     region = one.region
-    if not shapely.dwithin(region, shapely.Point(spot), EXTRA * window):
+    if not shapely.dwithin(region, shapely.Point(spot), AREA_TOLERANCE * window):
         spot = shapely.get_coordinates(shapely.point_on_surface(region))[0]
-    piece = _extended(region, spot, NEARBY * pair.clearance, window)
-    if shapely.area(shapely.difference(piece, region)) > EXTRA * window**2 or not shapely.area(piece):
+    piece = _extended(region, spot, EDGE_REACH * pair.clearance, window)
+    if shapely.area(shapely.difference(piece, region)) > AREA_TOLERANCE * window**2 or not shapely.area(piece):
         piece = _ball(pair, one.angle, spot, window)
     return replace(one, region=piece, area=float(shapely.area(piece)))
 
@@ -46,9 +46,13 @@ def _extended(region: shapely.Geometry, spot: Floats, near: float, window: float
         for boundary in (part.exterior, *part.interiors):
             corners = shapely.get_coordinates(boundary)
             start, end = corners[:-1], corners[1:]
-            rim = (np.abs(np.abs(start) - window) < EXTRA * window) & (np.abs(start - end) < EXTRA * window)
+            rim = (np.abs(np.abs(start) - window) < AREA_TOLERANCE * window) & (
+                np.abs(start - end) < AREA_TOLERANCE * window
+            )
             lines = shapely.linestrings(np.stack([start, end], axis=1))
-            solid = np.hypot(*(end - start).T) > EXTRA * window  # shorter edges are rounding and have no direction
+            solid = (
+                np.hypot(*(end - start).T) > AREA_TOLERANCE * window
+            )  # shorter edges are rounding and have no direction
             close = (shapely.distance(lines, shapely.Point(spot)) <= near) & ~rim.any(axis=1) & solid
             for k in np.flatnonzero(close):
                 way = end[k] - start[k]
@@ -97,7 +101,7 @@ def _ball(pair: Meeting, phi: float, spot: Floats, window: float) -> shapely.Pol
     nearest = np.where(tied, beyond, -1.0).argmax(axis=1)
     side = sides[np.arange(len(quads)), nearest]
     radius = min(float(np.hypot(*(side - spot).transpose(2, 0, 1)).min()), window)
-    angles = 2 * np.pi * np.arange(CORNERS) / CORNERS
+    angles = 2 * np.pi * np.arange(BALL_CORNERS) / BALL_CORNERS
     ring = spot + radius * np.column_stack([np.cos(angles), np.sin(angles)])
     way = side[:, 1] - side[:, 0]
     normal = np.column_stack([-way[:, 1], way[:, 0]]) / np.hypot(*way.T)[:, None]
@@ -106,7 +110,9 @@ def _ball(pair: Meeting, phi: float, spot: Floats, window: float) -> shapely.Pol
     normal[flip], off[flip] = -normal[flip], -off[flip]
     for k in np.flatnonzero(normal @ spot - off < radius):
         ring = clip(ring, normal[k], float(off[k]))
-    return shapely.Polygon(ring) if len(ring) > 2 else shapely.Polygon(shapely.Point(spot).buffer(EXTRA * window))
+    return (
+        shapely.Polygon(ring) if len(ring) > 2 else shapely.Polygon(shapely.Point(spot).buffer(AREA_TOLERANCE * window))
+    )
 
 
 def _square(half: float) -> Floats:

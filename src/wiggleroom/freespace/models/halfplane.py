@@ -8,17 +8,17 @@ region convex, and smaller than the truth. To first order in the relative motion
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.models.halfspaces import Faces
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import relative_rest
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-BEHIND = 0.1
+MAX_PENETRATION = 0.1
 """A corner that has come behind the nearest edge by less than this share of the reach is asked to come out again."""
 
 
@@ -86,7 +86,7 @@ def _rows(
                     nx, ny = normal[e, 0], normal[e, 1]
                     ex, ey = px - corner[e, 0], py - corner[e, 1]
                     d = nx * ex + ny * ey
-                    if d < -min(BEHIND * reach, nearest) or d > reach:
+                    if d < -min(MAX_PENETRATION * reach, nearest) or d > reach:
                         continue
                     t = ny * -ex + nx * ey  # along the edge, from its start
                     if t < -reach or t > length[e] + reach:
@@ -100,7 +100,7 @@ def _rows(
                         if bend < 0.0 if t < 0.0 else bend > 0.0:
                             if d < 0.0 or beside > d or (beside == d and f < e):
                                 continue
-                        elif -t > BEHIND * reach or t - length[e] > BEHIND * reach:
+                        elif -t > MAX_PENETRATION * reach or t - length[e] > MAX_PENETRATION * reach:
                             continue  # an inner corner: both edges count, also where it is a little inside one of them
                     if write:
                         k = row[p] + n

@@ -20,11 +20,11 @@ from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 
-TOUCH = 1e-7
+CONTACT_TOLERANCE = 1e-7
 """B touches where it is nearer than this share of the clearance at rest."""
-CENTRED = 1e-3
+MIN_CENTRING_GAIN = 1e-3
 """Rest is kept where no other place has this share more room."""
-MOST_STEPS = 2000
+MAX_MARCH_STEPS = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,8 +65,8 @@ def pair_hull(pair: Meeting, model: Hull, reach: float) -> PairHull | None:
     >>> from wiggleroom.freespace.slices import meeting
     >>> peg, ring = shapely.box(-0.9, -0.9, 0.9, 0.9), shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1)
     >>> hull = pair_hull(meeting(ring, peg), Hull(), reach=1.0)
-    >>> len(hull.offset), round(hull.ends[1], 5)  # two pyramids on a square; 0.9 (cos + sin) = 1
-    (8, 0.11839)
+    >>> len(hull.offset), round(hull.ends[1], 5)  # two pyramids on a square, a lid on each; 0.9 (cos + sin) = 1
+    (10, 0.11839)
 
     Source: Mind the Gap, sections 4.1 and 4.2.
     """
@@ -96,9 +96,9 @@ def _centre(pair: Meeting, rest: Slice) -> Floats:
     """Translation (2,) [mm] that leaves B as much room as there is; open pairs are taken to rest there."""
     if not rest.closed:
         return np.zeros(2)
-    widest = shapely.maximum_inscribed_circle(rest.region, tolerance=0.1 * CENTRED * pair.clearance)
+    widest = shapely.maximum_inscribed_circle(rest.region, tolerance=0.1 * MIN_CENTRING_GAIN * pair.clearance)
     here = shapely.distance(shapely.Point(0, 0), shapely.boundary(rest.region))
-    if here >= (1 - CENTRED) * shapely.length(widest):
+    if here >= (1 - MIN_CENTRING_GAIN) * shapely.length(widest):
         return np.zeros(2)
     return shapely.get_coordinates(widest)[0]
 
@@ -110,10 +110,10 @@ def _first_touch(pair: Meeting, centre: Floats, sense: float) -> float:
     """
     a, b = pair.material
     angle = 0.0
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_MARCH_STEPS):
         moved = shapely.transform(b, lambda p: turn(p, np.array([sense * angle])) + centre)  # noqa: B023
         apart = float(shapely.distance(a, moved))
-        if apart < TOUCH * pair.clearance or angle >= np.pi:
+        if apart < CONTACT_TOLERANCE * pair.clearance or angle >= np.pi:
             break
         angle += apart / pair.radius
     return sense * min(angle, np.pi)

@@ -8,6 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.models.halfspaces import Faces, seen_point, spread
 from wiggleroom.freespace.models.hull import PairHull, pair_hull
 from wiggleroom.freespace.models.pair_models import Hull
@@ -30,7 +31,13 @@ class Hulls:
 
 
 def hulls(
-    bodies: Bodies, a: Ints, b: Ints, reference: Floats, model: Hull, motion: Floats | None = None
+    bodies: Bodies,
+    a: Ints,
+    b: Ints,
+    reference: Floats,
+    model: Hull,
+    motion: Floats | None = None,
+    stop: Stop | None = None,
 ) -> Hulls | None:
     """Hull of every pair, worked out where the bodies lie now; None where two of them touch there.
 
@@ -44,6 +51,13 @@ def hulls(
     model : Hull
     motion : (n, 3) float64 [mm, mm, rad], optional
         Where the bodies lie; by default at rest.
+    stop : optional
+        Asked before every pair.
+
+    Raises
+    ------
+    StoppedError
+        If it was asked to stop.
     """
     pose = relative_rest(bodies, a, b, motion)
     first, label = classes(bodies, a, b, pose)
@@ -54,6 +68,7 @@ def hulls(
     where = bodies.rest if motion is None else bodies.rest + motion
     found, points = [], np.zeros((len(first), 2))
     for k, pair in enumerate(first):
+        go_on(stop)
         one, other = int(a[pair]), int(b[pair])
         material = geometry[one], geometry[other]
         if model.about == "joint":

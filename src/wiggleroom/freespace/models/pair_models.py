@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from wiggleroom.errors import InputError
 
-ABOUT = ("reference", "joint")
+TURNING_POINTS = ("reference", "joint")
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,9 @@ class Hull:
 
     def __post_init__(self) -> None:
         """See that the numbers make sense."""
-        wrong = [] if self.about in ABOUT else [f'hull about "{self.about}": it is {" or ".join(ABOUT)}']
+        wrong = (
+            [] if self.about in TURNING_POINTS else [f'hull about "{self.about}": it is {" or ".join(TURNING_POINTS)}']
+        )
         if self.slices < 3:
             wrong.append(f"hull of {self.slices} slices: 3 or more make a hull")
         if self.rounds < 1:

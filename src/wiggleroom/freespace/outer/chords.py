@@ -14,7 +14,7 @@ from wiggleroom.freespace.outer.outer_slices import corners_of
 
 Floats = NDArray[np.float64]
 
-SHORT = 0.02
+END_MARGIN = 0.02
 """Chords end so far before the boundary, as a share of how far they lie behind their edge."""
 
 
@@ -34,5 +34,5 @@ def chords(material: shapely.Geometry, inset: float, beyond: float) -> Floats:
     way = ends[:, 1] - ends[:, 0]
     long = np.hypot(*way.T)
     ends, way, long = ends[long > inset], way[long > inset], long[long > inset]
-    back = SHORT * inset * way / long[:, None]
+    back = END_MARGIN * inset * way / long[:, None]
     return np.stack([ends[:, 0] + back, ends[:, 1] - back], 1)

@@ -6,17 +6,17 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-MOST_CORNERS = 400
-NEAR = 1e-5
+MAX_LOOP_CORNERS = 400
+CORNER_TOLERANCE = 1e-5
 """Corners nearer than this share of their side are one."""
 
 
@@ -123,7 +123,7 @@ def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float, few: 
         enter = np.where(slope > 0, at, np.where(never, np.inf, -np.inf)).max(1)
         leave = np.where(slope < 0, at, np.where(never, -np.inf, np.inf)).min(1)
         share = _changes(enter, leave) if few else _breaks(enter, leave)
-        if share is None or len(corners) + len(share) > MOST_CORNERS:
+        if share is None or len(corners) + len(share) > MAX_LOOP_CORNERS:
             return None
         corners += [start + k * (end - start) for k in share]
     return Loop(np.array(corners), angle)
@@ -160,7 +160,7 @@ def _breaks(enter: Floats, leave: Floats) -> Floats | None:
     if reached < 1:
         return None
     ends = np.unique(np.concatenate([[0.0, 1.0], enter, leave]))
-    ends = ends[np.concatenate([[True], np.diff(ends) > NEAR])]
+    ends = ends[np.concatenate([[True], np.diff(ends) > CORNER_TOLERANCE])]
     return np.unique(np.concatenate([ends, (ends[1:] + ends[:-1]) / 2]))[:-1]
 
 

@@ -23,19 +23,19 @@ from wiggleroom.geometry.relative_pose import turn
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FIRST = 1.3
+FIRST_WINDOW = 1.3
 """Half of the first window, in clearances."""
-LARGER, TRIES = 1.4, 7
+WINDOW_GROWTH, MAX_WINDOWS = 1.4, 7
 """Where the walls do not close, the window becomes so many times larger, and so often."""
-FARTHEST = 15.0
+EDGE_REACH = 15.0
 """Edges and corners count that lie no further from the other part, in clearances."""
-SLABS = 4
+ANGLE_INTERVALS = 4
 """Intervals of turns of a window."""
-ROUNDS = 2
+TIGHTENING_ROUNDS = 2
 """So often a window is drawn closer round what is left of the one before."""
-ASIDE = 2.0
+CORNER_REACH = 2.0
 """Points on the sides of a corner count as well, so many half windows away: a corner may slip off the end of an edge."""
-SECTORS, TRIED = 32, 6
+NORMAL_SECTORS, WALLS_PER_SECTOR = 32, 6
 """Of walls that look the same way only so many are tried, and of those that hold the tightest is kept."""
 
 
@@ -84,20 +84,20 @@ class _Window:
 def pocket(facing: Facing) -> Pocket | None:
     """Walls round rest; None where they do not close in a window of a few clearances."""
     sides = _Sides(facing)
-    most = facing.clearance * np.array([FIRST, FIRST, 2 * FIRST / sides.lever])
-    for _ in range(TRIES):
-        ends = np.linspace(-most[2], most[2], SLABS + 1)
-        window = _Window(ends[:-1], ends[1:], np.zeros((SLABS, 2)), np.tile(most[:2], (SLABS, 1)))
+    most = facing.clearance * np.array([FIRST_WINDOW, FIRST_WINDOW, 2 * FIRST_WINDOW / sides.lever])
+    for _ in range(MAX_WINDOWS):
+        ends = np.linspace(-most[2], most[2], ANGLE_INTERVALS + 1)
+        window = _Window(ends[:-1], ends[1:], np.zeros((ANGLE_INTERVALS, 2)), np.tile(most[:2], (ANGLE_INTERVALS, 1)))
         found = _left(facing, sides, window)
         if found is None:
             return None
         open_ = np.abs(found.corner).max(0) > most * (1 - 1e-6)
         if not open_.any():
             break
-        most = np.where(open_, LARGER * most, most)
+        most = np.where(open_, WINDOW_GROWTH * most, most)
     else:
         return None
-    for _ in range(ROUNDS):
+    for _ in range(TIGHTENING_ROUNDS):
         closer = _left(facing, sides, _closer(found))
         if closer is None:
             break
@@ -107,7 +107,7 @@ def pocket(facing: Facing) -> Pocket | None:
 
 def _closer(found: Pocket) -> _Window:
     """As many intervals over the turns that are left, each with a box round what is left at its turns."""
-    ends = np.linspace(*found.turns, SLABS + 1)
+    ends = np.linspace(*found.turns, ANGLE_INTERVALS + 1)
     boxes = []
     for low, high in pairwise(ends):
         there = (found.low[found.which] <= high) & (found.high[found.which] >= low)
@@ -121,7 +121,7 @@ class _Sides:
     """Edges and convex corners of both parts that lie near the other, each in its own axes about the pivot."""
 
     def __init__(self, facing: Facing) -> None:
-        reach = FARTHEST * facing.clearance
+        reach = EDGE_REACH * facing.clearance
         self.material = facing.a, facing.b
         self.sides = []
         for mine, other in ((facing.a, facing.b), (facing.b, facing.a)):
@@ -164,7 +164,7 @@ def _left(facing: Facing, sides: _Sides, window: _Window) -> Pocket | None:
 
 def _sector(normal: Floats) -> Ints:
     """Which way normals look."""
-    return np.round((np.arctan2(normal[:, 1], normal[:, 0]) / (2 * np.pi) + 0.5) * SECTORS).astype(np.int64)
+    return np.round((np.arctan2(normal[:, 1], normal[:, 0]) / (2 * np.pi) + 0.5) * NORMAL_SECTORS).astype(np.int64)
 
 
 def _least(key: Ints, value: Floats, most: int) -> Ints:
@@ -180,7 +180,7 @@ def _planes(
     """Walls (k, 4) of edges of A and points of B (`kind` 0), or of B and of A, that hold in the windows; and the window of each."""
     start, end, go = sides.sides[kind][:3]
     size = np.hypot(*window.half.T)
-    points = _points(sides.sides[1 - kind], ASIDE * float(size.max()))
+    points = _points(sides.sides[1 - kind], CORNER_REACH * float(size.max()))
     normal = np.column_stack([go[:, 1], -go[:, 0]])
     # where the points are in each window, seen by the part whose edges count, and how far a turn within the window carries them
     if kind == 0:
@@ -199,7 +199,7 @@ def _planes(
     along = seen @ go.T - (start * go).sum(1)
     long = ((end - start) * go).sum(1)
     k, i, j = np.nonzero((np.abs(front) < inwards) & (along > -sideways) & (along < long + sideways))
-    few = _least(k * (2 * SECTORS) + _sector(normal)[j], front[k, i, j], TRIED)
+    few = _least(k * (2 * NORMAL_SECTORS) + _sector(normal)[j], front[k, i, j], WALLS_PER_SECTOR)
     k, i, j = k[few], i[few], j[few]
     depth = front[k, i, j][:, None]
     top = seen[k, i] - (depth + facing.margin) * normal[j]

@@ -13,9 +13,9 @@ from wiggleroom.freespace.outer.skin import Skin
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ALIKE = 0.06
+NORMAL_TOLERANCE = 0.06
 """Facets of a hull whose normals differ by less [rad] are one; its support is worked out anew, so nothing is cut off."""
-TOUCH = 0.05
+SUPPORT_TOLERANCE = 0.05
 """An interval holds a facet where it comes this near to it, as a share of its blur."""
 
 
@@ -54,7 +54,7 @@ def facets(outer: Outer | Skin, low: float, high: float) -> Facets | None:
     box = np.maximum(np.ptp(points, axis=0), 1e-12 * (1 + np.abs(points).max()))
     shape = points / box
     normal = np.vstack([np.eye(3), -np.eye(3)])
-    outermost = np.unique((shape @ _AROUND.T).argmax(0))
+    outermost = np.unique((shape @ _DIRECTIONS.T).argmax(0))
     try:
         hull = ConvexHull(shape[outermost])
         corners = hull.points[hull.simplices]
@@ -78,13 +78,13 @@ def _sphere(n: int) -> Floats:
     return np.column_stack([np.sqrt(1 - z * z)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]), z])
 
 
-_AROUND = _sphere(400)
+_DIRECTIONS = _sphere(400)
 
 
 def _unlike(normals: Floats) -> Floats:
     """Normals that differ from all earlier ones."""
     kept: list[Floats] = []
-    alike = np.cos(ALIKE)
+    alike = np.cos(NORMAL_TOLERANCE)
     left = np.ones(len(normals), dtype=bool)
     for k, n in enumerate(normals):
         if left[k]:
@@ -100,4 +100,4 @@ def holding(outer: Outer, found: Facets, which: Ints, accuracy: float) -> Ints:
     normal = found.normal[which]
     short = found.offset[which] - points @ normal.T
     near = blur[:, None] * np.hypot(*normal[:, :2].T) + width[:, None] * np.abs(normal[:, 2])
-    return np.unique(interval[((short <= TOUCH * near) & (blur[:, None] > accuracy)).any(1)])
+    return np.unique(interval[((short <= SUPPORT_TOLERANCE * near) & (blur[:, None] > accuracy)).any(1)])

@@ -7,6 +7,7 @@ new. Beyond the last intervals nothing is left over: no turn leads through them.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -21,13 +22,13 @@ Floats = NDArray[np.float64]
 Shapes = dict[tuple[float, float], Floats]
 Ints = NDArray[np.int64]
 
-COARSE = 0.15
+FIRST_BLUR = 0.15
 """The first intervals blur outer slices by this share of the clearance."""
-WIDEST = 0.05
+MAX_HALF_WIDTH = 0.05
 """Half of the widest interval [rad]."""
-SPLIT = 4
+REFINEMENT_FACTOR = 4
 """Intervals are refined into so many."""
-MOST_TURNS = 1100
+MAX_INTERVALS = 1100
 """So many intervals are looked at to see whether B can turn all the way round."""
 
 
@@ -124,8 +125,8 @@ def _apart(facing: Facing, low: float, high: float, window: float) -> float:
     return 3 * window + 2 * np.sin(min(max(-low, high), np.pi) / 2) * facing.radius
 
 
-def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
-    """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm].
+def outer_region(facing: Facing, lever: float, limit: float, over: Callable[[], bool] | None = None) -> Outer | None:
+    """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm], or is cut short.
 
     Parameters
     ----------
@@ -134,17 +135,23 @@ def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
         From `pivot_of`.
     limit : float [mm]
         The pivot is followed so far.
+    over : callable, optional
+        Asked now and then; True cuts the work short.
     """
-    half = min(COARSE * facing.clearance / (2 * lever), WIDEST)
+    half = min(FIRST_BLUR * facing.clearance / (2 * lever), MAX_HALF_WIDTH)
     window = min(4 * facing.clearance, limit)
     while True:
-        found = _followed(facing, half, window)
+        found = _followed(facing, half, window, over)
+        if found is None:
+            return None
         if isinstance(found, dict):
             break
         if found and window < limit:
             window = min(2 * window, limit)
-        elif not found and SPLIT * np.pi / half < MOST_TURNS:  # perhaps it only seems to turn all the way round
-            half /= SPLIT
+        elif (
+            not found and REFINEMENT_FACTOR * np.pi / half < MAX_INTERVALS
+        ):  # perhaps it only seems to turn all the way round
+            half /= REFINEMENT_FACTOR
         else:
             return None
     order = sorted(found)
@@ -152,8 +159,13 @@ def outer_region(facing: Facing, lever: float, limit: float) -> Outer | None:
     return _outer(facing, lever, ends[:-1], ends[1:], [found[k] for k in order], {})
 
 
-def _followed(facing: Facing, half: float, window: float) -> dict[int, Pieces] | bool:
-    """Reached pieces of all intervals; True where one meets the rim of the window, False where B turns all the way round."""
+def _followed(
+    facing: Facing, half: float, window: float, over: Callable[[], bool] | None
+) -> dict[int, Pieces] | bool | None:
+    """Reached pieces of all intervals; True where one meets the rim of the window, False where B turns all the way round.
+
+    None where it was `over` first.
+    """
     slices: dict[int, Leftover] = {}
     reached: dict[int, NDArray[np.bool_]] = {}
     todo: list[int] = []
@@ -170,6 +182,8 @@ def _followed(facing: Facing, half: float, window: float) -> dict[int, Pieces] |
 
     reach(0, shapely.Point(0, 0))
     while todo:
+        if over is not None and over():
+            return None
         k = todo.pop()
         here = slices[k].pieces[reached[k]]
         if _window(here) >= window * (1 - 1e-9):
@@ -210,7 +224,7 @@ def refined(outer: Outer, wanted: Ints) -> Outer:
     lows, highs, pieces = [], [], []
     cut = np.isin(np.arange(len(outer.low)), wanted)
     for k, mine in enumerate(outer.pieces):
-        ends = np.linspace(outer.low[k], outer.high[k], SPLIT + 1 if cut[k] else 2)
+        ends = np.linspace(outer.low[k], outer.high[k], REFINEMENT_FACTOR + 1 if cut[k] else 2)
         for one, other in pairwise(ends):
             left = mine
             if cut[k]:

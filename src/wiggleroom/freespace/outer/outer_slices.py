@@ -19,13 +19,13 @@ from wiggleroom.geometry.relative_pose import turn
 Floats = NDArray[np.float64]
 Pieces = NDArray[np.object_]
 
-MARGIN = 1e-8
+SAFETY_MARGIN = 1e-8
 """Cores are smaller, and outer slices larger, by this share of the pair's size: far above rounding and
 above what congruent pairs may differ by, far below any gap."""
-PARALLEL = 1e-9
+ANGLE_TOLERANCE = 1e-9
 """Corners count as able to touch an edge up to this angle [rad] beyond; contacts that cannot happen do no harm."""
 
-FEW = 120
+MAX_UNCULLED_CORNERS = 120
 """Pairs with fewer corners are looked at whole."""
 
 
@@ -54,11 +54,11 @@ class Facing:
     def margin(self) -> float:
         """Length that makes up for rounding [mm]."""
         low_x, low_y, high_x, high_y = shapely.total_bounds(np.array([self.a, self.b], dtype=object))
-        return MARGIN * float(max(high_x, high_y, -low_x, -low_y))
+        return SAFETY_MARGIN * float(max(high_x, high_y, -low_x, -low_y))
 
     def near(self, reach: float) -> Facing:
         """Less of both parts, all within `reach` [mm] of each other: with less to meet, outer slices stay outer."""
-        if shapely.get_num_coordinates(self.a) + shapely.get_num_coordinates(self.b) < FEW:
+        if shapely.get_num_coordinates(self.a) + shapely.get_num_coordinates(self.b) < MAX_UNCULLED_CORNERS:
             return self
         steps = int(np.ceil(2 * np.log2(reach / self.clearance)))
         return _near(self, self.clearance * 2 ** (steps / 2))
@@ -137,7 +137,7 @@ def _contacts(
     start, end, _, out = edges
     at, _, come, go = corners
     n = np.column_stack([out[:, 1], -out[:, 0]])
-    can = (n @ go.T >= -PARALLEL) & (n @ come.T <= PARALLEL)
+    can = (n @ go.T >= -ANGLE_TOLERANCE) & (n @ come.T <= ANGLE_TOLERANCE)
     for axis in (0, 1):
         one, two = sign * (start[:, axis, None] - at[:, axis]), sign * (end[:, axis, None] - at[:, axis])
         can &= (np.minimum(one, two) <= window) & (np.maximum(one, two) >= -window)

@@ -17,11 +17,11 @@ from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 
-MOST = 3
+MAX_CONTACTS_PER_SIDE = 3
 """So many contacts are tried for each side."""
-THIN = 1e-6
+MIN_HULL_AREA = 1e-6
 """A hull of less area than this share of its length squared is replaced by its box."""
-FLAT = 1e-8
+NORMAL_TOLERANCE = 1e-8
 """Planes whose normals differ by less are left to others."""
 
 
@@ -29,7 +29,7 @@ def polyhedron(facing: Facing, near: Facing, low: float, high: float, pieces: Pi
     """Corners (n, 3) [mm, mm, rad] of a polyhedron that holds all that is free of `pieces` at turns between `low` and `high`."""
     region = shapely.multipolygons(pieces)
     hull = shapely.convex_hull(region)
-    if shapely.area(hull) < THIN * shapely.length(hull) ** 2:
+    if shapely.area(hull) < MIN_HULL_AREA * shapely.length(hull) ** 2:
         hull = shapely.envelope(shapely.buffer(hull, facing.margin))
     ring = shapely.get_coordinates(shapely.orient_polygons(hull))
     along = np.diff(ring, axis=0)
@@ -84,7 +84,7 @@ def _walls(
             can &= foot >= (e * start[rows]).sum(1)[:, None] - width
             can &= foot <= (e * end[rows]).sum(1)[:, None] + width
             i, j = np.nonzero(can)
-            for k in np.argsort(room[i, j])[:MOST]:
+            for k in np.argsort(room[i, j])[:MAX_CONTACTS_PER_SIDE]:
                 edge, v = int(rows[i[k]]), int(j[k])
                 if (kind, edge, v) in tried:
                     continue
@@ -176,7 +176,7 @@ def corners_between(planes: Floats, low: float, high: float) -> Floats:
     normal, slope, level = planes[:, :2], planes[:, 2], planes[:, 3]
     i, j = np.triu_indices(len(planes), 1)
     det = normal[i, 0] * normal[j, 1] - normal[i, 1] * normal[j, 0]
-    keep = np.abs(det) > FLAT
+    keep = np.abs(det) > NORMAL_TOLERANCE
     i, j, det = i[keep], j[keep], det[keep]
 
     def solved(right: Floats) -> Floats:

@@ -24,20 +24,20 @@ from wiggleroom.freespace.outer.outer_slices import Facing
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-OUTSETS = ((3e-4, 1.0), *((3e-4 * 2**k, 2.0 ** (-8 - k)) for k in range(1, 4)))
+LOOP_OUTSETS = ((3e-4, 1.0), *((3e-4 * 2**k, 2.0 ** (-8 - k)) for k in range(1, 4)))
 """Loops run so far behind the walls, as shares of the clearance: the first that can be joined; the others for small steps only."""
-FIRST, NARROWEST = 1 / 64, 2.0**-20
+FIRST_ANGLE_STEP, MIN_ANGLE_STEP = 1 / 64, 2.0**-20
 """The first step of the angle, and the least, as shares of the range of turns."""
-DEEP = 0.01
+MIN_CROSSING_DEPTH = 0.01
 """Along a loop edges cross at least so deep, as a share of its outset: so neighbouring loops can still be joined."""
-MITRE = 10.0
+MAX_MITRE = 10.0
 """Acute corners of loops run on for at most so many outsets."""
-BEYOND = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
+CLOSING_ANGLES = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 """A loop may shrink to a point this share of the whole turn further, where walls have closed well over it."""
-TRIES = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2, False), (0.1, False))
+CHORD_SETTINGS = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2, False), (0.1, False))
 """Chords lie so far inside their part, as shares of the least outset, and loops have few corners or many; the first that a skin is
 found with. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
-MOST_LOOPS = 1200
+MAX_LOOPS = 1200
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,10 +91,12 @@ def skin(outer: Outer, over: Callable[[], bool]) -> Skin | None:
     """Skin round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
     facing = outer.facing
     window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in outer.pieces)
-    for inset, few in TRIES:
-        depth = inset * OUTSETS[0][0] * facing.clearance
+    for inset, few in CHORD_SETTINGS:
+        depth = inset * LOOP_OUTSETS[0][0] * facing.clearance
         crossings = Crossings(*(chords(g, depth, facing.clearance) for g in (facing.a, facing.b)))
-        start = _loop(facing, crossings, _pieces(facing, 0.0, window, shapely.Point(0, 0)), 0.0, OUTSETS[0][0], few)
+        start = _loop(
+            facing, crossings, _pieces(facing, 0.0, window, shapely.Point(0, 0)), 0.0, LOOP_OUTSETS[0][0], few
+        )
         if start is None or over():
             continue
         up = _half(facing, crossings, start, window, outer.turns[1], few, over)
@@ -110,11 +112,11 @@ def _half(
 ) -> list[tuple[Loop, Seam]] | None:
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
-    here, step = start, FIRST * end
+    here, step = start, FIRST_ANGLE_STEP * end
     while (
         not over()
-        and len(done) < MOST_LOOPS
-        and abs(step) > NARROWEST * abs(end)
+        and len(done) < MAX_LOOPS
+        and abs(step) > MIN_ANGLE_STEP * abs(end)
         and abs(here.angle) < 2 * abs(end) + 0.1
     ):
         found = _next(facing, crossings, here, here.angle + step, window, abs(step / end), end, few)
@@ -122,7 +124,7 @@ def _half(
             step /= 2
             continue
         done.append(found)
-        here, step = found[0], min(1.5 * abs(step), FIRST * abs(end)) * np.sign(end)
+        here, step = found[0], min(1.5 * abs(step), FIRST_ANGLE_STEP * abs(end)) * np.sign(end)
         if len(here.at) <= 2:
             return done
     return None
@@ -142,11 +144,11 @@ def _next(
     pieces = _pieces(facing, angle, window, shapely.Polygon(here.at))
     some: Iterable[Loop | None]
     if not len(pieces):
-        some = (p for k in BEYOND for p in _ends(crossings, here, angle + k * whole))
+        some = (p for k in CLOSING_ANGLES for p in _ends(crossings, here, angle + k * whole))
     else:
         some = (
             _loop(facing, crossings, pieces, angle, o, seldom)
-            for o, most in OUTSETS
+            for o, most in LOOP_OUTSETS
             if share <= most
             for seldom in ((True, False) if few else (False,))
         )
@@ -169,11 +171,11 @@ def _loop(
 ) -> Loop | None:
     """Loop a little behind the walls of some free pieces; None where they lie apart or no edges cross somewhere along it."""
     off = outset * facing.clearance
-    grown = shapely.buffer(shapely.union_all(pieces).simplify(off / 4), off, join_style="mitre", mitre_limit=MITRE)
+    grown = shapely.buffer(shapely.union_all(pieces).simplify(off / 4), off, join_style="mitre", mitre_limit=MAX_MITRE)
     if grown.geom_type != "Polygon":
         return None
     ring = shapely.get_coordinates(shapely.orient_polygons(grown).exterior)[:-1]
-    return loop_of(crossings, ring, angle, DEEP * off, few)
+    return loop_of(crossings, ring, angle, MIN_CROSSING_DEPTH * off, few)
 
 
 def _ends(crossings: Crossings, here: Loop, angle: float) -> list[Loop]:

@@ -9,17 +9,16 @@ Source of the idea: Varava et al., "Free Space of Rigid Objects", 2020.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import INNER, OPTIONS
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 
 DEEPEST_TREE = 96
 """Room for the nodes that wait while a tree is walked."""
 MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
-FOUND, CLOSED, SPENT = 0, 1, 2
+FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def depth_at(x, y, edge, normal, disc, kid, stack):
     """Signed distance of a point from the boundary, negative inside the material.
 
@@ -62,7 +61,7 @@ def depth_at(x, y, edge, normal, disc, kid, stack):
     return sign * best
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces):
     """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad]."""
     c, s = np.cos(turn), np.sin(turn)
@@ -179,7 +178,7 @@ def beside(n, middle, level, first, wrap, out):
     return found
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _sift_up(heap_cost, heap, k):
     while k > 0:
         up = (k - 1) // 2
@@ -190,7 +189,7 @@ def _sift_up(heap_cost, heap, k):
         k = up
 
 
-@njit(**INNER)
+@njit(**COMPILED_CALLERS_ONLY)
 def _sift_down(heap_cost, heap, count):
     k = 0
     while True:
@@ -206,16 +205,61 @@ def _sift_down(heap_cost, heap, count):
         k = low
 
 
-@njit(**OPTIONS)
-def cheapest(start, middle, level, state, first, count, wrap, turning, cost, before, heap_cost, heap, out):
-    """Cheapest way of boxes from `start` to the rim of the window; mixed boxes cost much more than free ones.
+@njit(**COMPILED_CALLERS_ONLY)
+def worth(asked, x, y, turn):
+    """Value of a motion: asked is (dx, dy, alpha, beta, gamma, ...) of dx x + dy y + alpha (cos turn - 1) + beta sin turn + gamma turn."""
+    half = np.sin(turn / 2)
+    return asked[0] * x + asked[1] * y - 2 * asked[2] * half * half + asked[3] * np.sin(turn) + asked[4] * turn
 
-    Returns the last box, or -1 where free and mixed boxes do not reach the rim. With `turning` the ends of the turn are rim too.
+
+@njit(**COMPILED_CALLERS_ONLY)
+def worth_at_most(asked, x, y, turn, half, swing):
+    """Value that no motion of a box exceeds."""
+    c, s = np.cos(turn), np.sin(turn)
+    slope = abs(asked[3] * c - asked[2] * s + asked[4])
+    bend = np.sqrt(asked[2] ** 2 + asked[3] ** 2)
+    return worth(asked, x, y, turn) + half * (abs(asked[0]) + abs(asked[1])) + swing * (slope + swing * bend / 2)
+
+
+@njit(**NO_ALLOCATION)
+def best_corner(asked, x, y, turn, half, swing):
+    """Value and turn of the best of some motions of a box: the corner that lies furthest along, at three turns."""
+    x += half if asked[0] > 0 else -half
+    y += half if asked[1] > 0 else -half
+    best, at = worth(asked, x, y, turn), turn
+    for k in range(-1, 2, 2):
+        value = worth(asked, x, y, turn + k * swing)
+        if value > best:
+            best, at = value, turn + k * swing
+    return best, at
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def is_goal(n, middle, level, origin, scale, turning, asked):
+    """True where a box meets the rim of the window, or may hold motions worth more than asked[5]."""
+    half = 0.5 ** level[n]
+    if max(abs(middle[n, 0]), abs(middle[n, 1])) + half >= 1.0 or (turning and abs(middle[n, 2]) + half >= 1.0):
+        return True
+    if asked[5] == np.inf:
+        return False
+    x, y = origin[0] + scale[0] * middle[n, 0], origin[1] + scale[0] * middle[n, 1]
+    turn = origin[2] + scale[1] * middle[n, 2]
+    return worth_at_most(asked, x, y, turn, scale[0] * half, scale[1] * half) > asked[5]
+
+
+@njit(**OPTIONS)
+def cheapest(
+    start, middle, level, state, first, count, origin, scale, wrap, turning, asked, cost, before, heap_cost, heap, out, ends
+):  # fmt: skip
+    """Cheapest ways of boxes from `start` to goals; mixed boxes cost much more than free ones.
+
+    Fills `ends` with the goals, the cheapest first, and returns how many there are: none where free and mixed boxes reach no goal. With
+    `turning` the ends of the turn are rim too.
     """
     cost[:count] = np.inf
     cost[start], before[start] = 0.0, -1
     heap_cost[0], heap[0] = 0.0, start
-    size = 1
+    size, found = 1, 0
     while size:
         at, n = heap_cost[0], heap[0]
         size -= 1
@@ -223,10 +267,12 @@ def cheapest(start, middle, level, state, first, count, wrap, turning, cost, bef
         _sift_down(heap_cost, heap, size)
         if at > cost[n]:
             continue
-        half = 0.5 ** level[n]
-        rim = max(abs(middle[n, 0]), abs(middle[n, 1])) + half >= 1.0
-        if rim or (turning and abs(middle[n, 2]) + half >= 1.0):
-            return n
+        if is_goal(n, middle, level, origin, scale, turning, asked):
+            ends[found] = n
+            found += 1
+            if found == len(ends):
+                break
+            continue
         for k in range(beside(n, middle, level, first, wrap, out)):
             m = out[k]
             if state[m] == FORBIDDEN or state[m] == TINY:
@@ -237,7 +283,7 @@ def cheapest(start, middle, level, state, first, count, wrap, turning, cost, bef
                 heap_cost[size], heap[size] = price, m
                 _sift_up(heap_cost, heap, size)
                 size += 1
-    return -1
+    return found
 
 
 @njit(**OPTIONS)
@@ -271,17 +317,21 @@ def leaf_at(x, y, z, middle, first):
 
 @njit(**OPTIONS)
 def search(
-    middle, level, state, first, count, origin, scale, deepest, wrap, turning,
+    middle, level, state, first, count, pause, origin, scale, deepest, wrap, turning, asked, goals,
     a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way,
 ):  # fmt: skip
-    """Cut the mixed boxes on the cheapest way from rest to the rim, again and again, until one way is free or none is left.
+    """Cut the mixed boxes on the cheapest ways from rest to goals, again and again, until one way is free or none is left.
 
-    Returns how it ended, the number of boxes, and how many boxes of `way` are filled, from rest to the rim.
+    Goals are boxes at the rim of the window and those that may hold motions worth more than asked[5]; a free one must hold a motion worth
+    more than asked[6]. `goals` ways are looked at in every lap.
+
+    Returns how it ended, the number of boxes, and how many boxes of `way` are filled, from rest to the goal. Above `pause` boxes it
+    returns too; called again, it goes on.
     """
     most = len(level)
     cost, before = np.empty(most), np.empty(most, dtype=np.int64)
     heap_cost, heap = np.empty(8 * most), np.empty(8 * most, dtype=np.int64)
-    out = np.empty(100000, dtype=np.int64)
+    out, ends = np.empty(100000, dtype=np.int64), np.empty(goals, dtype=np.int64)
     x, y, z = -origin[0] / scale[0], -origin[1] / scale[0], -origin[2] / scale[1]
     while True:
         n = leaf_at(x, y, z, middle, first)
@@ -293,38 +343,61 @@ def search(
     start = leaf_at(x, y, z, middle, first)
     if state[start] != FREE:
         return SPENT, count, 0
-    given_up = False
     while True:
-        last = cheapest(start, middle, level, state, first, count, wrap, turning, cost, before, heap_cost, heap, out)
-        if last < 0:
+        if count > pause:
+            return PAUSED, count, 0
+        found = cheapest(
+            start, middle, level, state, first, count, origin, scale, wrap, turning, asked, cost, before, heap_cost, heap,
+            out, ends,
+        )  # fmt: skip
+        if found == 0:
+            given_up = False
+            for n in range(count):
+                given_up = given_up or state[n] == TINY
             return (SPENT if given_up else CLOSED), count, 0
-        length, mixed, n = 0, 0, last
-        while n >= 0:
-            way[length] = n
-            length += 1
-            n = before[n]
-        for k in range(length):
-            n = way[k]
-            if state[n] != MIXED:
-                continue
-            mixed += 1
-            if level[n] >= deepest:
-                state[n] = TINY
-                given_up = True
-                continue
-            # mixed boxes beside it that are as large will be asked next
-            near = beside(n, middle, level, first, wrap, out)
-            out[near] = n
-            for i in range(near + 1):
-                m = out[i]
-                if state[m] != MIXED or first[m] >= 0 or level[m] > level[n] or level[m] >= deepest:
+        for e in range(found):
+            length, cut, n = 0, 0, ends[e]
+            while n >= 0:
+                way[length] = n
+                length += 1
+                n = before[n]
+            for k in range(length):
+                n = way[k]
+                if first[n] >= 0:  # cut on another way already
+                    cut += 1
                     continue
-                if count + 8 > most:
-                    return SPENT, count, 0
-                count = split(
-                    m, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
-                    b_kid,
-                )  # fmt: skip
-        if mixed == 0:
-            way[:length] = way[:length][::-1].copy()
-            return FOUND, count, length
+                if state[n] != MIXED and not (
+                    k == 0 and _hides_its_best(n, middle, level, origin, scale, turning, asked)
+                ):
+                    continue
+                cut += 1
+                if level[n] >= deepest:
+                    state[n] = TINY
+                    continue
+                # mixed boxes beside it that are as large will be asked next
+                near = beside(n, middle, level, first, wrap, out) if goals == 1 else 0
+                out[near] = n
+                for i in range(near + 1):
+                    m = out[i]
+                    if (state[m] != MIXED and m != n) or first[m] >= 0 or level[m] > level[n] or level[m] >= deepest:
+                        continue
+                    if count + 8 > most:
+                        return SPENT, count, 0
+                    count = split(
+                        m, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
+                        b_kid,
+                    )  # fmt: skip
+            if cut == 0:
+                way[:length] = way[:length][::-1].copy()
+                return FOUND, count, length
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def _hides_its_best(n, middle, level, origin, scale, turning, asked):
+    """True where a free goal shows no motion worth as much as is asked for: it has to be cut."""
+    half = 0.5 ** level[n]
+    if max(abs(middle[n, 0]), abs(middle[n, 1])) + half >= 1.0 or (turning and abs(middle[n, 2]) + half >= 1.0):
+        return False
+    x, y = origin[0] + scale[0] * middle[n, 0], origin[1] + scale[0] * middle[n, 1]
+    turn = origin[2] + scale[1] * middle[n, 2]
+    return best_corner(asked, x, y, turn, scale[0] * half, scale[1] * half)[0] <= asked[6]

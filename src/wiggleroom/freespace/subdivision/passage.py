@@ -2,21 +2,27 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.subdivision.classify_box import CLOSED, SPENT, search, straight
+from wiggleroom.errors import Stop
+from wiggleroom.freespace.subdivision.classify_box import CLOSED, PAUSED, SPENT, search, straight
 from wiggleroom.freespace.subdivision.disc_tree import solid
 
 Floats = NDArray[np.float64]
 
 DEEPEST = 22
 """Boxes are halved at most this often."""
+OFTEN = 0.2
+"""About so often the search is asked whether it should stop [s]; it goes on as if it had not been interrupted."""
 ASIDE = np.array([0.0371, 0.0213, 0.0157])
 """The window's middle lies a little beside rest, as a share of its half sides: rest must not lie on the faces of boxes."""
+NOTHING_ASKED = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf, np.inf])
+"""Only the rim is a goal."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +47,7 @@ class Passage:
     pivot: Floats
 
 
-def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> Passage:
+def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, stop: Stop | None = None) -> Passage:
     """Look for a way of `b` out of `a`, or a proof that there is none.
 
     Parameters
@@ -50,6 +56,8 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
         Material at rest, not touching; a stands.
     most : int
         Boxes judged at most; where they do not suffice, neither `closed` nor `way` is said.
+    stop : optional
+        Asked now and then; then neither is said.
 
     Examples
     --------
@@ -58,7 +66,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
     >>> passage(ring, shapely.box(3.2, 3.2, 5.8, 5.8)).held
     True
     """
-    pivot = _pivot(a, b)
+    pivot = middle_of_contact(a, b)
     one, other = solid(a, pivot), solid(b, pivot)
     scale = np.array([1.1 * (one.radius + other.radius), np.pi])
     origin = ASIDE * scale[[0, 0, 1]]
@@ -67,20 +75,27 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000) -> 
     way, count = np.zeros(most, dtype=np.int64), 1
     pair = (*one.arrays, other.edge, other.disc, other.kid)
     for turning in (True, False):  # first without going round, which is the smaller question
-        how, count, length = search(
-            middle, level, state, first, count, origin, scale, DEEPEST, not turning, turning, *pair, way
-        )
+        how, pace = PAUSED, 1000
+        while how == PAUSED:
+            if stop is not None and stop.is_set():
+                return Passage(False, False, None, pivot)
+            began, before = time.perf_counter(), count
+            how, count, length = search(
+                middle, level, state, first, count, count + pace, origin, scale, DEEPEST, not turning, turning,
+                NOTHING_ASKED, 1, *pair, way,
+            )  # fmt: skip
+            pace = max(100, int((count - before) * OFTEN / max(time.perf_counter() - began, 1e-9)))
         if how == CLOSED:
             return Passage(turning, True, None, pivot)
         if how == SPENT:
             break
         if not turning:
-            points = _points(way[:length], middle, level, origin, scale)
-            return Passage(False, False, _shorter(points, pair), pivot)
+            points = way_through(way[:length], middle, level, origin, scale)
+            return Passage(False, False, shorter(points, pair), pivot)
     return Passage(False, False, None, pivot)
 
 
-def _pivot(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
+def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
     """Middle of the place where both are nearest: points there are carried least far by a turn about it."""
     apart = shapely.distance(a, b)
     near = shapely.intersection(shapely.boundary(b), shapely.buffer(a, 3 * apart))
@@ -88,7 +103,9 @@ def _pivot(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
     return (box[:2] + box[2:]) / 2
 
 
-def _points(way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats) -> Floats:
+def way_through(
+    way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
+) -> Floats:
     """Way-points: rest, middles of boxes and of the faces between them, turns unwrapped."""
     box, half = middle[way].copy(), 0.5 ** level[way]
     for k in range(1, len(box)):
@@ -100,7 +117,7 @@ def _points(way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], or
     return np.vstack([np.zeros(3), origin + points * scale[[0, 0, 1]]])
 
 
-def _shorter(points: Floats, pair: tuple) -> Floats:
+def shorter(points: Floats, pair: tuple) -> Floats:
     """The way without the detours from box to box: as long straight pieces as are certainly free."""
     kept, k = [0], 0
     while k < len(points) - 1:

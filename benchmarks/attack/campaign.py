@@ -1,0 +1,146 @@
+"""Many assemblies, one after the other: each in a process that may die or hang, with a log to go on from."""
+
+from __future__ import annotations
+
+import json
+import multiprocessing as mp
+import time
+import traceback
+from collections import Counter, defaultdict
+from collections.abc import Iterable
+from multiprocessing.connection import Connection
+from pathlib import Path
+
+from benchmarks.attack.families import draw
+from benchmarks.attack.judge import PROGRAMS, Finding, ask
+
+HANG = 120.0
+"""An assembly that takes longer than so many seconds hangs."""
+LOG = "log.jsonl"
+
+
+def run(count: int, first: int, out: Path, programs: int = PROGRAMS) -> list[Finding]:
+    """Ask about assemblies `first` to `first + count`, but those in the log already; findings of all of them."""
+    out.mkdir(parents=True, exist_ok=True)
+    done = {f.number: f for f in read_log(out)}
+    worker = _Worker(programs)
+    try:
+        with (out / LOG).open("a", encoding="utf-8") as log:
+            for number in range(first, first + count):
+                if number in done:
+                    continue
+                finding = worker.ask(number)
+                done[number] = finding
+                log.write(finding.line() + "\n")
+                log.flush()
+                if finding.wrong and finding.verdict != "refused":
+                    save(out, finding)
+    finally:
+        worker.end()
+    return [done[k] for k in sorted(done)]
+
+
+def read_log(out: Path) -> list[Finding]:
+    """What was found before."""
+    log = out / LOG
+    lines = log.read_text(encoding="utf-8").splitlines() if log.exists() else []
+    return [Finding(**json.loads(line)) for line in lines if line.endswith("}")]
+
+
+def save(out: Path, finding: Finding) -> None:
+    """Write an assembly to ask again, what was wrong, and the better way where there is one."""
+    made = draw(finding.number)[1]
+    name = f"{finding.family}_{finding.number}"
+    (out / f"{name}.json").write_text(json.dumps(made, indent=1), encoding="utf-8")
+    said = [
+        f"verdict {finding.verdict}, path {finding.path}, value {finding.value}, check {finding.check}",
+        *finding.wrong,
+    ]
+    (out / f"{name}.txt").write_text("\n".join(said) + "\n", encoding="utf-8")
+    if finding.better is not None:
+        lines = [str(len(finding.better))]
+        lines += [" ".join(repr(x) for part in state for x in part) for state in finding.better]
+        (out / f"{name}.better_way.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+class _Worker:
+    """A process that answers one number after the other, and is started again where it dies or hangs."""
+
+    def __init__(self, programs: int) -> None:
+        self._programs = programs
+        self._start()
+
+    def ask(self, number: int) -> Finding:
+        """What becomes of one assembly."""
+        family, made = draw(number)
+        if made is None:
+            return Finding(family, number, "not drawn")
+        began = time.monotonic()
+        self._mine.send(number)
+        while time.monotonic() - began < HANG:
+            if self._mine.poll(0.2):
+                try:
+                    return self._mine.recv()
+                except EOFError:
+                    break
+            if not self._process.is_alive():
+                break
+        kind = "crash" if not self._process.is_alive() else "hang"
+        self.end()
+        self._start()
+        return Finding(family, number, kind, wrong=[f"{kind}: no answer after {time.monotonic() - began:.0f} s"])
+
+    def end(self) -> None:
+        """Stop the process."""
+        if self._process.is_alive():
+            self._process.kill()
+        self._process.join()
+
+    def _start(self) -> None:
+        self._mine, its = mp.get_context("spawn").Pipe()
+        self._process = mp.get_context("spawn").Process(target=_serve, args=(its, self._programs), daemon=True)
+        self._process.start()
+
+
+def _serve(line: Connection, programs: int) -> None:
+    while True:
+        number = line.recv()
+        family, made = draw(number)
+        try:
+            finding = ask(family, number, made or {}, programs)
+        except Exception:
+            finding = Finding(family, number, "crash", wrong=["crash: " + traceback.format_exc(limit=-3)])
+        line.send(finding)
+
+
+COLUMNS = {
+    "checked": lambda f: f.path == "checked",
+    "unchecked": lambda f: f.path == "not checked",
+    "way wrong": lambda f: any(w.startswith(("way", "end", "escape", "value")) for w in f.wrong),
+    "optimal": lambda f: f.verdict == "optimal",
+    "low": lambda f: any(w.startswith("low:") for w in f.wrong),
+    "proven": lambda f: f.verdict == "proven",
+    "low proven": lambda f: any(w.startswith("low-proven") for w in f.wrong),
+    "unbounded": lambda f: f.verdict == "unbounded",
+    "stopped": lambda f: f.verdict == "stopped",
+    "bound or check wrong": lambda f: any(w.startswith(("bound", "check:")) for w in f.wrong),
+    "refused": lambda f: f.verdict == "refused",
+    "crash": lambda f: f.verdict == "crash",
+    "hang": lambda f: f.verdict == "hang",
+}
+
+
+def table(findings: Iterable[Finding]) -> str:
+    """Findings by family, in Markdown."""
+    rows: dict[str, Counter[str]] = defaultdict(Counter)
+    for finding in findings:
+        if finding.verdict == "not drawn":
+            continue
+        for family in (finding.family, "**all**"):
+            rows[family]["asked"] += 1
+            rows[family].update(name for name, holds in COLUMNS.items() if holds(finding))
+    heads = ["asked", *COLUMNS]
+    lines = ["| family | " + " | ".join(heads) + " |", "| --- |" + " --- |" * len(heads)]
+    order = sorted(rows, key=lambda f: (f == "**all**", f))
+    lines += [f"| {f} | " + " | ".join(str(rows[f][h]) for h in heads) + " |" for f in order]
+    return "\n".join(lines)

@@ -1,0 +1,1 @@
+"""The judge of ways: whether parts overlap anywhere between way-points, from outlines and way-points alone."""

@@ -1,0 +1,139 @@
+"""Whether parts overlap anywhere along a way: all pairs that come near, between way-points too."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.model import Assembly
+from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
+from wiggleroom.audit.outlines import Outlines, outlines
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+WIDER = 2.0
+"""A stretch of the way is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
+MOST_NEAR_EDGES = 200_000
+"""Pairs of edges of two parts that may meet on one stretch, at most."""
+
+
+@dataclass(frozen=True, eq=False)
+class PathAudit:
+    """What is known about a way.
+
+    Parameters
+    ----------
+    doubtful : (k - 1,) bool
+        Pieces between way-points on which some parts may overlap.
+    a, b : (p,) int64
+        Pairs of parts, a < b, that may overlap somewhere.
+    piece : (p,) int64
+        The first piece on which each of them may, -1 where they do at the first way-point.
+    """
+
+    doubtful: NDArray[np.bool_]
+    a: Ints
+    b: Ints
+    piece: Ints
+
+    @property
+    def free(self) -> bool:
+        """True where no two parts overlap anywhere along the way."""
+        return len(self.a) == 0
+
+    @property
+    def certain(self) -> int:
+        """Up to so many way-points, no two parts overlap anywhere; 0 where they do at the first already."""
+        return int(self.piece.min(initial=len(self.doubtful))) + 1
+
+
+def audit_path(parts: Outlines | Assembly, motions: Floats) -> PathAudit:
+    """Judge a way from its way-points and the outlines of the parts alone.
+
+    Between two way-points every part moves straight: x, y and angle of its reference point change evenly.
+
+    Parameters
+    ----------
+    parts : Outlines or Assembly
+    motions : (k, n, 3) float64 [mm, mm, rad]
+        Way-points: motions of all parts about their reference points, from a state at which parts do not lie inside each other.
+
+    Returns
+    -------
+    PathAudit
+        `free` is said only where the outlines, moved inward by `INSET` of the drawing's size, certainly do not meet anywhere between
+        the way-points, at no pair of parts. Glued parts, fixed ones and pairs that are ignored do not count.
+
+    Notes
+    -----
+    It knows nothing of the search: pairs are found from the boxes round what parts sweep. See docs/mathematics.md, "The way from rest".
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import wiggleroom as wr
+    >>> pair = wr.patterns.chain(2, joint="tee", gap=0.01)
+    >>> audit_path(pair, np.array([np.zeros((2, 3)), [[0, 0, 0], [0.005, 0, 0]]])).free
+    True
+    >>> audit_path(pair, np.array([np.zeros((2, 3)), [[0, 0, 0], [3, 0, 0]]])).free
+    False
+    """
+    if isinstance(parts, Assembly):
+        parts = outlines(parts)
+    pieces, n = len(motions) - 1, motions.shape[1]
+    if pieces == 0:  # a state alone
+        motions = np.concatenate([motions, motions])
+    poses = parts.rest + motions
+    poses[:, :, :2] -= parts.rest[:, :2].mean(axis=0)
+    poses = np.ascontiguousarray(poses.transpose(1, 0, 2))
+    keys = _near(parts, poses)
+    a, b = keys // n, keys % n
+    doubtful = np.zeros(len(motions) - 1, dtype=np.bool_)
+    first = np.full(len(keys), len(motions), dtype=np.int64)
+    sweep(
+        a, b, poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run, parts.first_run,
+        parts.run_disc, parts.disc, parts.reach, MOST_NEAR_EDGES, doubtful, first,
+    )  # fmt: skip
+    nested = np.zeros(len(keys), dtype=np.bool_)
+    inside_each_other(
+        a, b, np.ascontiguousarray(poses[:, 0]), parts.first, parts.corner, parts.next_corner, parts.ring, parts.first_ring,
+        nested,
+    )  # fmt: skip
+    first[nested] = -1
+    doubt = first < len(motions)
+    return PathAudit(doubtful[:pieces], a[doubt], b[doubt], first[doubt])
+
+
+def _near(parts: Outlines, poses: Floats) -> Ints:
+    """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the way."""
+    n = len(poses)
+    width = _widths(_swept(parts, poses, 0, 0))
+    waiting = [(0, poses.shape[1] - 1)]
+    found: list[Ints] = []
+    while waiting:
+        k0, k1 = waiting.pop()
+        boxes = _swept(parts, poses, k0, k1)
+        if k1 - k0 > 1 and _widths(boxes) > WIDER * width:
+            waiting += [((k0 + k1) // 2, k1), (k0, (k0 + k1) // 2)]
+            continue
+        shapes = shapely.box(*boxes.T)
+        a, b = shapely.STRtree(shapes).query(shapes)
+        keep = (a < b) & ~(parts.fixed[a] & parts.fixed[b]) & (parts.body[a] != parts.body[b])
+        found.append(a[keep] * n + b[keep])
+    return np.setdiff1d(np.concatenate(found), parts.ignored)
+
+
+def _swept(parts: Outlines, poses: Floats, k0: int, k1: int) -> Floats:
+    """Boxes (n, 4) [mm] round what every part sweeps from way-point k0 to k1."""
+    out = np.empty((len(poses), 4))
+    swept_boxes(poses, k0, k1, parts.first, parts.corner, parts.reach, out)
+    return out
+
+
+def _widths(boxes: Floats) -> float:
+    """Mean of the sides of some boxes."""
+    return float((boxes[:, 2:] - boxes[:, :2]).mean())

@@ -1,0 +1,90 @@
+"""Names of parts: labels, titles, blocks, texts that stand in them, ids, groups, numbers."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+
+from wiggleroom.drawing.elements import Lettering, Stroke
+
+_LONGEST = 80
+
+
+def texts_inside(polygons: Sequence[shapely.Polygon], texts: Sequence[Lettering]) -> tuple[list[str], int]:
+    """The only text that stands in each outline, or nothing, and how many texts name none.
+
+    Examples
+    --------
+    >>> texts_inside([shapely.box(0, 0, 9, 9)], [Lettering("lid", 3 + 3j), Lettering("out", 20 + 3j)])
+    (['lid'], 1)
+    """
+    said: dict[int, list[str]] = {}
+    tree = shapely.STRtree(list(polygons))
+    for lettering in texts:
+        point = shapely.Point(lettering.at.real, lettering.at.imag)
+        around = tree.query(point, predicate="intersects").tolist()
+        owner = min(around, key=lambda i: polygons[i].area, default=None)
+        if owner is not None and lettering.text.isprintable() and 0 < len(lettering.text) <= _LONGEST:
+            said.setdefault(owner, []).append(lettering.text)
+    names = [said[i][0] if len(said.get(i, [])) == 1 else "" for i in range(len(polygons))]
+    return names, len(texts) - sum(map(bool, names))
+
+
+def given_names(strokes: Sequence[Stroke], inside: Sequence[str], named: Sequence[bool]) -> list[str]:
+    """What each outline is called by its label, the text in it, its id, or a group that holds nothing else.
+
+    Parameters
+    ----------
+    strokes : sequence of Stroke
+        What drew each outline.
+    inside : sequence of str
+        The only text in it, or nothing.
+    named : sequence of bool
+        Whether a stroke's own label and id are those of this outline; not for faces cut from it.
+    """
+    members: Counter[object] = Counter()
+    for stroke in {id(stroke): stroke for stroke in strokes}.values():
+        members.update(stroke.groups)
+    names = []
+    for stroke, text, own in zip(strokes, inside, named, strict=True):
+        group = next((g.name for g in reversed(stroke.groups) if g.name and members[g] == 1), "")
+        names.append((stroke.label if own else "") or text or ((stroke.name or group) if own else ""))
+    return names
+
+
+def unique_names(given: Sequence[str]) -> list[str]:
+    """Names that differ: what has none is numbered p1, p2, ..., what has one that is taken gets a number.
+
+    Examples
+    --------
+    >>> unique_names(["x", "", "x"])
+    ['x', 'p2', 'x-2']
+    """
+    taken = set(given)
+    seen: Counter[str] = Counter()
+    names = []
+    for i, name in enumerate(given):
+        wanted = name or f"p{i + 1}"
+        seen[wanted] += 1
+        if seen[wanted] > 1 or (not name and wanted in taken):
+            wanted = next(w for k in range(2, len(given) + 3) if (w := f"{wanted}-{k}") not in taken)
+            taken.add(wanted)
+        names.append(wanted)
+    return names
+
+
+def rows_at(points: Sequence[tuple[float, float]], polygons: Sequence[shapely.Polygon]) -> list[int | None]:
+    """The smallest outline around each point [mm], or None.
+
+    Examples
+    --------
+    >>> rows_at([(1, 1), (20, 1)], [shapely.box(0, 0, 9, 9), shapely.box(0, 0, 2, 2)])
+    [1, None]
+    """
+    area = shapely.area(np.array(polygons, dtype=object))
+    tree = shapely.STRtree(list(polygons))
+    found = [tree.query(shapely.Point(point), predicate="intersects").tolist() for point in points]
+    return [min(rows, key=lambda i: area[i], default=None) for rows in found]

@@ -1,0 +1,21 @@
+"""The list of parts, to the letter of the format `wiggleroom.parts/1`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from wiggleroom.assembly.inventory import InventoryRow
+from wiggleroom.schema.results import PartEntry, PartsResult
+
+
+def parts_result(
+    rows: Sequence[InventoryRow], notes: Sequence[str], findings: Sequence[str], command: str = ""
+) -> PartsResult:
+    """Everything `parts --json` says; lengths in mm."""
+    return PartsResult(
+        parts=[PartEntry(**asdict(row)) for row in rows],
+        notes=list(notes),
+        findings=list(findings),
+        command=command,
+    )

@@ -1,0 +1,265 @@
+"""What the server, or a page that carries what was found, tells the page."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import UNSET, Meta, Struct, UnsetType
+
+from wiggleroom.drawing.assembly_schema import PullEntry
+from wiggleroom.schema.fields import (
+    AtMost,
+    Command,
+    ContactEntry,
+    Degrees,
+    Mm,
+    Names,
+    Objective,
+    Pair,
+    Percent,
+    Point,
+    Ring,
+)
+from wiggleroom.schema.requests import Design
+from wiggleroom.verdict import Certainty, Separability, Verdict
+
+Terms = Annotated[list[tuple[str, str]], Meta(description="a word and a sentence each")]
+Outline = Annotated[list[Ring], Meta(description="outer outlines and holes of one part, even-odd [mm]")]
+Pose = tuple[float, float, float]
+
+
+class Reply(Struct, tag_field="kind", tag=str.lower, kw_only=True):
+    """Base of all replies; `id` is that of the request."""
+
+    id: int = 0
+
+
+class ExtraLimits(Struct):
+    """What the server takes."""
+
+    upload_mb: float
+
+
+class Hello(Reply, kw_only=True):
+    """First words to a page."""
+
+    version: str
+    can: Annotated[list[str], Meta(description="extras that are installed")]
+    limits: ExtraLimits
+
+
+class PartShape(Struct):
+    """A part as drawn, at rest in world coordinates."""
+
+    name: str
+    at: Annotated[Pose, Meta(description="reference point and angle [mm, mm, deg]")]
+    rings: Outline
+
+
+class Opened(Reply, kw_only=True):
+    """A drawing, and what it asks as a design."""
+
+    name: str
+    gap: Mm
+    unit: str = "mm"
+    notes: list[str]
+    size: Annotated[tuple[float, float, float, float], Meta(description="box round everything: x0, y0, x1, y1 [mm]")]
+    parts: list[PartShape]
+    design: Design
+    pulled: Annotated[PullEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
+
+
+class ShapeReply(Reply, tag="shape", kw_only=True):
+    """Outlines with the gap applied."""
+
+    rings: list[Outline]
+
+
+class FlexReply(Reply, tag="flex", kw_only=True):
+    """An answer, after the frames of its path; quick ones first, then the full one."""
+
+    objective: Objective
+    verdict: Verdict
+    headline: str
+    facts: list[str]
+    sure: Terms
+    at_most: AtMost
+    leaves: Names
+    turns: Names
+    contacts: Annotated[list[ContactEntry], Meta(description="the strongest first")]
+    collision_free: bool
+    path: str
+    seconds: float
+    command: Command
+    settled: Annotated[bool, Meta(description="false where a fuller answer is to come")] = True
+    rings: Annotated[list[Outline] | UnsetType, Meta(description="where the outlines changed a moment ago")] = UNSET
+
+
+class DragReply(Reply, tag="drag", kw_only=True):
+    """How near a part came to the pointer, after one frame."""
+
+    part: str
+    target: Point
+    reached: Point
+    distance: Mm
+    held: list[ContactEntry]
+    blocking: Names
+    settled: bool
+    rings: list[Outline] | UnsetType = UNSET
+
+
+class Released(Reply, tag="release", kw_only=True):
+    """The end of a drag."""
+
+
+class ModeEntry(Struct):
+    """One freedom that is left."""
+
+    size: Mm
+    parts: Names
+    ends: bool
+
+
+class Modes(Reply, kw_only=True):
+    """The freedoms that are left, after a path for each."""
+
+    modes: list[ModeEntry]
+
+
+class ImportanceEntry(Struct):
+    """What the gap of one part does to the motion."""
+
+    mm_per_mm: float
+    tighter: Annotated[float, Meta(description="the same for a smaller gap")]
+    percent: Percent
+
+
+class JointEntry(Struct):
+    """What the gap of one joint does to the motion."""
+
+    parts: Pair
+    mm_per_mm: float
+    percent: Percent
+
+
+class RankReply(Reply, tag="rank", kw_only=True):
+    """Whose gap matters, the most important first."""
+
+    parts: dict[str, ImportanceEntry]
+    joints: list[JointEntry]
+    per: Annotated[str, Meta(description="unit of the numbers")]
+    unique: bool
+    note: str
+    command: Command
+
+
+class LeavingEntry(Struct):
+    """Parts that leave together, and how."""
+
+    parts: Names
+    words: str
+
+
+class CheckReply(Reply, tag="check", kw_only=True):
+    """Whether it comes apart, after a path for each escape."""
+
+    verdict: Separability
+    certainty: Certainty
+    words: str
+    sure: Terms
+    escapes: list[LeavingEntry]
+    spins: Names
+    remains: Names
+    border: Annotated[str | None, Meta(description="the largest gap, where it is known")]
+    command: Command
+
+
+class StepReply(Reply, tag="step", kw_only=True):
+    """One gap of a sweep, after the frame of its end where it has one."""
+
+    gap: Mm
+    objective: Objective
+    verdict: Verdict
+    checked: bool
+
+
+class SweepReply(Reply, tag="sweep", kw_only=True):
+    """The whole sweep."""
+
+    steps: list[StepReply]
+    lost: Annotated[tuple[float, float] | None, Meta(description="gaps between which the motion loses its end [mm]")]
+    command: Command
+
+
+class SpaceSlice(Struct):
+    """All free translations at one turn."""
+
+    angle_deg: Degrees
+    rings: list[Ring]
+
+
+class SpaceReply(Reply, tag="space", kw_only=True):
+    """The free space of a pair."""
+
+    a: str
+    b: str
+    vertices: Annotated[str, Meta(description="base64 of float32 x [mm], y [mm], angle [deg], in motions of the pivot")]
+    triangles: Annotated[str, Meta(description="base64 of uint32, three vertices each")]
+    slices: list[SpaceSlice]
+    range_deg: tuple[float, float]
+    scale: Annotated[float, Meta(description="how many mm a degree is tall in pictures")]
+    pivot: Annotated[Point, Meta(description="from b's reference point in the axes of a at rest [mm]")]
+    state: Annotated[Pose, Meta(description="where the pair is shown [mm, mm, deg]")]
+    headline: str
+    facts: list[str]
+    model: str
+    command: Command
+    open: Annotated[bool | UnsetType, Meta(description="true where the region has no end")] = UNSET
+    words: str | UnsetType = UNSET
+
+
+class ProveReply(Reply, tag="prove", kw_only=True):
+    """A value that no motion exceeds."""
+
+    at_most: AtMost
+    within: float | None
+    words: str
+    command: Command
+
+
+class Saved(Reply, kw_only=True):
+    """A file."""
+
+    name: str
+    mime: str
+    data: Annotated[str, Meta(description="base64")]
+
+
+class ProgressReply(Reply, tag="progress", kw_only=True):
+    """How far a request is, at most 20 times a second."""
+
+    kind_of: str
+    stage: str = ""
+    round: int = 0
+    iteration: int = 0
+    objective: float | None = None
+    share: float | None = None
+
+
+class WorkerState(Reply, tag="worker", kw_only=True):
+    """What became of the solver process."""
+
+    state: Literal["ready", "lost", "restarted"]
+
+
+class Failed(Reply, kw_only=True):
+    """What is wrong, one plain line each."""
+
+    of: str
+    findings: list[str]
+
+
+AnyReply = (
+    Hello | Opened | ShapeReply | FlexReply | DragReply | Released | Modes | RankReply | CheckReply | StepReply
+    | SweepReply | SpaceReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
+)  # fmt: skip

@@ -1,0 +1,140 @@
+"""What the page asks the server, checked to the letter."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import Meta, Struct
+
+from wiggleroom.drawing.assembly_schema import PullEntry
+
+Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
+Length = Annotated[float, Meta(ge=-1e9, le=1e9)]
+WHAT = Literal["svg", "png", "gif", "mp4", "html", "json", "assembly", "cut-svg", "cut-dxf"]
+
+Goals = list[PullEntry] | Literal["translation", "closer"]
+
+
+class Design(Struct, forbid_unknown_fields=True):
+    """What the user has set; every request but `open` carries all of it.
+
+    Parameters
+    ----------
+    gap : float, optional [mm]
+        In place of the drawing's.
+    extra : dict
+        Extra gap [mm] round single parts: the outline of that part alone moves inward by half of it.
+    fixed, glue, goals
+        In place of the drawing's; goals are as in an assembly file's `pull`, or "translation" or "closer".
+    """
+
+    gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+    extra: dict[str, Length] = {}
+    fixed: list[str] = []
+    glue: list[list[str]] = []
+    goals: Goals = []
+
+    def __post_init__(self) -> None:
+        """Leave out what says nothing: no extra gap, and glue of a part alone."""
+        self.extra = {name: value for name, value in self.extra.items() if value}
+        self.glue = [group for group in self.glue if len(group) > 1]
+
+
+class Request(Struct, tag_field="kind", forbid_unknown_fields=True, kw_only=True):
+    """Base of all requests; numbers grow."""
+
+    id: Number
+
+
+class OpenRequest(Request, tag="open", kw_only=True):
+    """Read a drawing; with a design, that one stands in place of what the drawing asks. `path` is what commands call it."""
+
+    name: Annotated[str, Meta(max_length=255)]
+    path: Annotated[str, Meta(max_length=4096)] = ""
+    data: bytes
+    unit: Literal["mm", "cm", "m", "in", "px"] | None = None
+    flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
+    gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+    design: Design | None = None
+
+
+class DesignRequest(Request, kw_only=True):
+    """Base of requests about the drawing that is open."""
+
+    design: Design
+
+
+class ShapeRequest(DesignRequest, tag="shape", kw_only=True):
+    """Outlines with the gap applied."""
+
+
+class FlexRequest(DesignRequest, tag="flex", kw_only=True):
+    """How far it moves: a quick answer first, then the full one; thorough: the full one alone."""
+
+    thorough: bool = False
+
+
+class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
+    """A part drawn towards a place; `grip` is where it was taken, in world coordinates at rest [mm]."""
+
+    part: str
+    grip: tuple[Length, Length]
+    target: tuple[Length, Length]
+    from_: Literal["rest", "here"] = "here"
+
+
+class ReleaseRequest(DesignRequest, tag="release", kw_only=True):
+    """The end of a drag."""
+
+
+class WiggleRequest(DesignRequest, tag="wiggle", kw_only=True):
+    """The freedoms that are left, of all parts or of one."""
+
+    part: str | None = None
+
+
+class RankRequest(DesignRequest, tag="rank", kw_only=True):
+    """Whose gap matters most."""
+
+
+class CheckRequest(DesignRequest, tag="check", kw_only=True):
+    """Whether it comes apart."""
+
+
+class SweepRequest(DesignRequest, tag="sweep", kw_only=True):
+    """Motion against gap."""
+
+    gaps: Annotated[list[Annotated[float, Meta(ge=0, le=1e9)]], Meta(max_length=200)] | None = None
+
+
+class SpaceRequest(DesignRequest, tag="space", kw_only=True):
+    """The free space of one pair."""
+
+    a: str
+    b: str
+
+
+class ProveRequest(DesignRequest, tag="prove", kw_only=True):
+    """A value that no motion exceeds."""
+
+    share: Annotated[float, Meta(gt=0, lt=10)] = 0.01
+    seconds: Annotated[float, Meta(gt=0, le=3600)] = 60.0
+
+
+class SaveRequest(DesignRequest, tag="save", kw_only=True):
+    """What is on screen, as a file."""
+
+    what: WHAT
+    of: Literal["flex", "check"] = "flex"
+
+
+class CancelRequest(Request, tag="cancel", kw_only=True):
+    """Forget a request of this kind, waiting or running."""
+
+    of: str
+
+
+AnyRequest = (
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
+    | SweepRequest | SpaceRequest | ProveRequest | SaveRequest | CancelRequest
+)  # fmt: skip

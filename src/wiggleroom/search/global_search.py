@@ -1,0 +1,195 @@
+"""The search beyond the nearest hill: climbs with other objectives first, from states visited before, then with the true one."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.program.objectives import Objective, PointMotion
+from wiggleroom.search.incumbent import Incumbent, Start, at_rest
+from wiggleroom.search.loop import LocalSearch, Policy
+from wiggleroom.search.moves import ASIDE, CLIMB, THOROUGH
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.state_tree import StateTree
+
+Floats = NDArray[np.float64]
+
+MOST_BODIES = 50
+"""Assemblies of more free bodies are climbed once."""
+WORK = 2000.0
+"""Work that a direct question may take, in iterations of a small program: about a millisecond each."""
+ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
+"""Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
+BETTER = 1e-4
+"""An end better by this share is followed to its own end."""
+ALONE = 0.5
+"""Share of the random objectives that are about one body."""
+SAME = 1e-3
+"""Ends that differ by less than this share count as equal."""
+
+
+@dataclass(frozen=True)
+class SearchEffort:
+    """What the search beyond the nearest hill came to.
+
+    Parameters
+    ----------
+    starts : int
+        Climbs that were made, the one from rest among them.
+    at_value : int
+        How many of them ended at the value reported.
+    next_best : float or None
+        Best value at which others ended; None where all ended at the same.
+    """
+
+    starts: int
+    at_value: int
+    next_best: float | None
+
+
+def search_on(first: LocalSearch, starts: int | None = None) -> tuple[LocalSearch, SearchEffort]:
+    """Go on after a first search has come to its end.
+
+    Parameters
+    ----------
+    first : LocalSearch
+        Ended on the hill that rest leads to.
+    starts : int, optional
+        Further climbs; by default as many as a fixed amount of work allows, none in large assemblies.
+
+    Returns
+    -------
+    LocalSearch
+        The search that found the best end whose path is free of overlap, its work that of all.
+    SearchEffort
+
+    Source: a tree of states grown by random steps, after LaValle, "Rapidly-exploring random trees" (1998), with climbs as steps.
+    """
+    whole = _GlobalSearch(first)
+    random, sides = np.random.default_rng(0), _turns(first.ready)
+    while whole.goes_on(starts):
+        if whole.made < len(sides):
+            whole.start_from(0, sides[whole.made])
+        else:
+            whole.start_from(whole.tree.pick(random), _random_objective(first.ready, random))
+    return whole.result()
+
+
+class _GlobalSearch:
+    """State of a search: the tree of states, the ends of all climbs, and the search that found the best of them."""
+
+    def __init__(self, first: LocalSearch) -> None:
+        ready = first.ready
+        self.first, self.best, self.made, self.work = first, first, 0, 0.0
+        self.tree = StateTree(at_rest(ready), ready.bodies.radius, ready.clearance)
+        self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
+        self.value, self.free = _certain_value(first)
+        self.values = [self.value]
+        if first.best is not None and not self.free and first.way(first.best).sure:
+            self.tree.add(first.best, 0)
+
+    def goes_on(self, starts: int | None) -> bool:
+        """True while there is more to do."""
+        free = int((~self.first.ready.bodies.fixed).sum())
+        more = self.made < starts if starts is not None else free <= MOST_BODIES and self.work < WORK
+        return more and not self.first.stopped and not self.free and not (starts is None and self._saturated)
+
+    @property
+    def _saturated(self) -> bool:
+        """True where the number of hills, as estimated from how often each was met, is that of those that were met.
+
+        Source: Boender and Rinnooy Kan, "Bayesian stopping rules for multistart global optimization methods" (1987).
+        """
+        ends = np.sort(self.values)
+        n = len(ends)
+        met = 1 + int((np.diff(ends) > SAME * np.abs(ends[1:])).sum())
+        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + 0.5
+
+    def result(self) -> tuple[LocalSearch, SearchEffort]:
+        """The search that found the best end, with the work of all, and how the ends compare with it."""
+        best = self.best
+        best.rounds, best.iterations, best.seconds = self.rounds, self.iterations, self.seconds
+        best.ended = best.ended and not self.first.stopped
+        margin = SAME * abs(self.value)
+        others = [v for v in self.values if v < self.value - margin]
+        at_value = sum(abs(v - self.value) <= margin for v in self.values)
+        return best, SearchEffort(self.made + 1, at_value, max(others, default=None))
+
+    def start_from(self, state: int, aside: Objective) -> None:
+        """Climb another objective from a state for a short while, and then the true one."""
+        self.made += 1
+        between = self._climb(aside, ASIDE, state)[1]
+        if between is None:
+            return
+        climb, _ = self._climb(self.first.objective, CLIMB, between)
+        found = climb.best
+        if found is None or not climb.ended or not climb.way(found).sure:
+            return
+        self.values.append(found.value)
+        least = BETTER * max(abs(found.value), self.first.ready.clearance)
+        if climb.unlimited or found.value > self.value + least:
+            self._follow(replace(found, legs=(*self.tree.legs_to(between), *found.legs[1:])))
+
+    def _follow(self, incumbent: Incumbent) -> None:
+        """Follow a better end to its own end; it becomes the best where its path is certain."""
+        search = self._search(self.first.objective, THOROUGH)
+        found = self._run(search, incumbent.start())
+        if found is None or not search.ended or not search.way(found).sure:
+            return
+        if search.unlimited or found.value > self.value:
+            self.best, self.value, self.free = search, found.value, search.unlimited
+            self.values[-1] = found.value
+
+    def _climb(self, objective: Objective, policy: Policy, state: int) -> tuple[LocalSearch, int | None]:
+        """Climb from a state; the number of the new state where the end is one that is certainly reached."""
+        search = self._search(objective, policy)
+        found = self._run(search, self.tree.states[state].start)
+        if found is None or search.unlimited or search.stopped or not self.tree.novel(found.motion):
+            return search, None
+        return search, self.tree.add(found, state) if search.way(found).sure else None
+
+    def _search(self, objective: Objective, policy: Policy) -> LocalSearch:
+        first = self.first
+        return LocalSearch(first.ready, objective, first.solve, policy, first.stop, first.tell)
+
+    def _run(self, search: LocalSearch, start: Start) -> Incumbent | None:
+        """Improve, and count the work."""
+        found = search.improve(start)
+        self.rounds, self.iterations = self.rounds + search.rounds, self.iterations + search.iterations
+        self.seconds = {stage: spent + search.seconds[stage] for stage, spent in self.seconds.items()}
+        rows = len(start.cells.kind)
+        self.work += search.rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
+        return found
+
+
+def _certain_value(search: LocalSearch) -> tuple[float, bool]:
+    """Value of what a search has certainly reached, and whether nothing stops it there."""
+    if search.best is None:
+        return 0.0, False
+    way = search.way(search.best)
+    if way.sure:
+        return search.best.value, search.unlimited
+    return search.objective.value(way.motions[max(way.certain, 1) - 1]), False
+
+
+def _turns(ready: Prepared) -> list[Objective]:
+    """Every free body's turn, either way."""
+    free = np.flatnonzero(~ready.bodies.fixed)
+    return [
+        PointMotion(free[k : k + 1], np.zeros((1, 2)), np.zeros((1, 2)), sense * ready.bodies.radius[free[k : k + 1]])
+        for k in range(len(free))
+        for sense in (1.0, -1.0)
+    ]
+
+
+def _random_objective(ready: Prepared, random: np.random.Generator) -> Objective:
+    """A pull and a turn of one body or of all, at random."""
+    free = np.flatnonzero(~ready.bodies.fixed)
+    if random.random() < ALONE:
+        free = random.choice(free, 1)
+    direction = random.standard_normal((len(free), 2))
+    return PointMotion(
+        free, direction, np.zeros_like(direction), random.standard_normal(len(free)) * ready.bodies.radius[free]
+    )

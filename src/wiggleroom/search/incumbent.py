@@ -1,0 +1,114 @@
+"""Where a round of the search begins, and the best motion it has found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.cells.cells import Cells
+from wiggleroom.program.nonlinear_program import Program
+from wiggleroom.search.active_set import Touch
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, Solution
+
+Floats = NDArray[np.float64]
+
+AGAIN = 5.0
+"""A round begins with this multiple of the complementarity at the inner point of the one before: its new cells leave more to gain."""
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A piece of the path inside the cells of one program: points in its scaled variables."""
+
+    program: Program
+    points: tuple[Floats, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Where a round begins.
+
+    Parameters
+    ----------
+    cells : Cells
+        One a pair.
+    inner : (n, 3) float64 [mm, mm, rad]
+        Motion of the bodies strictly inside all cells.
+    legs : tuple of Leg
+        The path from rest to there.
+    mu : float
+        Complementarity to begin with.
+    tolerance : float, optional
+        Of the round; by default that of the first rounds.
+    """
+
+    cells: Cells
+    inner: Floats
+    legs: tuple[Leg, ...] = ()
+    mu: float = INITIAL_BARRIER
+    tolerance: float | None = None
+
+
+def at_rest(ready: Prepared) -> Start:
+    """Return the start at rest."""
+    return Start(ready.cells, np.zeros((len(ready.bodies.fixed), 3)))
+
+
+@dataclass(frozen=True, eq=False)
+class Incumbent:
+    """A safe motion, and how it was found.
+
+    Parameters
+    ----------
+    motion : (n, 3) float64 [mm, mm, rad]
+        Of the bodies.
+    value : float
+        Objective there.
+    program, solution, touch
+        The round that gave it, and its active rows.
+    legs : tuple of Leg
+        The path from rest to where the round began.
+    begin : (3F,) float64
+        Where the round began.
+    tolerance, mu : float
+        Of the round.
+    """
+
+    motion: Floats
+    value: float
+    program: Program
+    solution: Solution
+    touch: Touch
+    legs: tuple[Leg, ...]
+    begin: Floats
+    tolerance: float
+    mu: float
+
+    def nearer(self, level: int) -> Floats:
+        """A legal point (3F,) of the round's path nearer to its end than the inner one: level 1 half as near in steps, 2 a quarter."""
+        way, inner = self.solution.way, self.solution.inner
+        if not way or not level:
+            return inner
+        start = next((k for k, u in enumerate(way) if u is inner), -1)  # else it stands before the path
+        steps = (len(way) - 1 - start) // 2**level
+        return way[len(way) - 1 - steps]
+
+    def leg(self, end: Floats) -> Leg:
+        """The round's piece of the path, up to its point `end` or to its solution."""
+        points = [self.begin, *self.solution.way, self.solution.u]
+        last = next(k for k, point in enumerate(points) if point is end or np.array_equal(point, end))
+        return Leg(self.program, tuple(points[: last + 1]))
+
+    @property
+    def path(self) -> tuple[Leg, ...]:
+        """The path from rest to the motion."""
+        return (*self.legs, self.leg(self.solution.u))
+
+    def start(self, *, tolerance: float | None = None, mu: float | None = None, level: int = 0) -> Start:
+        """Where a round in the same cells begins: at the inner point, or at one nearer to the end."""
+        point = self.nearer(level)
+        mu = AGAIN * self.solution.inner_mu if mu is None else mu
+        return Start(self.program.cells, self.program.motion(point), (*self.legs, self.leg(point)), mu, tolerance)

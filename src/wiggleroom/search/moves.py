@@ -1,0 +1,164 @@
+"""Moves of the search: where to begin next, seen from the best motion so far."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.cells.cells import grow_cells, replaced, select
+from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.program.nonlinear_program import build
+from wiggleroom.search.active_set import wishes
+from wiggleroom.search.congruent_swap import Twin, exchanged, followed, twins
+from wiggleroom.search.incumbent import Incumbent, Leg, Start
+from wiggleroom.search.loop import COARSE, EACH, FINE, ROUGH, LocalSearch, Policy, Progress
+from wiggleroom.solve.interior_point import INITIAL_BARRIER
+from wiggleroom.verdict import SolverStatus
+
+Ints = NDArray[np.int64]
+
+FEW = 8, 100
+"""Up to so many corner contacts are tried one by one, in an assembly of up to so many bodies."""
+NEARER = 2
+"""Most regrowths from a seed nearer the optimum."""
+
+
+def stale(search: LocalSearch, incumbent: Incumbent) -> Ints:
+    """Pairs whose cells stop the motion although nothing touches there; all that moved, where the solver did not get to an end."""
+    if incumbent.solution.status is not SolverStatus.FAILED:
+        return np.unique(incumbent.touch.pair[incumbent.touch.virtual])
+    cells, ready = incumbent.program.cells, search.ready
+    moved = relative_rest(ready.bodies, cells.a, cells.b, incumbent.motion) - cells.seed
+    return np.flatnonzero(np.hypot(moved[:, 0], moved[:, 1]) > ready.clearance)
+
+
+def regrow_stale(search: LocalSearch, incumbent: Incumbent, gained: bool) -> Iterator[Start]:
+    """Grow the stale cells anew, as long as that brings something."""
+    pairs = search.policy.stale(search, incumbent) if gained else np.zeros(0, dtype=np.int64)
+    if len(pairs):
+        failed = incumbent.solution.status is SolverStatus.FAILED  # still on its way: go on in larger steps
+        rough = failed or incumbent.tolerance > 2 * search.fine
+        start = regrown(search, incumbent, pairs)
+        yield replace(
+            start,
+            tolerance=(None if failed else incumbent.tolerance) if rough else search.fine,
+            mu=INITIAL_BARRIER if failed else start.mu,
+        )
+
+
+def tighten(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterator[Start]:
+    """Go on to the last tolerance, with the stale cells grown anew; where these lead elsewhere, in the same cells."""
+    if incumbent.tolerance > 2 * search.fine:
+        pairs = search.policy.stale(search, incumbent)
+        yield replace(regrown(search, incumbent, pairs), tolerance=search.fine)
+        best = search.best
+        if best is not None and best.tolerance > 2 * search.fine:
+            yield best.start(tolerance=search.fine, mu=best.solution.inner_mu)
+
+
+def regrow_nearer(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterator[Start]:
+    """Grow the stale cells nearer to the end: past a corner, the walls that matter show only from where it has been passed."""
+    if incumbent.touch.virtual.any() and not search.large:
+        seed = incumbent.solution.inner
+        for level in range(1, NEARER + 1):
+            if incumbent.nearer(level) is seed:
+                return
+            seed = incumbent.nearer(level)
+            start = regrown(search, incumbent, search.policy.stale(search, incumbent), level=level)
+            yield replace(start, tolerance=search.fine)
+
+
+def other_side_of_corners(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterator[Start]:
+    """Pass corner contacts on their other side, all at once and, where they are few, each alone."""
+    corners = _corner_contacts(incumbent)
+    if not len(corners) or search.large:
+        return
+    yield replace(regrown(search, incumbent, corners, other_side=True), tolerance=search.fine)
+    if len(corners) > 1 and _few(incumbent):
+        for k in range(len(corners))[::-1]:
+            start = regrown(search, incumbent, corners[k : k + 1], other_side=True)
+            yield replace(start, tolerance=search.fine)
+
+
+def congruent_swap(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterator[Start]:
+    """In small assemblies, let joints go the way of a congruent one."""
+    count = len(incumbent.program.cells.a)
+    whole = all(len(leg.program.cells.a) == count for leg in incumbent.legs)
+    if whole and len(incumbent.motion) <= FEW[1]:
+        bodies, cells = search.ready.bodies, incumbent.program.cells
+        for twin in twins(bodies, cells, incumbent.motion, search.ready.clearance):
+            yield replace(_swapped(search, incumbent, twin), tolerance=search.fine)
+
+
+def branch_left_open(incumbent: Incumbent) -> bool:
+    """True where a wall that nothing touches, or the other side of a corner contact, holds the motion."""
+    return bool(incumbent.touch.virtual.any()) or not (_few(incumbent) or not len(_corner_contacts(incumbent)))
+
+
+def regrown(
+    search: LocalSearch, incumbent: Incumbent, pairs: Ints, *, other_side: bool = False, level: int = 0
+) -> Start:
+    """The start near an incumbent, with new cells for some pairs grown there.
+
+    The new cells keep the solution itself inside, so the next round can only be better. With `other_side` they avoid the line that a
+    corner touches at its very end: the way past the other side of the corner. With `level` the round begins nearer to the solution.
+    """
+    began = time.perf_counter()
+    search.tell(Progress("free spaces", search.rounds, incumbent.solution.iterations, incumbent.value))
+    bodies, old, touch = search.ready.bodies, incumbent.program.cells, incumbent.touch
+    start = incumbent.start(level=level)
+    if not search.policy.mu_may_grow:
+        start = replace(start, mu=min(start.mu, incumbent.mu))
+    a, b = old.a[pairs], old.b[pairs]
+    seed, keep = relative_rest(bodies, a, b, start.inner), relative_rest(bodies, a, b, incumbent.motion)
+    room = np.full(len(pairs), search.ready.clearance)
+    wish = None if other_side else wishes(incumbent.program, incumbent.solution.u, touch, pairs)
+    bar = touch.lines_at_end(incumbent.program, pairs) if other_side else None
+    turned_out = np.isin(pairs, touch.pair[np.isnan(touch.place)])
+    grown, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar, wish=wish, to_the_end=turned_out)
+    cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
+    search.seconds["freespace"] += time.perf_counter() - began
+    return replace(start, cells=cells)
+
+
+def _swapped(search: LocalSearch, incumbent: Incumbent, twin: Twin) -> Start:
+    """The start where some joints have gone the way of another one."""
+    bodies, legs = search.ready.bodies, []
+    for leg in incumbent.start().legs:
+        cells = leg.program.cells
+        program = build(bodies, exchanged(bodies, cells, twin), search.objective, length=search.ready.clearance)
+        motions = followed(bodies, cells, twin, np.array([leg.program.motion(point) for point in leg.points]))
+        legs.append(Leg(program, tuple(program.variables(motion) for motion in motions)))
+    last = legs[-1]
+    inner = last.program.motion(last.points[-1])
+    return replace(incumbent.start(), cells=last.program.cells, inner=inner, legs=tuple(legs))
+
+
+def _corner_contacts(incumbent: Incumbent) -> Ints:
+    return np.unique(incumbent.touch.pair[incumbent.touch.at_end])
+
+
+def _few(incumbent: Incumbent) -> bool:
+    return len(_corner_contacts(incumbent)) <= FEW[0] and len(incumbent.motion) <= FEW[1]
+
+
+def _unchecked(search: LocalSearch, incumbent: Incumbent) -> tuple[Ints, Ints]:
+    return search.way(incumbent).missed
+
+
+def _fine(search: LocalSearch) -> float:
+    return min(max(FINE, EACH * len(search.ready.bodies.fixed)), COARSE)
+
+
+PLAIN = Policy(moves=(regrow_stale, tighten, regrow_nearer), stale=stale, fine=_fine)
+"""The best motion in reach of the cells; other sides of corner contacts are not tried, and nobody looks at the path."""
+THOROUGH = replace(PLAIN, moves=(*PLAIN.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked)
+"""What an answer needs."""
+CLIMB = replace(PLAIN, moves=(regrow_stale, tighten), unchecked=_unchecked, fine=lambda _: 1e-4)
+"""A climb that only shows how high a hill is."""
+ASIDE = replace(PLAIN, moves=(regrow_stale,), unchecked=_unchecked, fine=lambda _: ROUGH, most_rounds=8)
+"""A short climb, with another objective than the true one."""

@@ -1,0 +1,94 @@
+"""A tree of visited states, on which searches that look beyond the nearest hill grow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.search.incumbent import Incumbent, Leg, Start
+
+Floats = NDArray[np.float64]
+
+NOVEL = 0.5
+"""A state is new where a body lies otherwise than in every state before by more than this share of the clearance."""
+
+
+@dataclass(frozen=True, eq=False)
+class VisitedState:
+    """A state, and how it was reached.
+
+    Parameters
+    ----------
+    motion : (n, 3) float64 [mm, mm, rad]
+        Of the bodies.
+    start : Start
+        Where a search from here begins; its only leg is the point where it does.
+    parent : int
+        State from which it was reached; -1 for rest.
+    legs : tuple of Leg
+        The path from where the search from the parent begins to where that from here does.
+    """
+
+    motion: Floats
+    start: Start
+    parent: int = -1
+    legs: tuple[Leg, ...] = ()
+
+
+@dataclass(eq=False)
+class StateTree:
+    """States that were reached from rest, which is the first of them.
+
+    Parameters
+    ----------
+    rest : Start
+    radius : (n,) float64 [mm]
+        Of the bodies.
+    clearance : float [mm]
+    """
+
+    rest: Start
+    radius: Floats
+    clearance: float
+    states: list[VisitedState] = field(default_factory=list)
+    visits: list[int] = field(default_factory=list)
+    """How often a search began at each state."""
+
+    def __post_init__(self) -> None:
+        """Begin with rest."""
+        self._append(VisitedState(self.rest.inner, self.rest))
+
+    def add(self, end: Incumbent, parent: int) -> int | None:
+        """Keep the end of a search from a state if it is new; its number, or None."""
+        if not self.novel(end.motion):
+            return None
+        start = end.start()
+        here = Leg(start.legs[-1].program, start.legs[-1].points[-1:])
+        self._append(VisitedState(end.motion, replace(start, legs=(here,)), parent, start.legs))
+        return len(self.states) - 1
+
+    def legs_to(self, state: int) -> tuple[Leg, ...]:
+        """The path from rest to where the search from a state begins."""
+        legs: tuple[Leg, ...] = ()
+        while state >= 0:
+            legs, state = (*self.states[state].legs, *legs), self.states[state].parent
+        return legs
+
+    def novel(self, motion: Floats) -> bool:
+        """True where a body lies otherwise than in every state before."""
+        change = np.abs(np.array([state.motion for state in self.states]) - motion)
+        moved = np.hypot(change[..., 0], change[..., 1]) + self.radius * change[..., 2]
+        return bool(moved.max(axis=1).min() > NOVEL * self.clearance)
+
+    def pick(self, random: np.random.Generator) -> int:
+        """A state to go on from: at random, those that were seldom chosen rather than others."""
+        weight = 1.0 / (1.0 + np.array(self.visits)) ** 2
+        chosen = int(random.choice(len(weight), p=weight / weight.sum()))
+        self.visits[chosen] += 1
+        return chosen
+
+    def _append(self, state: VisitedState) -> None:
+        self.states.append(state)
+        self.visits.append(0)

@@ -1,0 +1,71 @@
+"""A short part of the campaign of `python -m benchmarks.attack`, and its judge."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks.attack.campaign import read_log, run, table
+from benchmarks.attack.drawing import assembly, box, cut, part, pull
+from benchmarks.attack.families import FAMILIES, draw
+from benchmarks.attack.judge import ask, severe
+from benchmarks.attack.oracle import Ground
+from benchmarks.attack.search import Climber
+
+import wiggleroom as wr
+
+
+def peg_in_a_hole() -> Ground:
+    plate = part("plate", cut(box(0, 0, 4, 4), box(1, 1, 3, 3)), fixed=True)
+    return Ground(assembly([plate, part("peg", box(1.5, 1.5, 2.5, 2.5))], [pull("peg", (1, 0))]))
+
+
+def test_the_judge_finds_an_overlap_between_way_points_and_measures_it() -> None:
+    ground = peg_in_a_hole()
+    way = np.zeros((3, 2, 3))
+    way[1, 1, 0] = 0.5
+    assert ground.overlap_on(way) is None
+    way[1, 1, 0] = 0.75
+    found = ground.overlap_on(way)
+    assert found is not None
+    assert found.parts == ("plate", "peg")
+    turned = np.zeros((2, 2, 3))
+    turned[1, 1] = 0.45, 0.45, np.pi  # half a turn in a corner: only the way overlaps
+    assert ground.overlap(turned[1]) is None
+    assert ground.overlap_on(turned) is not None
+
+
+def test_the_search_of_the_judge_finds_the_end_of_a_peg() -> None:
+    assert Climber(peg_in_a_hole(), 0, 40).search().value == pytest.approx(0.5, abs=1e-4)
+
+
+@pytest.mark.parametrize("kind", range(len(FAMILIES)), ids=lambda k: FAMILIES[k].__name__)
+def test_every_family_draws_parts_that_can_be_asked_about(tmp_path: Path, kind: int) -> None:
+    name, made = draw(kind)
+    assert made is not None
+    (tmp_path / f"{name}.json").write_text(json.dumps(made))
+    wr.prepare(wr.read(str(tmp_path / f"{name}.json")))
+    assert draw(kind)[1] == made  # the same again
+
+
+def test_a_campaign_goes_on_where_it_stopped(tmp_path: Path) -> None:
+    assert [f.number for f in run(2, 2, tmp_path, programs=0)] == [2, 3]
+    before = (tmp_path / "log.jsonl").read_text()
+    assert [f.number for f in run(3, 2, tmp_path, programs=0)] == [2, 3, 4]
+    assert (tmp_path / "log.jsonl").read_text().startswith(before)
+    assert len(read_log(tmp_path)) == 3
+    assert table(read_log(tmp_path)).splitlines()[-1].startswith("| **all** | 3 | 3 |")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "number", range(2 * len(FAMILIES)), ids=lambda n: f"{FAMILIES[n % len(FAMILIES)].__name__}-{n}"
+)
+def test_nothing_that_is_said_is_wrong(number: int) -> None:
+    name, made = draw(number)
+    assert made is not None
+    finding = ask(name, number, made, programs=12)
+    assert not severe(finding), finding.wrong
+    assert finding.path in ("checked", "")  # "" where the file was refused
