@@ -1,4 +1,5 @@
-# What developers type: make demo, make test, make doctest, make slow, make lint, make types, make browser, make web.
+# What developers type: make demo, make test, make doctest, make slow, make lint, make types, make browser, make web,
+# make pictures.
 # The environment .venv is made when it is needed and again only when pyproject.toml changes.
 
 BIN := .venv/bin
@@ -7,7 +8,7 @@ FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
 
-.PHONY: demo test doctest slow browser web lint types clean
+.PHONY: demo test doctest slow browser web pictures pictures-check lint types clean
 
 demo: .venv/ready-demo
 	@mkdir -p out
@@ -29,6 +30,12 @@ browser: .venv/ready-test # needs a Chromium on the path
 
 web: # the live page from its source; needs Node 20 or later and npm
 	cd web && npm ci --silent --ignore-scripts && npm run --silent check && npm run --silent test && npm run --silent build
+
+pictures: .venv/ready-test # all of docs/pictures but those that show measured times
+	$(BIN)/python -m benchmarks.redraw
+
+pictures-check: .venv/ready-test
+	$(BIN)/python -m benchmarks.redraw --check
 
 lint: .venv/ready-lint
 	$(BIN)/ruff check .

@@ -112,7 +112,9 @@ def bent_channel(*others, width=1.1):
 def test_bent_channel_is_followed_or_the_search_stops_in_it(direction):
     answer = flex(bent_channel(), Pull("b", direction))
     assert answer.path == "checked"
-    assert answer.verdict not in ("proven", "optimal") or climbed(answer, Ground(answer.assembly)) <= answer.objective * (1 + 1e-5)
+    assert answer.verdict not in ("proven", "optimal") or climbed(
+        answer, Ground(answer.assembly)
+    ) <= answer.objective * (1 + 1e-5)
 
 
 @pytest.mark.parametrize("direction", [(1, 1), (1, 0.2)])

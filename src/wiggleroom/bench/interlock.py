@@ -10,21 +10,19 @@ from collections.abc import Callable, Iterator
 from itertools import product
 
 import numpy as np
-import shapely
 
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, Sheet
-from wiggleroom.drawing.model import Goal, Pull, Turn, part_of
+from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
-from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.maximise import prepare
+from wiggleroom.maximise import ApproximateModel, PreparedModel, prepare
 from wiggleroom.search.answer import Answer
 from wiggleroom.separate.interlock import check
+from wiggleroom.separate.translation import straight_exit
 from wiggleroom.tight.blocking_graph import blocking
 from wiggleroom.tight.mobility import tight_verdict
 from wiggleroom.verdict import Verdict
@@ -45,7 +43,7 @@ def by_pulls(*models: PairModel) -> Method:
             if stop is not None and stop.is_set():
                 return "interrupted"
             answer = ready.flex(goal, stop=stop)
-            if (answer.verdict is Verdict.UNBOUNDED and answer.leaves) or _outside(answer, part_of(goal)):
+            if (answer.verdict is Verdict.UNBOUNDED and answer.leaves) or _gets_out(ready, answer):
                 return APART
         return LOCKED
 
@@ -112,7 +110,7 @@ def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] 
     notes = (
         "A cross: it says the opposite. Spinning in place is not coming apart. Check: `wiggleroom check`. Walls, hull and "
         f"half-planes: every part pulled in {FAN} directions and turned both ways, until a part leaves: walls say so; the "
-        "others keep everything within a window, so a part counts as out where its convex hull meets none of the others. "
+        "others keep everything within a window, so parts count as out where, from the end of their motion, they leave straight. "
         "Hull: about the reference point, then about the joint; the latter in one round as in the paper, and in eight, "
         "its outlook.",
         "First order, blocking graphs: tests of parts as drawn tight, without gap. They ask whether parts can begin to "
@@ -132,19 +130,14 @@ def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] 
     )
 
 
-def _outside(answer: Answer, name: str | None) -> bool:
-    """Whether a model that knows no motion without end has moved a part out.
-
-    Its convex hull then meets that of no other part, nor that of everything that is fixed.
-    """
-    if name is None or answer.model == "walls":
+def _gets_out(ready: PreparedModel | ApproximateModel, answer: Answer) -> bool:
+    """Whether parts leave straight from where a model that knows no motion without end has moved them to."""
+    if answer.model == "walls":
         return False
-    them = bodies(answer.assembly)
-    where = placed(them, of_bodies(answer.assembly, them, answer.motion[None])[0])
-    row = them.body_of[answer.assembly.names.index(name)]
-    mine, others = shapely.convex_hull(where[row]), np.delete(where, row)
-    ground = shapely.convex_hull(shapely.union_all(where[them.fixed]))
-    return not shapely.intersects(mine, [*shapely.convex_hull(others), ground]).any()
+    them = ready.bodies
+    motion = of_bodies(answer.assembly, them, answer.motion[None])[0]
+    ground = int(np.flatnonzero(them.fixed)[0])
+    return straight_exit(them, motion, ground, ready.barred, ready.size, np.arange(len(motion))) is not None
 
 
 def _goals(assembly: Assembly) -> Iterator[Goal]:

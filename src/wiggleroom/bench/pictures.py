@@ -19,6 +19,7 @@ STYLES = {
     "true optimum": Style(_TRUTH, "cross"),
     "walls": Style(_OURS, "circle"),
     "hull": Style(_HULL, "square"),
+    "hull + our solver": Style(_HULL, "diamond"),
     "hull + IPOPT": Style(_HULL, "square"),
     "hull, joint": Style(_HULL, "square"),
     "hull, reference": Style(_HULL_2, "square"),

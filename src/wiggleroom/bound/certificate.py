@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.bound.linear_relaxation import Links, Ranges
 from wiggleroom.bound.proof_steps import Step
+from wiggleroom.drawing.model import Part
 from wiggleroom.freespace.outer.outer_region import Outer
 from wiggleroom.freespace.outer.skin import Skin, skin
 from wiggleroom.program.objectives import PointMotion
@@ -21,6 +23,8 @@ from wiggleroom.search.prepare import Survey
 Floats = NDArray[np.float64]
 
 FORMAT = "wiggleroom.certificate/1"
+ABOVE = 1e-12
+"""A bound is stated larger by this share, so that whoever works it out with other rounding does not come out above it."""
 
 
 def skins(links: Links, regions: list[Outer], over: Callable[[], bool]) -> tuple[Links, list[Skin]]:
@@ -41,8 +45,7 @@ def skins(links: Links, regions: list[Outer], over: Callable[[], bool]) -> tuple
 
 def certificate(
     ground: Survey,
-    names: tuple[str, ...],
-    gap: float,
+    assembly: Assembly,
     links: Links,
     regions: list[Skin],
     goal: PointMotion,
@@ -54,18 +57,19 @@ def certificate(
     them = ground.bodies
     used = sorted({*them.body_of.tolist()})
     held = np.isfinite(ranges.far)
+    bound = max(cut, proof.bound())
     out: dict[str, Any] = {
         "format": FORMAT,
-        "gap": gap,
+        "gap": float(assembly.gap),
         "turns": bool((goal.direction == 0).all()),
-        "at_most": max(cut, proof.bound()),
-        "worth": cut,
+        "at_most": float(bound + ABOVE * max(abs(bound), ground.clearance)),
+        "worth": float(cut),
         "bodies": [
             {
-                "parts": [names[p] for p in them.members[b]],
+                "parts": [assembly.names[p] for p in them.members[b]],
                 "fixed": bool(them.fixed[b]),
                 "origin": them.rest[b, :2].tolist(),
-                "polygons": _polygons(ground.geometry[b]),
+                "polygons": _polygons([assembly.parts[p] for p in them.members[b]]),
                 "low": float(ranges.low[b]) if held[b] else None,
                 "high": float(ranges.high[b]) if held[b] else None,
                 "far": float(ranges.far[b]) if held[b] else None,
@@ -91,12 +95,19 @@ def fingerprint(content: dict[str, Any]) -> str:
     return hashlib.sha256(json.dumps({k: v for k, v in content.items() if k != "sha256"}).encode()).hexdigest()
 
 
-def _polygons(geometry: shapely.Geometry) -> list[list[list[list[float]]]]:
-    """Outer ring and holes of each polygon, without the closing corner."""
-    return [
-        [shapely.get_coordinates(ring)[:-1].tolist() for ring in (part.exterior, *part.interiors)]
-        for part in shapely.get_parts(geometry)
+def _polygons(parts: Sequence[Part]) -> list[list[list[list[float]]]]:
+    """Outer ring and holes of each polygon of a body, as drawn where that is one, without the closing corner.
+
+    Not the outlines that congruent bodies share, which may differ from these in their last digits: others compare them with the drawing.
+    """
+    regions = [
+        [place(ring, part.at) for ring in (region.outer, *region.holes)] for part in parts for region in part.regions
     ]
+    if len(regions) > 1:
+        union = shapely.orient_polygons(shapely.union_all([shapely.Polygon(r[0], r[1:]) for r in regions]))
+        pieces = shapely.get_parts(union)
+        regions = [[shapely.get_coordinates(r)[:-1] for r in (p.exterior, *p.interiors)] for p in pieces]
+    return [[ring.tolist() for ring in rings] for rings in regions]
 
 
 def _region(skin: Skin) -> dict[str, Any]:

@@ -121,9 +121,7 @@ def prove(
     share = (most - witness) / abs(witness) if witness else None
     paper = None
     if proof is not None:
-        paper = certificate(
-            ground, answer.assembly.names, answer.assembly.gap, links, found, goal, ranges, bounding.cut, proof
-        )
+        paper = certificate(ground, answer.assembly, links, found, goal, ranges, bounding.cut, proof)
     return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
 
 

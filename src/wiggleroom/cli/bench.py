@@ -48,7 +48,7 @@ def bench(
     max_parts
         For speed: leave out larger assemblies.
     limit
-        For speed: seconds that other methods may take; by default 4.2 times as long as ours, within 10 and 50.
+        For speed: seconds that other methods may take; by default 30 times as long as ours, within 60 and 600.
     json
         Write the figures as JSON to this file; - is stdout, which then holds nothing else.
     markdown

@@ -157,7 +157,7 @@ def look(file: str, asked: Asked) -> Look:
     from wiggleroom.drawing.read import reading
     from wiggleroom.errors import InputError
 
-    wanted = _goals(asked)
+    wanted = asked_goals(asked)
     found = reading(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     drawing, fixed, goals = with_roles(found.drawing, asked, wanted) if found.drawing.parts else (found.drawing, [], [])
     names = [p.name for p in drawing.parts]
@@ -206,14 +206,14 @@ def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
     if is_spatial_file(file):
         message = f"{file}: is an assembly in space, which flex and check answer; this command is for drawings"
         raise InputError(message)
-    wanted = _goals(asked)
+    wanted = asked_goals(asked)
     drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     for line in drawing.notes:
         note(line)
     return with_roles(drawing, asked, wanted)
 
 
-def _goals(asked: Asked) -> list[Goal]:
+def asked_goals(asked: Asked) -> list[Goal]:
     """Goals that the options name; what is wrong with any option is told at once."""
     from wiggleroom.cli.asking import goals
     from wiggleroom.drawing.model import WHOLE

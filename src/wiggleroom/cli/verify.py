@@ -3,100 +3,81 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wiggleroom.cli.options import Asked
+
+if TYPE_CHECKING:
+    from wiggleroom.verify.check import Verified
+    from wiggleroom.verify.claim import Claim
+    from wiggleroom.verify.drawn import Drawn
 
 PROVEN, REFUSED = 0, 1
+_NONE_ASKED = Asked()
 
 
-def verify(certificate: Path, file: str | None = None, /, *, gap: float | None = None) -> int:
+def verify(certificate: Path, file: str | None = None, /, *, asked: Asked = _NONE_ASKED) -> int:
     """Check a certificate of flex --prove --certificate, by code that shares nothing with what wrote it.
 
-    Every region, every range of turns and every bound is worked out again in ball arithmetic. Exit code: 0 verified,
-    1 not verified, 2 bad input. Needs the extra wiggleroom[verify].
+    Every region, every range of turns and every bound is worked out again in ball arithmetic. Give the drawing too, and
+    the options that flex had: outlines, glue, fixed parts, gap and pulls must be those of the certificate. What neither
+    the drawing nor an option states is printed as stated by the certificate only. Exit code: 0 verified, 1 not
+    verified, 2 bad input. Needs the extra wiggleroom[verify].
 
-    Example: wiggleroom verify proof.json puzzle.svg
+    Example: wiggleroom verify proof.json puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
 
     Parameters
     ----------
     certificate
         The file that flex --prove 0.01 --certificate wrote.
     file
-        Assembly file or drawing: also compare its outlines with those of the certificate.
-    gap
-        Gap to read that file with; by default an assembly file's own, and for drawings the one that the certificate names.
+        The assembly file or drawing that it is about. Without it, what is verified is about the outlines in the
+        certificate.
     """
     from wiggleroom.errors import InputError, see_extra
 
     see_extra("verify", "verify needs python-flint", "flint")
+    from wiggleroom.cli.verify_drawing import drawn_by
     from wiggleroom.verify.check import Refused
     from wiggleroom.verify.check import read as content_of
     from wiggleroom.verify.check import verify as check
+    from wiggleroom.verify.form import FORMAT
 
     try:
         content = content_of(certificate.read_text(encoding="utf-8"))
     except Refused as refusal:
         print(f"not verified: {refusal}")  # noqa: T201
         return REFUSED
-    except (ValueError, RecursionError) as problem:
+    except ValueError as problem:
         wrong = f"{certificate}: this is not JSON ({problem}); give the file that flex --certificate wrote"
         raise InputError(wrong) from problem
     if not isinstance(content, dict) or not str(content.get("format", "")).startswith("wiggleroom.certificate/"):
-        wrong = f'{certificate}: this is not a certificate: "format" must be "wiggleroom.certificate/1"'
+        wrong = f'{certificate}: this is not a certificate: "format" must be "{FORMAT}"'
         raise InputError(wrong)
     found = check(content)
-    why = found.why or (_differs(content, file, gap) if file else "")
+    claim = found.claim
+    if claim is None:
+        print(f"not verified: {found.why}")  # noqa: T201
+        return REFUSED
+    return _compared(found, claim, drawn_by(file, asked, claim))
+
+
+def _compared(found: Verified, claim: Claim, drawn: Drawn) -> int:
+    """Say what is verified, or in what the certificate differs from the drawing and the options."""
+    from wiggleroom.verify.claim import sentence
+    from wiggleroom.verify.drawn import difference, unstated
+
+    why = difference(claim, drawn)
     if why:
         print(f"not verified: {why}")  # noqa: T201
         return REFUSED
-    unit = "" if content.get("turns") else " mm"
-    print(f"verified: no motion of {_asked(content)} that starts at rest is worth more than {found.at_most:.6g}{unit}")  # noqa: T201
+    print(f"verified: {sentence(claim, drawn.source)}")  # noqa: T201
+    if drawn.bodies is None:
+        print("about the outlines in this file, not compared with a drawing")  # noqa: T201
+    for line in unstated(claim, drawn):
+        print(f"stated by the certificate only: {line}")  # noqa: T201
     print(  # noqa: T201
-        f"{found.bodies} bodies, {found.pairs} pairs that hold each other, {found.chords} chords, {found.programs} linear programs"
+        f"checked: {found.bodies} bodies, {found.pairs} pairs that hold each other, {found.chords} chords, "
+        f"{found.programs} linear programs"
     )
-    if file is None:
-        print("the outlines are those in the certificate; name the drawing too to compare them")  # noqa: T201
     return PROVEN
-
-
-def _asked(content: dict) -> str:
-    """Parts that are asked about."""
-    return ", ".join(dict.fromkeys("+".join(content["bodies"][row[0]]["parts"]) for row in content["goal"]))
-
-
-def _differs(content: dict, file: str, gap: float | None) -> str:
-    """What a drawing has different from a certificate; empty where nothing is."""
-    import numpy as np
-
-    from wiggleroom.assembly.build import read
-    from wiggleroom.assembly.model import rings_at
-
-    if gap is None and Path(file).suffix.lower() != ".json":
-        gap = content["gap"]
-    assembly = read(file, gap=gap)
-    parts = {part.name: part for part in assembly.parts}
-    barred = {frozenset(pair) for pair in assembly.drawing.ignore}
-    said = sorted(name for body in content["bodies"] for name in body["parts"])
-    if said != sorted(parts):
-        return f"{file} has other parts than the certificate"
-    for body in content["bodies"]:
-        mine = np.array([p for rings in body["polygons"] for ring in rings for p in ring])
-        own = [ring for n in body["parts"] for ring in rings_at(parts[n])]
-        far = (
-            max(_away(mine, np.vstack(own)), _away(np.vstack(own), mine))
-            if len(body["parts"]) == 1
-            else _away(mine, np.vstack(own))
-        )
-        if far > 1e-8 * assembly.size:
-            return f"{'+'.join(body['parts'])} has other outlines in {file}: a corner lies {far:.3g} mm away"
-    for a, b, *_ in content["pairs"]:
-        for one in content["bodies"][a]["parts"]:
-            for two in content["bodies"][b]["parts"]:
-                if frozenset((one, two)) in barred:
-                    return f"{file} says that {one} and {two} never collide, and the proof uses that they do"
-    return ""
-
-
-def _away(points: object, others: object) -> float:
-    """Largest distance from one of some corners to the nearest of others [mm]."""
-    from scipy.spatial import cKDTree
-
-    return float(cKDTree(others).query(points)[0].max())

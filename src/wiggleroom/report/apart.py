@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
+import shapely
 from msgspec import UNSET
 
+from wiggleroom.assembly.model import place
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.words import few, number, towards
 from wiggleroom.schema.fields import PartMotion
@@ -195,8 +197,17 @@ def as_answer(found: Interlock, command: str = "") -> Answer:
     n = len(found.assembly.names)
     way = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
     gone = tuple(name for e in found.escapes for name in e.parts)
-    goals = tuple(Pull(e.parts[0], _direction(found, e)) for e in found.escapes)
+    goals = tuple(Pull(e.parts[0], _direction(found, e), _inside(found, e.parts[0])) for e in found.escapes)
     verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
     return witnessed(
         found.assembly, goals, verdict, objective, way, "checked", leaves=gone, turns=found.spins, command=command
     )
+
+
+def _inside(found: Interlock, name: str) -> tuple[float, float]:
+    """A point of a part at rest [mm], where its arrow begins: its reference point may lie anywhere."""
+    part = found.assembly.parts[found.assembly.names.index(name)]
+    first = max(part.regions, key=lambda region: np.ptp(region.outer, axis=0).sum())
+    rings = [place(ring, part.at) for ring in (first.outer, *first.holes)]
+    (at,) = shapely.get_coordinates(shapely.point_on_surface(shapely.Polygon(rings[0], rings[1:])))
+    return float(at[0]), float(at[1])

@@ -24,7 +24,7 @@ class Checked:
 def picture_of_check(checked: Checked, *, command: str = "") -> str:
     """Parts where they came to, those that leave beside those that stay, as an SVG picture."""
     answer, said = as_answer(checked.found, command), check_facts(checked.found, checked.border)
-    return picture(answer, title=check_title(checked.found), said=said)
+    return picture(answer, title=check_title(checked.found), said=said, leaving=True)
 
 
 def film_of_check(

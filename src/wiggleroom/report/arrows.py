@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal, Pull, Towards, Turn, W
 from wiggleroom.report import palette
+from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View
 from wiggleroom.search.answer import Answer
 
@@ -21,6 +22,8 @@ _SHORTEST = 16.0
 PULL_LENGTH = 44.0
 _MOST_CONTACTS = 300
 _FAINT = 1e-3
+_SMALL, _SLIGHT = 30.0, 0.1
+"""Parts of fewer pixels are too small for all their contacts: those with less than this share of the largest force are left out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +98,18 @@ def _pull(start: Floats, tip: Floats, moved: Floats | None = None) -> Mark:
     return Mark(svg + f'<path d="{head}" fill="{colour}"/>' + ring, tuple(lines))
 
 
+def numbered(mark: Mark, number: int) -> Mark:
+    """The mark with a number in a disc at the middle of its first line."""
+    if not mark.lines:
+        return mark
+    x, y = mark.lines[0].mean(axis=0)
+    disc = (
+        f'<circle cx="{x:.2f}" cy="{y:.2f}" r="9" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="1.5"/>'
+    )
+    digit = text(x, y + 4.5, 13, palette.INK, str(number)).replace("<text ", '<text text-anchor="middle" ', 1)
+    return Mark(mark.svg + disc + digit, (*mark.lines, np.array([[x - 6, y], [x + 6, y]])), max(mark.clear, 9.0))
+
+
 def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: float) -> Mark:
     """Contacts as dots and their forces as arrows as long as they are large; only those that matter.
 
@@ -109,8 +124,10 @@ def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: 
     )
     if not held:
         return Mark("")
+    if room < _SMALL:  # arrows longer than their parts: of each pair the largest
+        held = [c for c in {c.parts: c for c in reversed(held)}.values() if c.force > _SLIGHT * largest][::-1]
     held, row = held[:_MOST_CONTACTS], {name: k for k, name in enumerate(answer.assembly.names)}
-    radius, longest = min(max(0.035 * room, 0.7), 3.0), min(max(0.45 * room, 6.0), 38.0)
+    radius, longest = min(max(0.035 * room, 1.5), 3.0), min(max(0.45 * room, 16.0), 38.0)
     moved = rest + answer.motion
     dots, shafts, heads, lines = [], [], [], []
     for c in held:

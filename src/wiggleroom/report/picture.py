@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Pull, part_of
 from wiggleroom.report import frame, layout, palette
-from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, obstacles
+from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, numbered, obstacles
 from wiggleroom.report.layout import View
 from wiggleroom.report.names import names_group
 from wiggleroom.report.shapes import Shapes, spot, use
@@ -40,6 +40,7 @@ def picture(
     tints: Tints | None = None,
     title: str | None = None,
     said: Sequence[str] | None = None,
+    leaving: bool = False,
 ) -> str:
     """Answer as an SVG picture.
 
@@ -55,10 +56,12 @@ def picture(
         Colours of the parts in place of the usual ones.
     title, said : str and sequence of str, optional
         Headline and facts in place of those of the answer.
+    leaving : bool
+        The goals are parts that leave one after the other: their arrows are numbered, and the legend says so.
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
     said = [*(facts(answer) if said is None else said), *([f"motion x {number(factor)}"] if factor != 1 else [])]
-    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints)
+    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints, leaving)
 
 
 def _draw(
@@ -69,6 +72,7 @@ def _draw(
     said: list[str],
     command: str,
     tints: Tints | None = None,
+    leaving: bool = False,
 ) -> str:
     """Whole picture; without an answer the parts lie at rest."""
     rest = assembly.rest
@@ -84,11 +88,13 @@ def _draw(
     rows = {name: k for k, name in enumerate(assembly.names)}
     marked = [(g, rows[name]) for g in goals if (name := part_of(g)) in rows]
     marks = [goal_mark(view, assembly, g, rest, shown, rooms[row]) for g, row in marked]
+    if leaving and len(marks) > 1:
+        marks = [numbered(mark, k + 1) for k, mark in enumerate(marks)]
     if answer is not None:
         marks.insert(0, contact_mark(view, answer, rest, shown, room))
     pulled = {assembly.names[row] for _, row in marked}
     body = drawn_parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
-    legend = _legend(assembly, answer, bool(pulled), tints)
+    legend = _legend(assembly, answer, bool(pulled), tints, leaving)
     foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
@@ -125,6 +131,8 @@ def drawn_parts(
             + "\n".join(still)
             + "</g>"
         )
+    if assembly.drawing.ignore:  # parts lie above each other: what stands lies at the bottom
+        drawn = {palette.OF["fixed"]: drawn.pop(palette.OF["fixed"]), **drawn}
     for (fill, stroke), uses in drawn.items():
         if uses:
             style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
@@ -141,7 +149,7 @@ _ARROW = (
 
 
 def _legend(
-    assembly: Assembly, answer: Answer | None, asked: bool, tints: Tints | None = None
+    assembly: Assembly, answer: Answer | None, asked: bool, tints: Tints | None = None, leaving: bool = False
 ) -> list[frame.LegendEntry]:
     """Only what the picture shows."""
     found = [] if tints is None else list(tints.legend)
@@ -149,9 +157,21 @@ def _legend(
     if any(p.fixed for p in assembly.parts):
         found.append((frame.swatch(palette.FIXED[0] if filled else palette.PAPER, palette.FIXED[1]), "fixed"))
     if asked:
-        found.append((frame.swatch(palette.PULLED[0] if filled else palette.PAPER, palette.PULLED[1]), "pulled"))
+        found.append(
+            (
+                frame.swatch(palette.PULLED[0] if filled else palette.PAPER, palette.PULLED[1]),
+                "leaves" if leaving else "pulled",
+            )
+        )
         if answer is not None and any(isinstance(g, Pull) for g in answer.goals):
-            found.append((_ARROW, "gained along the pull"))
+            found.append(
+                (
+                    _ARROW,
+                    ("way out, in this order" if len(answer.goals) > 1 else "way out")
+                    if leaving
+                    else "gained along the pull",
+                )
+            )
     if answer is not None:
         found.append((frame.swatch("none", palette.REST), "at rest"))
         if any(c.force > 0 for c in answer.contacts):

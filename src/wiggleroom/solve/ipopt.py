@@ -105,7 +105,16 @@ def _casadi() -> Any:
     return casadi
 
 
-def _options(listener: object, mu: float, tolerance: float) -> dict[str, object]:
+def described() -> str:
+    """The linear solver and the options that IPOPT is given, for whoever quotes its times."""
+    options = {
+        k.removeprefix("ipopt."): v for k, v in _options(None, INITIAL_BARRIER, 1e-6).items() if k.startswith("ipopt.")
+    }
+    told = ("linear_solver", "nlp_scaling_method", "tol", "acceptable_tol", "mu_init", "bound_relax_factor", "max_iter")
+    return "through CasADi, exact derivatives; " + ", ".join(f"{name} {options[name]}" for name in told)
+
+
+def _options(listener: object | None, mu: float, tolerance: float) -> dict[str, object]:
     """Options of CasADi and IPOPT: quiet, sharp, rows never relaxed, and the start left where it is."""
     push = dict.fromkeys(("slack_bound_push", "slack_bound_frac", "mult_bound_push"), 1e-9)
     return {

@@ -17,123 +17,162 @@ never a wrong one.
 
 from __future__ import annotations
 
-import functools
+import heapq
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
 from flint import arb
 
-from wiggleroom.verify.skins import Point, exact, less, need, size, turned
+from wiggleroom.verify.ball_arithmetic import Point, exact, less, need, size, turned
+from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
 ROUNDED = 1e-12
 """Largest values over corners are found in double precision and made larger by this share of their terms, a thousand times their error."""
 
 
-class Room:
+class Enclosure:
     """Corners of one region; what they are between two turns."""
 
     def __init__(self, region: dict[str, Any]) -> None:
-        self.angles = [float(angle) for angle, _ in region["loops"]]
-        self.loops = [np.array(at, dtype=float).reshape(-1, 2) for _, at in region["loops"]]
-        self.tracks = [np.array(tracks, dtype=int) for tracks, _ in region["seams"]]
-        self.far = max(float(np.hypot(*at.T).max()) for at in self.loops) * (1 + ROUNDED)
-        self.between = functools.cache(self._between)  # one range of turns is asked for again and again
-
-    def _between(self, low: float, high: float) -> np.ndarray:
-        """Corners (k, 3) of all that the skin encloses between two turns: corners of loops, and tracks where they are cut."""
-        found = [
-            np.column_stack([at, np.full(len(at), t)])
-            for t, at in zip(self.angles, self.loops, strict=True)
-            if low <= t <= high
+        self.angles = np.array([float(angle) for angle, _ in region["loops"]])
+        loops = [np.array(at, dtype=float).reshape(-1, 2) for _, at in region["loops"]]
+        self.corners = np.vstack(
+            [np.column_stack([at, np.full(len(at), t)]) for t, at in zip(self.angles, loops, strict=True)]
+        )
+        self.tracks = [
+            (start[(pairs := np.array(tracks, dtype=int))[:, 0]], end[pairs[:, 1]])
+            for (tracks, _), start, end in zip(region["seams"], loops, loops[1:], strict=False)
         ]
+        self.far = float(np.hypot(*self.corners[:, :2].T).max()) * (1 + ROUNDED)
+        self.steps = len(self.corners) + sum(len(start) for start, _ in self.tracks) + EXACT
+
+    def between(self, low: float, high: float) -> np.ndarray:
+        """Corners (k, 3) of all that the skin encloses between two turns: corners of loops, and tracks where they are cut."""
+        turns = self.corners[:, 2]
+        found = [self.corners[(low <= turns) & (turns <= high)]]
         for level in (low, high):
-            for k, tracks in enumerate(self.tracks):
-                one, two = self.angles[k], self.angles[k + 1]
-                if one <= level <= two:
-                    share = (level - one) / (two - one)
-                    at = (1 - share) * self.loops[k][tracks[:, 0]] + share * self.loops[k + 1][tracks[:, 1]]
-                    found.append(np.column_stack([at, np.full(len(at), level)]))
-        return np.vstack(found) if found else np.zeros((0, 3))
+            if self.angles[0] <= level <= self.angles[-1]:
+                k = min(int(np.searchsorted(self.angles, level, side="right")) - 1, len(self.tracks) - 1)
+                share = (level - self.angles[k]) / (self.angles[k + 1] - self.angles[k])
+                start, end = self.tracks[k]
+                at = (1 - share) * start + share * end
+                found.append(np.column_stack([at, np.full(len(at), level)]))
+        return np.vstack(found)
 
 
-class Ranges:
-    """Turns and shifts of all bodies, None where nothing is known."""
+class TurnRanges:
+    """Turns of all bodies, None where nothing is known; cuts are taken back when a step of the proof is done."""
 
     def __init__(self, low: list, high: list, far: list) -> None:
         self.low, self.high, self.far = low, high, far
 
-    def cut(self, low: list, high: list) -> Ranges:
-        """The same with other turns."""
-        return Ranges(low, high, self.far)
+    @contextmanager
+    def cut(self, cuts: list[tuple[int, int, float]]) -> Iterator[bool]:
+        """For a while the turns of bodies are at most `end` (sign 1) or at least `end` (-1); True where this leaves some body no turn."""
+        before = [(body, self.low[body], self.high[body]) for body, _, _ in cuts]
+        for body, sign, end in cuts:
+            if sign > 0:
+                self.high[body] = min(self.high[body], end)
+            else:
+                self.low[body] = max(self.low[body], end)
+        yield any(self.low[body] > self.high[body] for body, _, _ in cuts)
+        for body, low, high in reversed(before):
+            self.low[body], self.high[body] = low, high
 
     def pair(self, a: int, b: int) -> tuple[float, float]:
         """Turns of b against a, rounded outwards."""
         need(None not in (self.low[a], self.low[b]), "a pair is used that nothing holds")
         low, high = self.low[b] - self.high[a], self.high[b] - self.low[a]
-        return float(np.nextafter(low, -np.inf)), float(np.nextafter(high, np.inf))
+        return math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
 
 
 class Case:
     """Regions, pairs and goal of a certificate, to ask what multipliers prove."""
 
-    def __init__(self, content: dict[str, Any]) -> None:
+    def __init__(self, content: dict[str, Any], work: WorkLimit) -> None:
         self.bodies = content["bodies"]
         self.fixed = [body["fixed"] for body in self.bodies]
         self.origin = [tuple(exact(v) for v in body["origin"]) for body in self.bodies]
-        self.rooms = [Room(region) for region in content["regions"]]
+        self.enclosures = [Enclosure(region) for region in content["regions"]]
         self.pairs = content["pairs"]
         self.goal = content["goal"]
         self.worth = exact(content["worth"])
+        self.work = work
 
-    def first(self) -> Ranges:
+    def first(self) -> TurnRanges:
         """Ranges of the file, once it is sure that they hold: turns and shifts add up along ways to a fixed body."""
-        count = len(self.bodies)
-        nothing = [0.0 if f else np.inf for f in self.fixed]
-        up, down, far = list(nothing), list(nothing), list(nothing)
-        for _ in range(count):
-            for a, b, kind, x, y, _ in self.pairs:
-                room = self.rooms[kind]
-                low, high = room.angles[0], room.angles[-1]
-                up[b], down[b] = min(up[b], up[a] + high), min(down[b], down[a] - low)
-                up[a], down[a] = min(up[a], up[b] - low), min(down[a], down[b] + high)
-                arms = [np.hypot(x - float(o[0]), y - float(o[1])) for o in (self.origin[a], self.origin[b])]
-                swing = sum(
-                    arm * 2 * np.sin(min(max(up[k], down[k]), np.pi) / 2) for arm, k in zip(arms, (a, b), strict=True)
-                )
-                step = room.far + swing
-                far[a], far[b] = min(far[a], far[b] + step), min(far[b], far[a] + step)
+        spans = [(a, b, self.enclosures[kind].angles) for a, b, kind, *_ in self.pairs]
+        up = self._shortest([(a, b, float(t[-1])) for a, b, t in spans] + [(b, a, -float(t[0])) for a, b, t in spans])
+        down = self._shortest([(a, b, -float(t[0])) for a, b, t in spans] + [(b, a, float(t[-1])) for a, b, t in spans])
+        steps = []
+        for a, b, kind, x, y, _ in self.pairs:
+            swing = 0.0
+            for k in (a, b):
+                arm = math.hypot(x - float(self.origin[k][0]), y - float(self.origin[k][1]))
+                swing += arm * 2 * math.sin(min(max(up[k], down[k]), math.pi) / 2)
+            step = (self.enclosures[kind].far + swing) * (1 + ROUNDED)
+            steps += [(a, b, step), (b, a, step)]
+        far = self._shortest(steps)
         for k, body in enumerate(self.bodies):
             if body["low"] is not None:
-                fits = -body["low"] >= down[k] * (1 + ROUNDED) and body["high"] >= up[k] * (1 + ROUNDED)
-                need(
-                    fits and body["far"] >= far[k] * (1 + ROUNDED),
-                    f"nothing shows that {body['parts'][0]} stays within its first range",
-                )
-        return Ranges(*([body[k] for body in self.bodies] for k in ("low", "high", "far")))
+                fits = -body["low"] >= down[k] and body["high"] >= up[k] and body["far"] >= far[k]
+                need(fits, f"nothing shows that {body['parts'][0]} stays within its first range")
+        return TurnRanges(*([body[k] for body in self.bodies] for k in ("low", "high", "far")))
 
-    def most(self, ranges: Ranges, facets: list, multipliers: list, asked: tuple[int, int] | None) -> arb:
+    def _shortest(self, steps: list[tuple[int, int, float]]) -> list[float]:
+        """Length of the shortest way from a fixed body to each, along steps (from, to, length); rounded up."""
+        out: list[list[tuple[int, float]]] = [[] for _ in self.bodies]
+        for start, end, length in steps:
+            out[start].append((end, length))
+        found = [math.inf] * len(self.bodies)
+        heap = [(0.0, k) for k, fixed in enumerate(self.fixed) if fixed]
+        while heap:
+            length, k = heapq.heappop(heap)
+            if length >= found[k]:
+                continue
+            found[k] = length
+            for end, more in out[k]:
+                if found[end] == math.inf:
+                    heapq.heappush(heap, (math.nextafter(length + more, math.inf), end))
+        return found
+
+
+class WeakDuality:
+    """One step of a proof: facets of pairs, and the ranges of turns in which its multipliers are asked."""
+
+    def __init__(self, case: Case, facets: list, ranges: TurnRanges) -> None:
+        self.case, self.facets, self.ranges = case, facets, ranges
+        self.pairs: dict[int, tuple[np.ndarray, arb, dict[int, float]]] = {}
+
+    def most(self, multipliers: list, asked: tuple[int, int] | None) -> arb:
         """Bound of the goal, or of what a body (number, sign) turns in motions worth more than `worth`."""
         goal, pushes, weights = multipliers
-        parts = [[arb(0)] * 5 for _ in self.bodies]  # weights of x, y, cos t - 1, sin t, t
+        case, ranges = self.case, self.ranges
+        parts: dict[int, list[arb]] = {}  # weights of x, y, cos t - 1, sin t, t
         weight = exact(goal) if asked else arb(1)
         need(bool(weight >= 0), "a weight is negative")
-        total = -weight * self.worth if asked else arb(0)
+        total = -weight * case.worth if asked else arb(0)
         if asked:
-            parts[asked[0]][4] += asked[1]
-        for body, dx, dy, px, py, spin in self.goal:
+            _part(parts, asked[0])[4] += asked[1]
+        case.work.spend(EXACT * (len(case.goal) + len(pushes) + len(weights) + 1))
+        for body, dx, dy, px, py, spin in case.goal:
             d = weight * exact(dx), weight * exact(dy)
-            _add(parts[body], d, less((exact(px), exact(py)), self.origin[body]))
-            parts[body][4] += weight * exact(spin)
+            part = _part(parts, body)
+            _add(part, d, less((exact(px), exact(py)), case.origin[body]))
+            part[4] += weight * exact(spin)
         by_pair: dict[int, list] = {}
         for which, u in weights:
             need(bool(exact(u) >= 0), "a weight is negative")
-            by_pair.setdefault(facets[which][0], []).append((facets[which][1:], exact(u)))
+            by_pair.setdefault(self.facets[which][0], []).append((which, exact(u)))
         forces = {p: (exact(x), exact(y)) for p, x, y in pushes}
         need(len(forces) == len(pushes), "a pair is named twice")
         for p in sorted({*forces, *by_pair}):
-            total += self._pair(p, ranges, forces.get(p, (arb(0), arb(0))), by_pair.get(p, []), parts)
-        for k, (x, y, c, s, t) in enumerate(parts):
-            if self.fixed[k] or all(v == 0 for v in (x, y, c, s, t)):
+            total += self._pair(p, forces.get(p, (arb(0), arb(0))), by_pair.get(p, []), parts)
+        for k, (x, y, c, s, t) in parts.items():
+            if case.fixed[k] or all(v == 0 for v in (x, y, c, s, t)):
                 continue
             need(ranges.far[k] is not None, "a body counts that nothing holds")
             total += (
@@ -143,33 +182,52 @@ class Case:
             )
         return total
 
-    def _pair(self, p: int, ranges: Ranges, force: Point, facets: list, parts: list) -> arb:
+    def _pair(self, p: int, force: Point, weights: list, parts: dict[int, list[arb]]) -> arb:
         """What a pair adds; what depends on the turns of its bodies goes to their parts."""
-        a, b, kind, x, y, axes = self.pairs[p]
-        corners = self.rooms[kind].between(*ranges.pair(a, b))
-        need(len(corners) > 0, "a pair is left no turn")
-        middle = (corners[:, :2].min(0) + corners[:, :2].max(0)) / 2
-        reach = exact(
-            float(np.hypot(*(corners[:, :2] - middle).T).max()) * (1 + ROUNDED) + ROUNDED * float(np.abs(corners).max())
-        )
+        a, b, _, x, y, axes = self.case.pairs[p]
+        middle, reach, facets = self._corners(p, [which for which, _ in weights])
         mid = turned((exact(middle[0]), exact(middle[1])), exact(axes))  # the region in the world's axes
         pivot = exact(x), exact(y)
-        _add(parts[b], (-force[0], -force[1]), less(pivot, self.origin[b]))
-        arm = less(pivot, self.origin[a])
-        _add(parts[a], force, (arm[0] + mid[0], arm[1] + mid[1]))  # R(t_a) (p + mid), without p itself
+        origin = self.case.origin
+        _add(_part(parts, b), (-force[0], -force[1]), less(pivot, origin[b]))
+        arm = less(pivot, origin[a])
+        _add(_part(parts, a), force, (arm[0] + mid[0], arm[1] + mid[1]))  # R(t_a) (p + mid), without p itself
         total = force[0] * mid[0] + force[1] * mid[1]
-        low, high = exact(ranges.low[a]), exact(ranges.high[a])
+        low, high = exact(self.ranges.low[a]), exact(self.ranges.high[a])
         total += size(force) * reach * 2 * (((high - low) / 2).min(arb.pi()) / 2).sin()
         rest = turned(force, -(low + high) / 2 - exact(axes))
-        for (nx, ny, c), u in facets:
-            terms = corners * (nx, ny, c)
-            most = float(terms.sum(1).max()) + ROUNDED * float(np.abs(terms).sum(1).max())
-            normal = exact(nx), exact(ny)
-            total += u * (exact(most) - normal[0] * exact(middle[0]) - normal[1] * exact(middle[1]))
-            rest = less(rest, (u * normal[0], u * normal[1]))
-            parts[b][4] -= u * exact(c)
-            parts[a][4] += u * exact(c)
+        for which, u in weights:
+            nx, ny, c = (exact(v) for v in self.facets[which][1:])
+            total += u * (exact(facets[which]) - nx * exact(middle[0]) - ny * exact(middle[1]))
+            rest = less(rest, (u * nx, u * ny))
+            parts[b][4] -= u * c
+            parts[a][4] += u * c
         return total + size(rest) * reach
+
+    def _corners(self, p: int, facets: list[int]) -> tuple[np.ndarray, arb, dict[int, float]]:
+        """Middle (2,) of what a pair can reach in the ranges, reach from there, and most of facets; all kept."""
+        known = self.pairs.get(p)
+        new = [k for k in facets if known is None or k not in known[2]]
+        if known is not None and not new:
+            return known
+        a, b, kind, *_ = self.case.pairs[p]
+        enclosure = self.case.enclosures[kind]
+        self.case.work.spend(enclosure.steps * (2 + len(new)))
+        corners = enclosure.between(*self.ranges.pair(a, b))
+        need(len(corners) > 0, "a pair is left no turn")
+        if known is None:
+            middle = (corners[:, :2].min(0) + corners[:, :2].max(0)) / 2
+            reach = float(np.hypot(*(corners[:, :2] - middle).T).max()) * (1 + ROUNDED)
+            known = self.pairs[p] = middle, exact(reach + ROUNDED * float(np.abs(corners).max())), {}
+        for k in new:
+            terms = corners * np.array(self.facets[k][1:], dtype=float)
+            known[2][k] = float(terms.sum(1).max()) + ROUNDED * float(np.abs(terms).sum(1).max())
+        return known
+
+
+def _part(parts: dict[int, list[arb]], body: int) -> list[arb]:
+    """Weights that belong to a body, nought at first."""
+    return parts.setdefault(body, [arb(0)] * 5)
 
 
 def _add(part: list, force: Point, arm: Point) -> None:
@@ -196,10 +254,13 @@ def highest(alpha: arb, beta: arb, gamma: arb, low: arb, high: arb) -> arb:
     if not abs(gamma) < radius:
         return best + (radius + abs(gamma)) * (high - low)
     top = arb.atan2(beta, alpha) + (gamma / radius).asin()
-    turns = int((float(low) - float(top)) / 6.28) - 2
-    while bool(top + 2 * arb.pi() * turns < high) or turns < 0:
+    # tops rise or fall throughout: the first or the last one is highest
+    first, last = (math.floor(float((end - top) / (2 * arb.pi()))) for end in (low, high))
+    for turns in {
+        *range(first - 1, first + 3),
+        *range(last - 2, last + 2),
+    }:
         t = top + 2 * arb.pi() * turns
         if not (t < low or t > high):
             best = best.max(value(t))
-        turns += 1
     return best

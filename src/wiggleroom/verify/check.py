@@ -1,7 +1,7 @@
 """Whether a certificate proves what it says.
 
-Read this file, then `skins` and `bounds`: that is all. What they rest on: python-flint (ball arithmetic), that coordinates
-are as given in the file, and that parts are rigid. Nothing is shared with the code that found the proof.
+Read this file, then `form`, `skins`, `bounds` and `claim`: that is all. What they rest on: python-flint (ball arithmetic), numpy, that
+coordinates are as given in the file, and that parts are rigid. Nothing is shared with the code that found the proof.
 """
 
 from __future__ import annotations
@@ -13,13 +13,16 @@ from typing import Any
 
 from flint import arb, ctx
 
-from wiggleroom.verify.bounds import Case, Ranges
-from wiggleroom.verify.skins import Refused, check_inside, check_skin, exact, need, point, turned
+from wiggleroom.verify.ball_arithmetic import Refused, exact, need, point, turned
+from wiggleroom.verify.bounds import Case, TurnRanges, WeakDuality
+from wiggleroom.verify.claim import Claim, claim_of, sentence
+from wiggleroom.verify.form import CHANGED, check_form, read
+from wiggleroom.verify.skins import Material, check_skin
+from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
-FORMAT = "wiggleroom.certificate/1"
+__all__ = ["Refused", "Verified", "read", "verify"]
+
 BITS = 128
-TIGHT = 1e-9
-"""What is stated may lie below what was worked out by rounding alone, and above it by no more than this share."""
 
 
 @dataclass(frozen=True)
@@ -32,9 +35,11 @@ class Verified:
     why : str
         What is wrong, empty where nothing is.
     at_most : float [mm]
-        What is stated; nothing where it is not proven.
+        What is stated, in radians where a turn is asked for; nothing where it is not proven.
     bodies, pairs, chords, programs : int
         How much there was to check.
+    claim : Claim or None
+        All that is claimed; None where it is not proven.
     """
 
     proven: bool
@@ -44,29 +49,26 @@ class Verified:
     pairs: int = 0
     chords: int = 0
     programs: int = 0
+    claim: Claim | None = None
+
+    def __str__(self) -> str:
+        """What is proven, in a sentence, or why nothing is."""
+        return f"not verified: {self.why}" if self.claim is None else f"verified: {sentence(self.claim)}"
 
 
-def read(text: str) -> dict[str, Any]:
-    """Content of a certificate's file; every number must stand there as it is written, so that no digit is without meaning.
+def verify(content: Any) -> Verified:
+    """Check a certificate: chords lie inside their parts, skins are shut, multipliers prove the bound.
 
-    Raises
-    ------
-    ValueError
-        If it is not JSON.
-    Refused
-        If a number has digits that no double needs, which `flex` never writes.
+    Parameters
+    ----------
+    content : dict
+        `answer.bound.certificate`, or what `read` makes of a file. It is read strictly, see `form`.
+
+    Returns
+    -------
+    Verified
+        It speaks of the outlines in the certificate; whether these are those of a drawing is another question.
     """
-    return json.loads(text, parse_float=_as_written, parse_constant=_as_written)
-
-
-def _as_written(digits: str) -> float:
-    number = float(digits)
-    need(repr(number) == digits and abs(number) < 1e300, "the file was changed after it was written")
-    return number
-
-
-def verify(content: dict[str, Any]) -> Verified:
-    """Check a certificate, read from JSON: chords lie inside their parts, skins are shut, multipliers prove the bound."""
     before, ctx.prec = ctx.prec, BITS
     try:
         return _verify(content)
@@ -78,66 +80,76 @@ def verify(content: dict[str, Any]) -> Verified:
         ctx.prec = before
 
 
-def _verify(content: dict[str, Any]) -> Verified:
-    need(content["format"] == FORMAT, f"this is no {FORMAT}")
+def _verify(content: Any) -> Verified:
+    work = WorkLimit(check_form(content))
     rest = json.dumps({k: v for k, v in content.items() if k != "sha256"})
-    need(hashlib.sha256(rest.encode()).hexdigest() == content["sha256"], "the file was changed after it was written")
-    bodies, pairs = content["bodies"], content["pairs"]
-    for body in bodies:
-        need(isinstance(body["fixed"], bool), "a body is neither fixed nor free")
-        if body["fixed"]:
-            need(body["low"] == 0 and body["high"] == 0 and body["far"] == 0, "a fixed body moves")
-    polygons = [[[[point(p) for p in ring] for ring in rings] for rings in body["polygons"]] for body in bodies]
+    need(hashlib.sha256(rest.encode()).hexdigest() == content["sha256"], CHANGED)
     for region in content["regions"]:
         check_skin(region)
-    chords = 0
-    for a, b, kind, x, y, axes in pairs:
-        need(min(a, b, kind) >= 0 and a != b, "a pair names nothing")
-        region, pivot, angle = content["regions"][kind], point([x, y]), exact(axes)
-        for body, key in ((a, "a"), (b, "b")):
-            for ends in region[key]:
-                p, q = (turned(point(v), angle) for v in ends)
-                check_inside(((p[0] + pivot[0], p[1] + pivot[1]), (q[0] + pivot[0], q[1] + pivot[1])), polygons[body])
-            chords += len(region[key])
-    case = Case(content)
+    chords = _check_chords(content, work)
+    case = Case(content, work)
     counted = [0]
     bound = _bound(case, content["proof"], case.first(), counted)
     worked_out, stated = bound.max(case.worth), exact(content["at_most"])
-    slack = TIGHT * (1 + abs(stated))
     need(
-        bool(worked_out <= stated + slack * 1e-3),
+        bool(worked_out <= stated),
         f"the multipliers prove {float(worked_out):.9g} only, not {float(stated):.9g}",
     )
-    return Verified(True, "", float(stated), len(bodies), len(pairs), chords, counted[0])
+    claim = claim_of(content)
+    return Verified(True, "", float(stated), len(content["bodies"]), len(content["pairs"]), chords, counted[0], claim)
 
 
-def _bound(case: Case, step: dict[str, Any], ranges: Ranges, counted: list[int]) -> arb:
+def _check_chords(content: dict[str, Any], work: WorkLimit) -> int:
+    """Refuse a chord that is not inside its body, wherever a pair of bodies uses it; otherwise how many there are."""
+    material = [Material(body["polygons"], work) for body in content["bodies"]]
+    chords = 0
+    for a, b, kind, x, y, axes in content["pairs"]:
+        region, pivot, angle = content["regions"][kind], point([x, y]), exact(axes)
+        for body, key in ((a, "a"), (b, "b")):
+            work.spend(EXACT * len(region[key]))
+            for ends in region[key]:
+                p, q = (turned(point(v), angle) for v in ends)
+                material[body].check(((p[0] + pivot[0], p[1] + pivot[1]), (q[0] + pivot[0], q[1] + pivot[1])))
+            chords += len(region[key])
+    return chords
+
+
+def _bound(case: Case, step: dict[str, Any], ranges: TurnRanges, counted: list[int]) -> arb:
     """What a step proves of the goal within some ranges: what its multipliers say, or the larger of what follows its cuts."""
     if "empty" in step:
         a, b, kind = case.pairs[step["empty"]][:3]
-        need(len(case.rooms[kind].between(*ranges.pair(a, b))) == 0, "a pair that should have no turn left has one")
+        case.work.spend(case.enclosures[kind].steps)
+        left = case.enclosures[kind].between(*ranges.pair(a, b))
+        need(len(left) == 0, "a pair that should have no turn left has one")
         return arb.neg_inf()
-    facets = step["facets"]
+    duality = WeakDuality(case, step["facets"], ranges)
     if "best" in step:
         counted[0] += 1
-        return case.most(ranges, facets, step["best"], None)
-    low, high = list(ranges.low), list(ranges.high)
+        return duality.most(step["best"], None)
+    cuts = []
     for body, sign, end, multipliers in step["cuts"]:
         counted[0] += 1
-        need(sign in (1, -1) and body >= 0, "a cut has no side")
-        most = case.most(ranges, facets, multipliers, (body, sign))
-        need(bool(most <= sign * exact(end)), "multipliers do not prove a cut of a turn")
-        if sign > 0:
-            high[body] = min(high[body], end)
-        else:
-            low[body] = max(low[body], end)
-    if any(a is not None and a > b for a, b in zip(low, high, strict=True)):
-        return arb.neg_inf()
-    parts = [(low, high)]
-    if "split" in step:
-        body, middle = step["split"]
-        need(isinstance(body, int) and body >= 0, "a split names nothing")
-        parts = [(low, [*high[:body], middle, *high[body + 1 :]]), ([*low[:body], middle, *low[body + 1 :]], high)]
-    need(len(step["then"]) == len(parts), "a split is not followed up on both sides")
-    bounds = [_bound(case, then, ranges.cut(*part), counted) for then, part in zip(step["then"], parts, strict=True)]
-    return bounds[0] if len(bounds) == 1 else bounds[0].max(bounds[1])
+        need(ranges.far[body] is not None, "a turn is cut of a body that nothing holds")
+        need(
+            bool(duality.most(multipliers, (body, sign)) <= sign * exact(end)),
+            "multipliers do not prove a cut of a turn",
+        )
+        cuts.append((body, sign, end))
+    with ranges.cut(cuts) as empty:
+        return arb.neg_inf() if empty else _follow(case, step, ranges, counted)
+
+
+def _follow(case: Case, step: dict[str, Any], ranges: TurnRanges, counted: list[int]) -> arb:
+    """What the steps after some cuts prove: one, or two for both sides of a split."""
+    then = step.get("then", [])
+    if "split" not in step:
+        need(len(then) == 1, "nothing follows the cuts of a step")
+        return _bound(case, then[0], ranges, counted)
+    need(len(then) == 2, "a split is not followed up on both sides")
+    body, middle = step["split"]
+    need(ranges.far[body] is not None, "a turn is split of a body that nothing holds")
+    sides = []
+    for side, sign in zip(then, (1, -1), strict=True):
+        with ranges.cut([(body, sign, middle)]) as empty:
+            sides.append(arb.neg_inf() if empty else _bound(case, side, ranges, counted))
+    return sides[0].max(sides[1])

@@ -16,6 +16,8 @@ EDGE_REACH = 3.0
 """Edges of a slice no further from B's place than this multiple of the clearance are extended."""
 AREA_TOLERANCE = 1e-9
 """Share of an area that rounding may add."""
+TIE = 1e-9
+"""Sides are equally near where their distances differ by less than this share of the window."""
 BALL_CORNERS = 32
 """Corners of the polygon in the ball of Lemma 1."""
 
@@ -84,14 +86,19 @@ def clip(ring: Floats, normal: Floats, off: float) -> Floats:
 def _ball(pair: Meeting, phi: float, spot: Floats, window: float) -> shapely.Polygon:
     """Ball of Lemma 1 round `spot`, cut by the line of the nearest side of every pair of edges.
 
-    The radius is the least distance, over all pairs of edges, of an end of the side nearest to `spot`.
+    The radius is the least distance, over all pairs of edges, of an end of the side nearest to `spot`. Where a corner is nearest, both its
+    sides are; the one whose line is further away is taken, as the other one may run through `spot` itself and leave nothing.
     """
     box = (*(spot - 2 * window), *(spot + 2 * window))
     quads = parallelograms(pair, phi, box)
     if not len(quads):
         return shapely.box(*(spot - window), *(spot + window))
     sides = np.stack([quads, np.roll(quads, -1, axis=1)], axis=2)  # (k, 4, 2, 2)
-    nearest = shapely.distance(shapely.linestrings(sides), shapely.Point(spot)).argmin(axis=1)
+    away = shapely.distance(shapely.linestrings(sides), shapely.Point(spot))
+    along, to = np.moveaxis(sides[:, :, 1] - sides[:, :, 0], 2, 0), np.moveaxis(spot - sides[:, :, 0], 2, 0)
+    beyond = np.abs(along[0] * to[1] - along[1] * to[0]) / np.hypot(*along)
+    tied = away <= away.min(axis=1)[:, None] + TIE * window
+    nearest = np.where(tied, beyond, -1.0).argmax(axis=1)
     side = sides[np.arange(len(quads)), nearest]
     radius = min(float(np.hypot(*(side - spot).transpose(2, 0, 1)).min()), window)
     angles = 2 * np.pi * np.arange(BALL_CORNERS) / BALL_CORNERS
