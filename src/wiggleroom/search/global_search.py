@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.freespace.cells.cells import grow_cells, joined, select
+from wiggleroom.geometry.neighbours import relative_rest
 from wiggleroom.program.objectives import Objective, PointMotion
 from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.loop import LocalSearch, Policy
@@ -22,6 +24,8 @@ WORK = 2000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
+MOST_PAIRS = 200
+"""Up to so many pairs that are apart at rest are known from the start."""
 BETTER = 1e-4
 """An end better by this share is followed to its own end."""
 ALONE = 0.5
@@ -83,7 +87,7 @@ class _GlobalSearch:
     def __init__(self, first: LocalSearch) -> None:
         ready = first.ready
         self.first, self.best, self.made, self.work = first, first, 0, 0.0
-        self.tree = StateTree(at_rest(ready), ready.bodies.radius, ready.clearance)
+        self.tree = StateTree(_rest_of_all_pairs(ready), ready.bodies.radius, ready.clearance)
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
         self.value, self.free = first.certain_value()
         self.values = [self.value]
@@ -172,6 +176,20 @@ class _GlobalSearch:
         rows = len(start.cells.kind)
         self.work += search.rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
         return found
+
+
+def _rest_of_all_pairs(ready: Prepared) -> Start:
+    """Rest, with cells for all pairs of bodies where these are few: what moves far would else pass through what it did not know."""
+    rest, bodies, cells = at_rest(ready), ready.bodies, ready.cells
+    n = len(bodies.fixed)
+    a, b = np.triu_indices(n, 1)
+    key = a * n + b
+    new = ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(key, np.concatenate([ready.barred, cells.a * n + cells.b]))
+    if new.sum() > MOST_PAIRS:
+        return rest
+    a, b = a[new], b[new]
+    grown, good = grow_cells(bodies, a, b, relative_rest(bodies, a, b), np.full(len(a), ready.clearance))
+    return replace(rest, cells=joined(cells, select(grown, np.flatnonzero(good))))
 
 
 def _turns(ready: Prepared) -> list[Objective]:
