@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from wiggleroom.freespace.free_space import FreeSpace, free_space
     from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
     from wiggleroom.freespace.models.polyhedron import Polyhedron
-    from wiggleroom.live.live_result import Mode, Shot
+    from wiggleroom.live.live_result import LiveResult, Mode
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
     from wiggleroom.questions import check, flex, read
@@ -84,7 +84,7 @@ _HOME = {
     "Ranking": "sensitivity.rank",
     "Region": "drawing.model",
     "Sample": "sensitivity.sample",
-    "Shot": "live.live_result",
+    "LiveResult": "live.live_result",
     "Spread": "sensitivity.gap_distribution",
     "StoppedError": "errors",
     "Sweep": "sensitivity.sweep",
@@ -139,6 +139,7 @@ __all__ = [
     "JointGap",
     "LargestGap",
     "Live",
+    "LiveResult",
     "MissingExtraError",
     "Mode",
     "Part",
@@ -148,7 +149,6 @@ __all__ = [
     "Ranking",
     "Region",
     "Sample",
-    "Shot",
     "Spread",
     "StoppedError",
     "Sweep",

@@ -21,7 +21,7 @@ KEPT = 8
 """So many designs' outlines are kept."""
 
 
-class Recent(Generic[T]):
+class LruCache(Generic[T]):
     """The last few things that were worked out, by what they depend on."""
 
     def __init__(self, most: int) -> None:
@@ -49,7 +49,7 @@ class Recent(Generic[T]):
             self._found.popitem(last=False)
 
 
-class Designs:
+class DesignCache:
     """Assemblies of one drawing.
 
     Parameters
@@ -60,7 +60,7 @@ class Designs:
     def __init__(self, drawing: Drawing) -> None:
         self._drawing = drawing
         self._names = {p.name: None for p in drawing.parts}
-        self._made: Recent[Assembly] = Recent(KEPT)
+        self._made: LruCache[Assembly] = LruCache(KEPT)
 
     def gap(self, design: Design) -> float:
         """The gap of a design [mm]."""

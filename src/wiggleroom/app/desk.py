@@ -7,11 +7,11 @@ import threading
 from collections.abc import Callable
 from importlib import import_module
 
-from wiggleroom.app.link import Start
+from wiggleroom.app.link import StartOrder
 from wiggleroom.app.messages import decode, kind_of
 from wiggleroom.app.opening import opened, told
-from wiggleroom.app.out import Out
-from wiggleroom.app.sheet import Sheet
+from wiggleroom.app.out import Reporter
+from wiggleroom.app.sheet import Document
 from wiggleroom.errors import InputError, StoppedError, WiggleroomError
 from wiggleroom.schema.requests import AnyRequest, FlexRequest, OpenRequest
 
@@ -30,15 +30,15 @@ ANSWERS = {
 """Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
 
 
-class Desk:
+class Dispatcher:
     """Where requests are answered, one after the other."""
 
     def __init__(self) -> None:
-        self._sheet: Sheet | None = None
+        self._sheet: Document | None = None
 
-    def open(self, request: OpenRequest, out: Out) -> None:
+    def open(self, request: OpenRequest, out: Reporter) -> None:
         """Read a drawing and tell the page; where that fails the one before stays."""
-        sheet, design = Sheet(opened(request)), request.design
+        sheet, design = Document(opened(request)), request.design
         content = told(sheet.file, sheet.file.drawing if design is None else sheet.designs.drawing(design))
         if design is not None:
             content.design.extra = design.extra
@@ -46,10 +46,10 @@ class Desk:
         self._sheet = sheet
         out.reply(content)
 
-    def work(self, order: Start, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:
+    def work(self, order: StartOrder, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:
         """Answer one request; whether that went well, and whether a full answer is still to come."""
         request = decode(order.request)
-        out = Out(order.ticket, request.id, kind_of(request), stop, say, order.quiet)
+        out = Reporter(order.ticket, request.id, kind_of(request), stop, say, order.quiet)
         try:
             out.check()
             return True, self._answered(request, order.settle, out)
@@ -68,7 +68,7 @@ class Desk:
             )
         return False, False
 
-    def _answered(self, request: AnyRequest, settle: bool, out: Out) -> bool:
+    def _answered(self, request: AnyRequest, settle: bool, out: Reporter) -> bool:
         if isinstance(request, OpenRequest):
             self.open(request, out)
             return False

@@ -11,7 +11,7 @@ from msgspec import Struct
 _LENGTH = struct.Struct("<I")
 
 
-class Start(Struct, tag=True):
+class StartOrder(Struct, tag=True):
     """Work on a request.
 
     Parameters
@@ -32,7 +32,7 @@ class Start(Struct, tag=True):
     quiet: bool = False
 
 
-class Stop(Struct, tag=True):
+class StopOrder(Struct, tag=True):
     """Stop working on a ticket, or do not begin."""
 
     ticket: int
@@ -59,7 +59,7 @@ class Ready(Struct, tag=True):
 
 
 _encoder = msgspec.msgpack.Encoder()
-_orders = msgspec.msgpack.Decoder(Start | Stop)
+_orders = msgspec.msgpack.Decoder(StartOrder | StopOrder)
 _results = msgspec.msgpack.Decoder(Outgoing | Done | Ready)
 
 
@@ -79,7 +79,7 @@ def result(body: bytes) -> Outgoing | Done | Ready:
     return _results.decode(body)
 
 
-def read_order(source: BinaryIO) -> Start | Stop | None:
+def read_order(source: BinaryIO) -> StartOrder | StopOrder | None:
     """Next order; None where the pipe was closed."""
     head = source.read(_LENGTH.size)
     if len(head) < _LENGTH.size:

@@ -7,11 +7,11 @@ import math
 from msgspec import UNSET
 
 from wiggleroom.app.command import command
-from wiggleroom.app.out import Out
-from wiggleroom.app.sheet import Sheet
+from wiggleroom.app.out import Reporter
+from wiggleroom.app.sheet import Document
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
-from wiggleroom.live.live_result import Shot
+from wiggleroom.live.live_result import LiveResult
 from wiggleroom.report.told import answer_told, contacts_told, rings_told
 from wiggleroom.report.ways import way_frames
 from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, Released, ShapeReply
@@ -31,7 +31,7 @@ WORTH = 1e-3
 """A quick answer that is better by less than this share is not told; the full one is looked for then."""
 
 
-def flex(sheet: Sheet, request: FlexRequest, out: Out) -> bool:
+def flex(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer quickly, and again while that brings more; True where the full answer is to come."""
     design, display = request.design, sheet.display
     if sheet.kept(design) is not None:
@@ -55,7 +55,7 @@ def flex(sheet: Sheet, request: FlexRequest, out: Out) -> bool:
     return True
 
 
-def settled(sheet: Sheet, request: FlexRequest, out: Out) -> bool:
+def settled(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer fully."""
     answer = sheet.answer(request.design, out)
     sheet.display.move(answer.assembly, answer.motion)
@@ -65,7 +65,7 @@ def settled(sheet: Sheet, request: FlexRequest, out: Out) -> bool:
     return False
 
 
-def drag(sheet: Sheet, request: DragRequest, out: Out) -> None:
+def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
     live = sheet.live(request.design)
     rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
@@ -95,7 +95,7 @@ def drag(sheet: Sheet, request: DragRequest, out: Out) -> None:
         rings, start, last = UNSET, "here", min(last, shot.distance)
 
 
-def wiggle(sheet: Sheet, request: WiggleRequest, out: Out) -> None:
+def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:
     """Show the freedoms that are left."""
     modes = sheet.live(request.design).wiggle(request.part, stop=out.stop)
     out.check()
@@ -103,17 +103,17 @@ def wiggle(sheet: Sheet, request: WiggleRequest, out: Out) -> None:
     out.reply(Modes(modes=told), [mode.frames for mode in modes])
 
 
-def release(_: Sheet, __: ReleaseRequest, out: Out) -> None:
+def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:
     """End a drag; the parts stay where they are shown."""
     out.reply(Released())
 
 
-def shape(sheet: Sheet, request: ShapeRequest, out: Out) -> None:
+def shape(sheet: Document, request: ShapeRequest, out: Reporter) -> None:
     """Outlines with the gap applied."""
     out.reply(ShapeReply(rings=rings_told(sheet.assembly(request.design).parts)))
 
 
-def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: Shot) -> Answer:
+def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: LiveResult) -> Answer:
     """What was found in the time there was, as an answer."""
     return witnessed(
         assembly,

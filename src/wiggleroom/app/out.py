@@ -21,7 +21,7 @@ OFTEN = 0.05
 """Progress is told no more often than this [s]."""
 
 
-class Out:
+class Reporter:
     """Replies of one request.
 
     Parameters

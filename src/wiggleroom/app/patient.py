@@ -10,7 +10,7 @@ UNFINISHED = 60.0
 """A message must be there whole within this time of its beginning [s]."""
 
 
-class Patient(WebSocketsSansIOProtocol):
+class MessageTimeout(WebSocketsSansIOProtocol):
     """Ends connections whose message does not end."""
 
     _limit: asyncio.TimerHandle | None = None

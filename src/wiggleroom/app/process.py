@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from wiggleroom.app.link import Done, Outgoing, Ready, Start, Stop, block, length, result
+from wiggleroom.app.link import Done, Outgoing, Ready, StartOrder, StopOrder, block, length, result
 
 MOST_PAGES = 4
 """Each page has a process of its own, and that much memory."""
@@ -37,7 +37,7 @@ class Process:
         )  # fmt: skip
         return cls(child)
 
-    async def send(self, order: Start | Stop) -> None:
+    async def send(self, order: StartOrder | StopOrder) -> None:
         """Give an order; raises LostError where nobody takes it."""
         assert self.child.stdin is not None
         try:
@@ -49,7 +49,7 @@ class Process:
     def stop(self, ticket: int) -> None:
         """Ask it to stop working on a ticket."""
         if self.child.stdin is not None and not self.child.stdin.is_closing():
-            self.child.stdin.write(block(Stop(ticket)))
+            self.child.stdin.write(block(StopOrder(ticket)))
 
     async def receive(self) -> Outgoing | Done | Ready:
         """What it says next; raises LostError where it is gone."""

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from wiggleroom.app.command import command
-from wiggleroom.app.out import Out
+from wiggleroom.app.out import Reporter
 from wiggleroom.freespace.free_space import free_space
 from wiggleroom.report.solid import space_told
 from wiggleroom.schema.requests import SpaceRequest
 
 if TYPE_CHECKING:
-    from wiggleroom.app.sheet import Sheet
+    from wiggleroom.app.sheet import Document
 
 
-def space(sheet: Sheet, request: SpaceRequest, out: Out) -> None:
+def space(sheet: Document, request: SpaceRequest, out: Reporter) -> None:
     """How one part can move against another."""
     found = free_space(sheet.assembly(request.design), request.a, request.b, stop=out.stop)
     out.check()

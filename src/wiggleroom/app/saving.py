@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.app.command import command, saved_name
-from wiggleroom.app.out import Out
+from wiggleroom.app.out import Reporter
 from wiggleroom.drawing import write_drawing
 from wiggleroom.report.apart import check_result
 from wiggleroom.report.apart_picture import Checked
@@ -20,7 +20,7 @@ from wiggleroom.schema.replies import Saved
 from wiggleroom.schema.requests import SaveRequest
 
 if TYPE_CHECKING:
-    from wiggleroom.app.sheet import Sheet
+    from wiggleroom.app.sheet import Document
 
 KINDS = {
     "svg": ("-moved.svg", "image/svg+xml"),
@@ -36,7 +36,7 @@ KINDS = {
 """What is added to the drawing's name, and what the browser is told it is."""
 
 
-def save(sheet: Sheet, request: SaveRequest, out: Out) -> None:
+def save(sheet: Document, request: SaveRequest, out: Reporter) -> None:
     """One file, by name, kind and content."""
     tail, mime = KINDS[request.what]
     name = saved_name(sheet.file, tail.replace("-moved", "-apart") if request.of == "check" else tail)
@@ -47,7 +47,7 @@ def save(sheet: Sheet, request: SaveRequest, out: Out) -> None:
     out.reply(Saved(name=name, mime=mime, data=base64.b64encode(content).decode()))
 
 
-def _write(sheet: Sheet, request: SaveRequest, path: Path, out: Out) -> None:
+def _write(sheet: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
     design = request.design
     if request.what in ("assembly", "cut-svg", "cut-dxf"):
         assembly = sheet.assembly(design)

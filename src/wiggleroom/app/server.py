@@ -20,7 +20,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from wiggleroom.app.limits import UPLOAD_MB
 from wiggleroom.app.messages import encode, failed
-from wiggleroom.app.patient import Patient
+from wiggleroom.app.patient import MessageTimeout
 from wiggleroom.app.process import MOST_PAGES, Pool
 from wiggleroom.app.session import Session
 from wiggleroom.schema.replies import ExtraLimits, Hello
@@ -186,7 +186,7 @@ class Server(uvicorn.Server):
         config = uvicorn.Config(
             page.app,
             http="h11",
-            ws=Patient,
+            ws=MessageTimeout,
             ws_max_size=LARGEST,
             ws_per_message_deflate=False,  # nothing to win on one machine, and no bombs
             log_config=None,

@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
 
-from wiggleroom.app.link import Done, Outgoing, Ready, Start
+from wiggleroom.app.link import Done, Outgoing, Ready, StartOrder
 from wiggleroom.app.messages import decode, encode, failed, head, kind_of
 from wiggleroom.app.process import LostError, Pool, Process
 from wiggleroom.errors import InputError
@@ -202,7 +202,7 @@ class Session:
         """Give a new process the drawing that is open."""
         if self._loaded or self._drawing is None:
             return
-        await self._order(Start(ticket := next(self._tickets), self._drawing, quiet=True))
+        await self._order(StartOrder(ticket := next(self._tickets), self._drawing, quiet=True))
         while not (isinstance(said := await self._receive(), Done) and said.ticket == ticket):
             pass
         self._loaded = True
@@ -210,7 +210,7 @@ class Session:
     async def _work(self, job: Job) -> None:
         loop = asyncio.get_running_loop()
         job.ticket, job.began = next(self._tickets), loop.time()
-        await self._order(Start(job.ticket, job.text, settle=job.kind == "settle"))
+        await self._order(StartOrder(job.ticket, job.text, settle=job.kind == "settle"))
         limit = loop.call_later(READING, self._too_late, job) if job.kind == "open" else None
         try:
             while True:
@@ -261,7 +261,7 @@ class Session:
             line = f"the solver ended {TRIES} times without a word while it worked on this; it is left out"
             await self._tell(failed(job.number, job.of, [line]))
 
-    async def _order(self, order: Start) -> None:
+    async def _order(self, order: StartOrder) -> None:
         assert self._process is not None
         await self._process.send(order)
 

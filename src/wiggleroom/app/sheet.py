@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from wiggleroom.app.designs import Designs, Recent
+from wiggleroom.app.designs import DesignCache, LruCache
 from wiggleroom.app.opening import File
-from wiggleroom.app.out import Out
+from wiggleroom.app.out import Reporter
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from wiggleroom.separate.interlock import Interlock
 
 
-class Sheet:
+class Document:
     """A drawing and what was worked out about it, kept for speed alone: every request carries its whole design.
 
     Parameters
@@ -34,9 +34,9 @@ class Sheet:
 
     def __init__(self, file: File) -> None:
         self.file = file
-        self.designs = Designs(file.drawing)
-        self._answers: Recent[Answer] = Recent(4)
-        self._checks: Recent[Interlock] = Recent(2)
+        self.designs = DesignCache(file.drawing)
+        self._answers: LruCache[Answer] = LruCache(4)
+        self._checks: LruCache[Interlock] = LruCache(2)
 
     @cached_property
     def display(self) -> Display:
@@ -72,7 +72,7 @@ class Sheet:
         """The full answer, where it is known."""
         return self._answers.peek(whole(design))
 
-    def answer(self, design: Design, out: Out) -> Answer:
+    def answer(self, design: Design, out: Reporter) -> Answer:
         """The full answer, worked out once for a design."""
         answer = self.kept(design)
         if answer is None:
@@ -89,7 +89,7 @@ class Sheet:
         """Whether it comes apart, where that is known."""
         return self._checks.peek(self.designs.body(design))
 
-    def checked(self, design: Design, out: Out) -> Interlock:
+    def checked(self, design: Design, out: Reporter) -> Interlock:
         """Whether it comes apart, worked out once for a design."""
         kept = self.kept_check(design)
         if kept is not None:

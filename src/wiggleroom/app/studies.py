@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.app.command import command
-from wiggleroom.app.out import Out
+from wiggleroom.app.out import Reporter
 from wiggleroom.report.told_studies import check_told, ranking_told, step_told
 from wiggleroom.report.ways import way_frames
 from wiggleroom.report.words import bounded
@@ -17,11 +17,11 @@ from wiggleroom.schema.replies import ProveReply, SweepReply
 from wiggleroom.schema.requests import CheckRequest, ProveRequest, RankRequest, SweepRequest
 
 if TYPE_CHECKING:
-    from wiggleroom.app.sheet import Sheet
-    from wiggleroom.sensitivity.sweep import Step
+    from wiggleroom.app.sheet import Document
+    from wiggleroom.sensitivity.sweep import SweepStep
 
 
-def rank(sheet: Sheet, request: RankRequest, out: Out) -> None:
+def rank(sheet: Document, request: RankRequest, out: Reporter) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
     from wiggleroom.sensitivity.rank import rank as work_out
 
@@ -30,18 +30,18 @@ def rank(sheet: Sheet, request: RankRequest, out: Out) -> None:
     out.reply(ranking_told(found, command("rank", sheet.file, request.design)))
 
 
-def check(sheet: Sheet, request: CheckRequest, out: Out) -> None:
+def check(sheet: Document, request: CheckRequest, out: Reporter) -> None:
     """Whether it comes apart; one film for each escape."""
     found = sheet.checked(request.design, out)
     content = check_told(found, command("check", sheet.file, request.design, pulled=False))
     out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
 
 
-def sweep(sheet: Sheet, request: SweepRequest, out: Out) -> None:
+def sweep(sheet: Document, request: SweepRequest, out: Reporter) -> None:
     """Motion against gap, told gap by gap."""
     from wiggleroom.sensitivity.sweep import sweep as work_out
 
-    def tell(step: Step, motion: np.ndarray | None) -> None:
+    def tell(step: SweepStep, motion: np.ndarray | None) -> None:
         out.check()
         out.reply(step_told(step), [] if motion is None else [motion[None]])
 
@@ -57,7 +57,7 @@ def _gaps(request: SweepRequest) -> tuple[str, ...]:
     return () if not request.gaps else ("--gaps", ",".join(f"{gap:.12g}" for gap in request.gaps))
 
 
-def prove(sheet: Sheet, request: ProveRequest, out: Out) -> None:
+def prove(sheet: Document, request: ProveRequest, out: Reporter) -> None:
     """A value that no motion exceeds."""
     from wiggleroom.bound.prove import prove as work_out
 

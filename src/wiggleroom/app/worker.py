@@ -8,7 +8,7 @@ import sys
 import threading
 from typing import BinaryIO
 
-from wiggleroom.app.link import Done, Ready, Start, Stop, block, read_order
+from wiggleroom.app.link import Done, Ready, StartOrder, StopOrder, block, read_order
 
 KEPT = 4
 """So many pieces of work can still be told that they were stopped, also when they are done: nobody got their reply."""
@@ -19,13 +19,13 @@ class Orders:
 
     def __init__(self, source: BinaryIO) -> None:
         self._source = source
-        self._waiting: queue.Queue[tuple[Start, threading.Event]] = queue.Queue()
+        self._waiting: queue.Queue[tuple[StartOrder, threading.Event]] = queue.Queue()
         self._stops: dict[int, threading.Event] = {}
         threading.Thread(target=self._listen, daemon=True).start()
 
     def _listen(self) -> None:
         while (order := read_order(self._source)) is not None:
-            if isinstance(order, Stop):
+            if isinstance(order, StopOrder):
                 if (stop := self._stops.get(order.ticket)) is not None:
                     stop.set()
             else:
@@ -35,7 +35,7 @@ class Orders:
                     del self._stops[old]
         os._exit(0)  # the server is gone, and nobody waits for an answer
 
-    def next(self) -> tuple[Start, threading.Event]:
+    def next(self) -> tuple[StartOrder, threading.Event]:
         """The next piece of work, and what is set when it is to stop."""
         return self._waiting.get()
 
@@ -53,12 +53,12 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
         target.write(block(message))
         target.flush()
 
-    from wiggleroom.app.desk import Desk
+    from wiggleroom.app.desk import Dispatcher
     from wiggleroom.app.limits import bound_memory
     from wiggleroom.app.warm import steps
 
     bound_memory()
-    desk, cold = Desk(), steps()
+    desk, cold = Dispatcher(), steps()
     while True:
         if cold and not orders.waiting:  # work that has come goes first, and loads what it needs
             cold.pop(0)()

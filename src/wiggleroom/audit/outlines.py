@@ -22,7 +22,7 @@ EDGES_IN_RUN = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Outlines:
+class AuditOutlines:
     """Outlines of parts, concatenated: the edges of part p are rows `first[p]` to `first[p + 1]`.
 
     Parameters
@@ -82,7 +82,7 @@ class Outlines:
     inset: float
 
 
-def outlines(assembly: Assembly) -> Outlines:
+def outlines(assembly: Assembly) -> AuditOutlines:
     """Flatten the outlines of an assembly and move them inward by `INSET` of its size.
 
     Two parts that overlap by less than that, for example where they touch, are then a little apart.
@@ -121,7 +121,7 @@ def outlines(assembly: Assembly) -> Outlines:
     middle = (low + high) / 2
     of_corner = np.repeat(np.arange(n), np.diff(first))
     radius = np.maximum.reduceat(np.hypot(*(corner - middle[of_corner]).T), first[:-1])
-    return Outlines(
+    return AuditOutlines(
         rest=rest,
         corner=corner,
         next_corner=after,

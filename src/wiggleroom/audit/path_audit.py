@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
-from wiggleroom.audit.outlines import Outlines, outlines
+from wiggleroom.audit.outlines import AuditOutlines, outlines
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -51,7 +51,7 @@ class PathAudit:
         return int(self.piece.min(initial=len(self.doubtful))) + 1
 
 
-def audit_path(parts: Outlines | Assembly, motions: Floats) -> PathAudit:
+def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     """Judge a way from its way-points and the outlines of the parts alone.
 
     Between two way-points every part moves straight: x, y and angle of its reference point change evenly.
@@ -108,7 +108,7 @@ def audit_path(parts: Outlines | Assembly, motions: Floats) -> PathAudit:
     return PathAudit(doubtful[:pieces], a[doubt], b[doubt], first[doubt])
 
 
-def _near(parts: Outlines, poses: Floats) -> Ints:
+def _near(parts: AuditOutlines, poses: Floats) -> Ints:
     """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the way."""
     n = len(poses)
     width = _widths(_swept(parts, poses, 0, 0))
@@ -127,7 +127,7 @@ def _near(parts: Outlines, poses: Floats) -> Ints:
     return np.setdiff1d(np.concatenate(found), parts.ignored)
 
 
-def _swept(parts: Outlines, poses: Floats, k0: int, k1: int) -> Floats:
+def _swept(parts: AuditOutlines, poses: Floats, k0: int, k1: int) -> Floats:
     """Boxes (n, 4) [mm] round what every part sweeps from way-point k0 to k1."""
     out = np.empty((len(poses), 4))
     swept_boxes(poses, k0, k1, parts.first, parts.corner, parts.reach, out)

@@ -14,7 +14,7 @@ import numpy as np
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
-from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
@@ -152,7 +152,7 @@ def _goals(assembly: Assembly) -> Iterator[Goal]:
             yield Turn(part.name, sense)
 
 
-def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
+def _sheets(found: list[Record]) -> tuple[ResultTable, ...]:
     """Answers with a column for every method, how many are right, and the paper's table."""
     rows: dict[str, Record] = {}
     for r in found:
@@ -177,6 +177,6 @@ def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
     )
     names = ("blocking graphs", "infinitesimal", "ours")
     return (
-        Sheet("", columns, (*rows.values(), score, spent)),
-        Sheet("Mind the Gap, Table 3 †", (Column("property", "method"), *[Column(n, n) for n in names]), theirs),
+        ResultTable("", columns, (*rows.values(), score, spent)),
+        ResultTable("Mind the Gap, Table 3 †", (Column("property", "method"), *[Column(n, n) for n in names]), theirs),
     )

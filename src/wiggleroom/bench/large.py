@@ -16,7 +16,7 @@ GAP = 0.01
 
 
 @dataclass(frozen=True)
-class Case:
+class LargeAssembly:
     """One assembly.
 
     Parameters
@@ -42,8 +42,8 @@ class Case:
     pull: tuple[Pull, ...] = ()
 
 
-def _grid(nx: int, ny: int, joint: str) -> Case:
-    return Case(f"{nx * ny:,} {joint}", nx * ny, joint, (nx, ny))
+def _grid(nx: int, ny: int, joint: str) -> LargeAssembly:
+    return LargeAssembly(f"{nx * ny:,} {joint}", nx * ny, joint, (nx, ny))
 
 
 CASES = (
@@ -55,8 +55,8 @@ CASES = (
     _grid(64, 64, "dovetail"),
     _grid(64, 64, "swallowtail"),
     _grid(64, 64, "revolute"),
-    Case("1,669 elephant", 1669, "image", picture="elephant", fix=("b9-1", "b47-1"), pull=(Pull("b49-42", (0.0, 1.0)),)),
-    Case(
+    LargeAssembly("1,669 elephant", 1669, "image", picture="elephant", fix=("b9-1", "b47-1"), pull=(Pull("b49-42", (0.0, 1.0)),)),
+    LargeAssembly(
         "532 butterfly", 532, "image", picture="butterfly", fix=("b20-15",),
         pull=(Pull("b3-23", (-1.0, 0.0)), Pull("b37-23", (1.0, 0.0))),
     ),
@@ -64,7 +64,7 @@ CASES = (
 """Assemblies in the order they are asked."""
 
 
-def assembly_of(case: Case) -> Assembly:
+def assembly_of(case: LargeAssembly) -> Assembly:
     """Make it."""
     if case.picture:
         return patterns.image(dark_cells(case.picture), "tee", GAP, fix=case.fix, goals=case.pull)

@@ -14,7 +14,7 @@ import time
 from wiggleroom.assembly import patterns
 from wiggleroom.bench.large import CASES, assembly_of
 from wiggleroom.bench.result import Record
-from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.maximise import prepare, witness
 
@@ -34,7 +34,7 @@ def main() -> None:
     (case,) = [c for c in CASES if c.name == job["case"]]
     witness(patterns.chain(2), model=model, solver=solver)
     assembly = assembly_of(case)
-    clock = Clock(math.inf if job["limit"] is None else job["limit"])
+    clock = Deadline(math.inf if job["limit"] is None else job["limit"])
     began, worked = time.perf_counter(), time.process_time()
     ready = prepare(assembly, model)
     prepared = time.perf_counter()

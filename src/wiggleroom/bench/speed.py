@@ -14,10 +14,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import wiggleroom
-from wiggleroom.bench.large import CASES, GAP, Case
+from wiggleroom.bench.large import CASES, GAP, LargeAssembly
 from wiggleroom.bench.one import METHODS
 from wiggleroom.bench.published import speed as published
-from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.errors import InputError, Stop, see_extra
 from wiggleroom.solve.ipopt import described
 from wiggleroom.solve.linear_programming import linear_solver
@@ -113,14 +113,14 @@ def speed(
         "speed",
         "Large assemblies: time and memory",
         tuple(found),
-        (Sheet("", COLUMNS, tuple(found)),),
+        (ResultTable("", COLUMNS, tuple(found)),),
         notes,
         command,
         cut,
     )
 
 
-def asked(max_parts: int | None, limit: float | None) -> list[Case]:
+def asked(max_parts: int | None, limit: float | None) -> list[LargeAssembly]:
     """Assemblies that are measured, once it is seen that they can be; raises as `speed` does."""
     cases = [case for case in CASES if max_parts is None or case.parts <= max_parts]
     wrong = []
@@ -134,7 +134,7 @@ def asked(max_parts: int | None, limit: float | None) -> list[Case]:
     return cases
 
 
-def measured(case: Case, method: str, limit: float | None, stop: Stop | None = None) -> Record:
+def measured(case: LargeAssembly, method: str, limit: float | None, stop: Stop | None = None) -> Record:
     """Figures of one method on one assembly, from a process of its own that ends a while after `limit` [s] at the latest."""
     record: Record = {
         "assembly": case.name,

@@ -18,7 +18,7 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.halfplane import half_planes
-from wiggleroom.freespace.models.halfspaces import Faces
+from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.freespace.models.pair_hulls import Hulls, hulls
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
@@ -78,7 +78,7 @@ class Approximation:
         return reference_points(self.assembly, self.bodies)
 
     @property
-    def faces(self) -> Faces:
+    def faces(self) -> Halfspaces:
         """Rows N g + D <= 0 of every pair at rest."""
         if self.hulls is not None:
             return self.hulls.faces

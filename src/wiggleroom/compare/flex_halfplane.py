@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wiggleroom.compare.approximate import Approximation, End, thinned
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.models.halfplane import half_planes
-from wiggleroom.freespace.models.halfspaces import Faces
+from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.neighbours import neighbours, placed
 from wiggleroom.program.nonlinear_program import Linearised, build
 from wiggleroom.program.objectives import Objective
@@ -141,7 +141,7 @@ class _Steps:
 
     def _linearised(
         self, motion: Floats, objective: Objective, slope_at: Floats | None = None
-    ) -> tuple[Linearised, Faces]:
+    ) -> tuple[Linearised, Halfspaces]:
         """Rows at a motion, and the derivatives of the objective there or at another motion."""
         ready = self.ready
         reach = EDGE_REACH * FIRST_TRUST_RADIUS * ready.clearance
@@ -154,7 +154,7 @@ class _Steps:
             at = Linearised(program, at.motion, at.g, at.turn, at.h, at.d, at.value, slope)
         return at, faces
 
-    def _solve(self, at: Linearised, faces: Faces, size: float) -> Floats | None:
+    def _solve(self, at: Linearised, faces: Halfspaces, size: float) -> Floats | None:
         """Best step in the trust region; where the violated rows cannot be put right, one that makes them no worse."""
         ready, program = self.ready, at.program
         box = _box(ready, faces, size)
@@ -177,14 +177,14 @@ class _Steps:
         return End(motions, verdict, at.program, value, self.rounds, self.iterations)
 
 
-def _box(ready: Approximation, faces: Faces, size: float) -> Faces:
+def _box(ready: Approximation, faces: Halfspaces, size: float) -> Halfspaces:
     """Bounds of the motion of every pair against each other, as faces."""
     count, far = len(faces.a), size * FIRST_TRUST_RADIUS * ready.clearance
     lever = np.minimum(ready.bodies.radius[faces.a], ready.bodies.radius[faces.b])
     normal = np.tile(np.vstack([np.eye(3), -np.eye(3)]), (count, 1, 1))
     normal[:, :, 2] *= lever[:, None]
     row = np.arange(count + 1) * 6
-    return Faces(faces.a, faces.b, row, normal.reshape(-1, 3), np.full(6 * count, -far), faces.point, faces.rest)
+    return Halfspaces(faces.a, faces.b, row, normal.reshape(-1, 3), np.full(6 * count, -far), faces.point, faces.rest)
 
 
 def _violation(at: Linearised) -> float:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.compare.approximate import Approximation, End, thinned
 from wiggleroom.errors import Stop, StoppedError
-from wiggleroom.freespace.models.halfspaces import Faces
+from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.freespace.models.pair_hulls import hulls
 from wiggleroom.freespace.models.pair_models import Hull
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
@@ -84,7 +84,7 @@ class _Run:
     rounds: int = 0
     iterations: int = 0
 
-    def round(self, faces: Faces, begin: Floats) -> tuple[Program, Solution]:
+    def round(self, faces: Halfspaces, begin: Floats) -> tuple[Program, Solution]:
         """Best solution over all starts, from the motion `begin` (n, 3) strictly inside all faces."""
         ready = self.ready
         self.rounds += 1
@@ -99,7 +99,7 @@ class _Run:
         found = found or [self._solved(program, aside)]
         return program, max(found, key=lambda s: self.objective.value(program.motion(s.u)))
 
-    def _build(self, faces: Faces, objective: Objective) -> Program:
+    def _build(self, faces: Halfspaces, objective: Objective) -> Program:
         return build(self.ready.bodies, faces, objective, length=self.ready.clearance)
 
     def _solved(self, program: Program, start: Floats) -> Solution:

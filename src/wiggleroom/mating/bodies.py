@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.mating.beam_search import Bench, Effort, Placement, extent, grow
+from wiggleroom.mating.beam_search import BeamState, Effort, Placement, extent, grow
 from wiggleroom.mating.closed_search import closed_placements
-from wiggleroom.mating.flanks import Plate, plates_of
+from wiggleroom.mating.flanks import SheetPlate, plates_of
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.known import joined_start, with_fixed_plates
 from wiggleroom.mating.refinement import pressed_panel, refined, relief_needed
@@ -72,7 +72,7 @@ class AssembledSheet:
         The sheet's file name.
     """
 
-    plates: tuple[Plate, ...]
+    plates: tuple[SheetPlate, ...]
     thickness: tuple[float, ...]
     bodies: tuple[Placement, ...]
     joints: tuple[FoundJoint, ...]
@@ -131,7 +131,7 @@ def assemble_sheet(
     # A panel a little thinner than its slots is a real sheet; one far off has slots of its own.
     drawn = [size if abs(size - thickness) > 0.15 * thickness else thickness for size in real]
     plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
-    bench = Bench(plates)
+    bench = BeamState(plates)
     found, doubts = _bodies(bench, hints, time.process_time() + seconds, stop, progress)
     bodies, unplaced = with_fixed_plates(bench, [refined(bench, body) for body in found], hints)
     notes = [*sheet.notes]
@@ -184,7 +184,7 @@ def _see_names(sheet: CuttingSheet, hints: Hints) -> None:
 
 
 def _bodies(
-    bench: Bench, hints: Hints, deadline: float, stop: Stop | None, progress: Callable[[int], None] | None
+    bench: BeamState, hints: Hints, deadline: float, stop: Stop | None, progress: Callable[[int], None] | None
 ) -> tuple[list[Placement], list[str]]:
     """Bodies, largest first as they are found, and what makes them doubtful."""
     names = [plate.name for plate in bench.plates]
@@ -207,7 +207,7 @@ def _bodies(
 
 
 def _body(
-    bench: Bench,
+    bench: BeamState,
     hints: Hints,
     left: frozenset[int],
     deadline: float,
@@ -242,7 +242,7 @@ def _body(
     return body, ["found by a search that does not look at every way"] if len(body.rows) > 1 else []
 
 
-def _trimmed(bench: Bench, body: Placement) -> Placement:
+def _trimmed(bench: BeamState, body: Placement) -> Placement:
     """Body without the panels that hardly meet the others, worst first."""
     while len(body.rows) > 2:
         _, flags = bench.met(body)
@@ -261,7 +261,7 @@ def without(body: Placement, row: int) -> Placement:
 
 
 def _relieved(
-    bench: Bench, bodies: list[Placement], real: list[float], thickness: float
+    bench: BeamState, bodies: list[Placement], real: list[float], thickness: float
 ) -> tuple[list[Placement], float, list[int]]:
     """Bodies in which no plates overlap, the relief that takes [mm], and panels that had to be left out."""
     result: list[Placement] = []
@@ -283,7 +283,7 @@ def _relieved(
     return result, relief, pressed
 
 
-def _upright(bench: Bench, body: Placement) -> Placement:
+def _upright(bench: BeamState, body: Placement) -> Placement:
     """Body whose panels show their drawn side outward, standing on the panel called bottom or on the one that suits it."""
     turns, moves = body.turns, body.moves
     areas = np.array([bench.plates[row].polygon.area for row in body.rows])
@@ -310,7 +310,7 @@ def _upright(bench: Bench, body: Placement) -> Placement:
     return Placement(body.rows, np.round(turns, 12) + 0.0, moves, body.met, {})
 
 
-def _side_by_side(bench: Bench, bodies: list[Placement]) -> list[Placement]:
+def _side_by_side(bench: BeamState, bodies: list[Placement]) -> list[Placement]:
     """Bodies moved apart along x."""
     result: list[Placement] = []
     reach = 0.0

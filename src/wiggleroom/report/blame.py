@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.report import frame, palette
-from wiggleroom.report.picture import Tints, picture
+from wiggleroom.report.picture import PartColours, picture
 from wiggleroom.report.studies import at_random, less
 from wiggleroom.report.words import number, per_gap, short, unit
 from wiggleroom.search.answer import Answer
@@ -33,7 +33,7 @@ def ranking_facts(ranking: Ranking) -> list[str]:
     ]
 
 
-def tinted(answer: Answer, values: NDArray[np.float64], what: str) -> Tints:
+def tinted(answer: Answer, values: NDArray[np.float64], what: str) -> PartColours:
     """Colours of the parts of an answer by a number each, from nothing to the largest.
 
     Parameters
@@ -51,7 +51,7 @@ def tinted(answer: Answer, values: NDArray[np.float64], what: str) -> Tints:
         for level in (0.0, 0.25, 0.5, 1.0)
     )
     fill = {name: shade(s) for name, s in zip(answer.assembly.names, share.tolist(), strict=True)}
-    return Tints(fill, legend)
+    return PartColours(fill, legend)
 
 
 def shade(share: float) -> str:
@@ -77,7 +77,7 @@ def picture_of_tightening(found: Tightening, *, command: str = "") -> str:
     answer = found.after
     fill = dict.fromkeys(answer.assembly.names, palette.NEUTRAL[0]) | dict.fromkeys(found.chosen, palette.CHOSEN)
     legend = ((frame.swatch(palette.CHOSEN, palette.NEUTRAL[1]), "made tighter"),)
-    tints = Tints(fill, legend)
+    tints = PartColours(fill, legend)
     return picture(replace(answer, command=command), tints=tints, said=tightening_facts(found))
 
 

@@ -13,7 +13,7 @@ from wiggleroom.geometry.rigid_motions import about
 Floats = NDArray[np.float64]
 
 
-class Way:
+class TimedPath:
     """Motions along a way by its length, straight about the centroids of the bodies between its points.
 
     Straight about the centroids, because that is how ways are checked; glued parts keep together.

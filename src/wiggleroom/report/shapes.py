@@ -20,7 +20,7 @@ _DETAIL = 0.04
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class PartPath:
     """One outline in pixels, about the middle of its box.
 
     Parameters
@@ -45,13 +45,13 @@ class Shape:
 
 
 @dataclass(eq=False)
-class Shapes:
+class PartPaths:
     """All shapes of one picture; `of` adds a part's shape unless an equal one is there."""
 
     scale: float
-    known: dict[bytes, Shape] = field(default_factory=dict)
+    known: dict[bytes, PartPath] = field(default_factory=dict)
 
-    def of(self, part: Part) -> Shape:
+    def of(self, part: Part) -> PartPath:
         """Shape of a part."""
         rings = [[r.outer, *r.holes] for r in part.regions]
         centre = middle(part)
@@ -60,7 +60,7 @@ class Shapes:
         if key not in self.known:
             polygon = shapely.MultiPolygon([(region[0], region[1:]) for region in pixels])
             path = "".join(_ring(ring) for region in pixels for ring in region)
-            self.known[key] = Shape(f"s{len(self.known) + 1}", polygon, path)
+            self.known[key] = PartPath(f"s{len(self.known) + 1}", polygon, path)
         return self.known[key]
 
 
@@ -85,7 +85,7 @@ def spot(view: View, part: Part, pose: tuple[float, float, float]) -> tuple[floa
     return float(px), float(py), -math.degrees(angle)
 
 
-def use(shape: Shape, place: tuple[float, float, float], title: str = "") -> str:
+def use(shape: PartPath, place: tuple[float, float, float], title: str = "") -> str:
     """Use element of a shape at a place; `title` shows under the mouse."""
     x, y, turn = place
     turned = f" rotate({turn:.4f})" if abs(turn) > 5e-5 else ""

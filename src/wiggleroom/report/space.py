@@ -17,7 +17,7 @@ from wiggleroom.report import frame, palette
 from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.names import label, usual
-from wiggleroom.report.shapes import Shapes, spot, use
+from wiggleroom.report.shapes import PartPaths, spot, use
 from wiggleroom.report.stack import extent, rings, stack
 from wiggleroom.report.text import escape
 from wiggleroom.report.words import number, short
@@ -172,7 +172,7 @@ def _pair(space: FreeSpace, assembly: Assembly, left: float, top: float) -> tupl
     scale = min(_BESIDE / (high[0] - low[0]), 420.0 / (high[1] - low[1]))
     wide, tall = (high - low) * scale
     view = View(scale, float(low[0]), float(high[1]), left, top, wide, tall, 0.0)
-    shapes, found, names = Shapes(scale), [], []
+    shapes, found, names = PartPaths(scale), [], []
     of = [shapes.of(p) for p in parts]
     size = usual([(short(p.name), shape) for p, shape in zip(parts, of, strict=True)], float(max(wide, tall)) / 2)
     pivot = view.pixels(np.array(poses[1][:2]) + space.pivot)

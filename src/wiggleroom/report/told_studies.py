@@ -7,7 +7,7 @@ from wiggleroom.report.ranking import ranking_sure
 from wiggleroom.report.words import per_gap
 from wiggleroom.schema.replies import CheckReply, ImportanceEntry, JointEntry, LeavingEntry, RankReply, StepReply
 from wiggleroom.sensitivity.rank import Ranking
-from wiggleroom.sensitivity.sweep import Step
+from wiggleroom.sensitivity.sweep import SweepStep
 from wiggleroom.separate.interlock import Interlock
 from wiggleroom.separate.largest_gap import LargestGap
 
@@ -50,6 +50,6 @@ def check_told(found: Interlock, command: str, border: LargestGap | None = None)
     )
 
 
-def step_told(step: Step) -> StepReply:
+def step_told(step: SweepStep) -> StepReply:
     """One gap of a sweep."""
     return StepReply(gap=step.gap, objective=step.objective, verdict=step.verdict, checked=step.checked)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.report.motion import Way
+from wiggleroom.report.motion import TimedPath
 
 MOST = 48
 """Frames of a way."""
@@ -23,7 +23,7 @@ def way_frames(assembly: Assembly, points: NDArray[np.float64]) -> NDArray[np.fl
         Such as `Answer.waypoints`.
     """
     most = max(2, min(MOST, MOST_MOTIONS // max(1, len(assembly.parts))))
-    way = Way(assembly, points)
+    way = TimedPath(assembly, points)
     if len(points) == 1 or way.length == 0:
         return points[-1:]
     found = way.at(np.linspace(0.0, way.length, most))

@@ -20,7 +20,7 @@ ACTIVE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class ActiveSet:
     """Active rows at a point.
 
     Parameters
@@ -56,7 +56,7 @@ class Touch:
         return out
 
 
-def wishes(program: Program, u: Floats, touch: Touch, pairs: Ints) -> Floats:
+def wishes(program: Program, u: Floats, touch: ActiveSet, pairs: Ints) -> Floats:
     """Relative poses (k, 3) of some pairs one clearance further where their virtual walls push back: where they would go without them."""
     at = program.linearise(u)
     push = np.zeros((len(program.cells.a), 3))
@@ -71,7 +71,7 @@ def wishes(program: Program, u: Floats, touch: Touch, pairs: Ints) -> Floats:
     return at.g[pairs] + push
 
 
-def touching(program: Program, u: Floats, lam: Floats) -> Touch:
+def touching(program: Program, u: Floats, lam: Floats) -> ActiveSet:
     """Rows with a force at u (3F,), from the multipliers `lam` (R,) of a solution."""
     h, force = program.values(u), lam / program.length
     value = abs(program.objective.value(program.motion(u)))
@@ -96,4 +96,4 @@ def touching(program: Program, u: Floats, lam: Floats) -> Touch:
         normal = shapes.normal[edge]
         along = np.column_stack([-normal[:, 1], normal[:, 0]])
         place[k] = ((spot - shapes.corner[edge]) * along).sum(1) / shapes.length[edge]
-    return Touch(row, pair, force[row], place)
+    return ActiveSet(row, pair, force[row], place)

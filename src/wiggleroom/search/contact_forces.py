@@ -8,7 +8,7 @@ from wiggleroom.assembly.model import Assembly
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program
-from wiggleroom.search.active_set import Touch
+from wiggleroom.search.active_set import ActiveSet
 from wiggleroom.search.answer import Contact
 
 WEAK = 1e-5
@@ -16,7 +16,7 @@ WEAK = 1e-5
 
 
 def contacts(
-    assembly: Assembly, program: Program, u: np.ndarray, touch: Touch, unit: float = 1.0
+    assembly: Assembly, program: Program, u: np.ndarray, touch: ActiveSet, unit: float = 1.0
 ) -> tuple[Contact, ...]:
     """Contacts at u (3F,) in assembly coordinates, strongest first; forces in this unit."""
     bodies, cells, shapes = program.bodies, program.cells, program.bodies.shapes

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.program.nonlinear_program import Program
-from wiggleroom.search.active_set import Touch
+from wiggleroom.search.active_set import ActiveSet
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import INITIAL_BARRIER, Solution
 
@@ -81,7 +81,7 @@ class Incumbent:
     value: float
     program: Program
     solution: Solution
-    touch: Touch
+    touch: ActiveSet
     legs: tuple[Leg, ...]
     begin: Floats
     tolerance: float

@@ -19,7 +19,7 @@ from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.incumbent import Incumbent, Start
-from wiggleroom.search.path_check import Way, whole_way
+from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.verdict import SolverStatus
@@ -137,7 +137,7 @@ class LocalSearch:
     rounds: int = 0
     iterations: int = 0
     restarts: int = 0
-    checked: tuple[Incumbent, Way] | None = None
+    checked: tuple[Incumbent, CheckedPath] | None = None
     seconds: dict[str, float] = field(default_factory=lambda: {"freespace": 0.0, "solve": 0.0, "check": 0.0})
 
     def improve(self, start: Start) -> Incumbent | None:
@@ -219,7 +219,7 @@ class LocalSearch:
             return self.best.value, self.unlimited
         return self.objective.value(way.motions[max(way.certain, 1) - 1]), False
 
-    def way(self, found: Incumbent) -> Way:
+    def way(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""
         if self.checked is None or self.checked[0] is not found:
             self.checked = found, whole_way(self.ready, found.path, self.stop)

@@ -19,8 +19,8 @@ from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.dual_face import face, is_unique, worths
-from wiggleroom.sensitivity.parallel import Many
-from wiggleroom.sensitivity.perturbation import Base, base, ended, follow
+from wiggleroom.sensitivity.parallel import ParallelRun
+from wiggleroom.sensitivity.perturbation import PerturbationBase, base, ended, follow
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -144,7 +144,7 @@ def rank(
     exact : bool
         Solve again for the parts whose derivative is not unique.
     workers, cluster, stop, progress
-        Where differences are solved, see `wiggleroom.sensitivity.parallel.Many`.
+        Where differences are solved, see `wiggleroom.sensitivity.parallel.ParallelRun`.
 
     Returns
     -------
@@ -178,7 +178,7 @@ def rank(
         answer, replace(found, solution=replace(found.solution, u=start.solution.u, lam=start.solution.lam))
     )
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
-    return _by_differences(ranking, start, parts, by, Many(workers, cluster, stop, progress))
+    return _by_differences(ranking, start, parts, by, ParallelRun(workers, cluster, stop, progress))
 
 
 def rank_at_once(answer: Answer) -> Ranking:
@@ -228,7 +228,7 @@ def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MOST_ROWS, stop
     )  # fmt: skip
 
 
-def _by_differences(ranking: Ranking, start: Base, parts: Ints, by: str, many: Many) -> Ranking:
+def _by_differences(ranking: Ranking, start: PerturbationBase, parts: Ints, by: str, many: ParallelRun) -> Ranking:
     """The same ranking, the derivatives of some parts taken from solving again."""
     tasks = [(int(k), sign) for k in parts for sign in (1.0, -1.0)]
     slopes = many.each(slope, start, tasks)
@@ -250,7 +250,7 @@ def _by_differences(ranking: Ranking, start: Base, parts: Ints, by: str, many: M
     return replace(ranking, by=by, looser=looser, tighter=tighter, unique=unique, ends=ends)
 
 
-def slope(start: Base, task: tuple[int, float]) -> float:
+def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
     """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
     part, sign = task
     for step in (STEP, STEP / 10):

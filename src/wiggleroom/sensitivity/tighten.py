@@ -17,7 +17,7 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared, prepare
-from wiggleroom.sensitivity.parallel import Many
+from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, vary
 from wiggleroom.sensitivity.rank import rank
 
@@ -121,7 +121,7 @@ def tighten(
         Choices at random to compare with.
     seed : int
     workers, cluster, stop, progress
-        Where these are solved, see `wiggleroom.sensitivity.parallel.Many`.
+        Where these are solved, see `wiggleroom.sensitivity.parallel.ParallelRun`.
 
     Returns
     -------
@@ -151,7 +151,7 @@ def tighten(
     ended(before)
     asked = before.goals
     choice, after = _choose(before, room, asked, parts, limit, stop)
-    many = Many(workers, cluster, stop, progress)
+    many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
     lots = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]

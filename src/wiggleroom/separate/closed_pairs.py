@@ -27,7 +27,7 @@ MANY = 400_000
 
 
 @dataclass(frozen=True, eq=False)
-class Links:
+class ClosedPairs:
     """Bodies tied to each other.
 
     Parameters
@@ -50,7 +50,7 @@ class Links:
         return bool((self.group == self.group[0]).all())
 
 
-def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> Links:
+def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> ClosedPairs:
     """Tie together what stands, and what lies in closed holes to what it lies in.
 
     Parameters
@@ -64,10 +64,10 @@ def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> Links:
     pairs = [(int(a), int(b)) for a, b in around.pairs]
     still = [(a, b) for a, b in pairs if around.held[a] and around.held[b]]
     none = np.zeros((0, 2), dtype=np.int64)
-    return Links(_labels(len(fixed), standing + pairs), _labels(len(fixed), standing + still), none)
+    return ClosedPairs(_labels(len(fixed), standing + pairs), _labels(len(fixed), standing + still), none)
 
 
-def links(ready: Prepared, begin: Links, stop: Stop | None = None) -> Links:
+def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:
     """Tie bodies together wherever the free space of a pair alone is certainly closed.
 
     What two bodies cannot do while all others are taken away they cannot do among them either. Pairs that lie along each other longest come
@@ -109,10 +109,10 @@ def links(ready: Prepared, begin: Links, stop: Stop | None = None) -> Links:
                 tied.append((a, b))
             elif known[c].way is None:
                 undecided.append((a, b))
-    return Links(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
+    return ClosedPairs(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
 
 
-def surer(ready: Prepared, known: Links, stop: Stop | None = None) -> Links:
+def surer(ready: Prepared, known: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:
     """Look again, with many more boxes, at pairs that were not decided, for as long as that can still tie all bodies together.
 
     The group with the fewest such pairs comes first: where none of them is closed, the others need not be looked at.

@@ -17,7 +17,7 @@ from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.separate.closed_pairs import BOXES, Links, links, surer
+from wiggleroom.separate.closed_pairs import BOXES, ClosedPairs, closed_pairs, surer
 from wiggleroom.separate.enclosure import enclosed_by_held
 from wiggleroom.separate.explore import explore, way_out
 from wiggleroom.separate.remaining import without
@@ -68,7 +68,7 @@ class Stage:
 
 
 def next_stage(
-    ready: Prepared, begin: Links, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
+    ready: Prepared, begin: ClosedPairs, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
 ) -> Stage:
     """The next parts that leave, the cheapest ways of finding them first; `begin` says what is tied already."""
     bodies, n = ready.bodies, len(ready.bodies.fixed)
@@ -104,22 +104,22 @@ def next_stage(
     return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
 
 
-def _rigid(ready: Prepared, begin: Links, boxes: int, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
+def _rigid(ready: Prepared, begin: ClosedPairs, boxes: int, stop: Stop | None) -> tuple[ClosedPairs, Iterator[Rigid]]:
     """What is tied to what, and for each group that may leave what is known about its leaving as one."""
     free = np.flatnonzero(~ready.bodies.fixed)
     if len(free) == 1:
         rigid = leaves_as_one(ready, free, boxes, stop)
         alone = (~ready.bodies.fixed).astype(np.int64)
-        return Links(alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)), iter(
-            [rigid]
-        )
-    known = links(ready, begin, stop)
+        return ClosedPairs(
+            alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)
+        ), iter([rigid])
+    known = closed_pairs(ready, begin, stop)
     ground = known.group[np.flatnonzero(ready.bodies.fixed)[0]]
     groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
     return known, (leaves_as_one(ready, who, BOXES, stop) for who in groups if stop is None or not stop.is_set())
 
 
-def _walled_in(ready: Prepared, known: Links, stop: Stop | None) -> Links:
+def _walled_in(ready: Prepared, known: ClosedPairs, stop: Stop | None) -> ClosedPairs:
     """Tie what lies inside a frame of several bodies that are tied together and can move but little."""
     bodies, geometry = ready.bodies, placed(ready.bodies)
     ground = known.group[np.flatnonzero(bodies.fixed)[0]]

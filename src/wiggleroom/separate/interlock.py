@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, WiggleroomError
@@ -151,7 +151,7 @@ def check(
         if not 0 < seconds < np.inf:
             finding = f"seconds {seconds:g}: it must be more than 0"
             raise InputError(finding)
-        stop = Clock(seconds, stop)
+        stop = Deadline(seconds, stop)
     tell = progress or silent
     left = _standing(assembly)
     names = np.array(assembly.names, dtype=object)

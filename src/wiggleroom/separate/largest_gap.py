@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.model import Assembly
-from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.loop import Progress
 from wiggleroom.separate.interlock import Interlock, check
@@ -81,7 +81,7 @@ def largest_gap(
         if not 0 < seconds < float("inf"):
             finding = f"seconds {seconds:g}: it must be more than 0"
             raise InputError(finding)
-        stop = Clock(seconds, stop)
+        stop = Deadline(seconds, stop)
     tried: dict[float, Interlock | None] = {}
 
     def at(gap: float) -> str:
