@@ -18,7 +18,7 @@ import numpy as np
 import shapely
 
 import wiggleroom as wr
-from wiggleroom.assembly.model import place
+from wiggleroom.assembly.assembly import place
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
 STEPS = 8

@@ -23,8 +23,8 @@ from tests.oracle import chain, random_joints
 from tests.oracle.slices import Slices
 
 import wiggleroom as wr
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.branch_and_bound import BranchAndBound, Deadline
 from wiggleroom.bound.dual_bound import quick_bound
 from wiggleroom.bound.linear_relaxation import first_ranges

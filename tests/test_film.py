@@ -16,10 +16,10 @@ import wiggleroom as wr
 from tests.answers import answer, block, row
 from wiggleroom.drawing.model import Drawing, Part, Pull, Turn
 from wiggleroom.report import scene as scenes
-from wiggleroom.report.draw import draw
 from wiggleroom.report.film import film, film_of_answer
-from wiggleroom.report.motion import TimedPath, eased
+from wiggleroom.report.film_timing import TimedPath, eased
 from wiggleroom.report.scene import Scene, scene
+from wiggleroom.report.write_picture import draw
 from wiggleroom.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"

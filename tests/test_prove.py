@@ -296,7 +296,7 @@ def test_command(tmp_path, capsys, command):
 def test_words_round_outwards():
     from dataclasses import replace
 
-    from wiggleroom.report.words import proven
+    from wiggleroom.report.answer_words import proven
 
     answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
     assert proven(replace(answer, at_most=None, bound=None)) == ""

@@ -16,8 +16,8 @@ from wiggleroom.search.drawable import Drawable
 
 if TYPE_CHECKING:
     from wiggleroom.assembly import coupon, patterns
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.assembly.build import assemble
-    from wiggleroom.assembly.model import Assembly
     from wiggleroom.bound.prove import prove
     from wiggleroom.drawing.model import (
         Closer,
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 _HOME = {
     "AllowableGap": "sensitivity.allowable_gap",
     "Answer": "search.answer",
-    "Assembly": "assembly.model",
+    "Assembly": "assembly.assembly",
     "Blocking": "tight.blocking_graph",
     "Bound": "search.answer",
     "Closer": "drawing.model",
@@ -187,7 +187,7 @@ __all__ = [
 
 
 def _draw(found: Any, path: Any) -> None:
-    from wiggleroom.report.draw import draw  # slow to import, and not always needed
+    from wiggleroom.report.write_picture import draw  # slow to import, and not always needed
 
     draw(found, path)
 

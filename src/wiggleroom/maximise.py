@@ -12,8 +12,8 @@ from typing import Any, overload
 
 import numpy as np
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, answer_from, approximate
 from wiggleroom.compare.flex_halfplane import flex_half_planes

@@ -10,11 +10,11 @@ import numpy as np
 from msgspec import UNSET, UnsetType
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.geometry.relative_pose import turn
-from wiggleroom.report.told import rings_told
+from wiggleroom.report.page_messages import rings_told
 from wiggleroom.schema.replies import Outline, Pose
 
 Floats = NDArray[np.float64]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from wiggleroom.app.link import Done, Outgoing, Ready, StartOrder, StopOrder, block, length, result
+from wiggleroom.app.worker_protocol import Done, Outgoing, Ready, StartOrder, StopOrder, block, length, result
 
 MAX_PAGES = 4
 """Each page has a process of its own, and that much memory."""
@@ -30,7 +30,7 @@ class Process:
         """Start a process; it loads what it needs by itself."""
         path = os.pathsep.join(p for p in sys.path if p)
         child = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "wiggleroom.app.worker",
+            sys.executable, "-m", "wiggleroom.app.solver_worker",
             stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL,
             env=os.environ | {"PYTHONPATH": path},
             start_new_session=True,  # Ctrl-C is for the server

@@ -12,9 +12,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
 
-from wiggleroom.app.link import Done, Outgoing, Ready, StartOrder
 from wiggleroom.app.messages import decode, encode, failed, head, kind_of
 from wiggleroom.app.process import LostError, Pool, Process
+from wiggleroom.app.worker_protocol import Done, Outgoing, Ready, StartOrder
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Reply, WorkerState
 from wiggleroom.schema.requests import CancelRequest, FlexRequest
@@ -251,7 +251,9 @@ class Session:
         self._process, self._loaded = await self._pool.take(), False
         await self._tell(WorkerState(state="restarted"))
         if job.late:
-            line = f"the drawing was not read within {READ_SECONDS:g} seconds; simplify it, or cut it into several files"
+            line = (
+                f"the drawing was not read within {READ_SECONDS:g} seconds; simplify it, or cut it into several files"
+            )
             await self._tell(failed(job.number, job.of, [line]))
         elif job.stopped and not job.again:
             return

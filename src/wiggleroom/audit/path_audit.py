@@ -8,9 +8,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
-from wiggleroom.audit.outlines import AuditOutlines, outlines
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -14,7 +14,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bench.collide import overlapping
 from wiggleroom.bench.pairs import GAP, PAIR, PAIRS
 from wiggleroom.bench.published import ACCURACY

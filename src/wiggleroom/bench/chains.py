@@ -7,7 +7,7 @@ from collections.abc import Callable
 from importlib.resources import files
 
 from wiggleroom.assembly import patterns
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bench.physics import pulled_to_rest
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.errors import Stop, see_extra

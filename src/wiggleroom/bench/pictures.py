@@ -10,7 +10,7 @@ from wiggleroom.bench.puzzles import APART
 from wiggleroom.bench.result import Bench, Record
 from wiggleroom.report import frame, palette
 from wiggleroom.report.axes import text
-from wiggleroom.report.curves import Curve, Panel, Style, around, legend
+from wiggleroom.report.curve_panels import Curve, Panel, Style, around, legend
 from wiggleroom.report.text import wrap
 
 _TRUTH, _OURS, _HULL, _HULL_2 = "#1f2933", "#1f5f99", "#c96a00", "#e3a008"

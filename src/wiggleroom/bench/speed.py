@@ -14,10 +14,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import wiggleroom
-from wiggleroom.bench.large import CASES, GAP, LargeAssembly
-from wiggleroom.bench.one import METHODS
+from wiggleroom.bench.large_assemblies import CASES, GAP, LargeAssembly
 from wiggleroom.bench.published import speed as published
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
+from wiggleroom.bench.run_one import METHODS
 from wiggleroom.errors import InputError, Stop, see_extra
 from wiggleroom.solve.ipopt import described
 from wiggleroom.solve.linear_programming import linear_solver
@@ -147,7 +147,7 @@ def measured(case: LargeAssembly, method: str, limit: float | None, stop: Stop |
     source = str(Path(wiggleroom.__file__).parents[1])
     where = os.pathsep.join([source, *filter(None, [os.environ.get("PYTHONPATH")])])
     with subprocess.Popen(
-        [sys.executable, "-m", "wiggleroom.bench.one", json.dumps(job)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+        [sys.executable, "-m", "wiggleroom.bench.run_one", json.dumps(job)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": where}, start_new_session=True,
     ) as process:  # fmt: skip
         said, wrong, asked = _heard(process, limit, stop)

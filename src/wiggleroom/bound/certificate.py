@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.bound.linear_relaxation import AngleRanges, JointConstraints
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.drawing.model import Part

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.assembly.assembly import Assembly, place
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

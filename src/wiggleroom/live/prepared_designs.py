@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly, rings_at
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError, Stop

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.report import frame, palette
+from wiggleroom.report.answer_words import number
 from wiggleroom.report.text import escape, width, wrap
-from wiggleroom.report.words import number
 
 Floats = NDArray[np.float64]
 

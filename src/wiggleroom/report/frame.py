@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wiggleroom.report import palette
+from wiggleroom.report.answer_words import number
 from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.text import escape, width, wrap
-from wiggleroom.report.words import number
 
 LegendEntry = tuple[str, str]
 """Swatch (SVG, in a box of 16 x 12 px with its upper left corner at 0, 0) and its meaning."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from shapely import affinity
 
 from wiggleroom.report import palette
-from wiggleroom.report.shapes import PartPath
+from wiggleroom.report.answer_words import short
+from wiggleroom.report.part_paths import PartPath
 from wiggleroom.report.text import escape, width
-from wiggleroom.report.words import short
 
 _SMALLEST, _LARGEST = 7.0, 15.0
 _MOST_MEASURED = 400

@@ -9,15 +9,15 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Pull, part_of
 from wiggleroom.report import frame, layout, palette
+from wiggleroom.report.answer_words import facts, headline, number
 from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, numbered, obstacles
 from wiggleroom.report.layout import View
 from wiggleroom.report.names import names_group
-from wiggleroom.report.shapes import PartPaths, spot, use
+from wiggleroom.report.part_paths import PartPaths, spot, use
 from wiggleroom.report.text import escape
-from wiggleroom.report.words import facts, headline, number
 from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.report import frame, palette
+from wiggleroom.report.answer_words import number
 from wiggleroom.report.axes import WIDTH, across, finished, plot, span, text, uprights
 from wiggleroom.report.text import elide, wrap
-from wiggleroom.report.words import number
 
 Floats = NDArray[np.float64]
 Mark = tuple[float, str]

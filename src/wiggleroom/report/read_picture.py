@@ -7,17 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.inventory import InventoryRow
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.assembly.overlaps import overlap_areas
 from wiggleroom.drawing.model import Points, part_of
 from wiggleroom.drawing.outlines import Remark
 from wiggleroom.report import frame, layout, palette
+from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import goal_mark
 from wiggleroom.report.layout import View
 from wiggleroom.report.picture import drawn_parts
 from wiggleroom.report.text import escape, wrap
-from wiggleroom.report.words import number, short
 
 _GAP = 30.0
 _MOST_ROWS = 60
@@ -105,7 +105,7 @@ def _overlaps(assembly: Assembly) -> list[Remark]:
 
 def _crossings(assembly: Assembly) -> list[Remark]:
     """Outlines that cross themselves."""
-    from wiggleroom.assembly.model import rings_at
+    from wiggleroom.assembly.assembly import rings_at
 
     bad = [ring for part in assembly.parts for ring in rings_at(part) if not shapely.Polygon(ring).is_valid]
     return [Remark("crossing", tuple(np.vstack([ring, ring[:1]]) for ring in bad))] if bad else []

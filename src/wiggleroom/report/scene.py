@@ -9,16 +9,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal, Pull, Turn, W, part_of
 from wiggleroom.report import frame, layout, palette
+from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow, turn_radius
+from wiggleroom.report.film_timing import TimedPath, eased, way_points
 from wiggleroom.report.layout import View
-from wiggleroom.report.motion import TimedPath, eased, way_points
 from wiggleroom.report.names import room_for, text_at, usual
-from wiggleroom.report.shapes import PartPath, PartPaths, middle, spot, use
+from wiggleroom.report.part_paths import PartPath, PartPaths, middle, spot, use
 from wiggleroom.report.text import escape
-from wiggleroom.report.words import number, short
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
-from wiggleroom.report.endings import ending
+from wiggleroom.report.file_endings import ending
 from wiggleroom.report.palette import FONT, INK, PAPER, SUBDUED
 from wiggleroom.report.spatial_table import spatial_certainty, spatial_headline
 from wiggleroom.spatial.rotations import exponential

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.audit.outlines import AuditOutlines, outlines
+from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.path_audit import PathAudit, audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies

@@ -12,9 +12,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import asked_goals, overlap_depth
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.prove import prove
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Goal

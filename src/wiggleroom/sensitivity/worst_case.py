@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.deviations import deviated
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.prove import prove
 from wiggleroom.drawing.model import Drawing, Goal, Tolerance
 from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError

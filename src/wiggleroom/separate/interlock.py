@@ -11,8 +11,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.drawing.model import Turn

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.audit.outlines import outlines
+from wiggleroom.audit.audit_outlines import outlines
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import passage

@@ -20,7 +20,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import eigsh, splu
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.tight.point_contacts import TightContacts, tight_contacts
 from wiggleroom.tight.self_stress import SelfStress, holds
 from wiggleroom.verdict import Tightness
