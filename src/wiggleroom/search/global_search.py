@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 MOST_BODIES = 50
 """Assemblies of more free bodies are climbed once."""
-WORK = 2000.0
+WORK = 4000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
