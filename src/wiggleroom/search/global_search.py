@@ -166,15 +166,16 @@ class _GlobalSearch:
 
     def _search(self, objective: Objective, policy: Policy) -> LocalSearch:
         first = self.first
-        return LocalSearch(first.ready, objective, first.solve, policy, first.stop, first.tell)
+        return LocalSearch(first.ready, objective, first.solve, policy, first.stop, first.tell, rounds=self.rounds)
 
     def _run(self, search: LocalSearch, start: Start) -> Incumbent | None:
         """Improve, and count the work."""
         found = search.improve(start)
-        self.rounds, self.iterations = self.rounds + search.rounds, self.iterations + search.iterations
+        rounds, self.rounds = search.rounds - self.rounds, search.rounds
+        self.iterations += search.iterations
         self.seconds = {stage: spent + search.seconds[stage] for stage, spent in self.seconds.items()}
         rows = len(start.cells.kind)
-        self.work += search.rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
+        self.work += rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
         return found
 
 
