@@ -196,7 +196,7 @@ def test_a_message_beyond_all_limits_ends_the_connection(served: Served) -> None
 
 @pytest.mark.parametrize("pieces", ["fragments", "one frame"])
 def test_an_upload_that_never_ends_is_cut_off(served: Served, monkeypatch: pytest.MonkeyPatch, pieces: str) -> None:
-    monkeypatch.setattr(patient, "UNFINISHED", 0.5)
+    monkeypatch.setattr(patient, "MESSAGE_SECONDS", 0.5)
     raw = socket.create_connection(("127.0.0.1", served.port), 10)
     raw.sendall(handshake(served))
     assert b" 101 " in raw.recv(65536)

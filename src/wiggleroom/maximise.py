@@ -25,7 +25,7 @@ from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.complete_search import PROVEN, complete
+from wiggleroom.search.complete_search import PROVEN_GAP, complete
 from wiggleroom.search.global_search import search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
@@ -224,7 +224,7 @@ def witness(
     climb, effort = search_on(climb, search)
     climb, most = complete(climb)
     answer = replace(answer_of(climb, asked, solver, began), search=effort)
-    return answer if most is None else with_bound(answer, Bound(most, PROVEN, 0.0))
+    return answer if most is None else with_bound(answer, Bound(most, PROVEN_GAP, 0.0))
 
 
 def _from_several(

@@ -17,7 +17,7 @@ from wiggleroom.schema.requests import Design
 
 T = TypeVar("T")
 
-KEPT = 8
+MAX_DESIGNS = 8
 """So many designs' outlines are kept."""
 
 
@@ -60,7 +60,7 @@ class DesignCache:
     def __init__(self, drawing: Drawing) -> None:
         self._drawing = drawing
         self._names = {p.name: None for p in drawing.parts}
-        self._made: LruCache[Assembly] = LruCache(KEPT)
+        self._made: LruCache[Assembly] = LruCache(MAX_DESIGNS)
 
     def gap(self, design: Design) -> float:
         """The gap of a design [mm]."""

@@ -19,7 +19,7 @@ from wiggleroom.schema.replies import Outline, Pose
 
 Floats = NDArray[np.float64]
 
-AGAIN = 3.0
+REPEAT_SECONDS = 3.0
 """Outlines that changed are told with every reply for so long [s]."""
 
 
@@ -43,7 +43,7 @@ class Display:
             self._outlines, self._since, self._rings = key, now, rings_told(assembly.parts)
         elif self._told.is_set():
             self._since = now
-        elif now > self._since + AGAIN:
+        elif now > self._since + REPEAT_SECONDS:
             return UNSET
         self._told = stop
         return self._rings

@@ -6,7 +6,7 @@ import os
 
 UPLOAD_MB = 20
 """A drawing that is dropped on a page may have so many MB."""
-SHARE = 0.5
+MEMORY_SHARE = 0.5
 """Of the machine's memory, at most."""
 
 
@@ -16,6 +16,6 @@ def bound_memory() -> None:
         import resource
 
         whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-        resource.setrlimit(resource.RLIMIT_DATA, (int(SHARE * whole), resource.RLIM_INFINITY))
+        resource.setrlimit(resource.RLIMIT_DATA, (int(MEMORY_SHARE * whole), resource.RLIM_INFINITY))
     except (ImportError, ValueError, OSError):  # not every system can
         return

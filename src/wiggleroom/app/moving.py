@@ -19,15 +19,15 @@ from wiggleroom.schema.requests import DragRequest, FlexRequest, ReleaseRequest,
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Verdict
 
-SECONDS = 0.1
+QUICK_SECONDS = 0.1
 """A quick answer takes about so long [s]."""
-MOST_SHOTS = 10
+MAX_QUICK_ANSWERS = 10
 """So many quick answers are looked for before the full one."""
-MOST_TURNS, MOST_STUCK = 50, 3
+MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
 """So often a drag is gone on with, and so often in vain."""
-LITTLE = 1e-4
+MIN_APPROACH = 1e-4
 """A drag that gets nearer by less than this share is stuck."""
-WORTH = 1e-3
+MIN_IMPROVEMENT = 1e-3
 """A quick answer that is better by less than this share is not told; the full one is looked for then."""
 
 
@@ -39,11 +39,11 @@ def flex(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
     goals = sheet.asked(design)
     live = sheet.live(design)
     last: float | None = None
-    for _ in range(MOST_SHOTS):
-        shot = live.flex(goals, seconds=SECONDS, stop=out.stop)
+    for _ in range(MAX_QUICK_ANSWERS):
+        shot = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
         out.check()
         value = math.inf if shot.objective is None else shot.objective
-        if last is not None and not value > last + WORTH * abs(last):
+        if last is not None and not value > last + MIN_IMPROVEMENT * abs(last):
             break
         last = value
         display.move(live.assembly, shot.motion)
@@ -71,13 +71,13 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
     rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
     start, last = request.from_, math.inf
     stuck = 0
-    for times in range(MOST_TURNS):
-        shot = live.drag(request.part, request.grip, request.target, start=start, seconds=SECONDS, stop=out.stop)
+    for times in range(MAX_DRAG_STEPS):
+        shot = live.drag(request.part, request.grip, request.target, start=start, seconds=QUICK_SECONDS, stop=out.stop)
         out.check()
         assert shot.distance is not None
         assert shot.reached is not None
-        stuck = stuck + 1 if shot.distance > last * (1 - LITTLE) else 0
-        settled = shot.settled or times == MOST_TURNS - 1 or stuck == MOST_STUCK
+        stuck = stuck + 1 if shot.distance > last * (1 - MIN_APPROACH) else 0
+        settled = shot.settled or times == MAX_DRAG_STEPS - 1 or stuck == MAX_STALLED_STEPS
         sheet.display.move(live.assembly, shot.motion)
         content = DragReply(
             part=request.part,

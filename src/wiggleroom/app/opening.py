@@ -20,8 +20,8 @@ from wiggleroom.report.told import design_told, drawing_told
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import OpenRequest
 
-MOST_BYTES = UPLOAD_MB * 1_000_000
-FINE = 1e-4
+MAX_BYTES = UPLOAD_MB * 1_000_000
+CHORD_ERROR_SHARE = 1e-4
 """Chord error of curves as a share of the median part size, where there is no gap to tell."""
 
 
@@ -58,9 +58,9 @@ def opened(request: OpenRequest) -> File:
     InputError
         With one line per finding; names of folders are left out.
     """
-    if len(request.data) > MOST_BYTES and not request.path:
+    if len(request.data) > MAX_BYTES and not request.path:
         finding = (
-            f"{len(request.data) / 1e6:.1f} MB: a drawing may have {MOST_BYTES / 1e6:g} MB here; use the command line"
+            f"{len(request.data) / 1e6:.1f} MB: a drawing may have {MAX_BYTES / 1e6:g} MB here; use the command line"
         )
         raise InputError(finding)
     name = plain_name(request.name)
@@ -130,7 +130,7 @@ def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
     if flatten is None:
         rough = read_drawing(path, unit=unit, options=options)
         sizes = [np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in rough.parts]
-        flatten = float(f"{FINE * float(np.median(sizes)):.2g}")
+        flatten = float(f"{CHORD_ERROR_SHARE * float(np.median(sizes)):.2g}")
     return read_drawing(path, unit=unit, flatten=flatten, gap=gap, options=options), flatten
 
 

@@ -17,7 +17,7 @@ from wiggleroom.app.messages import encode, failed, frame
 from wiggleroom.errors import go_on
 from wiggleroom.schema.replies import ProgressReply, Reply
 
-OFTEN = 0.05
+PROGRESS_INTERVAL = 0.05
 """Progress is told no more often than this [s]."""
 
 
@@ -72,7 +72,7 @@ class Reporter:
 
     def _progress(self, stage: str, turn: int, iteration: int, objective: float | None, share: float | None) -> None:
         now = time.monotonic()
-        if now - self._last < OFTEN:
+        if now - self._last < PROGRESS_INTERVAL:
             return
         self._last = now
         self.reply(

@@ -6,7 +6,7 @@ import asyncio
 
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
-UNFINISHED = 60.0
+MESSAGE_SECONDS = 60.0
 """A message must be there whole within this time of its beginning [s]."""
 
 
@@ -19,7 +19,7 @@ class MessageTimeout(WebSocketsSansIOProtocol):
         """Take what came, and look at the clock while a message is not whole."""
         super().data_received(data)
         if (self.frames or self.conn.reader.buffer) and self._limit is None:
-            self._limit = self.loop.call_later(UNFINISHED, self.transport.abort)
+            self._limit = self.loop.call_later(MESSAGE_SECONDS, self.transport.abort)
 
     def send_receive_event_to_app(self) -> None:
         """Pass a whole message on; the next one has its own time."""

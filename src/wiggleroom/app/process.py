@@ -11,7 +11,7 @@ import msgspec
 
 from wiggleroom.app.link import Done, Outgoing, Ready, StartOrder, StopOrder, block, length, result
 
-MOST_PAGES = 4
+MAX_PAGES = 4
 """Each page has a process of its own, and that much memory."""
 
 

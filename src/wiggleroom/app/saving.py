@@ -22,7 +22,7 @@ from wiggleroom.schema.requests import SaveRequest
 if TYPE_CHECKING:
     from wiggleroom.app.sheet import Document
 
-KINDS = {
+FILE_KINDS = {
     "svg": ("-moved.svg", "image/svg+xml"),
     "png": ("-moved.png", "image/png"),
     "gif": ("-moved.gif", "image/gif"),
@@ -38,7 +38,7 @@ KINDS = {
 
 def save(sheet: Document, request: SaveRequest, out: Reporter) -> None:
     """One file, by name, kind and content."""
-    tail, mime = KINDS[request.what]
+    tail, mime = FILE_KINDS[request.what]
     name = saved_name(sheet.file, tail.replace("-moved", "-apart") if request.of == "check" else tail)
     with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
         path = Path(folder) / name

@@ -10,7 +10,7 @@ from typing import BinaryIO
 
 from wiggleroom.app.link import Done, Ready, StartOrder, StopOrder, block, read_order
 
-KEPT = 4
+KEPT_TICKETS = 4
 """So many pieces of work can still be told that they were stopped, also when they are done: nobody got their reply."""
 
 
@@ -31,7 +31,7 @@ class Orders:
             else:
                 stop = self._stops[order.ticket] = threading.Event()
                 self._waiting.put((order, stop))
-                for old in list(self._stops)[:-KEPT]:
+                for old in list(self._stops)[:-KEPT_TICKETS]:
                     del self._stops[old]
         os._exit(0)  # the server is gone, and nobody waits for an answer
 

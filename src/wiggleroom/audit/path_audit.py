@@ -15,9 +15,9 @@ from wiggleroom.audit.outlines import AuditOutlines, outlines
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-WIDER = 2.0
+MAX_BOX_GROWTH = 2.0
 """A stretch of the way is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
-MOST_NEAR_EDGES = 200_000
+MAX_NEAR_EDGES = 200_000
 """Pairs of edges of two parts that may meet on one stretch, at most."""
 
 
@@ -96,7 +96,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     first = np.full(len(keys), len(motions), dtype=np.int64)
     sweep(
         a, b, poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run, parts.first_run,
-        parts.run_disc, parts.disc, parts.reach, MOST_NEAR_EDGES, doubtful, first,
+        parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, doubtful, first,
     )  # fmt: skip
     nested = np.zeros(len(keys), dtype=np.bool_)
     inside_each_other(
@@ -117,7 +117,7 @@ def _near(parts: AuditOutlines, poses: Floats) -> Ints:
     while waiting:
         k0, k1 = waiting.pop()
         boxes = _swept(parts, poses, k0, k1)
-        if k1 - k0 > 1 and _widths(boxes) > WIDER * width:
+        if k1 - k0 > 1 and _widths(boxes) > MAX_BOX_GROWTH * width:
             waiting += [((k0 + k1) // 2, k1), (k0, (k0 + k1) // 2)]
             continue
         shapes = shapely.box(*boxes.T)

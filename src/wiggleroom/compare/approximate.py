@@ -29,7 +29,7 @@ from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import unlimited
-from wiggleroom.search.prepare import REACH, survey
+from wiggleroom.search.prepare import NEIGHBOUR_REACH, survey
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
@@ -82,7 +82,7 @@ class Approximation:
         """Rows N g + D <= 0 of every pair at rest."""
         if self.hulls is not None:
             return self.hulls.faces
-        return half_planes(self.bodies, *self.near, np.zeros_like(self.bodies.rest), REACH * self.clearance)
+        return half_planes(self.bodies, *self.near, np.zeros_like(self.bodies.rest), NEIGHBOUR_REACH * self.clearance)
 
 
 @dataclass(frozen=True, eq=False)

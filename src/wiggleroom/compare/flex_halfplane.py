@@ -21,7 +21,7 @@ from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.neighbours import neighbours, placed
 from wiggleroom.program.nonlinear_program import Linearised, build
 from wiggleroom.program.objectives import Objective
-from wiggleroom.search.loop import FAR, Progress
+from wiggleroom.search.loop import ESCAPE_DISTANCE, Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.solve.linear_programming import maximise
 from wiggleroom.verdict import Verdict
@@ -88,7 +88,7 @@ class _Steps:
     def at_once(self, way: list[Floats]) -> End:
         """One linear program without trust region, bounded only where a body would leave."""
         at, _ = self._linearised(way[0], self.objective, way[-1])
-        bound = FAR * self.ready.size / at.program.scale
+        bound = ESCAPE_DISTANCE * self.ready.size / at.program.scale
         bound[2::3] = np.pi / at.program.scale[2::3]
         found = maximise(at.gradient, at.jacobian(), -at.h, bound)
         self.iterations += found.iterations
@@ -125,7 +125,7 @@ class _Steps:
             promised = float(at.gradient @ du)
             way.append(moved)
             at, faces = after, faces_there
-            if np.abs(moved[:, :2]).max() > FAR * ready.size:
+            if np.abs(moved[:, :2]).max() > ESCAPE_DISTANCE * ready.size:
                 verdict = Verdict.UNBOUNDED
                 break
             idle = idle + 1 if gain < max(unit, GAIN_TOLERANCE * abs(at.value)) else 0
@@ -161,7 +161,7 @@ class _Steps:
         limits = build(ready.bodies, box, self.objective, length=ready.clearance)
         there = limits.linearise(program.variables(at.motion))
         rows = sp.vstack([at.jacobian(), there.jacobian()]).tocsr()
-        bound = FAR * ready.size / 10 / program.scale
+        bound = ESCAPE_DISTANCE * ready.size / 10 / program.scale
         turn = size * np.sqrt(ready.clearance / (2 * ready.bodies.radius[program.free]))
         bound[2::3] = turn / program.scale[2::3]
         for h in (at.h, np.maximum(at.h, 0.0)):

@@ -17,7 +17,7 @@ from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction
-from wiggleroom.search.loop import EACH, FAR, FINE, GAIN, Progress, nudged
+from wiggleroom.search.loop import ESCAPE_DISTANCE, FINE_TOLERANCE, MIN_GAIN, TOLERANCE_PER_BODY, Progress, nudged
 from wiggleroom.search.multistart import pulls
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.kkt_conditions import conditions
@@ -49,7 +49,7 @@ def flex_hull(
         program, solution = run.round(faces, begin)
         points = [program.motion(u) for u in (*solution.way, solution.u)]
         value = objective.value(points[-1])
-        least = GAIN * len(begin) * max(abs(value), ready.clearance)
+        least = MIN_GAIN * len(begin) * max(abs(value), ready.clearance)
         gained = best is None or value > best.value + least
         if best is None or gained:
             motions = thinned(ready.bodies, [*way, *points], ready.clearance)
@@ -105,7 +105,8 @@ class _Run:
     def _solved(self, program: Program, start: Floats) -> Solution:
         number = self.rounds
         found = self.solve(
-            program, start, tolerance=max(FINE, EACH * len(self.ready.bodies.fixed)), horizon=FAR * self.ready.size, stop=self.stop,
+            program, start, tolerance=max(FINE_TOLERANCE, TOLERANCE_PER_BODY * len(self.ready.bodies.fixed)),
+            horizon=ESCAPE_DISTANCE * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
         self.iterations += found.iterations

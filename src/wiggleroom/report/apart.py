@@ -17,7 +17,7 @@ from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.separate.interlock import Escape, Interlock
-from wiggleroom.separate.largest_gap import WITHIN, LargestGap
+from wiggleroom.separate.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:
@@ -188,7 +188,11 @@ def border_sentence(border: LargestGap) -> str:
         return "largest gap: none was found" if border.parts_at is None else "largest gap: no gap holds it together"
     if border.parts_at is None:
         return f"largest gap: it holds up to {number(border.holds)} mm; beyond that parts fall to pieces"
-    between = "" if border.parts_at - border.holds <= WITHIN * border.parts_at else "; between them it was not decided"
+    between = (
+        ""
+        if border.parts_at - border.holds <= RELATIVE_TOLERANCE * border.parts_at
+        else "; between them it was not decided"
+    )
     return f"largest gap: interlocked at {number(border.holds, 5)} mm, comes apart at {number(border.parts_at, 5)} mm{between}"
 
 

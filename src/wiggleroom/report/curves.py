@@ -83,11 +83,11 @@ class Panel:
         """Grid lines, numbers and labels; with `rows`, the y axis counts these names from the top."""
         bottom = self.top + self.high
         found = [text(self.left, self.top - 30, palette.TEXT_SIZE + 1, palette.INK, title)] if title else []
-        found.append(text(self.left, self.top - 10, palette.SMALL_SIZE + 1, palette.QUIET, labels[1]))
+        found.append(text(self.left, self.top - 10, palette.SMALL_SIZE + 1, palette.SUBDUED, labels[1]))
         for t in _marks(self.x, self.log[0]):
             u = float(self.pixels(np.array([t]), np.array([self.y[1]]))[0, 0])
             found.append(line(u, self.top, u, bottom, palette.GRID))
-            found.append(text(u, bottom + 20, palette.SMALL_SIZE + 1, palette.QUIET, number(t), "middle"))
+            found.append(text(u, bottom + 20, palette.SMALL_SIZE + 1, palette.SUBDUED, number(t), "middle"))
         for k, name in enumerate(rows):
             v = float(self.pixels(np.array([self.x[1]]), np.array([k]))[0, 1])
             found.append(line(self.left, v, self.left + self.wide, v, palette.GRID))
@@ -97,8 +97,8 @@ class Panel:
         for t in () if rows else _marks(self.y, self.log[1]):
             v = float(self.pixels(np.array([self.x[1]]), np.array([t]))[0, 1])
             found.append(line(self.left, v, self.left + self.wide, v, palette.GRID))
-            found.append(text(self.left - 8, v + 4, palette.SMALL_SIZE + 1, palette.QUIET, number(t), "end"))
-        found.append(line(self.left, bottom, self.left + self.wide, bottom, palette.QUIET))
+            found.append(text(self.left - 8, v + 4, palette.SMALL_SIZE + 1, palette.SUBDUED, number(t), "end"))
+        found.append(line(self.left, bottom, self.left + self.wide, bottom, palette.SUBDUED))
         found.append(text(self.left + self.wide, bottom + 40, palette.SMALL_SIZE + 1, palette.INK, labels[0], "end"))
         return found
 

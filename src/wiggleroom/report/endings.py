@@ -7,10 +7,10 @@ from pathlib import PurePath
 
 from wiggleroom.errors import InputError
 
-PLAYS = ".film.svg"
+FILM_SVG = ".film.svg"
 """An SVG of this name plays; any other is a still picture."""
 STILLS = (".svg", ".png")
-FILMS = (".gif", ".mp4", PLAYS)
+FILMS = (".gif", ".mp4", FILM_SVG)
 PAGE = ".html"
 ANSWERS = (*STILLS, *FILMS, PAGE)
 STUDIES = (*STILLS, PAGE)
@@ -23,7 +23,7 @@ def ending(path: PurePath) -> str:
     >>> ending(PurePath("a.b/Moved.film.SVG")), ending(PurePath("film.svg")), ending(PurePath("moved"))
     ('.film.svg', '.svg', '')
     """
-    return PLAYS if path.name.lower().endswith(PLAYS) else path.suffix.lower()
+    return FILM_SVG if path.name.lower().endswith(FILM_SVG) else path.suffix.lower()
 
 
 def unlike(path: PurePath, endings: Sequence[str]) -> str:

@@ -118,9 +118,9 @@ def moving(shared: tuple[Scene, tuple[int, int, int, int], float, bool], k: int)
 
 def _colours() -> list[int]:
     """Red, green and blue of the colours that films are made of and of the steps between any two of them."""
-    thin = [tuple(round(0.85 * c + 0.15 * 255) for c in _rgb(fill)) for fill, _ in palette.OF.values()]
-    lines = [stroke for _, stroke in palette.OF.values()]
-    pure = [_rgb(c) for c in (palette.PAPER, palette.INK, palette.QUIET, palette.REST, palette.MOTION, *lines)]
+    thin = [tuple(round(0.85 * c + 0.15 * 255) for c in _rgb(fill)) for fill, _ in palette.ROLE_COLOURS.values()]
+    lines = [stroke for _, stroke in palette.ROLE_COLOURS.values()]
+    pure = [_rgb(c) for c in (palette.PAPER, palette.INK, palette.SUBDUED, palette.REST, palette.MOTION, *lines)]
     pure += thin
     between = [
         tuple(round((1 - t) * p + t * q) for p, q in zip(one, other, strict=True))

@@ -103,10 +103,10 @@ def names_group(
         What names must not cover.
     """
     size = usual([(short(name), shape) for name, shape, _ in named], room)
-    found: dict[str, list[str]] = {palette.QUIET: [], palette.INK: []}
+    found: dict[str, list[str]] = {palette.SUBDUED: [], palette.INK: []}
     for name, shape, place in named:
         quiet = size < _CROWDED and name not in first
-        found[palette.QUIET if quiet else palette.INK].append(label(short(name), shape, place, size, marks))
+        found[palette.SUBDUED if quiet else palette.INK].append(label(short(name), shape, place, size, marks))
     return "".join(
         f'<g fill="{colour}" text-anchor="middle">{"".join(texts)}</g>' for colour, texts in found.items() if any(texts)
     )

@@ -111,13 +111,13 @@ def drawn_parts(
 ) -> list[str]:
     """Everything inside the drawing, bottom first: rest outlines, parts, marks, names."""
     shapes, still, places = PartPaths(view.scale), [], []
-    drawn: dict[tuple[str, str], list[str]] = {colours: [] for colours in palette.OF.values()}
+    drawn: dict[tuple[str, str], list[str]] = {colours: [] for colours in palette.ROLE_COLOURS.values()}
     for k, (part, pose) in enumerate(zip(assembly.parts, shown.tolist(), strict=True)):
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
             still.append(use(shape, spot(view, part, tuple(rest[k].tolist()))))
         kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        fill, stroke = palette.OF[kind]
+        fill, stroke = palette.ROLE_COLOURS[kind]
         colours = (fill if tints is None else tints.fill[part.name], stroke)
         drawn.setdefault(colours, []).append(use(shape, place, escape(part.name)))
         places.append((part.name, shape, place))
@@ -132,7 +132,7 @@ def drawn_parts(
             + "</g>"
         )
     if assembly.drawing.ignore:  # parts lie above each other: what stands lies at the bottom
-        drawn = {palette.OF["fixed"]: drawn.pop(palette.OF["fixed"]), **drawn}
+        drawn = {palette.ROLE_COLOURS["fixed"]: drawn.pop(palette.ROLE_COLOURS["fixed"]), **drawn}
     for (fill, stroke), uses in drawn.items():
         if uses:
             style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'

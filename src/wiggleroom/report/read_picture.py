@@ -24,7 +24,7 @@ _MOST_ROWS = 60
 _MOST_LINES = 24
 _WRONG = "#c1121f"
 _STYLES = {
-    "left out": ("left out", f'stroke="{palette.QUIET}" stroke-dasharray="5 4"'),
+    "left out": ("left out", f'stroke="{palette.SUBDUED}" stroke-dasharray="5 4"'),
     "hole": ("taken as a hole", 'stroke="#00798c" stroke-width="1.6"'),
     "mended": ("mended", 'stroke="#7b2cbf" stroke-width="1.6"'),
     "open end": ("open end", f'stroke="{palette.FORCE}" stroke-width="2"'),
@@ -168,7 +168,7 @@ def _lists(
         y += size + 5
         for place, share, text in zip(range(len(cells)), columns, cells, strict=True):
             left = place in (0, len(cells) - 1)
-            colour = palette.QUIET if k == 0 else palette.INK
+            colour = palette.SUBDUED if k == 0 else palette.INK
             found.append(_cell(palette.MARGIN + share * room, y, size, colour, text, "" if left else "end"))
     return found, y + palette.MARGIN
 

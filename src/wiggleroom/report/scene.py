@@ -223,7 +223,7 @@ def _tracks(
     layers: dict[str, list[Track]] = {"neutral": [], "pulled": [], "fixed": []}
     for k, (part, shape) in enumerate(zip(assembly.parts, of, strict=True)):
         kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        fill, stroke = palette.OF[kind]
+        fill, stroke = palette.ROLE_COLOURS[kind]
         style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}" fill-rule="evenodd"'
         body = (
             f'<use xlink:href="#{shape.key}" {style} stroke-linejoin="round"><title>{escape(part.name)}</title></use>'

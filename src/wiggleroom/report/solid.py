@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from wiggleroom.compare.monte_carlo import about_pivot
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report.space import headline, said
-from wiggleroom.report.stack import TALL, edges, extent, rings
+from wiggleroom.report.stack import HEIGHT_RATIO, edges, extent, rings
 from wiggleroom.report.words import number
 from wiggleroom.schema.replies import SpaceReply, SpaceSlice
 
 Floats = NDArray[np.float64]
 
-MOST_TILES = 33
+MAX_SLICES = 33
 """Slices that the page is given."""
 
 
@@ -32,7 +32,7 @@ def space_told(found: FreeSpace, state: tuple[float, float, float], command: str
     levels = np.degrees(edges(found))
     first, last = float(levels[0]), float(levels[-1])
     vertices, triangles = _stacked(regions, levels)
-    shown = np.unique(np.linspace(0, len(regions) - 1, min(len(regions), MOST_TILES)).round().astype(int))
+    shown = np.unique(np.linspace(0, len(regions) - 1, min(len(regions), MAX_SLICES)).round().astype(int))
     a, b = found.parts
     return SpaceReply(
         a=a,
@@ -41,7 +41,7 @@ def space_told(found: FreeSpace, state: tuple[float, float, float], command: str
         triangles=base64.b64encode(triangles.astype("<u4").tobytes()).decode(),
         slices=[SpaceSlice(float(angles[k]), [ring.tolist() for ring in rings(regions[k])]) for k in shown.tolist()],
         range_deg=(first, last),
-        scale=TALL * float((high - low).max()) / (last - first) if last > first else 1.0,
+        scale=HEIGHT_RATIO * float((high - low).max()) / (last - first) if last > first else 1.0,
         pivot=(float(found.pivot[0]), float(found.pivot[1])),
         state=state,
         headline=headline(found),

@@ -149,10 +149,10 @@ def space_picture(
     tiles, bottom = _slices(space, palette.MARGIN, row)
     note = "motions of the point of the second part that the cross marks, in the axes of the first"
     bottom += 26
-    foot = [text(palette.MARGIN, bottom, palette.TEXT_SIZE, palette.QUIET, note)]
+    foot = [text(palette.MARGIN, bottom, palette.TEXT_SIZE, palette.SUBDUED, note)]
     if command and framed:
         bottom += 24
-        foot.append(text(palette.MARGIN, bottom, palette.SMALL_SIZE, palette.QUIET, command))
+        foot.append(text(palette.MARGIN, bottom, palette.SMALL_SIZE, palette.SUBDUED, command))
     body = [*head, solid, pair, tiles, *foot]
     return frame.document(canvas, bottom + 24, title, facts, command, body)
 
@@ -206,11 +206,11 @@ def _slices(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
         u, v = x - low[0] * scale, top + high[1] * scale
         found.append(
             f'<rect x="{x:.1f}" y="{top:.1f}" width="{(high - low)[0] * scale:.1f}" height="{high_px:.1f}" fill="none" '
-            f'stroke="{palette.GRID}"/><path d="M{u - 5:.1f},{v:.1f}h10M{u:.1f},{v - 5:.1f}v10" stroke="{palette.QUIET}"/>'
+            f'stroke="{palette.GRID}"/><path d="M{u - 5:.1f},{v:.1f}h10M{u:.1f},{v - 5:.1f}v10" stroke="{palette.SUBDUED}"/>'
             f'<path d="{points}" fill="{palette.PULLED[0]}" fill-opacity="0.6" fill-rule="evenodd" stroke="{palette.PULLED[1]}"/>'
         )
         said = f"{number(math.degrees(angles[k]), 3)}°"
-        found.append(text(x, top + high_px + 20, palette.TEXT_SIZE, palette.QUIET, said))
+        found.append(text(x, top + high_px + 20, palette.TEXT_SIZE, palette.SUBDUED, said))
     long = round_down(float((high - low).max()) / 3)
     y = top + high_px + 46
     found.append(

@@ -20,9 +20,9 @@ Floats = NDArray[np.float64]
 AZIMUTH, ELEVATION = math.radians(-32.0), math.radians(24.0)
 SIZE = 300.0
 """Longer side of the slices, and the height of the stack is 1.15 of it [px]."""
-TALL = 1.15
+HEIGHT_RATIO = 1.15
 LIGHT = np.array([math.cos(math.radians(200.0)), math.sin(math.radians(200.0))])
-DEEP, CLEAR = "#1d4f80", "#b4d6f2"
+SHADED, LIT = "#1d4f80", "#b4d6f2"
 """In the shade and in full light."""
 _DETAIL = 0.3
 _EVERY = 8
@@ -47,7 +47,7 @@ def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]
     low, high = extent(regions)
     scale = SIZE / float((high - low).max())
     middle, (first, last) = (low + high) / 2, space.angles
-    levels = (edges(space) - first) / (last - first) * TALL * SIZE
+    levels = (edges(space) - first) / (last - first) * HEIGHT_RATIO * SIZE
     box = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
     corners = np.vstack([_seen((box - middle) * scale, z) for z in (0.0, levels[-1])])
     shift = np.array([left + 70, top + 24]) - corners.min(axis=0)
@@ -125,7 +125,7 @@ def _prism(
 
 def _shade(light: float) -> str:
     """Blue of pulled parts, darker where less light falls on it."""
-    deep, clear = (np.array(list(bytes.fromhex(c[1:])), dtype=float) for c in (DEEP, CLEAR))
+    deep, clear = (np.array(list(bytes.fromhex(c[1:])), dtype=float) for c in (SHADED, LIT))
     mixed = deep + min(max(light, 0.0), 1.0) * (clear - deep)
     return "#" + bytes(round(c) for c in mixed.tolist()).hex()
 
@@ -163,14 +163,14 @@ def _labels(
         (_seen(np.array([p - middle]) * scale, 0.0)[0] + shift).tolist() for p in np.array(at)
     )
     size, found = palette.TEXT_SIZE, []
-    found.append(text(x0 - 6, y0 + 24, size, palette.QUIET, f"x {_range(low[0], high[0])} mm", "end"))
-    found.append(text(x1 + 8, y1 + 20, size, palette.QUIET, f"y {_range(low[1], high[1])} mm"))
+    found.append(text(x0 - 6, y0 + 24, size, palette.SUBDUED, f"x {_range(low[0], high[0])} mm", "end"))
+    found.append(text(x1 + 8, y1 + 20, size, palette.SUBDUED, f"y {_range(low[1], high[1])} mm"))
     up = math.cos(ELEVATION) * float(levels[-1])
     found.append(f'<path d="M{x2 - 12:.1f},{y2:.1f}v{-up:.1f}" stroke="{palette.REST}" fill="none"/>')
     for angle in (angles[0], 0.0, angles[1]):
         y = y2 - up * (angle - angles[0]) / (angles[1] - angles[0])
         found.append(f'<path d="M{x2 - 16:.1f},{y:.1f}h8" stroke="{palette.REST}" fill="none"/>')
-        found.append(text(x2 - 20, y + 5, size, palette.QUIET, f"{number(math.degrees(angle), 3)}°", "end"))
+        found.append(text(x2 - 20, y + 5, size, palette.SUBDUED, f"{number(math.degrees(angle), 3)}°", "end"))
     return found
 
 

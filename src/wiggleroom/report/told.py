@@ -18,7 +18,7 @@ from wiggleroom.schema.replies import FlexReply, Opened, Outline, PartShape
 from wiggleroom.schema.requests import Design, Goals
 from wiggleroom.search.answer import Answer, Contact
 
-DIGITS = 7
+OUTLINE_DIGITS = 7
 """Outlines are told to so many digits of the drawing's size: no finer than eyes and screens."""
 
 
@@ -59,7 +59,7 @@ def rings_told(parts: Sequence[Part]) -> list[Outline]:
 
 def digits_of(size: float) -> int:
     """Digits after the point with which lengths in a drawing of this size [mm] are told."""
-    return max(0, DIGITS - math.floor(math.log10(size)))
+    return max(0, OUTLINE_DIGITS - math.floor(math.log10(size)))
 
 
 def answer_told(answer: Answer, command: str) -> FlexReply:

@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.report.motion import TimedPath
 
-MOST = 48
+MAX_FRAMES = 48
 """Frames of a way."""
-MOST_MOTIONS = 120_000
+MAX_FRAME_MOTIONS = 120_000
 """Motions of parts in all frames of a way together; at least two frames."""
 
 
@@ -22,7 +22,7 @@ def way_frames(assembly: Assembly, points: NDArray[np.float64]) -> NDArray[np.fl
     points : (m, n, 3) float64 [mm, mm, rad]
         Such as `Answer.waypoints`.
     """
-    most = max(2, min(MOST, MOST_MOTIONS // max(1, len(assembly.parts))))
+    most = max(2, min(MAX_FRAMES, MAX_FRAME_MOTIONS // max(1, len(assembly.parts))))
     way = TimedPath(assembly, points)
     if len(points) == 1 or way.length == 0:
         return points[-1:]

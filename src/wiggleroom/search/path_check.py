@@ -22,11 +22,11 @@ from wiggleroom.solve.factorisation import Factor, factor
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SPLITS = 12
+MAX_SPLITS = 12
 """A piece of the path is halved at most this often."""
-MOST_AT_ONCE = 32
+SPLIT_BATCH = 32
 """So many pieces are halved before the audit looks again, the first ones first: where one of them fails, the rest is of no use."""
-FEW_SPLITS = 3
+MAX_UNKNOWN_SPLITS = 3
 """The same where the pair that may overlap on it is not in its program."""
 
 
@@ -133,7 +133,7 @@ def _refined_stretch(
     """Halve the doubtful pieces of a stretch until none is left, or that does not help; True where none is."""
     doubtful = np.ones(len(points) - 1, dtype=bool)
     while True:
-        halved = set(np.flatnonzero(doubtful)[:MOST_AT_ONCE].tolist())
+        halved = set(np.flatnonzero(doubtful)[:SPLIT_BATCH].tolist())
         finer = [points[0]]
         for k, after in enumerate(points[1:]):
             if k in halved:
@@ -146,7 +146,7 @@ def _refined_stretch(
             return points, True
         k = int(doubtful.argmax())
         stranger = len(missed(ready.bodies, audit, legs[points[k + 1].leg].program)[0]) > 0
-        if audit.certain == 0 or points[k + 1].depth >= (FEW_SPLITS if stranger else MOST_SPLITS):
+        if audit.certain == 0 or points[k + 1].depth >= (MAX_UNKNOWN_SPLITS if stranger else MAX_SPLITS):
             return points, False
 
 

@@ -26,7 +26,7 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch
-from wiggleroom.search.moves import PLAIN
+from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution, solve
 from wiggleroom.verdict import SolverStatus, Verdict
@@ -134,7 +134,7 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
         return PerturbedObjective(np.nan, Verdict.TOUCHING)
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
-    finder = LocalSearch(varied, objective, solve, PLAIN)
+    finder = LocalSearch(varied, objective, solve, WITHOUT_BRANCHES)
     found = finder.improve(at_rest(varied))
     if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return afresh(ready.assembly, goals, inward)

@@ -25,9 +25,9 @@ from wiggleroom.sensitivity.perturbation import PerturbationBase, base, ended, f
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-STEP = 1e-3
+DIFFERENCE_STEP = 1e-3
 """Extra gap of forward differences, as a share of the typical clearance."""
-MOST_ROWS = 3000
+MAX_LP_ROWS = 3000
 """With more rows that hold, ranges are what random directions show, not the ends found by linear programs."""
 
 
@@ -192,7 +192,7 @@ def rank_at_once(answer: Answer) -> Ranking:
     return _by_duals(answer, ended(answer), most_rows=0)
 
 
-def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MOST_ROWS, stop: Stop | None = None) -> Ranking:
+def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
     """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
     program, solution = found.program, found.solution
     touch = touching(program, solution.u, solution.lam)
@@ -253,7 +253,7 @@ def _by_differences(ranking: Ranking, start: PerturbationBase, parts: Ints, by: 
 def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
     """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
     part, sign = task
-    for step in (STEP, STEP / 10):
+    for step in (DIFFERENCE_STEP, DIFFERENCE_STEP / 10):
         extra = sign * step * start.program.length
         inward = np.zeros(len(start.program.bodies.body_of))
         inward[part] = extra / 2

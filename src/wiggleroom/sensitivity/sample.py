@@ -24,7 +24,7 @@ from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 
-CHECKED = 10
+RESOLVED_DRAWS = 10
 """So many draws are answered again with everything worked out anew: the largest, the smallest, and some between."""
 
 
@@ -208,7 +208,7 @@ def sample(
 def _extremes(value: Floats) -> list[int]:
     """Draws to check: evenly from the smallest to the largest, so both ends are among them."""
     order = np.argsort(value, kind="stable")
-    return sorted({int(order[k]) for k in np.linspace(0, len(order) - 1, CHECKED).round().astype(int)})
+    return sorted({int(order[k]) for k in np.linspace(0, len(order) - 1, RESOLVED_DRAWS).round().astype(int)})
 
 
 def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:

@@ -33,13 +33,13 @@ from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.verdict import Verdict
 
-COUNT = 9
+DEFAULT_GAPS = 9
 """Gaps of a sweep that names none: from a quarter of the assembly's gap to twice it."""
-BRACKET = 1e-3
+BRACKET_TOLERANCE = 1e-3
 """The gap at which the motion loses its end is found to this share."""
-ASIDE = (0.5, 0.3, 0.7)
+BISECTION_SHARES = (0.5, 0.3, 0.7)
 """Where between two gaps the next one lies; the others where a search there was cut short."""
-SAME = 1e-9
+OUTLINE_TOLERANCE = 1e-9
 """Outlines that agree to this share of the drawing's size are the same."""
 
 
@@ -164,7 +164,7 @@ def _gaps(assembly: Assembly, gaps: Sequence[float] | None, wrong: list[str]) ->
     if gaps is None:
         if assembly.gap <= 0:
             wrong.append("sweep: the drawing has no gap to start from: name the gaps")
-        return np.linspace(assembly.gap / 4, 2 * assembly.gap, COUNT).tolist()
+        return np.linspace(assembly.gap / 4, 2 * assembly.gap, DEFAULT_GAPS).tolist()
     odd = [g for g in gaps if not 0 <= g < np.inf]
     wrong += [f"sweep: gap {g:g}: it must be 0 or more" for g in odd]
     if not len(gaps):
@@ -229,7 +229,7 @@ def _carried(last: _SweepState | None, made: Assembly) -> Prepared | None:
     except InputError:
         return None
     there, here = placed(bodies(made)), placed(after)
-    if shapely.hausdorff_distance(there, here).max() > SAME * last.ready.size:
+    if shapely.hausdorff_distance(there, here).max() > OUTLINE_TOLERANCE * last.ready.size:
         return None
     cells = carried(last.ready.cells, before, after)
     return replace(last.ready, assembly=made, bodies=after, cells=cells, clearance=last.ready.clearance + more)
@@ -252,17 +252,17 @@ def _lost(
     assembly: Assembly, goals: tuple[Goal, ...], held: _SweepState, free: float, stop: Stop | None
 ) -> tuple[float, float]:
     """Between which gaps the motion loses its end, by halving."""
-    low, tries = held.gap, list(ASIDE)
-    while free - low > BRACKET * free and tries and not (stop is not None and stop.is_set()):
+    low, tries = held.gap, list(BISECTION_SHARES)
+    while free - low > BRACKET_TOLERANCE * free and tries and not (stop is not None and stop.is_set()):
         gap = low + tries[0] * (free - low)
         step, state = _step(assembly, goals, gap, held, stop)
         if step.objective is not None:  # a narrow way out may show from rest and not from there
             anew, _ = _step(assembly, goals, gap, None, stop)
             step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:
-            free, tries = gap, list(ASIDE)
+            free, tries = gap, list(BISECTION_SHARES)
         elif state is not None and state.gap == gap:
-            low, held, tries = gap, state, list(ASIDE)
+            low, held, tries = gap, state, list(BISECTION_SHARES)
         else:
             tries.pop(0)  # undecided: beside it, perhaps
     return low, free
