@@ -52,12 +52,12 @@ clean:
 	$(PYTHON) -m venv .venv
 
 .venv/ready-demo: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[dxf,fast,film,ipopt,page,prove,verify]'
+	$(BIN)/python -m pip install --quiet --editable '.[dxf,fast,film,ipopt,page,prove,solid,verify]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 
 .venv/ready-test: pyproject.toml | .venv/bin/python
-	$(BIN)/python -m pip install --quiet --editable '.[bench,cluster,dxf,fast,film,halfplane,image,ipopt,page,prove,test,verify]'
+	$(BIN)/python -m pip install --quiet --editable '.[bench,cluster,dxf,fast,film,halfplane,image,ipopt,page,prove,solid,test,verify]'
 	$(BIN)/python -m wiggleroom.cli.compile
 	@touch $@
 

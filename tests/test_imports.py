@@ -12,10 +12,13 @@ import pytest
 ROOT = Path(__file__).parents[1] / "src" / "wiggleroom"
 ORDER = [
     "errors",
+    "deadline",
+    "provenance",
     "files",
     "verdict",
     "drawing",
     "assembly",
+    "mating",
     "geometry",
     "audit",
     "freespace",
@@ -29,6 +32,8 @@ ORDER = [
     "separate",
     "sensitivity",
     "live",
+    "spatial",
+    "questions",
     "schema",
     "report",
     "verify",

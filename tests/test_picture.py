@@ -12,13 +12,13 @@ import numpy as np
 import pytest
 
 from tests.answers import answer, block, grid, row
+from wiggleroom.assembly.inventory import inventory
 from wiggleroom.drawing.model import Part, Pull, Turn
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
-from wiggleroom.assembly.inventory import inventory
 from wiggleroom.report.picture import picture
-from wiggleroom.report.read_picture import picture_of_reading
 from wiggleroom.report.png import png
+from wiggleroom.report.read_picture import picture_of_reading
 from wiggleroom.report.text import width
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
@@ -43,7 +43,9 @@ def box(text: ElementTree.Element) -> tuple[float, float, float, float]:
     """Left, top, right, bottom of a text element, by an upper estimate of its width."""
     size, x, y = (float(text.get(k, "0")) for k in ("font-size", "x", "y"))
     wide = width(text.text or "", size)
-    left = x - wide / 2 if text.get("fill") is None else x - wide if text.get("text-anchor") == "end" else x  # names are centred and take their colour from the group
+    left = (
+        x - wide / 2 if text.get("fill") is None else x - wide if text.get("text-anchor") == "end" else x
+    )  # names are centred and take their colour from the group
     return left, y - 0.8 * size, left + wide, y + 0.2 * size
 
 
@@ -246,13 +248,13 @@ def test_4096_parts_of_different_shapes_are_drawn_quickly() -> None:
 
 
 def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
-    path = tmp_path / "a.svg"
+    path = tmp_path / "a.txt"
     write_whole(path, "one")
     path.chmod(0o640)
     write_whole(path, b"two")
     assert path.read_text() == "two"
     assert path.stat().st_mode & 0o777 == 0o640
-    link = tmp_path / "link.svg"
+    link = tmp_path / "link.txt"
     link.symlink_to(path)
     write_whole(link, "three")
     assert link.is_symlink()
@@ -262,7 +264,7 @@ def test_files_are_written_whole_or_not_at_all(tmp_path: Path) -> None:
         write_whole(tmp_path / "busy", "x")
     with pytest.raises(FileNotFoundError):
         write_whole(tmp_path / "none" / "a", "x")
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.svg", "busy", "link.svg"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.txt", "busy", "link.txt"]
 
 
 @pytest.mark.parametrize("side", [0.0, 0.3, -0.8])

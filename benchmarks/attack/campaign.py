@@ -16,6 +16,8 @@ from benchmarks.attack.judge import PROGRAMS, Finding, ask
 
 HANG = 120.0
 """An assembly that takes longer than so many seconds hangs."""
+WARM_UP = 3
+"""A process answers this number before it counts."""
 LOG = "log.jsonl"
 
 
@@ -100,9 +102,13 @@ class _Worker:
         self._mine, its = mp.get_context("spawn").Pipe()
         self._process = mp.get_context("spawn").Process(target=_serve, args=(its, self._programs), daemon=True)
         self._process.start()
+        self._mine.recv()  # what is compiled on first use does not count
 
 
 def _serve(line: Connection, programs: int) -> None:
+    family, made = draw(WARM_UP)
+    ask(family, WARM_UP, made or {}, 1)
+    line.send("ready")
     while True:
         number = line.recv()
         family, made = draw(number)

@@ -16,32 +16,49 @@ from wiggleroom.search.drawable import Drawable
 
 if TYPE_CHECKING:
     from wiggleroom.assembly import coupon, patterns
-    from wiggleroom.assembly.build import assemble, read
+    from wiggleroom.assembly.build import assemble
     from wiggleroom.assembly.model import Assembly
     from wiggleroom.bound.prove import prove
-    from wiggleroom.drawing.model import Closer, Drawing, JointGap, Part, Pull, Region, Towards, Translation, Turn, W
+    from wiggleroom.drawing.model import (
+        Closer,
+        Drawing,
+        JointGap,
+        Part,
+        Pull,
+        Region,
+        Tolerance,
+        Towards,
+        Translation,
+        Turn,
+        W,
+    )
+    from wiggleroom.drawing.tolerances import read_tolerances
     from wiggleroom.errors import InputError, MissingExtraError, StoppedError, TouchingError, WiggleroomError
     from wiggleroom.freespace.free_space import FreeSpace, free_space
     from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
     from wiggleroom.freespace.models.polyhedron import Polyhedron
     from wiggleroom.live.live_result import Mode, Shot
     from wiggleroom.live.live_session import Live
-    from wiggleroom.maximise import flex, prepare
+    from wiggleroom.maximise import prepare
+    from wiggleroom.questions import check, flex, read
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
+    from wiggleroom.sensitivity.allowable_gap import AllowableGap, allowable_gap
     from wiggleroom.sensitivity.gap_distribution import Spread
     from wiggleroom.sensitivity.rank import Ranking, rank
     from wiggleroom.sensitivity.sample import Sample, sample
     from wiggleroom.sensitivity.sweep import Sweep, sweep
     from wiggleroom.sensitivity.tighten import Tightening, tighten
-    from wiggleroom.separate.interlock import Escape, Interlock, check
+    from wiggleroom.sensitivity.worst_case import WorstCase, worst_case
+    from wiggleroom.separate.interlock import Escape, Interlock
     from wiggleroom.separate.largest_gap import LargestGap, largest_gap
     from wiggleroom.tight.blocking_graph import Blocking, blocking
     from wiggleroom.tight.mobility import TightVerdict, tight_verdict
     from wiggleroom.verdict import Verdict
 
 _HOME = {
+    "AllowableGap": "sensitivity.allowable_gap",
     "Answer": "search.answer",
     "Assembly": "assembly.model",
     "Blocking": "tight.blocking_graph",
@@ -74,32 +91,38 @@ _HOME = {
     "Tightening": "sensitivity.tighten",
     "TightVerdict": "tight.mobility",
     "TouchingError": "errors",
+    "Tolerance": "drawing.model",
     "Towards": "drawing.model",
     "Translation": "drawing.model",
     "Turn": "drawing.model",
     "Verdict": "verdict",
     "W": "drawing.model",
     "WiggleroomError": "errors",
+    "WorstCase": "sensitivity.worst_case",
+    "allowable_gap": "sensitivity.allowable_gap",
     "assemble": "assembly.build",
     "blocking": "tight.blocking_graph",
-    "check": "separate.interlock",
+    "check": "questions",
     "coupon": "assembly",
     "film": "report.film",
-    "flex": "maximise",
+    "flex": "questions",
     "free_space": "freespace.free_space",
     "largest_gap": "separate.largest_gap",
     "patterns": "assembly",
     "prepare": "maximise",
     "prove": "bound.prove",
     "rank": "sensitivity.rank",
-    "read": "assembly.build",
+    "read": "questions",
     "sample": "sensitivity.sample",
     "sweep": "sensitivity.sweep",
     "tighten": "sensitivity.tighten",
     "tight_verdict": "tight.mobility",
+    "read_tolerances": "drawing.tolerances",
+    "worst_case": "sensitivity.worst_case",
 }
 
 __all__ = [
+    "AllowableGap",
     "Answer",
     "Assembly",
     "Blocking",
@@ -131,6 +154,7 @@ __all__ = [
     "Sweep",
     "TightVerdict",
     "Tightening",
+    "Tolerance",
     "TouchingError",
     "Towards",
     "Translation",
@@ -138,6 +162,8 @@ __all__ = [
     "Verdict",
     "W",
     "WiggleroomError",
+    "WorstCase",
+    "allowable_gap",
     "assemble",
     "blocking",
     "check",
@@ -151,10 +177,12 @@ __all__ = [
     "prove",
     "rank",
     "read",
+    "read_tolerances",
     "sample",
     "sweep",
     "tight_verdict",
     "tighten",
+    "worst_case",
 ]
 
 

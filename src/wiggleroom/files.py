@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
+from wiggleroom.provenance import marked
+
 
 def write_whole(path: str | Path, data: str | bytes) -> None:
     """Write `data` (text as UTF-8) to `path` so that nobody ever sees half a file.
 
-    A temporary file in the same folder takes the data and then the name. Devices and pipes are written directly.
+    A temporary file in the same folder takes the data and then the name. Devices and pipes are written directly. Files get the mark of
+    `wiggleroom.provenance`, by the ending of their names.
 
     Raises
     ------
@@ -21,6 +24,7 @@ def write_whole(path: str | Path, data: str | bytes) -> None:
     if path.exists() and not path.is_file():
         path.write_bytes(content)
         return
+    content = marked(content, path.suffix.lower())
     target = path.resolve()  # a link stays a link: the file it points to is replaced
     part = target.with_name(f".{target.name[:80]}.{os.getpid()}.tmp")
     try:

@@ -169,7 +169,9 @@ STYLES = [
     Case(
         "titles.svg",
         "Inkscape",
-        svg(f'<rect id="rect1" width="20" height="20" {STYLE}><title>left</title></rect>' + box(20, 0, 20, 20), INKSCAPE),
+        svg(
+            f'<rect id="rect1" width="20" height="20" {STYLE}><title>left</title></rect>' + box(20, 0, 20, 20), INKSCAPE
+        ),
         2,
         names=("left", "p2"),
     ),
@@ -231,7 +233,10 @@ STYLES = [
     Case(
         "clones.svg",
         "Inkscape",
-        svg(f'<rect id="rect1" width="20" height="20" {STYLE}/><use href="#rect1" x="20"/><use href="#rect1" x="40"/>', INKSCAPE),
+        svg(
+            f'<rect id="rect1" width="20" height="20" {STYLE}/><use href="#rect1" x="20"/><use href="#rect1" x="40"/>',
+            INKSCAPE,
+        ),
         3,
     ),
     Case(
@@ -265,14 +270,16 @@ STYLES = [
     Case(
         "illustrator_x_names.svg",
         "Illustrator",
-        svg(f'<g id="side_x5F_left"><rect width="30" height="30" {LINE}/></g><g id="XMLID_2_"><path d="M30 0h9v9h-9z" {LINE}/></g>'),
+        svg(
+            f'<g id="side_x5F_left"><rect width="30" height="30" {LINE}/></g><g id="XMLID_2_"><path d="M30 0h9v9h-9z" {LINE}/></g>'
+        ),
         2,
         names=("side_x5F_left",),
     ),
     Case(
         "illustrator_compound.svg",
         "Illustrator",
-        svg(f'<path fill="#fff" stroke="#000" d="M0 0h60v40H0V0zM10 10v5h5v-5H10zM30 10v20h10V10H30z"/>'),
+        svg('<path fill="#fff" stroke="#000" d="M0 0h60v40H0V0zM10 10v5h5v-5H10zM30 10v20h10V10H30z"/>'),
         1,
         2,
     ),
@@ -282,7 +289,7 @@ STYLES = [
         "Affinity",
         svg(
             '<g transform="matrix(1,0,0,1,10,10)"><g id="Artboard1" transform="matrix(0.5,0,0,0.5,0,0)">'
-            f'<path d="M0,0L60,0L60,60L0,60L0,0Z" style="fill:none;stroke:black;stroke-width:1px;"/>'
+            '<path d="M0,0L60,0L60,60L0,60L0,0Z" style="fill:none;stroke:black;stroke-width:1px;"/>'
             '<g transform="matrix(1,0,0,1,60,0)"><path d="M0,0L60,0L60,60L0,60L0,0Z" style="fill:none;stroke:black;"/></g></g></g>',
             '<svg width="100%" height="100%" viewBox="0 0 100 80" xmlns="http://www.w3.org/2000/svg">',
         ),
@@ -304,7 +311,14 @@ STYLES = [
         svg(
             "".join(
                 f'<path d="{d}" fill="none" stroke="rgb(0,0,0)" stroke-width="0.02"/>'
-                for d in ("M0 0 L40 0", "M40 0 L40 30", "M40 30 L0 30", "M0 30 L0 0", "M25 15 A5 5 0 1 0 15 15", "M15 15 A5 5 0 1 0 25 15")
+                for d in (
+                    "M0 0 L40 0",
+                    "M40 0 L40 30",
+                    "M40 30 L0 30",
+                    "M0 30 L0 0",
+                    "M25 15 A5 5 0 1 0 15 15",
+                    "M15 15 A5 5 0 1 0 25 15",
+                )
             )
         ),
         1,
@@ -324,7 +338,10 @@ STYLES = [
     Case(
         "figma_groups.svg",
         "Figma",
-        svg(f'<g id="Frame 1"><rect id="lid" x="0.5" y="0.5" width="29" height="29" stroke="black"  fill="none"/><g id="pin"><circle cx="50" cy="15" r="8" stroke="black" fill="none"/></g></g>'),
+        svg(
+            '<g id="Frame 1"><rect id="lid" x="0.5" y="0.5" width="29" height="29" stroke="black" '
+            'fill="none"/><g id="pin"><circle cx="50" cy="15" r="8" stroke="black" fill="none"/></g></g>'
+        ),
         2,
         names=("lid", "pin"),
     ),
@@ -378,7 +395,10 @@ STYLES = [
     Case(
         "filled_inlay.svg",
         "hand",
-        svg(box(0, 0, 60, 60, 'fill="#ddd" stroke="black"') + '<circle id="inlay" cx="30" cy="30" r="10" fill="#fa0" stroke="black"/>'),
+        svg(
+            box(0, 0, 60, 60, 'fill="#ddd" stroke="black"')
+            + '<circle id="inlay" cx="30" cy="30" r="10" fill="#fa0" stroke="black"/>'
+        ),
         2,
         1,
         names=("inlay",),
@@ -386,7 +406,10 @@ STYLES = [
     Case(
         "text_names.svg",
         "hand",
-        svg(PAIR + '<text x="5" y="15" font-size="4">left</text><text x="40" y="15" font-size="4"><tspan>right</tspan></text>'),
+        svg(
+            PAIR
+            + '<text x="5" y="15" font-size="4">left</text><text x="40" y="15" font-size="4"><tspan>right</tspan></text>'
+        ),
         2,
         names=("left", "right"),
     ),
@@ -498,18 +521,29 @@ PATH = (
 )
 LIGHTBURN = [
     Case("rects.lbrn2", "LightBurn", lightburn(shape("Rect", RECT) + shape("Rect", RECT, 30)), 2),
-    Case("ellipse_in_rect.lbrn2", "LightBurn", lightburn(shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"')), 1, 1),
+    Case(
+        "ellipse_in_rect.lbrn2", "LightBurn", lightburn(shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"')), 1, 1
+    ),
     Case("path.lbrn2", "LightBurn", lightburn(shape("Path", "", inside=PATH)), 1),
     Case(
         "closed_polyline.lbrn2",
         "LightBurn",
-        lightburn(shape("Path", "", inside="<VertList>V0 0c0x1c1x1V9 0c0x1c1x1V9 9c0x1c1x1</VertList><PrimList>LineClosed</PrimList>")),
+        lightburn(
+            shape(
+                "Path",
+                "",
+                inside="<VertList>V0 0c0x1c1x1V9 0c0x1c1x1V9 9c0x1c1x1</VertList><PrimList>LineClosed</PrimList>",
+            )
+        ),
         1,
     ),
     Case(
         "fill_layer.lbrn2",
         "LightBurn",
-        lightburn(shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"', cut=2), setting(0, "Cut") + setting(2, "Logo", "Scan")),
+        lightburn(
+            shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"', cut=2),
+            setting(0, "Cut") + setting(2, "Logo", "Scan"),
+        ),
         1,
         noted=("filled layer",),
     ),
@@ -523,7 +557,9 @@ LIGHTBURN = [
     Case(
         "engrave_layer.lbrn2",
         "LightBurn",
-        lightburn(shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"', cut=1), setting(0, "C00") + setting(1, "Engrave")),
+        lightburn(
+            shape("Rect", RECT) + shape("Ellipse", 'Rx="4" Ry="4"', cut=1), setting(0, "C00") + setting(1, "Engrave")
+        ),
         1,
         noted=('in "Engrave"',),
     ),

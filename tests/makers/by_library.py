@@ -53,7 +53,14 @@ def _svgwrite():
     back.add(back.rect((0, 0), ("100%", "100%"), fill="white"))
     back.add(back.rect((10, 10), (40, 40), **line))
     back.add(back.circle((30, 30), 5, **line))
-    for start, end in (((0, 0), (40, 0)), ((40, 0), (40, 40)), ((40, 40), (0, 40)), ((0, 40), (0, 0)), ((20, 0), (20, 40)), ((0, 20), (40, 20))):
+    for start, end in (
+        ((0, 0), (40, 0)),
+        ((40, 0), (40, 40)),
+        ((40, 40), (0, 40)),
+        ((0, 40), (0, 0)),
+        ((20, 0), (20, 40)),
+        ((0, 20), (40, 20)),
+    ):
         net.add(net.line(start, end, stroke="black"))
     cut, engraved = groups.g(id="cut"), groups.g(id="engraving")
     cut.add(groups.rect((0, 0), (30, 20), **line))
@@ -183,32 +190,43 @@ def _svgpathtools():
     return found
 
 
-@written("dxfwrite", expect("dxfwrite_lines.dxf", 2), expect("dxfwrite_polyline.dxf", 2, 1), expect("dxfwrite_layers.dxf", 1, noted=["ENGRAVE"]))
+@written(
+    "dxfwrite",
+    expect("dxfwrite_lines.dxf", 2),
+    expect("dxfwrite_polyline.dxf", 2, 1),
+    expect("dxfwrite_layers.dxf", 1, noted=["ENGRAVE"]),
+)
 def _dxfwrite():
     import tempfile
     from pathlib import Path
 
-    from dxfwrite import DXFEngine as dxf
+    from dxfwrite import DXFEngine
 
     found = []
     for k in range(3):
         with tempfile.TemporaryDirectory() as folder:
-            d = dxf.drawing(f"{folder}/x.dxf")
+            d = DXFEngine.drawing(f"{folder}/x.dxf")
             if k == 0:
-                for a, b in (((0, 0), (60, 0)), ((60, 0), (60, 20)), ((60, 20), (0, 20)), ((0, 20), (0, 0)), ((30, 0), (30, 20))):
-                    d.add(dxf.line(a, b))
+                for a, b in (
+                    ((0, 0), (60, 0)),
+                    ((60, 0), (60, 20)),
+                    ((60, 20), (0, 20)),
+                    ((0, 20), (0, 0)),
+                    ((30, 0), (30, 20)),
+                ):
+                    d.add(DXFEngine.line(a, b))
             elif k == 1:
                 for points in (SQUARE, moved(SQUARE, 30)):
-                    polyline = dxf.polyline(points)
+                    polyline = DXFEngine.polyline(points)
                     polyline.close()
                     d.add(polyline)
-                d.add(dxf.circle(4, (10, 10)))
+                d.add(DXFEngine.circle(4, (10, 10)))
             else:
                 d.add_layer("ENGRAVE", color=3)
-                polyline = dxf.polyline(SQUARE)
+                polyline = DXFEngine.polyline(SQUARE)
                 polyline.close()
                 d.add(polyline)
-                d.add(dxf.circle(4, (10, 10), layer="ENGRAVE"))
+                d.add(DXFEngine.circle(4, (10, 10), layer="ENGRAVE"))
             d.save()
             found.append(Path(f"{folder}/x.dxf").read_bytes())
     return found
@@ -236,7 +254,10 @@ def _svgpy():
         return svg.Path(d=[svg.M(*points[0]), *(svg.L(*p) for p in points[1:])], fill="none", stroke="black")
 
     head = {"width": svg.mm(100), "height": svg.mm(80), "viewBox": svg.ViewBoxSpec(0, 0, 100, 80)}
-    shapes = [svg.Rect(x=0, y=0, width=30, height=20, fill="none", stroke="black"), svg.Circle(cx=10, cy=10, r=4, fill="none", stroke="black")]
+    shapes = [
+        svg.Rect(x=0, y=0, width=30, height=20, fill="none", stroke="black"),
+        svg.Circle(cx=10, cy=10, r=4, fill="none", stroke="black"),
+    ]
     shapes.append(svg.Polygon(points=[40, 0, 60, 0, 60, 20], fill="none", stroke="black"))
     net = [line((0, 0), (60, 0), (60, 20), (0, 20), (0, 0)), line((20, 0), (20, 20)), line((40, 20), (40, 0))]
     return [str(svg.SVG(elements=elements, **head)).encode() for elements in (shapes, net)]
@@ -261,7 +282,11 @@ def _reportlab():
 
     d = Drawing(200, 100)
     line = {"fillColor": None, "strokeColor": colors.black}
-    for thing in (Rect(10, 10, 60, 40, **line), Circle(110, 30, 20, **line), Polygon([140, 10, 190, 10, 190, 60], **line)):
+    for thing in (
+        Rect(10, 10, 60, 40, **line),
+        Circle(110, 30, 20, **line),
+        Polygon([140, 10, 190, 10, 190, 60], **line),
+    ):
         d.add(thing)
     return [renderSVG.drawToString(d).encode()]
 
@@ -315,7 +340,14 @@ def _ezdxf():
             space.add_arc((20, 10), 3, 0, 180)
             space.add_arc((20, 10), 3, 180, 360)
         elif k == 2:
-            for a, b in (((0, 0), (40, 0)), ((40, 0), (40, 40)), ((40, 40), (0, 40)), ((0, 40), (0, 0)), ((20, 0), (20, 40)), ((0, 20), (40, 20))):
+            for a, b in (
+                ((0, 0), (40, 0)),
+                ((40, 0), (40, 40)),
+                ((40, 40), (0, 40)),
+                ((0, 40), (0, 0)),
+                ((20, 0), (20, 40)),
+                ((0, 20), (40, 20)),
+            ):
                 space.add_line(a, b)
         elif k == 3:
             d.blocks.new("wheel").add_circle((0, 0), 5)

@@ -29,6 +29,10 @@ export interface OpenRequest {
   unit?: "cm" | "in" | "m" | "mm" | "px" | null;
   flatten?: number | null;
   gap?: number | null;
+  only?: string[];
+  skip?: string[];
+  join?: number | null;
+  solid?: string[];
   design?: Design | null;
 }
 

@@ -12,6 +12,7 @@ import numpy as np
 from wiggleroom.app.limits import UPLOAD_MB
 from wiggleroom.assembly.model import place
 from wiggleroom.drawing.assembly_schema import PullEntry
+from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
@@ -74,12 +75,33 @@ def opened(request: OpenRequest) -> File:
     return File(name, request.path or name, drawing, request.unit, flatten)
 
 
-def first_open(path: Path, drawing: Drawing, unit: str | None, flatten: float | None, gap: float | None) -> bytes:
+def first_open(
+    path: Path,
+    drawing: Drawing,
+    unit: str | None,
+    flatten: float | None,
+    gap: float | None,
+    options: ReadOptions | None = None,
+) -> bytes:
     """The request that opens a file of this machine with what the options of a command made of its drawing."""
     design = design_told(drawing)
     data = path.read_bytes()
+    how = options or ReadOptions()
     return msgspec.json.encode(
-        OpenRequest(id=0, name=path.name, path=str(path), data=data, unit=unit, flatten=flatten, gap=gap, design=design)  # type: ignore[arg-type]
+        OpenRequest(
+            id=0,
+            name=path.name,
+            path=str(path),
+            data=data,
+            unit=unit,  # type: ignore[arg-type]
+            flatten=flatten,
+            gap=gap,
+            only=how.only,
+            skip=how.skip,
+            join=how.join,
+            solid=how.solid,
+            design=design,
+        )
     )
 
 
@@ -100,15 +122,16 @@ def plain_name(name: str) -> str:
 def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
     """The drawing, and how finely its curves were flattened."""
     unit, flatten, gap = request.unit, request.flatten, request.gap
+    options = ReadOptions(request.only, request.skip, request.join, request.solid)
     if path.suffix.lower() == ".json":
         return read_drawing(path, unit=unit, gap=gap), None
     if flatten is None and gap:
         flatten = gap / 50
     if flatten is None:
-        rough = read_drawing(path, unit=unit)
+        rough = read_drawing(path, unit=unit, options=options)
         sizes = [np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in rough.parts]
         flatten = float(f"{FINE * float(np.median(sizes)):.2g}")
-    return read_drawing(path, unit=unit, flatten=flatten, gap=gap), flatten
+    return read_drawing(path, unit=unit, flatten=flatten, gap=gap, options=options), flatten
 
 
 def told(file: File, drawing: Drawing) -> Opened:

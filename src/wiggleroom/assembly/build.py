@@ -9,6 +9,7 @@ from pathlib import Path
 
 from wiggleroom.assembly.findings import examine, opened_overlaps
 from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.plausibility import doubts
 from wiggleroom.assembly.statements import PartNames, unknown
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Goal, part_of
@@ -73,11 +74,14 @@ def assemble(
 
 
 def with_notes(assembly: Assembly) -> Assembly:
-    """The same, of a drawing with notes on parts that were drawn into each other and that the gap opens."""
+    """The same with notes on what looks odd: parts drawn into each other that the gap opens, a gap or a size that may not be meant."""
     drawing = assembly.drawing
-    if not drawing.source or drawing.source.lower().endswith(".json"):  # numbers in an assembly file are meant
+    if not drawing.source:
         return assembly
-    return Assembly(assembly.parts, replace(drawing, notes=(*drawing.notes, *opened_overlaps(drawing))))
+    drawn = not drawing.source.lower().endswith(".json")  # outlines in an assembly file are meant
+    lines = [f"{drawing.source}: {line}" for line in doubts(drawing, drawn=drawn)]
+    opened = opened_overlaps(drawing) if drawn else ()
+    return Assembly(assembly.parts, replace(drawing, notes=(*drawing.notes, *opened, *lines)))
 
 
 def read(

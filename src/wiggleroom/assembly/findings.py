@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -145,3 +145,29 @@ def _free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, s
         for a, b, depth in found
         if frozenset((a, b)) not in ignored and not (a in group and group[a] == group.get(b))
     ]
+
+
+def overlap_depth(drawing: Drawing, *, gap: float, offset: Mapping[str, float]) -> float | None:
+    """Deepest overlap [mm] at rest of parts that may not overlap, 0 where none does; None where parts cannot be made.
+
+    Parameters
+    ----------
+    drawing : Drawing [mm]
+        Sound, as from an assembly.
+    gap : float [mm]
+        In place of the drawing's.
+    offset : mapping of names to float [mm]
+        Added to the offsets of parts: how far their outlines lie further out.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
+    >>> two = Drawing((Part("a", (square,)), Part("b", (square,), at=(2.5, 0.0, 0.0))))
+    >>> overlap_depth(two, gap=0.0, offset={"a": 0.5, "b": 0.5})
+    0.5
+    """
+    parts = tuple(replace(p, offset=p.offset + offset.get(p.name, 0.0)) for p in drawing.parts)
+    used = replace(drawing, parts=parts, gap=gap)
+    made, gone = make(used)
+    return None if gone else max((depth for *_, depth in _free_overlaps(used, made)), default=0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -62,3 +62,20 @@ def place(points: NDArray[np.float64], pose: tuple[float, float, float]) -> NDAr
     x, y, angle = pose
     c, s = np.cos(angle), np.sin(angle)
     return points @ np.array([[c, s], [-s, c]]) + (x, y)
+
+
+def moved_drawing(assembly: Assembly, motion: NDArray[np.float64]) -> Drawing:
+    """Drawing of the parts as made where a motion (n, 3) [mm, mm, rad] has taken them; it asks for nothing.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Region
+    >>> part = Part("a", (Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])),))
+    >>> moved_drawing(Assembly((part,), Drawing((part,))), np.array([[1.0, 2.0, 0.0]])).parts[0].at
+    (1.0, 2.0, 0.0)
+    """
+    parts = tuple(
+        replace(part, at=tuple(pose))
+        for part, pose in zip(assembly.parts, (assembly.rest + motion).tolist(), strict=True)
+    )
+    return replace(assembly.drawing, parts=parts, gap=0.0, gaps=(), goals=())

@@ -45,10 +45,11 @@ class PartNames:
             return name
         shapes, owner = placed(self._drawing.parts)
         inside = np.flatnonzero(shapely.intersects_xy(shapes, *point))
+        area = shapely.area(shapes)
         if not len(inside):
             self.wrong.append(f"{name}: there is no part at this point")
             return name
-        return self._drawing.parts[owner[min(inside, key=lambda k: shapes[k].area)]].name
+        return self._drawing.parts[owner[min(inside, key=lambda k: area[k])]].name
 
 
 def unknown(name: str, names: Iterable[str]) -> str:
@@ -60,7 +61,8 @@ def unknown(name: str, names: Iterable[str]) -> str:
     'there is no part "a11": did you mean "a1"?'
     """
     known = list(names)
-    near = [f'"{n}"' for n in get_close_matches(name, known, n=3)]
+    folded = {n.casefold(): n for n in reversed(known)}
+    near = [f'"{folded[n]}"' for n in get_close_matches(name.casefold(), folded, n=3)]
     if near:
         return f'there is no part "{name}": did you mean {" or ".join(near)}?'
     some = ", ".join(known[:8]) + (", ..." if len(known) > 8 else "")

@@ -4,6 +4,10 @@ from __future__ import annotations
 
 import os
 import sys
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from cyclopts import App, CycloptsError
 
 ANSWERED, BAD_INPUT, NO_VERDICT = 0, 2, 3
 
@@ -33,15 +37,20 @@ def _run(argv: list[str]) -> int:
     from cyclopts import CycloptsError
 
     from wiggleroom.cli.app import build
-    from wiggleroom.errors import InputError, WiggleroomError
+    from wiggleroom.cli.words import with_json_alone
+    from wiggleroom.errors import InputError, StoppedError, WiggleroomError
 
+    app = build()
     try:
-        return int(build()(argv) or ANSWERED)
+        return int(app(with_json_alone(argv)) or ANSWERED)
     except CycloptsError as problem:
-        _say(_usage(problem))
+        _say(_usage(problem, app))
     except InputError as problem:
         for finding in problem.findings:
             _say(finding)
+    except StoppedError as problem:
+        _say(str(problem))
+        return NO_VERDICT
     except WiggleroomError as problem:
         _say(str(problem))
     except (OSError, KeyboardInterrupt):
@@ -54,11 +63,24 @@ def _run(argv: list[str]) -> int:
     return BAD_INPUT
 
 
-def _usage(problem: Exception) -> str:
-    """Say what is wrong with the command line, in one line."""
-    unused = getattr(problem, "unused_tokens", None)
-    said = f"unexpected: {' '.join(unused)}" if unused else " ".join(str(problem).split())
-    return f"{said.rstrip('.')} (wiggleroom --help says more)"
+def _usage(problem: CycloptsError, app: App) -> str:
+    """Say what is wrong with the command line, in one line, and what may have been meant."""
+    from wiggleroom.cli.words import meant
+
+    unused = problem.unused_tokens
+    if not unused:
+        said = " ".join(str(problem).split())
+    elif not problem.command_chain:
+        said = f"there is no command {unused[0]}. {meant(unused[0], (c for c in app if c[0] != '-'))}"
+    else:
+        command = app
+        for name in problem.command_chain:
+            command = command[name]
+        known = [name for argument in command.assemble_argument_collection() for name in argument.names]
+        odd = next((word for word in unused if word.startswith("--")), "").partition("=")[0]
+        said = f"unexpected: {' '.join(unused)}"
+        said += f". {meant(odd, known)}" if odd and odd not in known else ""
+    return f"{said.strip().rstrip('.')} (wiggleroom --help says more)"
 
 
 def _where(problem: BaseException) -> str:

@@ -6,12 +6,15 @@ from collections.abc import Callable
 
 from cyclopts import App
 
+from wiggleroom.cli.assemble import assemble
 from wiggleroom.cli.bench import bench
 from wiggleroom.cli.check import check
+from wiggleroom.cli.completion import completion_of
 from wiggleroom.cli.convert import convert
 from wiggleroom.cli.coupon import coupon
 from wiggleroom.cli.draw import draw, parts
 from wiggleroom.cli.flex import flex
+from wiggleroom.cli.gap import gap
 from wiggleroom.cli.make import make
 from wiggleroom.cli.make_image import image
 from wiggleroom.cli.rank import rank
@@ -20,6 +23,7 @@ from wiggleroom.cli.serve import serve
 from wiggleroom.cli.space import space
 from wiggleroom.cli.sweep import sweep
 from wiggleroom.cli.tighten import tighten
+from wiggleroom.cli.tolerances import tolerances
 from wiggleroom.cli.verify import verify
 
 _HELP = """How far loose interlocking flat parts can move.
@@ -50,7 +54,8 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, rank, tighten, sweep, sample, space, serve, draw, parts, convert, maker, coupon, verify, bench
+        flex, check, gap, rank, tighten, sweep, sample, tolerances, space, serve, draw, parts, convert, assemble, maker, coupon,
+        verify, bench, completion_of(app),
     ]  # fmt: skip
     for place, command in enumerate(commands):
         if isinstance(command, App):

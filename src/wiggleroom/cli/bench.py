@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.outputs import check, write_picture, write_result
+from wiggleroom.cli.outputs import Force, check, write_picture, write_result
 from wiggleroom.report.endings import STILLS
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ def bench(
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     markdown: Path | None = None,
     picture: Path | None = None,
+    force: Force = False,
 ) -> int:
     """Compare our method with the paper's and its peers on the same work, beside published figures.
 
@@ -54,13 +55,16 @@ def bench(
         Write the tables into this page: .md. What a section of the same table held is replaced, the rest of the page stays.
     picture
         Draw the comparison: .svg or .png; needs the name of a table.
+    force
+        Write over a picture that was not made by this program, or was changed since.
     """
     import shlex
 
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
-    check("", {"--json": (json, ()), "--markdown": (markdown, (".md",)), "--picture": (picture, STILLS)})
+    check("", {"--markdown": (markdown, (".md",))}, force=True)
+    check("", {"--json": (json, ()), "--picture": (picture, STILLS)}, force)
     names = TABLES if table is None else (table,)
     wrong = (
         [f"--picture {picture}: name one table, {', '.join(TABLES)}"] if picture is not None and table is None else []

@@ -8,10 +8,11 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import Outputs, tell
+from wiggleroom.cli.outputs import Outputs, tell, write_moved
+from wiggleroom.cli.running import TimeLimit
 from wiggleroom.verdict import Separability
 
-_NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), Outputs(), TimeLimit()
 CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
 
 
@@ -21,8 +22,8 @@ def check(
     *,
     asked: Asked = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
+    limit: TimeLimit = _ENDLESS,
     largest_gap: Annotated[bool, Parameter(negative="")] = False,
-    time: float | None = None,
 ) -> int:
     """Say whether it comes apart: whether some parts can be moved without limit away from the others.
 
@@ -37,23 +38,26 @@ def check(
     file
         A drawing (.svg, .dxf) or an assembly file (.json).
     largest_gap
-        Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides.
-    time
-        Seconds that it may take, with the largest gap; then what is known so far is said. By default as long as it needs.
+        Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides; wiggleroom gap --holds
+        asks that alone.
     """
     import shlex
 
-    from wiggleroom.bound.branch_and_bound import Clock
+    from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
-    from wiggleroom.errors import InputError, Stop
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
 
-    if time is not None and not 0 < time < float("inf"):
-        finding = f"--time {time:g}: it must be more than 0 seconds"
-        raise InputError(finding)
+    if is_spatial_file(file):
+        from wiggleroom.cli.in_space import check_in_space
+
+        if largest_gap or limit.time is not None:
+            message = f"--largest-gap and --time are for drawings; {file} is an assembly in space: leave them out"
+            raise InputError(message)
+        return check_in_space(file, asked, outputs)
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
-    with interruptible() as interrupt, progress() as show:
-        stop: Stop = interrupt if time is None else Clock(time, interrupt)
+    with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked)
 
         from wiggleroom.separate.interlock import check as work_out
@@ -66,4 +70,8 @@ def check(
 
     shown = Checked(found, border)
     tell(outputs, lambda: check_result(found, border, command), lambda: check_table(found, border), shown, command)
+    if outputs.moved is not None:
+        from wiggleroom.report.apart import as_answer
+
+        write_moved(assembly, as_answer(found).motion, outputs.moved)
     return CODES[found.verdict]

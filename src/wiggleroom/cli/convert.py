@@ -5,12 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import check
+from wiggleroom.cli.outputs import Force, check
 
 _NONE_ASKED = Asked()
 
 
-def convert(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
+def convert(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED, force: Force = False) -> int:
     """Write a drawing as an assembly file, or ready to cut.
 
     Example: wiggleroom convert puzzle.svg puzzle.json --gap 0.2 --fix p1 --pull p20:+x
@@ -23,13 +23,15 @@ def convert(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
         .json: curves flattened for the gap, which the file carries, so that flex on it equals flex on the drawing.
         .svg, .dxf: the outlines as they are cut, gap and offsets applied, and the names in a layer of their own,
         labels, to engrave or leave out.
+    force
+        Write over a file that was not made by this program, or was changed since.
     """
     from dataclasses import replace
 
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import write_drawing
 
-    check(file, {"OUT": (out, (".json", ".svg", ".dxf"))})
+    check(file, {"OUT": (out, (".json", ".svg", ".dxf"))}, force)
     assembly = read(file, asked)
     drawing = assembly.drawing
     if out.suffix.lower() != ".json":

@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.make import sizes_of
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import check
+from wiggleroom.cli.outputs import Force, check
 
 
 def coupon(
@@ -27,6 +27,7 @@ def coupon(
     size: Many = (),
     unit: Literal["mm", "cm", "m", "in", "px"] | None = None,
     flatten: float | None = None,
+    force: Force = False,
 ) -> int:
     """Make a sheet to cut that tells your kerf and the gap you like: one joint at many gaps, each engraved.
 
@@ -62,6 +63,8 @@ def coupon(
         Unit of the drawing, in place of the file's.
     flatten
         Largest distance between a curve and the straight edges that stand for it [mm].
+    force
+        Write over a file that was not made by this program, or was changed since.
     """
     from wiggleroom.assembly import coupon as make
     from wiggleroom.cli.say import note
@@ -75,7 +78,7 @@ def coupon(
         wrong.append("coupon: --unit and --flatten go with a file")
     if wrong:
         raise InputError(wrong)
-    check(file or "", {"--output": (output, (".svg", ".dxf", ".json"))})
+    check(file or "", {"--output": (output, (".svg", ".dxf", ".json"))}, force)
     gaps = make.steps(start, stop, step)
     if file is None:
         sheet = make.comb(joint or "tee", gaps, 20.0 if pitch is None else pitch, **sizes)

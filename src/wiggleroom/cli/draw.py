@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import Asked, look
-from wiggleroom.cli.outputs import Text, check, write_picture, write_result
+from wiggleroom.cli.outputs import Force, Text, check, write_picture, write_result
 from wiggleroom.report.endings import STILLS
 
 if TYPE_CHECKING:
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _NONE_ASKED = Asked()
 
 
-def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
+def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED, force: Force = False) -> int:
     """Draw a file as it is read: parts at rest, gap applied, and what is wrong, left out or assumed.
 
     It draws what there is, also where a file cannot be worked with: open ends, crossings and overlaps are marked, and
@@ -32,25 +32,25 @@ def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED) -> int:
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     out
         The picture: .svg or .png.
+    force
+        Write over a file that was not made by this program, or was changed since.
     """
     import shlex
 
     from wiggleroom.cli.say import note, show
     from wiggleroom.report.read_picture import picture_of_reading
 
-    check(file, {"OUT": (out, STILLS)})
+    check(file, {"OUT": (out, STILLS)}, force)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     seen = look(file, asked)
     for line in (*seen.assembly.drawing.notes, *seen.findings):
         note(line)
-    write_picture(
-        picture_of_reading(seen.assembly, seen.rows, seen.remarks, seen.findings, command=command), out
-    )
+    write_picture(picture_of_reading(seen.assembly, seen.rows, seen.remarks, seen.findings, command=command), out)
     show(_table(seen.rows))
     return 0
 
 
-def parts(file: str, /, *, asked: Asked = _NONE_ASKED, json: Text = None) -> int:
+def parts(file: str, /, *, asked: Asked = _NONE_ASKED, json: Text = None, force: Force = False) -> int:
     """List the parts of a file: name, size, place, holes and layer.
 
     Example: wiggleroom parts puzzle.svg
@@ -61,13 +61,15 @@ def parts(file: str, /, *, asked: Asked = _NONE_ASKED, json: Text = None) -> int
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     json
         Write the list as JSON to this file; - is stdout, which then holds nothing else.
+    force
+        Write over a file that was not made by this program, or was changed since.
     """
     import shlex
 
     from wiggleroom.cli.say import note, show
     from wiggleroom.report.listing import parts_result
 
-    check(file, {"--json": (json, ())})
+    check(file, {"--json": (json, ())}, force)
     seen = look(file, asked)
     for line in (*seen.assembly.drawing.notes, *seen.findings):
         note(line)

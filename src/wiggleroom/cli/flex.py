@@ -7,13 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import Outputs, check, tell
+from wiggleroom.cli.outputs import Outputs, tell, write_moved
+from wiggleroom.cli.running import TimeLimit
 
 if TYPE_CHECKING:
     from wiggleroom.freespace.models.pair_models import PairModel
     from wiggleroom.search.answer import Answer
 
-_NONE_ASKED, _NO_OUTPUTS = Asked(), Outputs()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), Outputs(), TimeLimit()
 
 
 def flex(
@@ -22,6 +23,7 @@ def flex(
     *,
     asked: Asked = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
+    limit: TimeLimit = _ENDLESS,
     model: Literal["walls", "hull", "halfplane"] = "walls",
     about: Literal["reference", "joint"] | None = None,
     slices: int | None = None,
@@ -29,7 +31,6 @@ def flex(
     solver: Literal["interior-point", "ipopt"] = "interior-point",
     search: int | None = None,
     prove: float | None = None,
-    time: float | None = None,
     certificate: Path | None = None,
 ) -> int:
     """Find the largest motion of the pulled parts.
@@ -42,7 +43,7 @@ def flex(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf) or an assembly file (.json), of the plane or of space.
     model
         How the free space of each pair is modelled: walls, the exact contacts; to compare with, hull, the convex hulls
         of "Mind the Gap", or halfplane, the linear programs of PuzzleFlex. These two may overlap, which is told.
@@ -60,9 +61,7 @@ def flex(
         than 50 free parts.
     prove
         Prove a bound: that no motion is worth more than this share above the answer; 0.01 is one per cent. Needs the
-        extra wiggleroom[prove].
-    time
-        For --prove: seconds that the proof may take; then the best bound so far is given. By default 60.
+        extra wiggleroom[prove]. The proof may take 60 seconds, or what --time leaves; then the best bound so far is given.
     certificate
         For --prove: file for the proof, which wiggleroom verify checks.
     """
@@ -75,23 +74,34 @@ def flex(
     settings: dict[str, Any] = {
         k: v for k, v in (("about", about), ("slices", slices), ("rounds", rounds)) if v is not None
     }
+    from wiggleroom.questions import is_spatial_file
+
+    if is_spatial_file(file):
+        for option, given in (
+            ("model", model != "walls"),
+            ("prove", prove is not None),
+            *((k, True) for k in settings),
+        ):
+            if given:
+                wrong = f"--{option} is for drawings; {file} is an assembly in space: leave it out"
+                raise InputError(wrong)
+        from wiggleroom.cli.in_space import flex_in_space
+
+        return flex_in_space(file, asked, outputs, solver)
     if settings and model != "hull":
         wrong = f"--{next(iter(settings))} is for --model hull only"
         raise InputError(wrong)
-    if time is not None and prove is None:
-        raise InputError("--time is for --prove only")
     if certificate is not None and prove is None:
         raise InputError("--certificate is for --prove only")
     if prove is not None:
         from wiggleroom.cli.proving import check_proof
 
-        check_proof(prove, time, model)
-    outputs.check(file)
-    check(file, {"--certificate": (certificate, ())})
+        check_proof(prove, model)
+    outputs.check(file, **{"--certificate": (certificate, ())})
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     wanted = Hull(**settings) if model == "hull" else model
     answer = replace(
-        _answer(file, asked, wanted, solver, search, prove, time, certificate is not None), command=command
+        _answer(file, asked, wanted, solver, search, prove, limit.time, certificate is not None), command=command
     )
     from wiggleroom.report.records import flex_result
     from wiggleroom.report.table import table
@@ -101,6 +111,7 @@ def flex(
 
         write_certificate(answer, certificate)
     tell(outputs, lambda: flex_result(answer), lambda: table(answer), answer, command)
+    write_moved(answer.assembly, answer.motion, outputs.moved)
     return 3 if answer.verdict == "stopped" else 0
 
 
@@ -119,11 +130,12 @@ def _answer(
     from dataclasses import replace
 
     from wiggleroom.assembly.findings import role_findings
+    from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError
 
     begin = time.perf_counter()
-    with interruptible() as stop, progress() as show:
+    with interruptible(seconds) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked)
         lacking = role_findings(assembly.drawing)
         if lacking:
@@ -136,5 +148,5 @@ def _answer(
         if prove is not None and not stop.is_set():
             from wiggleroom.cli.proving import proven
 
-            answer = proven(answer, prove, seconds, certify, stop, show)
+            answer = proven(answer, prove, certify, stop, show)
     return replace(answer, seconds={"read": spent} | answer.seconds | {"total": time.perf_counter() - begin})

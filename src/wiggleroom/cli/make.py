@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import check
+from wiggleroom.cli.outputs import Force, check
 
 NO_SIZES = ("joint", "gap", "pitch", "n", "nx", "ny", "dark", "islands", "fix", "goals")
 """Arguments of patterns that `--size` must not reach."""
@@ -26,6 +26,7 @@ def make(
     gap: float = 0.01,
     pitch: float = 1.0,
     size: Many = (),
+    force: Force = False,
 ) -> int:
     """Make an assembly of joints: its first block is fixed, its last one pulled in +y.
 
@@ -50,6 +51,8 @@ def make(
         Side of a block [mm].
     size
         One size of the joint, as a fraction of the pitch: NAME=0.2. May repeat.
+    force
+        Write over a file that was not made by this program, or was changed since.
     """
     from wiggleroom.assembly import patterns
     from wiggleroom.cli.say import note
@@ -60,7 +63,7 @@ def make(
     wrong += _misfits(pattern, ny, pitch, drawn_by_lot=joint is None and not sizes)
     if wrong:
         raise InputError(wrong)
-    check("", {"--output": (output, (".json",))})
+    check("", {"--output": (output, (".json",))}, force)
     family: dict[str, Any] = {} if pattern == "jigsaw" else {"joint": joint or "tee", **sizes}
     counts = (nx,) if ny is None else (nx, ny)
     assembly = getattr(patterns, pattern)(*counts, gap=gap, pitch=pitch, **family)

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import check
+from wiggleroom.cli.outputs import Force, check
 
 
 def image(
@@ -26,6 +26,7 @@ def image(
     fix: Many = (),
     pull: Many = (),
     turn: Many = (),
+    force: Force = False,
 ) -> int:
     """Make an assembly of blocks from the dark part of a picture.
 
@@ -60,6 +61,8 @@ def image(
         A block and the way it is pulled, as NAME:+y. May repeat; pulls add up. By default the last block in +y.
     turn
         A block that is turned: NAME:ccw or NAME:cw. May repeat.
+    force
+        Write over a file that was not made by this program, or was changed since.
     """
     from wiggleroom.assembly import patterns
     from wiggleroom.cli.asking import goals
@@ -73,7 +76,7 @@ def image(
     wrong += [*odd, *pitch_misfits(pitch)]
     if wrong:
         raise InputError(wrong)
-    check(str(file), {"--output": (output, (".json",))})
+    check(str(file), {"--output": (output, (".json",))}, force)
     dark = read_bitmap(file, blocks, threshold)
     fixed = [name for text in fix for name in text.split(",") if name]
     assembly = patterns.image(dark, joint, gap, pitch, islands, fixed, asked, **sizes)

@@ -40,13 +40,16 @@ class Asked:
     fix
         Parts that stand, by name: A,B, or by a point of the part in mm: @12,30. May repeat.
     pull
-        A part and the way it is pulled: NAME:+y, NAME:-x, NAME:0.6,0.8, or at a point of it NAME:+y@12,1.
-        May repeat; pulls add up.
+        A part and the way it is pulled: NAME:+y, NAME:-x, NAME:0.6,0.8, or at a point of it NAME:+y@12,1; in space
+        NAME:+z, NAME:0,0.6,0.8, NAME:+z@12,1,3. May repeat; pulls add up.
     turn
-        A part that is turned: NAME:ccw or NAME:cw. May repeat; adds to the pulls, in radians.
+        A part that is turned: NAME:ccw or NAME:cw, in space NAME:+z about a direction, right hand. May repeat; adds to
+        the pulls, in radians.
     objective
         In place of pulls, about all parts: translation, the largest sum of squared translations, or closer, neighbours
         as near each other as they come.
+    weight
+        In space: where weight pulls every part at its centroid, as -z. Adds to the pulls, by volume times density.
     only
         Read these alone of a drawing: layers, colours or names, A,B. May repeat.
     skip
@@ -71,6 +74,7 @@ class Asked:
     pull: Many = ()
     turn: Many = ()
     objective: Literal["translation", "closer"] | None = None
+    weight: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None
     only: Many = ()
     skip: Many = ()
     join: float | None = None
@@ -96,7 +100,7 @@ def read_options(asked: Asked) -> ReadOptions:
 
 
 def read(file: str, asked: Asked) -> Assembly:
-    """Assembly that a file and the options describe; its notes go to stderr.
+    """Assembly that a file and the options describe; its notes, and what looks odd about it, go to stderr.
 
     Raises
     ------
@@ -166,7 +170,7 @@ def look(file: str, asked: Asked) -> Look:
     made, findings = examine(used) if parts else ((), ())
     shown = made if len(made) == len(parts) else tuple(p for p in parts if p.regions)
     assembly = with_notes(Assembly(shown, used)) if not findings else Assembly(shown, used)
-    return Look(assembly, inventory(drawing, found.layers), found.remarks, (*found.findings, *findings))
+    return Look(assembly, inventory(used, found.layers), found.remarks, (*found.findings, *findings))
 
 
 def asked_drawing(file: str, asked: Asked) -> Drawing:
@@ -196,7 +200,12 @@ def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
     """What the file says, and the parts that stand and the goals that the options name."""
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
 
+    if is_spatial_file(file):
+        message = f"{file}: is an assembly in space, which flex and check answer; this command is for drawings"
+        raise InputError(message)
     wanted = asked_goals(asked)
     drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     for line in drawing.notes:
@@ -219,6 +228,8 @@ def asked_goals(asked: Asked) -> list[Goal]:
         )
         if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and option != "flatten")))
     ]
+    if asked.weight is not None:
+        wrong.append("--weight is for assemblies in space; use --pull")
     wanted, odd = goals(asked.pull, asked.turn)
     if asked.objective is not None:
         if asked.pull or asked.turn:
@@ -241,6 +252,7 @@ def with_roles(drawing: Drawing, asked: Asked, wanted: list[Goal]) -> tuple[Draw
 
     from wiggleroom.assembly.statements import PartNames
     from wiggleroom.cli.asking import joint_gaps, names
+    from wiggleroom.drawing.model import Closer, Translation
     from wiggleroom.errors import InputError
 
     known = PartNames(drawing)
@@ -249,9 +261,17 @@ def with_roles(drawing: Drawing, asked: Asked, wanted: list[Goal]) -> tuple[Draw
     ignored = [tuple(map(known, names([text], members))) for text in asked.ignore]
     gaps, wrong = joint_gaps(asked.gap_of, members, known)
     fixed = [known(name) for name in names(asked.fix, members)]
-    goals = [replace(goal, part=known(goal.part)) if hasattr(goal, "part") else goal for goal in wanted]
-    wrong += [f"--glue {t}: name at least two parts, as A,B" for t, g in zip(asked.glue, glued, strict=True) if len(set(g)) < 2]
-    wrong += [f"--ignore {t}: name two parts, as A,B" for t, g in zip(asked.ignore, ignored, strict=True) if len(set(g)) != 2]
+    goals = [
+        goal if isinstance(goal, Translation | Closer) else replace(goal, part=known(goal.part)) for goal in wanted
+    ]
+    wrong += [
+        f"--glue {t}: name at least two parts, as A,B"
+        for t, g in zip(asked.glue, glued, strict=True)
+        if len(set(g)) < 2
+    ]
+    wrong += [
+        f"--ignore {t}: name two parts, as A,B" for t, g in zip(asked.ignore, ignored, strict=True) if len(set(g)) != 2
+    ]
     if wrong or known.wrong:
         raise InputError([*wrong, *known.wrong])
     asked_pairs = {frozenset(gap.parts) for gap in gaps}

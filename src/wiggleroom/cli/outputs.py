@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -12,60 +12,98 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import RESULTS
+from wiggleroom.provenance import is_own
 from wiggleroom.report.endings import ANSWERS, PAGE, STUDIES, ending, unlike
 
 if TYPE_CHECKING:
+    import numpy as np
     from msgspec import Struct
+    from numpy.typing import NDArray
     from rich.console import RenderableType
 
+    from wiggleroom.assembly.model import Assembly
     from wiggleroom.report.draw_study import Study
     from wiggleroom.search.answer import Answer
 
+Places = dict[str, tuple[str | Path | None, tuple[str, ...]]]
 Text = Annotated[str | None, Parameter(allow_leading_hyphen=True)]
+Force = Annotated[bool, Parameter(negative="", group=RESULTS)]
+MOVED = (".dxf", ".svg", ".json")
+TABLE = (".csv",)
+PIXELS = (".png", ".gif", ".mp4")
 
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
-class Outputs:
-    """Where the answer goes besides the terminal.
-
-    Parameters
-    ----------
-    json
-        Write the answer as JSON to this file; - is stdout, which then holds nothing else.
-    picture
-        Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
-    """
-
-    ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
-    json: Text = None
-    picture: Path | None = None
-
-    def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
-        """See that everything asked for can be written; see the function `check`."""
-        check(source, {"--json": (self.json, ()), "--picture": (self.picture, self.ENDINGS)} | more)
-
-
-@Parameter(name="*", group=RESULTS)
-@dataclass(frozen=True, kw_only=True)
-class StudyOutputs(Outputs):
+class PictureOutputs:
     """Where what was found goes besides the terminal.
 
     Parameters
     ----------
     json
-        Write what was found as JSON to this file; - is stdout, which then holds nothing else.
+        Write what was found as JSON to this file. Alone, or with -, to stdout, which then holds nothing else.
     picture
         Show what was found in this file: .svg or .png a picture, .html a report with all.
+    force
+        Write over files that were not made by this program, or were changed since.
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = STUDIES
     json: Text = None
     picture: Path | None = None
+    force: Force = False
+
+    def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
+        """See that everything asked for can be written; see the function `check`."""
+        check(source, self.places() | more, self.force)
+
+    def places(self) -> Places:
+        """Where everything goes, by the name of its option, and which endings are right."""
+        return {"--json": (self.json, ()), "--picture": (self.picture, self.ENDINGS)}
 
 
-def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...]]]) -> None:
-    """See that every output can be written: a known ending, a folder that is there, never over the source.
+@Parameter(name="*", group=RESULTS)
+@dataclass(frozen=True, kw_only=True)
+class StudyOutputs(PictureOutputs):
+    """The same with a table.
+
+    Parameters
+    ----------
+    csv
+        Write a table of what was found: .csv.
+    """
+
+    csv: Path | None = None
+
+    def places(self) -> Places:
+        """Where everything goes, the table too."""
+        return super().places() | {"--csv": (self.csv, TABLE)}
+
+
+@Parameter(name="*", group=RESULTS)
+@dataclass(frozen=True, kw_only=True)
+class Outputs(StudyOutputs):
+    """The same of an answer that has moved parts, and so a film.
+
+    Parameters
+    ----------
+    picture
+        Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
+    moved
+        Write the outlines of the parts where they ended: .dxf or .svg to draw on, .json an assembly file.
+    """
+
+    ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
+    picture: Path | None = None
+    moved: Path | None = None
+
+    def places(self) -> Places:
+        """Where everything goes, the moved parts too."""
+        return super().places() | {"--moved": (self.moved, MOVED)}
+
+
+def check(source: str, places: Places, force: bool = False) -> None:
+    """See that every output can be written: a known ending, a folder that is there, never over the source or somebody's own file.
 
     Parameters
     ----------
@@ -73,6 +111,8 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
         The file that is read.
     places : dict
         By the name of the option: where it goes (None: nowhere, "-": stdout), and the endings it may have (none: any).
+    force : bool
+        True: also over files that the program did not make.
 
     Raises
     ------
@@ -87,7 +127,7 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
     for option, (place, endings) in places.items():
         if place is None or place == "-":
             continue
-        problem = _problem(Path(place), source, endings)
+        problem = _problem(Path(place), source, endings, force)
         if problem:
             wrong.append(f"{option} {place}: {problem}")
     if wrong:
@@ -99,7 +139,7 @@ def check(source: str, places: dict[str, tuple[str | Path | None, tuple[str, ...
             see_library(ending(Path(place)))
 
 
-def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
+def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> str:
     """Say what is wrong with an output path, or nothing."""
     odd = unlike(path, endings)
     if odd:
@@ -112,23 +152,29 @@ def _problem(path: Path, source: str, endings: tuple[str, ...]) -> str:
         return f"the folder {path.parent} cannot be written"
     if path.exists() and os.path.exists(source) and path.samefile(source):
         return "this would overwrite the file that is read; give another name"
+    if not force and path.is_file() and path.stat().st_size and not is_own(path):
+        return "this file is there already, and is not as wiggleroom made it; give another name, or --force"
     return ""
 
 
 def tell(
-    outputs: Outputs,
+    outputs: StudyOutputs,
     result: Callable[[], Struct],
     page: Callable[[], RenderableType],
     found: Answer | Study,
     command: str,
 ) -> None:
-    """What was found as JSON, as a page on stdout (unless the JSON goes there), and as a picture."""
+    """What was found as JSON, as a page on stdout (unless the JSON goes there), as a table, and as a picture."""
     if outputs.json is not None:
         write_result(result(), outputs.json)
     if outputs.json != "-":
         from wiggleroom.cli.say import show
 
         show(page())
+    if outputs.csv is not None:
+        from wiggleroom.report.tables import csv_of
+
+        write_table(csv_of(found), outputs.csv)
     if outputs.picture is not None:
         from wiggleroom.cli.say import note
         from wiggleroom.cli.watch import bar
@@ -137,6 +183,31 @@ def tell(
         with bar("frames", "drawing") as count:
             draw(found, outputs.picture, command=command, progress=count)
         note(f"picture: {outputs.picture}")
+        if ending(outputs.picture) in PIXELS:
+            from wiggleroom.report.draw_study import assembly_of
+
+            _note_missing_letters(outputs.picture, assembly_of(found).names)
+
+
+def write_moved(assembly: Assembly, motion: NDArray[np.float64], path: Path | None) -> None:
+    """Outlines of the parts as made, moved by (n, 3) [mm, mm, rad], as a drawing or an assembly file."""
+    if path is None:
+        return
+    from wiggleroom.assembly.model import moved_drawing
+    from wiggleroom.cli.say import note
+    from wiggleroom.drawing import write_drawing
+
+    write_drawing(moved_drawing(assembly, motion), path)
+    note(f"moved parts: {path}")
+
+
+def write_table(table: str, path: Path) -> None:
+    """Table as comma-separated values."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.files import write_whole
+
+    write_whole(path, table)
+    note(f"table: {path}")
 
 
 def write_result(result: Struct | dict[str, Any], place: str) -> None:
@@ -164,3 +235,19 @@ def write_picture(made: str, path: Path) -> None:
     else:
         write_svg(made, path)
     note(f"picture: {path}")
+    if ending(path) in PIXELS:
+        _note_missing_letters(path, [made])
+
+
+def _note_missing_letters(path: Path, texts: Iterable[str]) -> None:
+    """Say which letters no font on this machine has."""
+    from wiggleroom.cli.say import note
+    from wiggleroom.report.letters import missing_letters
+
+    letters = missing_letters(texts)
+    if letters:
+        some = letters[:20] + ("..." if len(letters) > 20 else "")
+        note(
+            f"{path}: no font on this machine has the letters {some}; install one, such as Noto Sans, or write .svg, "
+            "where the viewer's fonts are used"
+        )

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from threading import Event
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from wiggleroom.deadline import Deadline
     from wiggleroom.search.answer import Answer
 
 SECONDS = 60.0
 
 
-def check_proof(share: float, seconds: float | None, model: str) -> None:
+def check_proof(share: float, model: str) -> None:
     """Refuse, before the long work, what cannot be proven.
 
     Raises
@@ -27,7 +27,7 @@ def check_proof(share: float, seconds: float | None, model: str) -> None:
     from wiggleroom.errors import InputError
     from wiggleroom.solve.safe_dual_bound import need_highs
 
-    check_request(share, SECONDS if seconds is None else seconds, ("--prove", "--time"))
+    check_request(share, SECONDS, ("--prove", "--time"))
     if model != "walls":
         wrong = f"--prove: a bound is proven with --model walls only, not {model}"
         raise InputError(wrong)
@@ -37,9 +37,8 @@ def check_proof(share: float, seconds: float | None, model: str) -> None:
 def proven(
     answer: Answer,
     share: float,
-    seconds: float | None,
     certify: bool,
-    stop: Event,
+    stop: Deadline,
     show: Callable[[Any], None] | None,
 ) -> Answer:
     """Answer with a bound, or as it was, with a line on stderr that says why there is none."""
@@ -48,7 +47,7 @@ def proven(
     from wiggleroom.bound.prove import prove
     from wiggleroom.cli.say import note
 
-    limit = SECONDS if seconds is None else seconds
+    limit = SECONDS if stop.seconds is None else stop.left
     done = prove(answer, share, seconds=limit, certify=certify, stop=stop, progress=show)
     if done.bound is None:
         return done

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
-from threading import Event
 from typing import TYPE_CHECKING, Any
 
 from cyclopts import Parameter
@@ -14,6 +13,22 @@ from wiggleroom.cli.options import WORK
 
 if TYPE_CHECKING:
     from wiggleroom.assembly.model import Assembly
+    from wiggleroom.deadline import Deadline
+
+
+@Parameter(name="*", group=WORK)
+@dataclass(frozen=True, kw_only=True)
+class TimeLimit:
+    """How long it may take.
+
+    Parameters
+    ----------
+    time
+        Seconds that the answer may take; then the best so far is given, as far as it was found or proven (exit 3 where
+        that is no whole answer).
+    """
+
+    time: float | None = None
 
 
 @Parameter(name="*", group=WORK)
@@ -49,13 +64,22 @@ class Running:
 
 
 @contextmanager
-def unless_stopped(stop: Event) -> Iterator[None]:
-    """Take what is missing after Ctrl-C for an interruption, not for bad input."""
-    from wiggleroom.errors import InputError
+def unless_stopped(stop: Deadline) -> Iterator[None]:
+    """Take what is missing after Ctrl-C, or after the time is over, for an interruption, not for bad input.
+
+    Raises
+    ------
+    StoppedError
+        If the time was over before there was anything to say.
+    """
+    from wiggleroom.errors import InputError, StoppedError
 
     try:
         yield
-    except InputError:
+    except (InputError, StoppedError):
+        if stop.over:
+            message = f"stopped after {stop.seconds:g} s, before there was anything to say; give more --time"
+            raise StoppedError(message) from None
         if stop.is_set():
             raise KeyboardInterrupt from None
         raise

@@ -7,9 +7,9 @@ from typing import Literal
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import Running, complete, unless_stopped
+from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
 
-_NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), StudyOutputs(), Running()
+_NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = Asked(), StudyOutputs(), Running(), TimeLimit()
 
 
 def sample(
@@ -20,6 +20,7 @@ def sample(
     asked: Asked = _NONE_ASKED,
     outputs: StudyOutputs = _NO_OUTPUTS,
     running: Running = _HERE,
+    time: TimeLimit = _ENDLESS,
     kind: Literal["normal", "uniform", "truncated"] = "normal",
     sheet: float = 0.0,
     bias: float = 0.0,
@@ -64,7 +65,7 @@ def sample(
         raise InputError(wrong)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
-    with interruptible() as stop, unless_stopped(stop), bar("draws") as show:
+    with interruptible(time.time) as stop, unless_stopped(stop), bar("draws") as show:
         from wiggleroom.sensitivity.gap_distribution import Spread
 
         lot = Spread(spread, kind, sheet, bias)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wiggleroom.cli.options import Asked, asked_drawing
+from wiggleroom.cli.options import Asked, asked_drawing, read_options
 
 _NONE_ASKED = Asked()
 
@@ -69,4 +69,5 @@ def first_request(file: str, asked: Asked) -> bytes:
     """The request that opens a file; raises InputError where it cannot be read or the options do not fit it."""
     from wiggleroom.app.opening import first_open
 
-    return first_open(Path(file), asked_drawing(file, asked), asked.unit, asked.flatten, asked.gap)
+    drawing = asked_drawing(file, asked)
+    return first_open(Path(file), drawing, asked.unit, asked.flatten, asked.gap, read_options(asked))

@@ -6,7 +6,7 @@ import sys
 from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import Asked, read
-from wiggleroom.cli.outputs import StudyOutputs
+from wiggleroom.cli.outputs import PictureOutputs
 from wiggleroom.report.endings import PAGE, ending
 
 if TYPE_CHECKING:
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from wiggleroom.compare.monte_carlo import Audit
     from wiggleroom.freespace.free_space import FreeSpace
 
-_NONE_ASKED, _NO_OUTPUTS = Asked(), StudyOutputs()
+_NONE_ASKED, _NO_OUTPUTS = Asked(), PictureOutputs()
 
 
 def space(
@@ -24,7 +24,7 @@ def space(
     /,
     *,
     asked: Asked = _NONE_ASKED,
-    outputs: StudyOutputs = _NO_OUTPUTS,
+    outputs: PictureOutputs = _NO_OUTPUTS,
     samples: int = 0,
     seed: int = 0,
 ) -> int:
@@ -72,7 +72,7 @@ def space(
     return 0
 
 
-def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: StudyOutputs, command: str) -> None:
+def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: PictureOutputs, command: str) -> None:
     """JSON and picture, where they are asked for."""
     from wiggleroom.cli.outputs import write_picture, write_result
     from wiggleroom.report.space import space_result

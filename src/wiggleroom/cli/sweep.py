@@ -7,9 +7,9 @@ from pathlib import Path
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import complete
+from wiggleroom.cli.running import TimeLimit, complete
 
-_NONE_ASKED, _NO_OUTPUTS = Asked(), StudyOutputs()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), StudyOutputs(), TimeLimit()
 
 
 def sweep(
@@ -18,8 +18,8 @@ def sweep(
     *,
     asked: Asked = _NONE_ASKED,
     outputs: StudyOutputs = _NO_OUTPUTS,
+    time: TimeLimit = _ENDLESS,
     gaps: str | None = None,
-    csv: Path | None = None,
     html: Path | None = None,
 ) -> int:
     """Find the motion for several gaps, and the gap from which on nothing stops it.
@@ -33,36 +33,30 @@ def sweep(
     gaps
         Gaps in mm: a list 0.1,0.2,0.5, or from, to and how many as 0.1:1:10. By default nine, from a quarter of the
         gap to twice it.
-    csv
-        Write gap, objective and verdict as comma-separated values: .csv.
     html
         Make the page too, where the picture is to be something else: the answer at every gap, with its film: .html.
     """
     import shlex
     from dataclasses import replace
 
+    from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
 
-    outputs.check(file, **{"--csv": (csv, (".csv",)), "--html": (html, (".html",))})
+    outputs.check(file, **{"--html": (html, (".html",))})
     wanted = None if gaps is None else _gaps(gaps)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
-    with interruptible() as stop, bar("gaps") as show:
+    with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
         assembly = complete(read(file, asked))
 
         from wiggleroom.sensitivity.sweep import sweep as work_out
 
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
-    from wiggleroom.report.studies import sweep_csv, sweep_result, sweep_table
+    from wiggleroom.report.studies import sweep_result, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
     tell(shown, lambda: sweep_result(found, command), lambda: sweep_table(found), found, command)
-    if csv is not None:
-        from wiggleroom.files import write_whole
-
-        write_whole(csv, sweep_csv(found))
-        note(f"table: {csv}")
     if html is not None and any(step.answer is not None for step in found.steps):
         from wiggleroom.report.draw import draw
 

@@ -9,9 +9,9 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import Asked, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import Running, complete, unless_stopped
+from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
 
-_NONE_ASKED, _NO_OUTPUTS, _HERE = Asked(), StudyOutputs(), Running()
+_NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = Asked(), StudyOutputs(), Running(), TimeLimit()
 
 
 def tighten(
@@ -21,6 +21,7 @@ def tighten(
     asked: Asked = _NONE_ASKED,
     outputs: StudyOutputs = _NO_OUTPUTS,
     running: Running = _HERE,
+    time: TimeLimit = _ENDLESS,
     parts: Annotated[int | None, Parameter(name=("--parts", "-k"))] = None,
     limit: float | None = None,
     to: float | None = None,
@@ -58,7 +59,7 @@ def tighten(
         raise InputError(wrong)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
-    with interruptible() as stop, unless_stopped(stop), bar("choices at random") as show:
+    with interruptible(time.time) as stop, unless_stopped(stop), bar("choices at random") as show:
         assembly = complete(read(file, asked))
 
         from wiggleroom.sensitivity.tighten import tighten as work_out

@@ -10,10 +10,12 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from wiggleroom.deadline import Deadline
+
 
 @contextmanager
-def interruptible() -> Iterator[threading.Event]:
-    """Event that the first Ctrl-C sets; a second one ends the program as usual."""
+def interruptible(seconds: float | None = None) -> Iterator[Deadline]:
+    """What stops long work: the first Ctrl-C, and the end of its time; a second Ctrl-C ends the program as usual."""
     stop = threading.Event()
 
     def first(*_: object) -> None:
@@ -23,7 +25,7 @@ def interruptible() -> Iterator[threading.Event]:
 
     before = signal.signal(signal.SIGINT, first)
     try:
-        yield stop
+        yield Deadline(seconds, stop)
     finally:
         signal.signal(signal.SIGINT, before)
 

@@ -19,13 +19,15 @@ from wiggleroom.drawing.assembly_schema import (
     Point,
     PullEntry,
     ShapeEntry,
+    ToleranceEntry,
     convert,
     decode,
 )
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
-from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Turn, W
+from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Tolerance, Turn, W
 from wiggleroom.drawing.rings import clean_ring, signed_area
 from wiggleroom.drawing.source import load
+from wiggleroom.drawing.tolerances import tolerance_findings
 from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
 
@@ -85,6 +87,7 @@ class _Reader:
         ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
         gaps = tuple(found for i, value in enumerate(entry.gaps) if (found := self._gap(i, value)))
         self._twice((frozenset(joint.parts) for joint in gaps), "gaps")
+        tolerances = tuple(one for i, value in enumerate(entry.tolerances) if (one := self._tolerance(i, value)))
         goals: tuple[Goal, ...] = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
         if entry.objective in WHOLE:
             goals = (WHOLE[entry.objective](),)
@@ -92,7 +95,7 @@ class _Reader:
             self._whole_size(parts)
         if self._findings:
             raise InputError(self._findings)
-        return Drawing(tuple(parts), gap, glue, ignore, gaps, goals, self._file)
+        return Drawing(tuple(parts), gap, glue, ignore, gaps, goals, self._file, tolerances=tolerances)
 
     def _say(self, where: str, what: str) -> None:
         self._findings.append(f"{self._file}: {where}: {what}" if where else f"{self._file}: {what}")
@@ -234,6 +237,22 @@ class _Reader:
         if entry is None:
             return None
         return JointGap(self._pair(where, entry.parts), self._length(entry.gap, where, "gap", least=0.0))
+
+    def _tolerance(self, i: int, value: Any) -> Tolerance | None:
+        where = f"tolerances[{i}]"
+        entry = convert(value, ToleranceEntry, f"{self._file}: {where}", self._findings)
+        if entry is None:
+            return None
+        wrong = tolerance_findings(entry)
+        for line in wrong:
+            self._say(where, line)
+        if wrong:
+            return None
+        names = self._pair(where, entry.parts) if entry.parts else (entry.part or "",)
+        self._known(where, names)
+        plus, minus = (self._length(number, where, "tolerance", least=0.0) for number in (entry.plus, entry.minus))
+        nominal = None if entry.nominal is None else self._length(entry.nominal, where, "nominal")
+        return Tolerance(names, plus, minus, nominal, entry.outline)
 
     def _goal(self, i: int, value: Any) -> Goal | None:
         where = f"pull[{i}]"

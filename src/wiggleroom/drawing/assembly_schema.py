@@ -54,6 +54,17 @@ class GapEntry(Entry):
     gap: float
 
 
+class ToleranceEntry(Entry, omit_defaults=True):
+    """How far a part, one outline of it, or the gap of a joint may lie from where it should."""
+
+    plus: float
+    minus: float
+    part: str | None = None
+    parts: tuple[str, str] | None = None
+    outline: int | None = None
+    nominal: float | None = None
+
+
 class PullEntry(Entry, omit_defaults=True):
     """One term of what is asked: a direction, a turn, or the paper's W."""
 
@@ -76,6 +87,7 @@ class FileEntry(Entry):
     glue: list[Any] = []
     ignore: list[Any] = []
     gaps: list[Any] = []
+    tolerances: list[Any] = []
     pull: list[Any] = []
     objective: str | None = None
 
@@ -91,6 +103,7 @@ class AssemblyFile(Entry, kw_only=True):
     glue: list[list[str]] = []
     ignore: list[tuple[str, str]] = []
     gaps: list[GapEntry] = []
+    tolerances: list[ToleranceEntry] = []
     pull: list[PullEntry] = []
     objective: Literal["translation", "closer"] | None = None
 

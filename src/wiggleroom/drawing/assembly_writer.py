@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from wiggleroom.drawing.assembly_schema import FORMAT
-from wiggleroom.drawing.model import WHOLE, Drawing, Goal, Part, Pull, Region, Turn, W
+from wiggleroom.drawing.model import WHOLE, Drawing, Goal, Part, Pull, Region, Tolerance, Turn, W
 from wiggleroom.drawing.plain import json_bytes
 
 Json = dict[str, Any]
@@ -45,6 +45,7 @@ def write_assembly(drawing: Drawing) -> str:
         "glue": [list(names) for names in drawing.glue],
         "ignore": [list(names) for names in drawing.ignore],
         "gaps": [{"parts": joint.parts, "gap": joint.gap} for joint in drawing.gaps],
+        "tolerances": [_tolerance(tolerance) for tolerance in drawing.tolerances],
     }
     asked = goal_entries(drawing.goals)
     if isinstance(asked, list):
@@ -94,6 +95,13 @@ def _part(part: Part, material: Json) -> Json:
     if part.offset:
         entry["offset"] = part.offset
     return entry
+
+
+def _tolerance(tolerance: Tolerance) -> Json:
+    names: Json = {"part": tolerance.parts[0]} if len(tolerance.parts) == 1 else {"parts": list(tolerance.parts)}
+    where: Json = {} if tolerance.outline is None else {"outline": tolerance.outline}
+    right: Json = {} if tolerance.nominal is None else {"nominal": tolerance.nominal}
+    return names | where | right | {"plus": tolerance.plus, "minus": tolerance.minus}
 
 
 def goal_entries(goals: tuple[Goal, ...]) -> list[Json] | str:

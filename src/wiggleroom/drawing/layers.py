@@ -39,7 +39,23 @@ _ASIDE = (
 _WHOLE = {"mark", "fold", "bend", "pli", "note", "dim", "dims", "cote", "cotes", "cota", "cotas", "quote", "masse",
           "info", "font", "cache", "fond", "guide", "text", "texte", "texto", "letter", "label"}  # fmt: skip
 """Those that must be the whole word, or its plural or its number: "marks", "text12"."""
-_HOLES = ("hole", "loch", "locher", "bohrung", "trou", "agujero", "foro", "fori", "furo", "gat", "gaten", "otwor", "отверст", "孔", "穴")
+_HOLES = (
+    "hole",
+    "loch",
+    "locher",
+    "bohrung",
+    "trou",
+    "agujero",
+    "foro",
+    "fori",
+    "furo",
+    "gat",
+    "gaten",
+    "otwor",
+    "отверст",
+    "孔",
+    "穴",
+)
 LABELS = "labels"
 """Names for people to read stand in a layer of this name; nothing is said about it."""
 _PLACED = ("inner", "outer", "cut", "through")
@@ -92,9 +108,7 @@ def cut_strokes(artwork: Artwork, options: ReadOptions) -> tuple[Artwork, tuple[
         _reference_bar(artwork, reasons)
         _filled(artwork, reasons, options)
     kept = tuple(s for s, reason in zip(artwork.strokes, reasons, strict=True) if not reason)
-    out = tuple(
-        (reason, s) for s, reason in zip(artwork.strokes, reasons, strict=True) if reason and reason != _SILENT
-    )
+    out = tuple((reason, s) for s, reason in zip(artwork.strokes, reasons, strict=True) if reason and reason != _SILENT)
     counts = Counter(reason for reason, _ in out)
     notes += [f"{artwork.file}: left out: {_count(n)} {reason}" for reason, n in counts.items()]
     colours = Counter(name_of(s.colour) for s in kept if s.colour and not s.hole and not s.fixed)
@@ -159,7 +173,9 @@ def _words(stroke: Stroke) -> set[str]:
     """Everything that `--only` and `--skip` may call a stroke."""
     marks = [mark for group in stroke.groups for mark in (group.name, *group.marks)]
     colours = [c for colour in (stroke.colour, stroke.fill) if colour for c in (colour, name_of(colour))]
-    return {word.casefold() for word in (stroke.layer, stroke.name, stroke.label, *stroke.marks, *marks, *colours) if word}
+    return {
+        word.casefold() for word in (stroke.layer, stroke.name, stroke.label, *stroke.marks, *marks, *colours) if word
+    }
 
 
 def _chosen(artwork: Artwork, options: ReadOptions) -> Callable[[Stroke], str]:
@@ -174,7 +190,9 @@ def _chosen(artwork: Artwork, options: ReadOptions) -> Callable[[Stroke], str]:
             if not {name.casefold(), colour_of(name)} & set(known):
                 shown = [w for w, _ in known.most_common() if not w.startswith("#") or name_of(w) == w]
                 near = get_close_matches(name.casefold(), shown, n=3) or shown[:8]
-                wrong.append(f"{artwork.file}: --{option} {name}: no layer, colour or name is called so; there is {', '.join(near)}")
+                wrong.append(
+                    f"{artwork.file}: --{option} {name}: no layer, colour or name is called so; there is {', '.join(near)}"
+                )
     if wrong:
         raise InputError(wrong)
 
@@ -191,7 +209,7 @@ def _chosen(artwork: Artwork, options: ReadOptions) -> Callable[[Stroke], str]:
 
 def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
     """Why a stroke is not cut, by the names and colours around it, or nothing."""
-    if any(LABELS == mark.lower() for group in stroke.groups for mark in (group.name, *group.marks)):
+    if any(mark.lower() == LABELS for group in stroke.groups for mark in (group.name, *group.marks)):
         return _SILENT
     if artwork.program == "boxes.py" and stroke.colour in _BOXES:
         return f"{_BOXES[stroke.colour]} (colour {name_of(stroke.colour)} of boxes.py); --only {name_of(stroke.colour)} reads it"
@@ -223,7 +241,9 @@ def _sheet(artwork: Artwork, reasons: list[str]) -> None:
         points = np.array(trace(stroke.paths[0], 2))
         low, high = np.array([points.real.min(), points.imag.min()]), np.array([points.real.max(), points.imag.max()])
         slack = _PAGE * np.array([width, height])
-        covers = bool((low <= np.array([x, y]) + slack).all() and (high >= np.array([x + width, y + height]) - slack).all())
+        covers = bool(
+            (low <= np.array([x, y]) + slack).all() and (high >= np.array([x + width, y + height]) - slack).all()
+        )
         box = shapely.Polygon(np.column_stack([points.real, points.imag])) if len(points) > 3 else shapely.Polygon()
         square = box.is_valid and box.area > (1 - 1e-6) * float(np.prod(high - low))
         lined = any(other.colour for other in others if other is not stroke)
@@ -291,4 +311,3 @@ def _box(stroke: Stroke) -> shapely.Polygon:
 
 def _count(n: int) -> str:
     return "1 element" if n == 1 else f"{n} elements"
-

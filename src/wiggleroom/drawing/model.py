@@ -60,6 +60,30 @@ class JointGap:
 
 
 @dataclass(frozen=True)
+class Tolerance:
+    """How far something may lie from where it should when it is made, as drawings of the trade say it.
+
+    Parameters
+    ----------
+    parts : (name,) or (name, name)
+        A part, whose outlines all lie further out or in together, or the two parts of a joint, whose gap varies.
+    plus, minus : float [mm]
+        Largest deviation to either side, 0 or more: an outline's out of the material (plus) or into it (minus), at right angles; a
+        joint's gap wider (plus) or narrower (minus).
+    nominal : float or None [mm]
+        Where it should lie: a part's offset, a joint's gap, an outline's own offset. None: as the drawing has it.
+    outline : int or None
+        Of a part: this outline alone, counted from 1 through its outer outlines, each followed by its holes.
+    """
+
+    parts: tuple[str] | tuple[str, str]
+    plus: float
+    minus: float
+    nominal: float | None = None
+    outline: int | None = None
+
+
+@dataclass(frozen=True)
 class Pull:
     """Ask for the largest motion of a material point along a direction fixed in the world.
 
@@ -176,6 +200,8 @@ class Drawing:
         The file's name, for messages.
     notes : tuple of str
         Things the user should know (left-out paths, assumed unit), one line each.
+    tolerances : tuple of Tolerance
+        How exactly it is made; only questions about tolerances look at them.
     """
 
     parts: tuple[Part, ...]
@@ -186,3 +212,4 @@ class Drawing:
     goals: tuple[Goal, ...] = ()
     source: str = ""
     notes: tuple[str, ...] = ()
+    tolerances: tuple[Tolerance, ...] = ()

@@ -7,13 +7,15 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from wiggleroom.drawing.elements import Lettering, Stroke
 
 _LONGEST = 80
+Polygons = Sequence[shapely.Polygon] | NDArray[np.object_]
 
 
-def texts_inside(polygons: Sequence[shapely.Polygon], texts: Sequence[Lettering]) -> tuple[list[str], int]:
+def texts_inside(polygons: Polygons, texts: Sequence[Lettering]) -> tuple[list[str], int]:
     """The only text that stands in each outline, or nothing, and how many texts name none.
 
     Examples
@@ -22,11 +24,11 @@ def texts_inside(polygons: Sequence[shapely.Polygon], texts: Sequence[Lettering]
     (['lid'], 1)
     """
     said: dict[int, list[str]] = {}
-    tree = shapely.STRtree(list(polygons))
+    tree, area = shapely.STRtree(list(polygons)), shapely.area(np.array(polygons, dtype=object)).tolist()
     for lettering in texts:
         point = shapely.Point(lettering.at.real, lettering.at.imag)
         around = tree.query(point, predicate="intersects").tolist()
-        owner = min(around, key=lambda i: polygons[i].area, default=None)
+        owner = min(around, key=lambda i: area[i], default=None)
         if owner is not None and lettering.text.isprintable() and 0 < len(lettering.text) <= _LONGEST:
             said.setdefault(owner, []).append(lettering.text)
     names = [said[i][0] if len(said.get(i, [])) == 1 else "" for i in range(len(polygons))]
@@ -76,7 +78,7 @@ def unique_names(given: Sequence[str]) -> list[str]:
     return names
 
 
-def rows_at(points: Sequence[tuple[float, float]], polygons: Sequence[shapely.Polygon]) -> list[int | None]:
+def rows_at(points: Sequence[tuple[float, float]], polygons: Polygons) -> list[int | None]:
     """The smallest outline around each point [mm], or None.
 
     Examples

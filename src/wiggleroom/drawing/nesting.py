@@ -79,7 +79,9 @@ def _around(polygons: NDArray[np.object_]) -> list[list[int]]:
         _, _, at = shapely.is_valid_reason(polygon).partition("[")
         if at:
             x, y = (float(number) for number in at.rstrip("]").split()[:2])
-            message = f"an outline crosses itself at ({x:.6g}, {y:.6g}) mm; it must not where a path has several outlines"
+            message = (
+                f"an outline crosses itself at ({x:.6g}, {y:.6g}) mm; it must not where a path has several outlines"
+            )
             raise ValueError(message)
     around: list[list[int]] = [[] for _ in polygons]
     first, second = shapely.STRtree(polygons).query(polygons)
@@ -98,7 +100,9 @@ def _around(polygons: NDArray[np.object_]) -> list[list[int]]:
     return [sorted(holders) for holders in around]
 
 
-def hole_rows(outlines: NDArray[np.object_], parents: dict[int, int], solid: Sequence[bool], tolerance: float) -> set[int]:
+def hole_rows(
+    outlines: NDArray[np.object_], parents: dict[int, int], solid: Sequence[bool], tolerance: float
+) -> set[int]:
     """Outlines that are holes of the part around them.
 
     One inside a part is a hole if it contains another outline, or if it is empty; but not if it is solid or touches
@@ -138,7 +142,9 @@ def hole_rows(outlines: NDArray[np.object_], parents: dict[int, int], solid: Seq
     return holes
 
 
-def cut_nested(regions: Sequence[Region], parents: dict[int, int], holes: set[int], tolerance: float) -> dict[int, list[Region]]:
+def cut_nested(
+    regions: Sequence[Region], parents: dict[int, int], holes: set[int], tolerance: float
+) -> dict[int, list[Region]]:
     """Material of every part: outlines inside it cut out, where it has no hole there yet.
 
     Parameters

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 import shapely
@@ -45,7 +46,7 @@ class Outline:
     row: int
     face: bool = False
 
-    @property
+    @cached_property
     def polygon(self) -> shapely.Polygon:
         """What lies inside the outer outline."""
         return shapely.Polygon(self.region.outer)
@@ -165,7 +166,11 @@ def _is_closed(path: Subpath) -> bool:
 
 
 def _chord_error(
-    artwork: Artwork, paths: Sequence[tuple[Subpath, int]], closed: Sequence[bool], flatten: float | None, gap: float | None
+    artwork: Artwork,
+    paths: Sequence[tuple[Subpath, int]],
+    closed: Sequence[bool],
+    flatten: float | None,
+    gap: float | None,
 ) -> tuple[float, float]:
     """Chord error, and the longer side of the drawing [mm]; refused is one of nothing, or of a size that cannot be worked with."""
     if not paths:
@@ -304,22 +309,22 @@ def _net(found: Traced, lines: Sequence[_Line], size: float) -> None:
     faces = np.array(net.faces, dtype=object)
     neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
     shared = np.bincount(neighbours, minlength=len(net.faces)) > 1
-    for f in outside:
-        row = lines[int(tree.nearest(net.faces[f].exterior))]
+    nearest = tree.nearest([net.faces[f].exterior for f in outside]).tolist() if outside else []
+    for f, line in zip(outside, nearest, strict=True):
+        row = lines[line]
         if shared[f]:
             made += _faces([net.faces[f]], row.stroke, row.row, None)
         else:  # nothing is cut: the outline of one part, whose ends overshoot
             ring = clean_ring(shapely.get_coordinates(net.faces[f].exterior))
             alone.append(Outline(Region(ring), replace(row.stroke, fill=""), row.row))
     if made:
-        cut = f"{_many(len(replaced), 'outline')} cut" if replaced else ""
-        faces = f"{_many(len(made), 'face')} of open lines taken as parts"
-        found.note(", ".join(filter(None, (cut, faces))))
+        cut = f"{_many(len(replaced), 'outline')} cut, " if replaced else ""
+        found.note(f"{cut}{_many(len(made), 'face')} of open lines taken as parts")
     found.outlines = [outline for k, outline in enumerate(found.outlines) if k not in replaced]
     found.outlines += [*made, *alone]
     if net.slivers:
         found.note(f"{_many(net.slivers, 'sliver')} between lines, thinner than {found.join:.3g} mm, left out")
-    _say_dangles(found, lines, tree, net.dangles, ends)
+    _say_dangles(found, lines, tree, net.dangles)
 
 
 def _reached(found: Traced, lines: Sequence[Points], within: float) -> list[int]:
@@ -369,14 +374,16 @@ def _faces(faces: Sequence[shapely.Polygon], stroke: Stroke, row: int, region: R
     made = []
     for face in order:
         outer = clean_ring(shapely.get_coordinates(face.exterior))
-        inside = shapely.Polygon(outer)
-        holes = tuple(hole for hole in region.holes if inside.contains(shapely.Polygon(hole))) if region else ()
+        holes: tuple[Points, ...] = ()
+        if region is not None and region.holes:
+            inside = shapely.Polygon(outer)
+            holes = tuple(hole for hole in region.holes if inside.contains(shapely.Polygon(hole)))
         made.append(Outline(Region(outer, holes), plain, row, face=True))
     return made
 
 
 def _say_dangles(
-    found: Traced, lines: Sequence[_Line], tree: shapely.STRtree, dangles: Sequence[shapely.Geometry], ends: object
+    found: Traced, lines: Sequence[_Line], tree: shapely.STRtree, dangles: Sequence[shapely.Geometry]
 ) -> None:
     """Note open lines that bound no face, whole ones by name and ends of others by place."""
     if not dangles:
@@ -390,19 +397,21 @@ def _say_dangles(
     for k in np.flatnonzero(whole).tolist():
         by_stroke.setdefault(lines[k].row, lines[k])
     if by_stroke:
-        named = [_open_name(found, line) for line in list(by_stroke.values())[:3]]
+        named = [_open_name(line) for line in list(by_stroke.values())[:3]]
         more = f" and {len(by_stroke) - 3} more" if len(by_stroke) > 3 else ""
         found.note(f"open paths are left out: {', '.join(named)}{more}; close them if they are parts")
     stubs = [line for line, k in zip(dangles, owner.tolist(), strict=True) if not whole[k]]
     if stubs:
         x, y = shapely.get_coordinates(stubs[0])[0]
-        found.note(f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm")
+        found.note(
+            f"{_many(len(stubs), 'end')} of lines that bound nothing left out, the first near ({x:.6g}, {y:.6g}) mm"
+        )
     found.remarks.append(Remark("left out", tuple(shapely.get_coordinates(line) for line in dangles)))
     tips = [lines[k].corners[[0, -1]] for k in np.flatnonzero(whole).tolist()]
     found.remarks += [Remark("open end", (point[None],)) for pair in tips for point in pair]
 
 
-def _open_name(found: Traced, line: _Line) -> str:
+def _open_name(line: _Line) -> str:
     """What a message calls an open path: where it begins, and how far its ends are apart."""
     (x, y), end = line.corners[0], line.corners[-1]
     apart = float(np.hypot(*(line.corners[0] - end)))

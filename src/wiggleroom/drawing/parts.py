@@ -109,13 +109,17 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
     material = {row: pieces for row, pieces in material.items() if pieces}
     groups = _pieces(outlines, material)
     first = [rows[0] for rows in groups]
-    final = given_names([strokes[row] for row in first], [inside[row] for row in first], [not outlines[row].face for row in first])
+    final = given_names(
+        [strokes[row] for row in first], [inside[row] for row in first], [not outlines[row].face for row in first]
+    )
     names = unique_names(final)
-    _say_nesting(found, names, first, in_material, holes, inside)
+    _say_nesting(found, names, first, in_material, holes)
     _say_pieces(found, outlines, groups)
     _say_mended(found)
     kinds = [*artwork.left_out, *([("text", unnamed)] if unnamed else [])]
-    found.notes += [f"{artwork.file}: {count} {tag} elements are left out; only outlines are parts" for tag, count in kinds]
+    found.notes += [
+        f"{artwork.file}: {count} {tag} elements are left out; only outlines are parts" for tag, count in kinds
+    ]
     parts = tuple(
         part_about_centroid(name, [piece for row in rows for piece in material[row]], fixed=strokes[rows[0]].fixed)
         for name, rows in zip(names, groups, strict=True)
@@ -233,7 +237,11 @@ def _pieces(outlines: Sequence[Outline], material: dict[int, list[Region]]) -> l
 
 
 def _say_nesting(
-    found: Traced, names: Sequence[str], first: Sequence[int], parents: dict[int, int], holes: set[int], inside: Sequence[str]
+    found: Traced,
+    names: Sequence[str],
+    first: Sequence[int],
+    parents: dict[int, int],
+    holes: set[int],
 ) -> None:
     """Note which outlines inside others were taken as holes, and which as parts."""
     called = dict(zip(first, names, strict=True))
@@ -241,12 +249,20 @@ def _say_nesting(
         found.remarks.append(Remark("hole", tuple(found.outlines[i].region.outer for i in sorted(holes))))
         counts = Counter(called.get(parents[i], "?") for i in sorted(holes))
         listed = ", ".join(f"{n} in {name}" for name, n in counts.most_common(4)) + (", ..." if len(counts) > 4 else "")
-        one = "1 outline inside another is a hole" if len(holes) == 1 else f"{len(holes)} outlines inside others are holes"
+        one = (
+            "1 outline inside another is a hole"
+            if len(holes) == 1
+            else f"{len(holes)} outlines inside others are holes"
+        )
         found.note(f"{one} ({listed}); --solid NAME, @x,y or all makes parts of them")
     filling = [called[i] for i in parents if i not in holes and i in called and parents[i] not in holes]
     if filling:
         listed = ", ".join(filling[:4]) + (", ..." if len(filling) > 4 else "")
-        one = "1 outline inside another is a part" if len(filling) == 1 else f"{len(filling)} outlines inside others are parts"
+        one = (
+            "1 outline inside another is a part"
+            if len(filling) == 1
+            else f"{len(filling)} outlines inside others are parts"
+        )
         found.note(f"{one} in a hole of the same form ({listed})")
 
 

@@ -25,7 +25,7 @@ def signed_area(ring: Points) -> float:
     if len(ring) < 3:
         return 0.0
     x, y = (ring - ring[0]).T
-    return float(0.5 * (x @ np.roll(y, -1) - y @ np.roll(x, -1)))
+    return float(0.5 * (x[:-1] @ y[1:] - y[:-1] @ x[1:]))  # the last edge ends at 0, 0
 
 
 def clean_ring(ring: Points, *, clockwise: bool = False) -> Points:
@@ -63,7 +63,7 @@ def _without_repeats(ring: Points, least: float) -> Points:
     """Each corner must lie further than `least` from the last one kept; so must the last from the first."""
     if len(ring) < 2:
         return ring
-    near = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T) <= least
+    near = np.hypot(*_edges(ring).T) <= least
     if not near.any():
         return ring
     kept = [ring[0]]
@@ -77,16 +77,22 @@ def _without_repeats(ring: Points, least: float) -> Points:
 
 def _without_straight(ring: Points, height: float) -> Points:
     while len(ring) >= 3:
-        before, after = ring - np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0) - ring
+        before = _edges(ring)
+        after = np.concatenate([before[1:], before[:1]])
         cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
         onward = (before * after).sum(axis=1) > 0
         straight = onward & (np.abs(cross) <= height * np.hypot(*(before + after).T))
-        # Of two straight-on neighbours only one goes at a time, so that deviations cannot add up unseen.
-        straight &= ~(np.roll(straight, 1) & (np.arange(len(ring)) % 2 == 1))
         if not straight.any():
             return ring
+        # Of two straight-on neighbours only one goes at a time, so that deviations cannot add up unseen.
+        straight &= ~(np.roll(straight, 1) & (np.arange(len(ring)) % 2 == 1))
         ring = ring[~straight]
     return ring
+
+
+def _edges(ring: Points) -> Points:
+    """Edges that end at each corner."""
+    return ring - np.concatenate([ring[-1:], ring[:-1]])
 
 
 def centroid(outers: list[Points]) -> tuple[float, float]:

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
-from wiggleroom.drawing.css import Rules, parse_rules, properties
 from wiggleroom.drawing.colours import RED, colour_of
+from wiggleroom.drawing.css import Rules, parse_rules, properties
 from wiggleroom.drawing.elements import MOST, Group, Lettering, Stroke
 from wiggleroom.drawing.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.shapes import SHAPES, subpaths_of

@@ -230,7 +230,7 @@ def _walls(
     at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
     relation = relate(at_a, at_b, them.rest[one], them.rest[other], pivot)
     own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
-    space = march(meeting(own[0], own[1]), reach)
+    space = march(meeting(own[0], own[1]), reach, stop)
     covered = cover(them, (one, other), relation, space, stop)
     return FreeSpace(
         parts=names,

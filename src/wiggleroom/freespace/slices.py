@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.errors import Stop, go_on
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -235,7 +236,7 @@ class March:
         return slice_near(self.pair, phi, shapely.union_all(beside), self.limit)
 
 
-def march(pair: Meeting, reach: float) -> March:
+def march(pair: Meeting, reach: float, stop: Stop | None = None) -> March:
     """Follow the free space from rest both ways until it ends.
 
     Parameters
@@ -243,11 +244,15 @@ def march(pair: Meeting, reach: float) -> March:
     pair : Meeting
     reach : float [mm]
         Half the side of the window to keep to where the free space is open.
+    stop : optional
+        Asked before every slice.
 
     Raises
     ------
     ValueError
         If rest is not free.
+    StoppedError
+        If it was asked to stop.
 
     Examples
     --------
@@ -261,20 +266,21 @@ def march(pair: Meeting, reach: float) -> March:
             raise ValueError("rest is not free")
         if limit == np.inf and not rest.closed:
             continue
-        up = _followed(pair, rest, 2 * np.pi, limit)
+        up = _followed(pair, rest, 2 * np.pi, limit, stop)
         full = up[-1].angle >= 2 * np.pi
-        down = [rest] if full else _followed(pair, rest, up[-1].angle - 2 * np.pi, limit)
-        slices = _folded_back(pair, [*down[:0:-1], *up], limit)
+        down = [rest] if full else _followed(pair, rest, up[-1].angle - 2 * np.pi, limit, stop)
+        slices = _folded_back(pair, [*down[:0:-1], *up], limit, stop)
         if limit < np.inf or all(s.closed for s in slices):
             break
     return March(pair, tuple(slices), (slices[0].angle, slices[-1].angle), full, limit)
 
 
-def _followed(pair: Meeting, rest: Slice, goal: float, limit: float) -> list[Slice]:
+def _followed(pair: Meeting, rest: Slice, goal: float, limit: float, stop: Stop | None) -> list[Slice]:
     """Slices from rest towards the turn `goal`, closer together where they change quickly and at the end."""
     found = [rest]
     step = float(np.sign(goal)) * min(pair.clearance / (4 * pair.radius), MAX_ANGLE_STEP)
     while abs(step) > ANGLE_TOLERANCE and found[-1].angle != goal:
+        go_on(stop)
         here = found[-1]
         there = min(here.angle + step, goal) if goal > 0 else max(here.angle + step, goal)
         beside = slice_near(pair, there, here.region, limit)
@@ -293,11 +299,12 @@ def _overlap_well(one: Slice, other: Slice) -> bool:
     return float(shapely.area(shapely.intersection(one.region, other.region))) > 0.3 * min(one.area, other.area)
 
 
-def _folded_back(pair: Meeting, slices: list[Slice], limit: float) -> list[Slice]:
+def _folded_back(pair: Meeting, slices: list[Slice], limit: float, stop: Stop | None) -> list[Slice]:
     """Add pieces that are reached only by turning further and coming back."""
     slices = list(slices)
     for order in (range(len(slices) - 2, -1, -1), range(1, len(slices))):
         for k in order:
+            go_on(stop)
             mine = slices[k]
             beside = slices[k + 1 if order.step < 0 else k - 1]
             if abs(beside.angle - mine.angle) < 100 * ANGLE_TOLERANCE or not _sticks_out(beside, mine):

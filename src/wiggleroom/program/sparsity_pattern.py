@@ -28,6 +28,11 @@ class Pattern:
     diagonal_at: Ints
     block_at: Ints
 
+    @property
+    def diagonal(self) -> Ints:
+        """Where the diagonal lives."""
+        return self.diagonal_at[:, [0, 2, 5]].ravel()
+
 
 def pattern(a: Ints, b: Ints, slot: Ints, n: int) -> Pattern:
     """Block pattern of the graph of pairs (P,), each once, of `n` free bodies; `slot` maps bodies to free ones (-1: fixed)."""

@@ -125,6 +125,16 @@ def uprights(axes: Axes, marks: Sequence[tuple[float, str]], colours: Sequence[s
     return lines + labels
 
 
+def across(axes: Axes, mark: tuple[float, str], colour: str) -> list[str]:
+    """Line across at a value of y, with its label at the left end."""
+    value, label = mark
+    y = float(axes.pixels(np.array([axes.x[0]]), np.array([value]))[0, 1])
+    return [
+        f'<path d="M{axes.left:.2f},{y:.2f}h{WIDTH:.2f}" stroke="{colour}" stroke-width="1.5" stroke-dasharray="2 4"/>',
+        text(axes.left + 6, y - 6, palette.TEXT_SIZE, colour, label),
+    ]
+
+
 def finished(axes: Axes, body: list[str], title: str, facts: Sequence[str], command: str) -> str:
     """Whole SVG document of a plot."""
     wide = axes.left + WIDTH + palette.MARGIN

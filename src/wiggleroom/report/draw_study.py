@@ -5,18 +5,24 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from wiggleroom.assembly.model import Assembly
 from wiggleroom.files import write_whole
 from wiggleroom.report import blame, pages, study_plots
 from wiggleroom.report.apart_picture import Checked, film_of_check, picture_of_check
 from wiggleroom.report.endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
+from wiggleroom.report.gap_limit import picture_of_gap
 from wiggleroom.report.stills import write_svg
+from wiggleroom.report.tolerances import picture_of_tolerances
+from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity.allowable_gap import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.separate.interlock import Interlock
 
-Study = Ranking | Tightening | Sweep | Sample | Checked
+Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase
 
 
 def draw_study(
@@ -47,6 +53,10 @@ def _picture(found: Study, command: str) -> str:
             return study_plots.picture_of_sweep(found, command=command)
         case Sample():
             return study_plots.picture_of_sample(found, command=command)
+        case AllowableGap():
+            return picture_of_gap(found, command=command)
+        case WorstCase():
+            return picture_of_tolerances(found, command=command)
 
 
 def _page(found: Study, command: str) -> str:
@@ -61,3 +71,19 @@ def _page(found: Study, command: str) -> str:
             return pages.page_of_sweep(found, command=command)
         case Sample():
             return pages.page_of_sample(found, command=command)
+        case AllowableGap():
+            return pages.page_of_gap(found, command=command)
+        case WorstCase():
+            return pages.page_of_tolerances(found, command=command)
+
+
+def assembly_of(found: Answer | Interlock | Study) -> Assembly:
+    """The assembly that was asked about."""
+    match found:
+        case Ranking() | Sample():
+            return found.answer.assembly
+        case Tightening():
+            return found.before.assembly
+        case Checked():
+            return found.found.assembly
+    return found.assembly

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from wiggleroom.errors import see_extra
 from wiggleroom.report import palette
 from wiggleroom.report.film_svg import PAUSES
+from wiggleroom.report.letters import missing_letters
 from wiggleroom.report.png import png
 from wiggleroom.report.scene import Scene
 from wiggleroom.sensitivity.parallel import Many
@@ -88,21 +89,23 @@ def _frames(made: Scene, room: tuple[int, int], progress: Progress | None) -> It
 
     width = 2 * round(min(room[0], room[1] * made.width / made.height) / 2)
     scale = width / made.width
-    still = Image.open(io.BytesIO(png(f"{made.head}</svg>", width=width, own_font_only=True))).convert("RGB")
+    texts = (made.head, made.defs, *(track.drawn(0) for track in made.tracks))
+    own = not missing_letters(texts, own_font_only=True)
+    still = Image.open(io.BytesIO(png(f"{made.head}</svg>", width=width, own_font_only=own))).convert("RGB")
     still = still.crop((0, 0, width, still.height - still.height % 2))
     x, y, wide, high = (scale * s for s in made.stage)
     left, top = max(math.floor(x), 0), max(math.floor(y), 0)
     box = (left, top, min(math.ceil(x + wide), still.width), min(math.ceil(y + high), still.height))
-    for drawn in Many(progress=progress).each(moving, (made, box, scale), range(made.frames)):
+    for drawn in Many(progress=progress).each(moving, (made, box, scale, own), range(made.frames)):
         over = Image.open(io.BytesIO(drawn))
         image = still.copy()
         image.paste(over, box[:2], over)
         yield image
 
 
-def moving(shared: tuple[Scene, tuple[int, int, int, int], float], k: int) -> bytes:
+def moving(shared: tuple[Scene, tuple[int, int, int, int], float, bool], k: int) -> bytes:
     """What moves in frame k as a PNG without paper, for the pixels of a box (left, top, right, bottom)."""
-    made, box, scale = shared
+    made, box, scale, own_font_only = shared
     wide, high = box[2] - box[0], box[3] - box[1]
     seen = " ".join(f"{v / scale:.4f}" for v in (box[0], box[1], wide, high))
     svg = (
@@ -110,7 +113,7 @@ def moving(shared: tuple[Scene, tuple[int, int, int, int], float], k: int) -> by
         f'width="{wide}" height="{high}" viewBox="{seen}" preserveAspectRatio="none">'
         f"<defs>{made.defs}</defs>{''.join(t.drawn(k) for t in made.tracks)}</svg>"
     )
-    return png(svg, width=wide, own_font_only=True)
+    return png(svg, width=wide, own_font_only=own_font_only)
 
 
 def _colours() -> list[int]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from msgspec.structs import asdict
@@ -16,20 +16,24 @@ from wiggleroom.report.apart import check_facts, check_title
 from wiggleroom.report.apart_picture import Checked
 from wiggleroom.report.baked import answered, baked, opened, section, way
 from wiggleroom.report.blame import ranking_facts, tightening_facts
+from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
 from wiggleroom.report.plots import histogram
 from wiggleroom.report.solid import space_told
 from wiggleroom.report.space import headline as space_headline
 from wiggleroom.report.space import said, space_picture, space_result
 from wiggleroom.report.studies import QUANTILES, lost_sentence, sample_sure
 from wiggleroom.report.told_studies import check_told, ranking_told, step_told
+from wiggleroom.report.tolerances import tolerance_name, tolerances_facts, tolerances_sentence, tolerances_sure
 from wiggleroom.report.words import headline, number, unit
 from wiggleroom.schema.baked_page import BakedCheck, StudyTab, Tints, Title
 from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity.allowable_gap import AllowableGap
 from wiggleroom.sensitivity.perturbation import can_be_ranked
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.separate.interlock import Interlock
 
 
@@ -150,6 +154,48 @@ def page_of_sample(found: Sample, *, command: str = "") -> str:
             ],
         ),
         "tints": Tints("% of the variance", dict(zip(names, share.tolist(), strict=True))),
+    }
+    return baked(title, **told)
+
+
+def page_of_gap(found: AllowableGap, *, command: str = "") -> str:
+    """Gap that answers a maker's question as one HTML page: the curve, the trials, and the motion at the answer."""
+    held, apart = found.sides
+    if (apart or held) is not None:
+        return page_of_check(Checked(cast(Interlock, apart or held)), command=command)
+    title = gap_sentence(found)
+    rows = [
+        (t.gap, "" if t.value is None else t.value, "" if t.at_most is None else t.at_most, t.verdict)
+        for t in found.trials
+    ]
+    what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
+    sections = [
+        section("Against the gap", svg=picture_of_gap(found, framed=False)),
+        section("How sure is it", terms=gap_sure(found)),
+        section("Everything that was tried", columns=["gap mm", what, "at most", "verdict"], rows=rows),
+    ]
+    near = [t.answer for t in found.trials if t.answer is not None and t.gap == found.gap]
+    shown: dict[str, Any] = _about(near[0], command) if near else {"opened": opened(found.assembly, found.goals)}
+    told = shown | {"said": Title(title, gap_facts(found)), "tab": "study", "study": StudyTab("Gap", sections)}
+    return baked(title, **told)
+
+
+def page_of_tolerances(found: WorstCase, *, command: str = "") -> str:
+    """Worst case within tolerances as one HTML page: who contributes, the numbers, and the motion at the worst corner."""
+    title = tolerances_sentence(found)
+    rows = [
+        (tolerance_name(c.tolerance), c.tolerance.plus, c.tolerance.minus, c.slope, c.looser, share)
+        for c, share in zip(found.contributions, found.percent.tolist(), strict=True)
+    ]
+    heads = ["tolerance", "plus mm", "minus mm", "mm per mm", "adds mm", "%"]
+    sections = [
+        section("Worst and best", terms=tolerances_sure(found)),
+        section("Contributions", "To first order, one at a time.", columns=heads, rows=rows),
+    ]
+    told = _about(found.loosest, command) | {
+        "said": Title(title, tolerances_facts(found)),
+        "tab": "study",
+        "study": StudyTab("Tolerances", sections),
     }
     return baked(title, **told)
 

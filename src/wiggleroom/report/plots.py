@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.report import frame, palette
-from wiggleroom.report.axes import WIDTH, finished, plot, span, text, uprights
+from wiggleroom.report.axes import WIDTH, across, finished, plot, span, text, uprights
 from wiggleroom.report.text import elide, wrap
 from wiggleroom.report.words import number
 
@@ -29,6 +29,7 @@ def curve(
     title: str,
     facts: Sequence[str] = (),
     marks: Sequence[Mark] = (),
+    level: Mark | None = None,
     command: str = "",
 ) -> str:
     """Curve through points, such as motion against gap; it is broken where `y` is not finite.
@@ -41,6 +42,8 @@ def curve(
         With units: ("gap mm", "motion mm").
     marks : sequence of (value, label)
         Upright lines, such as where interlock is lost.
+    level : (value, label), optional
+        Line across, such as the largest motion that is wanted.
 
     Examples
     --------
@@ -51,7 +54,9 @@ def curve(
     """
     x, y = _values(x, y)
     shown = [x[np.isfinite(x)], np.array([m[0] for m in marks])]
-    axes, body = plot(span(np.concatenate(shown)), span(y, zero=True), labels, title, facts)
+    heights = y if level is None else np.append(y, level[0])
+    axes, body = plot(span(np.concatenate(shown)), span(heights, zero=True), labels, title, facts)
+    body += across(axes, level, palette.FIXED[1]) if level else []
     at, there = axes.pixels(x, np.where(np.isfinite(y), y, 0.0)), np.isfinite(x) & np.isfinite(y)
     colour = palette.PULLED[1]
     line = "".join(
@@ -94,10 +99,10 @@ def histogram(
     facts = [*facts] + ([f"{len(values) - len(some)} without limit, not drawn"] if len(some) < len(values) else [])
     lines = sorted([(m, palette.QUIET) for m in marks] + ([(limit, palette.FIXED[1])] if limit else []))
     count, edges = np.histogram(some, _bins(some, limit))
-    across = span(np.concatenate([some, edges if len(some) else [], [m[0] for m, _ in lines]]))
+    wide = span(np.concatenate([some, edges if len(some) else [], [m[0] for m, _ in lines]]))
     least, most = span(count.astype(float), zero=True)
     most /= 1 - min(0.06 * len(lines), 0.5)  # labels of the lines have room above the bars
-    axes, body = plot(across, (least, most), (label, "how many"), *((title, facts) if framed else ("", ())))
+    axes, body = plot(wide, (least, most), (label, "how many"), *((title, facts) if framed else ("", ())))
     for n, low, high in zip(count.tolist(), edges[:-1], edges[1:], strict=True):
         if n:
             fill, stroke = palette.FIXED if limit and low >= limit[0] else palette.PULLED

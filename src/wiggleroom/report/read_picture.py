@@ -10,7 +10,7 @@ import shapely
 from wiggleroom.assembly.inventory import InventoryRow
 from wiggleroom.assembly.model import Assembly
 from wiggleroom.assembly.overlaps import overlap_areas
-from wiggleroom.drawing.model import part_of
+from wiggleroom.drawing.model import Points, part_of
 from wiggleroom.drawing.outlines import Remark
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.arrows import goal_mark
@@ -122,15 +122,17 @@ def _drawn(view: View, kind: str, marks: Sequence[Remark]) -> list[str]:
         shapes = [f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{_RADIUS:g}"/>' for x, y in points[np.sort(first)].tolist()]
     else:
         closed = "z" if kind in ("hole", "overlap") else ""
-        shapes = [
-            f'<path d="M{" ".join(f"{x:.2f},{y:.2f}" for x, y in shapely.get_coordinates(shapely.simplify(shapely.LineString(line), 0.05)).tolist())}{closed}"/>'
-            for line in lines
-            if len(line) > 1
-        ]
+        shapes = [f'<path d="{_data(line)}{closed}"/>' for line in lines if len(line) > 1]
         if kind in ("crossing", "overlap"):  # what is small must be seen, too
             middles = [line.mean(axis=0) for line in lines if len(line) and np.ptp(line, axis=0).max() < 2 * _RADIUS]
             shapes += [f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{2 * _RADIUS:g}" fill="none"/>' for x, y in middles]
     return [f"<g{plain} {style}>" + "".join(shapes) + "</g>"] if shapes else []
+
+
+def _data(line: Points) -> str:
+    """Path data of a line [px], without corners that cannot be seen."""
+    corners = shapely.get_coordinates(shapely.simplify(shapely.LineString(line), 0.05)).tolist()
+    return "M" + " ".join(f"{x:.2f},{y:.2f}" for x, y in corners)
 
 
 def _swatch(kind: str) -> str:
@@ -155,7 +157,7 @@ def _lists(
                 y += size + 5
                 found.append(_cell(palette.MARGIN, y, size, colour, text))
         y += 8 if lines else 0
-    table = [("part", "width mm", "height mm", "x mm", "y mm", "holes", "layer")]
+    table: list[tuple[str, ...]] = [("part", "width mm", "height mm", "x mm", "y mm", "holes", "layer")]
     for row in rows[:_MOST_ROWS]:
         lengths = (f"{value:.2f}" for value in (row.width, row.height, row.x, row.y))
         table.append((short(row.name), *lengths, str(row.holes), short(row.layer)))

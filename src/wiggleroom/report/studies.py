@@ -1,4 +1,4 @@
-"""What `tighten`, `sweep` and `sample` found, as JSON, as tables and as CSV."""
+"""What `tighten`, `sweep` and `sample` found, as JSON and as tables."""
 
 from __future__ import annotations
 
@@ -137,12 +137,6 @@ def lost_sentence(found: Sweep) -> str:
     if free:
         return f"nothing stops the motion at a gap of {number(free[0])} mm, the first that leaves room"
     return "nothing in this range sets it free" if found.steps else "stopped before the first gap was done"
-
-
-def sweep_csv(found: Sweep) -> str:
-    """Gaps as comma-separated values, a line each."""
-    lines = [f"{s.gap!r},{'' if s.objective is None else repr(float(s.objective))},{s.verdict}" for s in found.steps]
-    return "\n".join(["gap,objective,verdict", *lines]) + "\n"
 
 
 def sample_result(found: Sample, command: str = "") -> SampleResult:

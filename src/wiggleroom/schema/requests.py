@@ -55,6 +55,10 @@ class OpenRequest(Request, tag="open", kw_only=True):
     unit: Literal["mm", "cm", "m", "in", "px"] | None = None
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+    only: tuple[str, ...] = ()
+    skip: tuple[str, ...] = ()
+    join: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+    solid: tuple[str, ...] = ()
     design: Design | None = None
 
 

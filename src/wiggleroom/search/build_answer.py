@@ -24,6 +24,10 @@ from wiggleroom.verdict import SolverStatus, Verdict
 Floats = NDArray[np.float64]
 
 
+END_TOLERANCE = 1e-6
+"""A path that is certain up to this share of the objective before its end has arrived: an end may lie in a wall by rounding."""
+
+
 def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
     """Check the way and the end of the best motion, and say how sure it is."""
     started = time.perf_counter()
@@ -32,10 +36,12 @@ def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: 
         raise WiggleroomError("the search ended before its first round")
     search.tell(Progress("check", search.rounds, 0, found.value))
     way, safe = search.way(found), OVERLAP_TOLERANCE * ready.size
-    verdict, value, motions = _verdict(search, found, way.sure), found.value, way.motions
+    value, motions = found.value, way.motions
     if not way.sure:  # back to the last way-point up to which the path is certain
         motions = motions[: max(way.certain, 1)]
         value = search.objective.value(motions[-1])
+    arrived = value >= found.value - END_TOLERANCE * max(abs(found.value), ready.clearance)
+    verdict = _verdict(search, found, way.sure or arrived)
     deepest = overlaps(ready.bodies, motions[-1], ready.barred).deepest
     if deepest > safe:  # never report an overlap: back to the last way-point without one
         motions, deepest = _safe_part(search, motions, safe)

@@ -19,7 +19,7 @@ from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
 
-MOST_BOXES, BOX_WORK = 120_000, 2_400_000
+MOST_BOXES, BOX_WORK = 120_000, 1_500_000
 """Boxes judged at most, and boxes times corners: a box takes longer where there are more corners."""
 BETTER, PROVEN = 1e-4, 9e-4
 """Motions better by the first share are looked for, until none better by the second is left."""
@@ -46,28 +46,25 @@ def complete(first: LocalSearch) -> tuple[LocalSearch, float | None]:
     if boxes is None:
         return first, None
     for _ in range(MOST_CLIMBS):
-        found = best.best
-        if found is None or best.unlimited or found.value <= 0 or not best.way(found).sure:
+        value, free = best.certain_value()
+        if free or value <= 0:
             break
-        most = found.value * (1 + PROVEN)
-        closed, way = boxes.beyond(found.value * (1 + BETTER), most, first.stop)
+        most = value * (1 + PROVEN)
+        closed, way = boxes.beyond(value * (1 + BETTER), most, first.stop)
         if closed:
             return best, most
         start = None if way is None else _start(ready, boxes, way)
         if start is None:
             break
         climb = LocalSearch(ready, first.objective, first.solve, THOROUGH, first.stop, first.tell)
-        end = climb.improve(start)
+        climb.improve(start)
         climb.rounds, climb.iterations = climb.rounds + best.rounds, climb.iterations + best.iterations
         climb.seconds = {stage: spent + best.seconds[stage] for stage, spent in climb.seconds.items()}
-        if (
-            end is None
-            or not climb.ended
-            or not climb.way(end).sure
-            or not (climb.unlimited or end.value > found.value)
-        ):
+        further, free = climb.certain_value()
+        if not climb.ended or not (free or further > value):
             break
         best = climb
+    best.ended = best.ended and not first.stopped
     return best, None
 
 

@@ -7,6 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.freespace.cells.cells import grow_cells, joined, select
+from wiggleroom.geometry.neighbours import relative_rest
 from wiggleroom.program.objectives import Objective, PointMotion
 from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.loop import LocalSearch, Policy
@@ -22,6 +24,8 @@ WORK = 2000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
+MOST_PAIRS = 200
+"""Up to so many pairs that are apart at rest are known from the start."""
 BETTER = 1e-4
 """An end better by this share is followed to its own end."""
 ALONE = 0.5
@@ -83,12 +87,13 @@ class _GlobalSearch:
     def __init__(self, first: LocalSearch) -> None:
         ready = first.ready
         self.first, self.best, self.made, self.work = first, first, 0, 0.0
-        self.tree = StateTree(at_rest(ready), ready.bodies.radius, ready.clearance)
+        self.tree = StateTree(_rest_of_all_pairs(ready), ready.bodies.radius, ready.clearance)
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
-        self.value, self.free = _certain_value(first)
+        self.value, self.free = first.certain_value()
         self.values = [self.value]
+        self.hills = {0: self.value}  # values to which the states climbed
         if first.best is not None and not self.free and first.way(first.best).sure:
-            self.tree.add(first.best, 0)
+            self.hills[self.tree.add(first.best, 0)] = self.value
 
     def goes_on(self, starts: int | None) -> bool:
         """True while there is more to do."""
@@ -120,14 +125,19 @@ class _GlobalSearch:
     def start_from(self, state: int, aside: Objective) -> None:
         """Climb another objective from a state for a short while, and then the true one."""
         self.made += 1
-        between = self._climb(aside, ASIDE, state)[1]
+        between, met = self._step_aside(aside, state)
+        if met is not None and met in self.hills:
+            self.values.append(self.hills[met])
         if between is None:
             return
-        climb, _ = self._climb(self.first.objective, CLIMB, between)
-        found = climb.best
+        climb = self._search(self.first.objective, CLIMB)
+        found = self._run(climb, self.tree.states[between].start)
         if found is None or not climb.ended or not climb.way(found).sure:
             return
         self.values.append(found.value)
+        self.hills[between] = found.value
+        if not climb.unlimited and self.tree.known(found.motion) is None:
+            self.hills[self.tree.add(found, between)] = found.value
         least = BETTER * max(abs(found.value), self.first.ready.clearance)
         if climb.unlimited or found.value > self.value + least:
             self._follow(replace(found, legs=(*self.tree.legs_to(between), *found.legs[1:])))
@@ -136,19 +146,23 @@ class _GlobalSearch:
         """Follow a better end to its own end; it becomes the best where its path is certain."""
         search = self._search(self.first.objective, THOROUGH)
         found = self._run(search, incumbent.start())
-        if found is None or not search.ended or not search.way(found).sure:
+        if found is None or not search.ended:
             return
-        if search.unlimited or found.value > self.value:
-            self.best, self.value, self.free = search, found.value, search.unlimited
-            self.values[-1] = found.value
+        value, free = search.certain_value()
+        if free or value > self.value:
+            self.best, self.value, self.free = search, value, free
+            self.values[-1] = value
 
-    def _climb(self, objective: Objective, policy: Policy, state: int) -> tuple[LocalSearch, int | None]:
-        """Climb from a state; the number of the new state where the end is one that is certainly reached."""
-        search = self._search(objective, policy)
+    def _step_aside(self, objective: Objective, state: int) -> tuple[int | None, int | None]:
+        """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
+        search = self._search(objective, ASIDE)
         found = self._run(search, self.tree.states[state].start)
-        if found is None or search.unlimited or search.stopped or not self.tree.novel(found.motion):
-            return search, None
-        return search, self.tree.add(found, state) if search.way(found).sure else None
+        if found is None or search.unlimited or search.stopped:
+            return None, None
+        known = self.tree.known(found.motion)
+        if known is not None or not search.way(found).sure:
+            return None, known
+        return self.tree.add(found, state), None
 
     def _search(self, objective: Objective, policy: Policy) -> LocalSearch:
         first = self.first
@@ -164,14 +178,18 @@ class _GlobalSearch:
         return found
 
 
-def _certain_value(search: LocalSearch) -> tuple[float, bool]:
-    """Value of what a search has certainly reached, and whether nothing stops it there."""
-    if search.best is None:
-        return 0.0, False
-    way = search.way(search.best)
-    if way.sure:
-        return search.best.value, search.unlimited
-    return search.objective.value(way.motions[max(way.certain, 1) - 1]), False
+def _rest_of_all_pairs(ready: Prepared) -> Start:
+    """Rest, with cells for all pairs of bodies where these are few: what moves far would else pass through what it did not know."""
+    rest, bodies, cells = at_rest(ready), ready.bodies, ready.cells
+    n = len(bodies.fixed)
+    a, b = np.triu_indices(n, 1)
+    key = a * n + b
+    new = ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(key, np.concatenate([ready.barred, cells.a * n + cells.b]))
+    if new.sum() > MOST_PAIRS:
+        return rest
+    a, b = a[new], b[new]
+    grown, good = grow_cells(bodies, a, b, relative_rest(bodies, a, b), np.full(len(a), ready.clearance))
+    return replace(rest, cells=joined(cells, select(grown, np.flatnonzero(good))))
 
 
 def _turns(ready: Prepared) -> list[Objective]:

@@ -210,6 +210,15 @@ class LocalSearch:
         far = np.hypot(*self.best.motion[asked, :2].T).max(initial=0.0) > FAR * self.ready.size
         return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > ROUND)
 
+    def certain_value(self) -> tuple[float, bool]:
+        """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
+        if self.best is None:
+            return 0.0, False
+        way = self.way(self.best)
+        if way.sure:
+            return self.best.value, self.unlimited
+        return self.objective.value(way.motions[max(way.certain, 1) - 1]), False
+
     def way(self, found: Incumbent) -> Way:
         """The path to a motion, checked; worked out once."""
         if self.checked is None or self.checked[0] is not found:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +24,8 @@ Ints = NDArray[np.int64]
 
 MOST_SPLITS = 12
 """A piece of the path is halved at most this often."""
+MOST_AT_ONCE = 32
+"""So many pieces are halved before the audit looks again, the first ones first: where one of them fails, the rest is of no use."""
 FEW_SPLITS = 3
 """The same where the pair that may overlap on it is not in its program."""
 
@@ -131,13 +133,12 @@ def _refined_stretch(
     """Halve the doubtful pieces of a stretch until none is left, or that does not help; True where none is."""
     doubtful = np.ones(len(points) - 1, dtype=bool)
     while True:
+        halved = set(np.flatnonzero(doubtful)[:MOST_AT_ONCE].tolist())
         finer = [points[0]]
-        for k, doubt in enumerate(doubtful):
-            if doubt:
-                finer.append(refiner.middle(points[k], points[k + 1]))
-            depth = points[k + 1].depth + 1 if doubt else points[k + 1].depth
-            after = points[k + 1]
-            finer.append(_Point(after.leg, after.index, after.u, depth))
+        for k, after in enumerate(points[1:]):
+            if k in halved:
+                finer.append(refiner.middle(points[k], after))
+            finer.append(replace(after, depth=after.depth + (k in halved)))
         points = finer
         audit = audit_path(parts, _waypoints(ready, legs, points))
         doubtful = audit.doubtful
@@ -172,11 +173,12 @@ class _Refiner:
 def _middle(program: Program, retraction: Retraction, matrix: Factor, u: Floats, v: Floats) -> Floats:
     """A point half way between two, moved until its rows are about the mean of theirs, where they fell behind.
 
-    Rows that do not hold at one of the two are left alone: such pairs are far apart, behind their walls.
+    Rows that do not hold at one of the two are left alone: such pairs are far apart, behind their walls. Where rows would drive
+    it far aside it stays half way.
     """
     at_u, at_v = program.values(u), program.values(v)
     target = (np.minimum(at_u, at_v) > 0) * (at_u + at_v) / 2
-    middle = retraction.between(u, v)
+    between = middle = retraction.between(u, v)
     weight = np.where(target > 0, 1.0 / np.maximum(target, 1e-12) ** 2, 0.0)
     for _ in range(10):
         at = program.linearise(middle)
@@ -187,4 +189,5 @@ def _middle(program: Program, retraction: Retraction, matrix: Factor, u: Floats,
         while not matrix.update(at.condensed(weight, np.zeros_like(weight), share=0.0), shift):
             shift *= 100
         middle = retraction.step(middle, matrix.solve(at.against(weight * short)), at)
-    return middle
+    halves = np.abs(middle - between).max() <= np.abs(v - u).max() / 2  # else pieces would not get shorter
+    return middle if halves else between

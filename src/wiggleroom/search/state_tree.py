@@ -60,10 +60,8 @@ class StateTree:
         """Begin with rest."""
         self._append(VisitedState(self.rest.inner, self.rest))
 
-    def add(self, end: Incumbent, parent: int) -> int | None:
-        """Keep the end of a search from a state if it is new; its number, or None."""
-        if not self.novel(end.motion):
-            return None
+    def add(self, end: Incumbent, parent: int) -> int:
+        """Keep the end of a search from a state; its number."""
         start = end.start()
         here = Leg(start.legs[-1].program, start.legs[-1].points[-1:])
         self._append(VisitedState(end.motion, replace(start, legs=(here,)), parent, start.legs))
@@ -76,11 +74,12 @@ class StateTree:
             legs, state = (*self.states[state].legs, *legs), self.states[state].parent
         return legs
 
-    def novel(self, motion: Floats) -> bool:
-        """True where a body lies otherwise than in every state before."""
+    def known(self, motion: Floats) -> int | None:
+        """The state at which no body lies otherwise by more than a share of the clearance; None where the motion is new."""
         change = np.abs(np.array([state.motion for state in self.states]) - motion)
-        moved = np.hypot(change[..., 0], change[..., 1]) + self.radius * change[..., 2]
-        return bool(moved.max(axis=1).min() > NOVEL * self.clearance)
+        moved = (np.hypot(change[..., 0], change[..., 1]) + self.radius * change[..., 2]).max(axis=1)
+        nearest = int(moved.argmin())
+        return nearest if moved[nearest] <= NOVEL * self.clearance else None
 
     def pick(self, random: np.random.Generator) -> int:
         """A state to go on from: at random, those that were seldom chosen rather than others."""

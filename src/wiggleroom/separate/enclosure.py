@@ -64,6 +64,8 @@ class Wall:
 
     def hole(self, b: int, disc: Disc, radius: float) -> shapely.Polygon | None:
         """What is left free round the middle of a disc in body b by the wall made thicker by up to `radius`, where it is bounded."""
+        if disc.radius <= 0:  # its middle need not lie in the body
+            return None
         n, group = len(self._geometry), self._group
         passed = np.isin(np.minimum(group, b) * n + np.maximum(group, b), self._barred)
         thicker = GRADES ** np.floor(np.log(radius) / np.log(GRADES)) if radius > 0 else 0.0
@@ -155,10 +157,11 @@ def holds(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
     True
     """
     for piece in shapely.get_parts(shapely.intersection(body, shapely.convex_hull(wall))):
-        if shapely.area(piece) > 0:
-            disc = largest_disc(piece)
-            if hole_round(shapely.buffer(wall, CAREFUL * disc.radius, quad_segs=8), disc.middle) is not None:
-                return True
+        disc = largest_disc(piece) if shapely.area(piece) > 0 else None
+        if disc is None or disc.radius <= 0:
+            continue
+        if hole_round(shapely.buffer(wall, CAREFUL * disc.radius, quad_segs=8), disc.middle) is not None:
+            return True
     return False
 
 

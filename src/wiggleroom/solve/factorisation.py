@@ -9,12 +9,27 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.program.nonlinear_program import Pattern
-
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
 """Up to so many rows one column at a time is the quickest, and from so many on nested dissection and threads pay."""
+
+
+class SparsePattern(Protocol):
+    """Where the entries of a symmetric matrix live: upper triangle, compressed columns."""
+
+    @property
+    def indptr(self) -> Ints:
+        """Column pointers."""
+
+    @property
+    def indices(self) -> Ints:
+        """Row indices."""
+
+    @property
+    def diagonal(self) -> Ints:
+        """Where the diagonal lives."""
 
 
 class Factor(Protocol):
@@ -27,7 +42,7 @@ class Factor(Protocol):
         """Solution of the factorised system."""
 
 
-def factor(pattern: Pattern) -> Factor:
+def factor(pattern: SparsePattern) -> Factor:
     """The fastest factorisation that is installed: rslab (extra `fast`) for more than a few hundred bodies, else qdldl."""
     if len(pattern.indptr) <= MAX_SIMPLICIAL_ROWS:
         return Plain(pattern)
@@ -40,8 +55,8 @@ def factor(pattern: Pattern) -> Factor:
 class Plain:
     """qdldl: one column at a time."""
 
-    def __init__(self, pattern: Pattern) -> None:
-        self._diagonal = pattern.diagonal_at[:, [0, 2, 5]].ravel()
+    def __init__(self, pattern: SparsePattern) -> None:
+        self._diagonal = pattern.diagonal
         n = len(pattern.indptr) - 1
         self._matrix = sp.csc_matrix((np.zeros(len(pattern.indices)), pattern.indices, pattern.indptr), shape=(n, n))
         self._solver: Any = None
@@ -70,7 +85,7 @@ class Plain:
 class Supernodal:
     """rslab: dense blocks, which pays from some hundred bodies on."""
 
-    def __init__(self, pattern: Pattern) -> None:
+    def __init__(self, pattern: SparsePattern) -> None:
         import rslab
 
         n = len(pattern.indptr) - 1
@@ -80,7 +95,7 @@ class Supernodal:
         lower = sp.csc_matrix(upper.T)
         lower.sort_indices()
         self._order = lower.data.astype(np.int64)  # where each entry of the lower triangle stands in the upper one
-        self._diagonal = pattern.diagonal_at[:, [0, 2, 5]].ravel()
+        self._diagonal = pattern.diagonal
         ordering = "metis" if n > MIN_DISSECTION_ROWS else "amd"
         self._symbolic = rslab.analyze(
             lower, path="ldlt", ordering=ordering, threads=min(4, os.cpu_count() or 1) if n > MIN_DISSECTION_ROWS else 1

@@ -107,7 +107,9 @@ def _casadi() -> Any:
 
 def described() -> str:
     """The linear solver and the options that IPOPT is given, for whoever quotes its times."""
-    options = {k.removeprefix("ipopt."): v for k, v in _options(None, INITIAL_BARRIER, 1e-6).items() if k.startswith("ipopt.")}
+    options = {
+        k.removeprefix("ipopt."): v for k, v in _options(None, INITIAL_BARRIER, 1e-6).items() if k.startswith("ipopt.")
+    }
     told = ("linear_solver", "nlp_scaling_method", "tol", "acceptable_tol", "mu_init", "bound_relax_factor", "max_iter")
     return "through CasADi, exact derivatives; " + ", ".join(f"{name} {options[name]}" for name in told)
 

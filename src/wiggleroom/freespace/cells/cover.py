@@ -109,6 +109,7 @@ class _Work:
         """Return what the cells leave of every slice."""
         left = np.array([s.region for s in slices], dtype=object)
         for c in range(len(cells.a)):
+            go_on(self.stop)
             at, polygons = self.polygons(cells, c, slices)
             left[at] = _without(left[at], polygons)
         return left

@@ -253,8 +253,8 @@ def cheapest(
 ):  # fmt: skip
     """Cheapest ways of boxes from `start` to goals; mixed boxes cost much more than free ones.
 
-    Fills `ends` with the goals, the cheapest first, and returns how many there are: none where free and mixed boxes reach no goal. With
-    `turning` the ends of the turn are rim too.
+    Fills `ends` with the goals, the cheapest first, and returns how many there are: none where free and mixed boxes reach no goal, -1
+    where there was no room to tell. With `turning` the ends of the turn are rim too.
     """
     cost[:count] = np.inf
     cost[start], before[start] = 0.0, -1
@@ -278,7 +278,9 @@ def cheapest(
             if state[m] == FORBIDDEN or state[m] == TINY:
                 continue
             price = at + (0.01 * 0.5 ** level[m] + 1e-5 if state[m] == FREE else 1.0)
-            if price < cost[m] and size < len(heap):
+            if price < cost[m]:
+                if size == len(heap):
+                    return -1
                 cost[m], before[m] = price, n
                 heap_cost[size], heap[size] = price, m
                 _sift_up(heap_cost, heap, size)
@@ -331,7 +333,7 @@ def search(
     most = len(level)
     cost, before = np.empty(most), np.empty(most, dtype=np.int64)
     heap_cost, heap = np.empty(8 * most), np.empty(8 * most, dtype=np.int64)
-    out, ends = np.empty(100000, dtype=np.int64), np.empty(goals, dtype=np.int64)
+    out, ends = np.empty(3 * most + 2, dtype=np.int64), np.empty(goals, dtype=np.int64)
     x, y, z = -origin[0] / scale[0], -origin[1] / scale[0], -origin[2] / scale[1]
     while True:
         n = leaf_at(x, y, z, middle, first)
@@ -350,6 +352,8 @@ def search(
             start, middle, level, state, first, count, origin, scale, wrap, turning, asked, cost, before, heap_cost, heap,
             out, ends,
         )  # fmt: skip
+        if found < 0:
+            return SPENT, count, 0
         if found == 0:
             given_up = False
             for n in range(count):

@@ -1,0 +1,103 @@
+"""What looks odd about a drawing though nothing is wrong: a gap too large, a wrong unit, a sheet that is not an assembly."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.model import Drawing
+
+LARGE_GAP = 0.1
+"""A gap above this share of the smallest part is doubted."""
+WIDE, NARROW = 5000.0, 1.0
+"""A drawing wider or narrower than this [mm] is doubted."""
+FAR = 0.02
+"""A part is alone where the next one is further than this share of its own size, and than four gaps."""
+
+
+def doubts(drawing: Drawing, *, drawn: bool = True) -> tuple[str, ...]:
+    """One line for each number that looks as if something else was meant.
+
+    Parameters
+    ----------
+    drawing : Drawing [mm]
+        Sound, as from an assembly.
+    drawn : bool
+        False: outlines come from numbers that are meant; only the gap is doubted.
+
+    Examples
+    --------
+    >>> from wiggleroom.drawing.model import Part, Region
+    >>> square = Region(np.array([[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]]))
+    >>> two = tuple(Part(name, (square,), at=(x, 0.0, 0.0)) for name, x in (("a", 0.0), ("b", 25.0)))
+    >>> print(*doubts(Drawing(two, gap=4.0)), sep="; ")
+    the gap of 4 mm is large beside part "a", 20 mm wide: is it in mm?
+    >>> print(*doubts(Drawing(two)), sep="; ")
+    these look like parts on a cutting sheet: 2 of 2 touch nothing; wiggleroom assemble puts a sheet's parts together
+    """
+    shapes, owner = placed(drawing.parts)
+    box = shapely.bounds(shapes)
+    low = np.full((len(drawing.parts), 2), np.inf)
+    high = -low
+    np.minimum.at(low, owner, box[:, :2])
+    np.maximum.at(high, owner, box[:, 2:])
+    sizes = (high - low).min(axis=1)
+    if not drawn:
+        return tuple(_gap_doubts(drawing, sizes))
+    return (
+        *_size_doubts(float((high.max(axis=0) - low.min(axis=0)).max())),
+        *_gap_doubts(drawing, sizes),
+        *_sheet_doubts(drawing, shapes, owner, (high - low).max(axis=1)),
+    )
+
+
+def _size_doubts(size: float) -> list[str]:
+    if size > WIDE:
+        return [f"the drawing is {size / 1000:.4g} m wide: is its unit right? --unit says another"]
+    if size < NARROW:
+        return [f"the drawing is {size:.3g} mm wide: is its unit right? --unit says another"]
+    return []
+
+
+def _gap_doubts(drawing: Drawing, sizes: NDArray[np.float64]) -> list[str]:
+    least = int(np.argmin(sizes))
+    if drawing.gap <= LARGE_GAP * sizes[least]:
+        return []
+    name, wide = drawing.parts[least].name, float(sizes[least])
+    return [f'the gap of {drawing.gap:.4g} mm is large beside part "{name}", {wide:.4g} mm wide: is it in mm?']
+
+
+def _sheet_doubts(
+    drawing: Drawing, shapes: NDArray[np.object_], owner: NDArray[np.int64], sizes: NDArray[np.float64]
+) -> list[str]:
+    """Most parts near nothing, and none of these inside another one's hull."""
+    count = len(drawing.parts)
+    if count < 2:
+        return []
+    room = np.maximum(FAR * sizes, 4 * drawing.gap)
+    hulls = shapely.convex_hull(shapes)
+    tree = shapely.STRtree(hulls)
+    i, j = tree.query(shapely.box(*_grown(shapely.bounds(shapes), room[owner])))
+    i, j = i[owner[i] != owner[j]], j[owner[i] != owner[j]]
+    near = shapely.distance(shapes[i], shapes[j]) <= room[owner[i]]
+    near |= shapely.intersects(hulls[i], shapes[j]) | shapely.intersects(shapes[i], hulls[j])
+    together = np.zeros(count, dtype=bool)
+    together[owner[i[near]]] = True
+    together[owner[j[near]]] = True
+    names = [part.name for part in drawing.parts]
+    together |= np.array([name in glue_groups(drawing) for name in names])
+    alone = int(count - together.sum())
+    if 2 * alone < count or alone < 2:
+        return []
+    return [
+        f"these look like parts on a cutting sheet: {alone} of {count} touch nothing; "
+        "wiggleroom assemble puts a sheet's parts together"
+    ]
+
+
+def _grown(bounds: NDArray[np.float64], room: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Boxes (n, 4) larger by `room` (n,) on all sides, as rows of left, bottom, right, top (4, n)."""
+    return (bounds + np.column_stack([-room, -room, room, room])).T

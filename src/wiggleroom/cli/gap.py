@@ -1,0 +1,80 @@
+"""`wiggleroom gap`."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.running import TimeLimit
+
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), StudyOutputs(), TimeLimit()
+
+
+def gap(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: StudyOutputs = _NO_OUTPUTS,
+    limit: TimeLimit = _ENDLESS,
+    at_most: float | None = None,
+    holds: Annotated[bool, Parameter(negative="")] = False,
+    fits: float | None = None,
+    kerf: float | None = None,
+) -> int:
+    """Find the gap to draw: the largest that keeps a motion small or the parts together, or the smallest that fits.
+
+    Answers one of --at-most, --holds and --fits, with a state that was checked on either side: the answer and the
+    nearest gap that fails lie no more than one per cent apart. Proven is an answer that a bound vouches for, else it is
+    searched. Exit code: 0 answered, 3 no such gap, or the time was over before both sides lay near each other.
+
+    Example: wiggleroom gap box.svg --fix box --pull lid:+x --at-most 0.5
+
+    Example: wiggleroom gap puzzle.svg --holds --picture border.svg
+
+    Example: wiggleroom gap puzzle.svg --fits 0.1 --kerf 0.15
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json). Its own gap is where the search begins.
+    at_most
+        The largest gap at which the motion asked for is no more than this [mm, turns in rad].
+    holds
+        The largest gap at which the parts interlock.
+    fits
+        The smallest gap at which the parts fit beside each other when every outline is up to so much larger all round [mm].
+    kerf
+        Width of the cut [mm]: the answer is also given as the offset to set at the cutter.
+    """
+    import math
+    import shlex
+
+    from wiggleroom.cli.running import unless_stopped
+    from wiggleroom.cli.watch import interruptible, progress
+    from wiggleroom.errors import InputError
+
+    outputs.check(file)
+    if kerf is not None and not (math.isfinite(kerf) and kerf >= 0):
+        wrong = f"--kerf {kerf:g}: it must be 0 or more"
+        raise InputError(wrong)
+    if sum((at_most is not None, holds, fits is not None)) != 1:
+        raise InputError("gap: ask one question: --at-most 0.5, --holds or --fits 0.1")
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
+        assembly = read(file, asked)
+
+        from wiggleroom.sensitivity.allowable_gap import allowable_gap
+
+        found = allowable_gap(assembly, at_most=at_most, holds=holds, fits=fits, stop=stop, progress=show)
+    from dataclasses import replace
+
+    from wiggleroom.report.gap_limit import gap_result, gap_table
+
+    shown = outputs if found.trials else replace(outputs, picture=None)  # nothing was found that could be drawn
+    tell(shown, lambda: gap_result(found, command, kerf), lambda: gap_table(found, kerf), found, command)
+    return 3 if found.gap is None or found.stopped else 0

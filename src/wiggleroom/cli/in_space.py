@@ -1,0 +1,171 @@
+"""The commands for assemblies in space, files of format wiggleroom/2."""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from wiggleroom.cli.options import Asked
+from wiggleroom.cli.outputs import Outputs
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
+
+_AXES = {
+    f"{sign}{axis}": tuple(float(f"{sign}1") * (k == i) for k in range(3))
+    for i, axis in enumerate("xyz")
+    for sign in "+-"
+}
+_HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
+SPATIAL_PICTURES = (".svg", ".png", ".glb")
+
+
+def spatial_questions(
+    pulls: Iterable[str], turns: Iterable[str], weight: str | None
+) -> tuple[list[SpatialGoal], list[str]]:
+    """Goals from the texts of `--pull`, `--turn` and `--weight`, and one line for each that cannot be read.
+
+    >>> spatial_questions(["lid:+z@1,2,3"], [], None)[0]
+    [SpatialPull(part='lid', direction=(0.0, 0.0, 1.0), point=(1.0, 2.0, 3.0), weight=1.0)]
+    """
+    from wiggleroom.spatial.spatial_model import SpatialPull, SpatialTurn, Weight
+
+    found: list[SpatialGoal] = []
+    wrong: list[str] = []
+    for text in pulls:
+        name, _, way = text.rpartition(":")
+        along, at, place = way.partition("@")
+        direction, point = _direction(along), _three(place)
+        if not name or direction is None:
+            wrong.append(f"--pull {text}: {_HOW}")
+        elif at and point is None:
+            wrong.append(f"--pull {text}: after @ write the pulled point in mm, as NAME:+z@12,1,3")
+        else:
+            found.append(SpatialPull(name, direction, point))
+    for text in turns:
+        name, _, way = text.rpartition(":")
+        direction = _direction(way)
+        if not name or direction is None:
+            wrong.append(f"--turn {text}: {_HOW}")
+        else:
+            found.append(SpatialTurn(name, direction))
+    if weight is not None:
+        direction = _direction(weight)
+        if direction is None:
+            wrong.append(f"--weight {weight}: write +x, -x, +y, -y, +z or -z, or three numbers as 0,0.6,-0.8")
+        else:
+            found.append(Weight(direction))
+    return found, wrong
+
+
+def _direction(text: str) -> tuple[float, float, float] | None:
+    found = _AXES.get(text) or _three(text)
+    return found if found is not None and math.hypot(*found) > 0 else None  # type: ignore[return-value]
+
+
+def _three(text: str) -> tuple[float, float, float] | None:
+    """Three finite numbers "x,y,z", or None."""
+    number = r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*"
+    match = re.fullmatch(f"{number},{number},{number}", text)
+    found = (float(match[1]), float(match[2]), float(match[3])) if match else None
+    return found if found and all(map(math.isfinite, found)) else None
+
+
+def read_in_space(file: str, asked: Asked) -> SpatialAssembly:
+    """Spatial assembly that a file and the options describe; its notes go to stderr.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong, one line each.
+    """
+    from wiggleroom.cli.asking import names
+    from wiggleroom.cli.say import note
+    from wiggleroom.errors import InputError
+
+    goals, wrong = spatial_questions(asked.pull, asked.turn, asked.weight)
+    if asked.gap is not None and not (math.isfinite(asked.gap) and asked.gap >= 0):
+        wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
+    for option in ("unit", "flatten", "objective", "only", "skip", "join", "solid", "ignore", "glue", "gap_of"):
+        if getattr(asked, option) not in (None, ()):
+            wrong.append(f"--{option.replace('_', '-')} is for drawings; {file} is an assembly in space: leave it out")
+    if wrong:
+        raise InputError(wrong)
+    from wiggleroom.spatial.spatial_assembly import assemble_spatial
+    from wiggleroom.spatial.spatial_file import read_spatial
+
+    drawing = read_spatial(file if "\n" in file else _path(file))
+    for line in drawing.notes:
+        note(line)
+    fixed = names(asked.fix, {p.name for p in drawing.parts})
+    return assemble_spatial(drawing, gap=asked.gap, fix=fixed, goals=goals)
+
+
+def _path(file: str) -> Any:
+    from pathlib import Path
+
+    return Path(file)
+
+
+def flex_in_space(file: str, asked: Asked, outputs: Outputs, solver: str) -> int:
+    """`wiggleroom flex` of an assembly in space."""
+    import shlex
+    import time
+
+    from wiggleroom.cli.outputs import check, write_result
+    from wiggleroom.cli.say import note, show
+    from wiggleroom.cli.watch import interruptible
+    from wiggleroom.questions import flex
+
+    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
+    begin = time.perf_counter()
+    with interruptible() as stop:
+        assembly = read_in_space(file, asked)
+        spent = time.perf_counter() - begin
+        answer = flex(assembly, solver=solver, stop=stop)
+    seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
+    answer = replace(answer, seconds=seconds, command=shlex.join(["wiggleroom", *sys.argv[1:]]))
+    from wiggleroom.report.spatial_records import spatial_flex_record
+    from wiggleroom.report.spatial_table import spatial_table
+
+    if outputs.json is not None:
+        write_result(spatial_flex_record(answer), outputs.json)
+    if outputs.json != "-":
+        show(spatial_table(answer))
+    if outputs.picture is not None:
+        from wiggleroom.report.spatial_picture import draw_spatial
+
+        draw_spatial(answer, outputs.picture)
+        note(f"picture: {outputs.picture}")
+    return 3 if answer.verdict == "stopped" else 0
+
+
+def check_in_space(file: str, asked: Asked, outputs: Outputs) -> int:
+    """`wiggleroom check` of an assembly in space."""
+    import shlex
+
+    from wiggleroom.cli.outputs import check, write_result
+    from wiggleroom.cli.say import note, show
+    from wiggleroom.cli.watch import interruptible
+    from wiggleroom.spatial.spatial_separation import check_spatial
+
+    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
+    with interruptible() as stop:
+        found = check_spatial(read_in_space(file, asked), stop=stop)
+    from wiggleroom.report.spatial_records import spatial_check_record
+    from wiggleroom.report.spatial_table import spatial_check_table
+
+    if outputs.json is not None:
+        write_result(spatial_check_record(found, shlex.join(["wiggleroom", *sys.argv[1:]])), outputs.json)
+    if outputs.json != "-":
+        show(spatial_check_table(found))
+    if outputs.picture is not None:
+        from wiggleroom.report.spatial_picture import draw_separation
+
+        draw_separation(found, outputs.picture)
+        note(f"picture: {outputs.picture}")
+    return {"interlocked": 0, "comes apart": 1, "unknown": 3}[found.verdict]

@@ -1,0 +1,55 @@
+"""A limit on the time of long work, in the form of a request to stop."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+
+from wiggleroom.errors import InputError, Stop
+
+
+@dataclass(frozen=True, eq=False)
+class Deadline:
+    """Stops what is asked to stop, and everything once its time is over.
+
+    Parameters
+    ----------
+    seconds : float or None [s]
+        From now on; None without a limit.
+    stop : optional
+        Anything with `is_set()`, which still stops it earlier.
+
+    Raises
+    ------
+    InputError
+        If the time is not a number of seconds above 0.
+
+    Examples
+    --------
+    >>> Deadline(1e-9).is_set(), Deadline(60.0).is_set(), Deadline(None).is_set()
+    (True, False, False)
+    """
+
+    seconds: float | None
+    stop: Stop | None = None
+    begin: float = field(default_factory=time.monotonic)
+
+    def __post_init__(self) -> None:
+        if self.seconds is not None and not 0 < self.seconds < math.inf:
+            wrong = f"time {self.seconds:g}: it must be a number of seconds, more than 0"
+            raise InputError(wrong)
+
+    @property
+    def left(self) -> float:
+        """Time left [s]; infinite without a limit."""
+        return math.inf if self.seconds is None else self.seconds - (time.monotonic() - self.begin)
+
+    @property
+    def over(self) -> bool:
+        """True once the time is over."""
+        return self.left <= 0
+
+    def is_set(self) -> bool:
+        """True where it was asked to stop, or the time is over."""
+        return self.over or (self.stop is not None and self.stop.is_set())

@@ -1,0 +1,296 @@
+"""Flanks: the short straight edges, as long as a plate is thick, at which panels hold each other.
+
+The side of a tab, the end of a hole and the bottom of a slot are the same thing: a segment in the plane of one panel
+that stands square on the plane of its partner. So finger edges, rows of holes and cross laps need no code of their own.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely.geometry.polygon import orient
+
+Floats = NDArray[np.float64]
+
+LENGTH = 0.15
+"""A flank's length differs from a thickness by at most this share of it."""
+_ROUNDED = 0.05
+"""Edges shorter than this [mm] round a corner."""
+_SQUARE = 0.1
+"""Cosine below which a neighbouring edge stands square on a flank."""
+_RELIEF = 0.3
+"""Reliefs at corners (dog bones) up to twice this share of the thickness wide are filled before flanks are sought."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlankLine:
+    """Flanks of one panel that lie on one line along which a partner's plane can cut the panel's.
+
+    Parameters
+    ----------
+    along, across : (2,) float64
+        Unit direction of the line and its left normal.
+    offset : float [mm]
+        Of the line along `across`.
+    at : (n,) float64 [mm]
+        Places of the flanks along the line, ascending.
+    sense : (n,) float64
+        1 where material follows the flank in the line's direction, -1 where it precedes it.
+    length : (n,) float64 [mm]
+    rows : (n,) int
+        Which flanks of the panel they are.
+    """
+
+    along: Floats
+    across: Floats
+    offset: float
+    at: Floats
+    sense: Floats
+    length: Floats
+    rows: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Plate:
+    """A panel in its own frame: the origin in its centroid, the middle of its thickness at z = 0.
+
+    Parameters
+    ----------
+    name : str
+    polygon : shapely.Polygon [mm]
+        As cut: burn removed.
+    thickness : float [mm]
+        Nominal: what the slots of its partners are made for.
+    centre : (2,) float64 [mm]
+        Where on the sheet its origin lies.
+    middle, inward, along : (n, 2) float64
+        Of every flank: its midpoint [mm], the direction into the material, its own direction.
+    length : (n,) float64 [mm]
+    neighbours : (n, 2) int
+        Flanks that share a corner with it, else -1.
+    needed : (n,) bool
+        Whether a flank should meet another: a lone step of an outline need not.
+    lines : tuple of FlankLine
+    kind : int
+        The same for congruent panels.
+    """
+
+    name: str
+    polygon: shapely.Polygon
+    thickness: float
+    centre: Floats
+    middle: Floats
+    inward: Floats
+    along: Floats
+    length: Floats
+    neighbours: NDArray[np.int64]
+    needed: NDArray[np.bool_]
+    lines: tuple[FlankLine, ...]
+    kind: int
+
+    @property
+    def radius(self) -> float:
+        """Of the circle about the origin that holds the panel [mm]."""
+        return float(np.linalg.norm(shapely.get_coordinates(self.polygon), axis=1).max())
+
+
+def inset(polygon: shapely.Polygon, distance: float) -> shapely.Polygon:
+    """Polygon with every edge moved inward by `distance` [mm] and sharp corners; the largest piece of what is left.
+
+    Examples
+    --------
+    >>> inset(shapely.box(0, 0, 4, 3), 0.5).area
+    6.0
+    """
+    moved = polygon.buffer(-distance, join_style="mitre", mitre_limit=5.0) if distance else polygon
+    pieces = shapely.get_parts(moved)
+    if not len(pieces):
+        return polygon
+    return orient(max(pieces, key=lambda piece: piece.area))
+
+
+def sharpened(polygon: shapely.Polygon, reach: float) -> shapely.Polygon:
+    """Polygon with corners in place of the tiny edges that a cutter's rounding leaves.
+
+    Parameters
+    ----------
+    polygon : shapely.Polygon [mm]
+    reach : float [mm]
+        Edges shorter than this between two that are longer give way to the crossing of those, where it is that near.
+
+    Examples
+    --------
+    >>> len(sharpened(shapely.box(0, 0, 9, 9).buffer(0.05), 0.2).exterior.coords) - 1
+    4
+    """
+    exterior, *holes = (_sharp_ring(ring, reach) for ring in (polygon.exterior, *polygon.interiors))
+    sharp = _from_a_corner(shapely.Polygon(exterior, holes)).simplify(1e-3)
+    near = sharp.is_valid and sharp.geom_type == "Polygon" and len(sharp.interiors) == len(polygon.interiors)
+    return orient(sharp) if near else orient(polygon.simplify(2e-3))
+
+
+def _from_a_corner(polygon: shapely.Polygon) -> shapely.Polygon:
+    """Polygon whose rings begin at their points furthest from the centroid: simplification keeps where they begin."""
+    rings = []
+    for ring in (polygon.exterior, *polygon.interiors):
+        points = shapely.get_coordinates(ring)[:-1]
+        first = int(np.argmax(((points - points.mean(axis=0)) ** 2).sum(axis=1)))
+        rings.append(np.roll(points, -first, axis=0))
+    return shapely.Polygon(rings[0], rings[1:])
+
+
+def _sharp_ring(ring: shapely.LinearRing, reach: float) -> Floats:
+    points = shapely.get_coordinates(ring)[:-1]
+    long = np.hypot(*(np.roll(points, -1, axis=0) - points).T) > reach
+    rows = np.flatnonzero(long)
+    if len(rows) < 3:
+        return points
+    result = []
+    for row, following in zip(rows, np.roll(rows, -1), strict=True):
+        between = (np.arange(row + 1, row + 1 + (following - row) % len(points))) % len(points)
+        corner = _crossing(
+            points[row], points[(row + 1) % len(points)], points[following], points[(following + 1) % len(points)]
+        )
+        if len(between) == 1 or corner is None or np.hypot(*(points[between] - corner).T).max() > reach:
+            result += list(points[between])
+        else:
+            result.append(corner)
+    return np.array(result)
+
+
+def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats | None:
+    """Where the line through a and b crosses that through c and d; None where they run nearly alike."""
+    u, v = b - a, d - c
+    turn = u[0] * v[1] - u[1] * v[0]
+    if abs(turn) < 0.2 * float(np.hypot(*u) * np.hypot(*v)):
+        return None
+    return a + u * ((c - a)[0] * v[1] - (c - a)[1] * v[0]) / turn
+
+
+def plates_of(
+    names: list[str], polygons: list[shapely.Polygon], thickness: list[float], burn: float
+) -> tuple[Plate, ...]:
+    """Plates of the panels of a sheet.
+
+    Parameters
+    ----------
+    names : list of str
+    polygons : list of shapely.Polygon [mm]
+        As drawn on the sheet.
+    thickness : list of float [mm]
+        Nominal, one a panel.
+    burn : float [mm]
+        By how much outlines were drawn larger.
+    """
+    wanted = np.unique(thickness)
+    kinds: list[tuple[shapely.Polygon, float]] = []
+    plates = []
+    for name, polygon, thick in zip(names, polygons, thickness, strict=True):
+        cut = sharpened(inset(polygon, burn), max(_ROUNDED, 2 * burn))
+        centre = np.array(cut.centroid.coords[0])
+        cut = shapely.transform(cut, lambda points, centre=centre: points - centre)
+        kind = next(
+            (i for i, (other, same) in enumerate(kinds) if same == thick and _congruent(cut, other)), len(kinds)
+        )
+        if kind == len(kinds):
+            kinds.append((cut, thick))
+        plates.append(_plate(name, cut, thick, centre, wanted, kind))
+    return tuple(plates)
+
+
+def _congruent(a: shapely.Polygon, b: shapely.Polygon) -> bool:
+    """Whether two outlines about their centroids are the same as drawn, to a hundredth of a millimetre or so."""
+    near = abs(a.area - b.area) < 0.02 * a.length and abs(a.length - b.length) < 0.002 * a.length
+    return near and len(a.interiors) == len(b.interiors) and a.symmetric_difference(b).area < 0.02 * a.length
+
+
+def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> Plate:
+    smooth = _without_reliefs(cut, _RELIEF * float(wanted.min()))
+    middle, inward, along, length, neighbours, bottom = _flanks(smooth, wanted)
+    lines = _lines(middle, inward, length, 0.12 * float(wanted.min()))
+    needed = bottom.copy()
+    for line in lines:  # a line's direction and place are known better than those of one flank
+        needed[line.rows] |= len(line.rows) > 1
+        inward[line.rows] = line.sense[:, None] * line.along
+        middle[line.rows] = line.at[:, None] * line.along + line.offset * line.across
+    along = np.column_stack([inward[:, 1], -inward[:, 0]])
+    return Plate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, kind)
+
+
+def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon:
+    """Close notches and holes narrower than twice `radius`; other edges stay where they are."""
+    grown = polygon.buffer(radius, join_style="mitre", mitre_limit=5.0).simplify(0.005)
+    closed = grown.buffer(-radius, join_style="mitre", mitre_limit=5.0).simplify(0.005)
+    return orient(closed) if closed.geom_type == "Polygon" else orient(polygon.simplify(0.005))
+
+
+def _flanks(
+    polygon: shapely.Polygon, wanted: Floats
+) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
+    """Midpoints, inward and own directions, lengths, which flanks meet at corners, and which are bottoms of slots or holes."""
+    middle: list[Floats] = []
+    inward: list[Floats] = []
+    along: list[Floats] = []
+    length: list[float] = []
+    neighbours: list[NDArray[np.int64]] = []
+    bottom: list[bool] = []
+    for ring in (polygon.exterior, *polygon.interiors):
+        here = shapely.get_coordinates(ring)[:-1]
+        there = np.roll(here, -1, axis=0)
+        size = np.hypot(*(there - here).T)
+        unit = (there - here) / np.maximum(size, 1e-9)[:, None]
+        square = np.abs((unit * np.roll(unit, 1, axis=0)).sum(1)) < _SQUARE
+        square |= np.roll(square, -1)
+        turn = np.roll(unit[:, 0], 1) * unit[:, 1] - np.roll(unit[:, 1], 1) * unit[:, 0]
+        convex = turn > 0
+        reflex_end = ~convex | ~np.roll(convex, -1)  # the tip of a tab, convex at both ends, holds nothing
+        fits = (np.abs(size[:, None] - wanted) < LENGTH * wanted).any(1) & square & reflex_end
+        number: NDArray[np.int64] = np.full(len(here), -1, dtype=np.int64)
+        number[fits] = np.arange(fits.sum()) + len(middle)
+        before, after = np.roll(number, 1)[fits], np.roll(number, -1)[fits]
+        middle += list((here[fits] + there[fits]) / 2)
+        inward += list(np.column_stack([-unit[fits, 1], unit[fits, 0]]))
+        along += list(unit[fits])
+        length += list(size[fits])
+        neighbours += list(np.column_stack([before, after]))
+        bottom += list(~convex[fits] & ~np.roll(convex, -1)[fits])
+    rows = len(middle)
+    two = [np.array(values, dtype=float).reshape(rows, 2) for values in (middle, inward, along)]
+    corners = np.array(neighbours, dtype=np.int64).reshape(rows, 2)
+    return two[0], two[1], two[2], np.array(length, dtype=float), corners, np.array(bottom, dtype=bool)
+
+
+def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> tuple[FlankLine, ...]:
+    """Group flanks by the line on which their midpoints and inward directions lie."""
+    left: list[int] = list(range(len(middle)))
+    found = []
+    while left:
+        first = inward[left[0]]
+        along = first if first[0] > 1e-6 or (abs(first[0]) <= 1e-6 and first[1] > 0) else -first
+        across = np.array([-along[1], along[0]])
+        parallel = np.abs(inward[left] @ across) < 0.02
+        on = parallel & (np.abs((middle[left] - middle[left[0]]) @ across) < tolerance)
+        rows: NDArray[np.int64] = np.array(left, dtype=np.int64)[on]
+        at = middle[rows] @ along
+        if np.ptp(at) > 20 * tolerance:  # a long line's own direction is known better than that of one flank
+            along = _direction(middle[rows], along)
+            across = np.array([-along[1], along[0]])
+            at = middle[rows] @ along
+        order = np.argsort(at)
+        rows = rows[order]
+        offset = float((middle[rows] @ across).mean())
+        found.append(FlankLine(along, across, offset, at[order], np.sign(inward[rows] @ along), length[rows], rows))
+        left = [row for row in left if row not in set(rows.tolist())]
+    return tuple(found)
+
+
+def _direction(points: Floats, near: Floats) -> Floats:
+    """Unit direction of a line through points; an axis of the sheet where it is one to a thousandth."""
+    apart = points - points.mean(axis=0)
+    _, _, axes = np.linalg.svd(apart, full_matrices=False)
+    along = axes[0] if axes[0] @ near > 0 else -axes[0]
+    snapped = np.round(along)
+    return snapped if np.abs(along - snapped).max() < 1e-3 and np.abs(snapped).sum() == 1 else along

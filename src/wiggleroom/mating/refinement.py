@@ -1,0 +1,131 @@
+"""Placed panels moved so that flanks meet as well as they can, and outlines relieved where they still press on each other."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.errors import see_extra
+from wiggleroom.mating.beam_search import Bench, Placement
+from wiggleroom.mating.flanks import Plate, inset
+
+Floats = NDArray[np.float64]
+
+_FREE = 1e-9
+"""Volume [mm3] that two plates may share through rounding, for every mm of the smaller outline's length."""
+_FINEST = 1e-6
+_LIGHT = 1e-6
+"""Weight of staying in place against one flank that meets another."""
+_SKIN = 2e-6
+"""Added to the relief that was found to be enough [mm]."""
+
+
+def refined(bench: Bench, state: Placement) -> Placement:
+    """Placement whose panels are shifted by least squares over all flanks that meet; turns stay, the first panel stays.
+
+    Returns
+    -------
+    Placement
+    """
+    joints, _ = bench.met(state)
+    if not joints:
+        return state
+    place = {row: k for k, row in enumerate(state.rows)}
+    count = len(state.rows)
+    # A panel that no joint holds, such as one whose place was told, stays where it is.
+    matrix = np.vstack([np.zeros((len(joints), count)), _LIGHT * np.eye(count)])
+    wanted = np.vstack([np.zeros((len(joints), 3)), _LIGHT * state.moves])
+    for q, (a, b, found) in enumerate(joints):
+        i, j = place[a], place[b]
+        apart = bench.flanks[b][found[:, 1], :2] @ state.turns[j][:, :2].T
+        apart -= bench.flanks[a][found[:, 0], :2] @ state.turns[i][:, :2].T
+        weight = np.sqrt(len(found))
+        matrix[q, i], matrix[q, j] = weight, -weight
+        wanted[q] = weight * apart.mean(axis=0)
+    matrix[len(joints), 0], wanted[len(joints)] = 1.0, state.moves[0]
+    moves: Floats = np.linalg.lstsq(matrix, wanted, rcond=None)[0].astype(np.float64)
+    return Placement(state.rows, state.turns, moves, state.met, {})
+
+
+def solid(plate: Plate, thickness: float, turn: Floats, move: Floats, relief: float = 0.0) -> Any:
+    """Plate in space as a manifold of manifold3d; its outline moved inward by `relief` [mm].
+
+    Raises
+    ------
+    MissingExtraError
+        If manifold3d is not installed.
+    """
+    see_extra("solid", "putting plates together needs manifold3d", "manifold3d")
+    import manifold3d
+
+    outline = inset(plate.polygon, relief)
+    rings = [shapely.get_coordinates(ring)[:-1] for ring in (outline.exterior, *outline.interiors)]
+    section = manifold3d.CrossSection(rings, manifold3d.FillRule.EvenOdd)
+    body = manifold3d.Manifold.extrude(section, thickness).translate([0.0, 0.0, -thickness / 2])
+    return body.transform(np.column_stack([turn, move]))
+
+
+def relief_needed(bench: Bench, state: Placement, thickness: list[float], most: float) -> float:
+    """Smallest distance [mm] by which all outlines must move inward so that no two plates share material.
+
+    Parameters
+    ----------
+    bench : Bench
+    state : Placement
+    thickness : list of float [mm]
+        Real thickness of every panel of the sheet.
+    most : float [mm]
+        Infinity is returned where even this is not enough.
+    """
+    near = _near(bench, state, thickness)
+    low, high = 0.0, most
+    if not _pressing(bench, state, thickness, near, 0.0):
+        return 0.0
+    left = _pressing(bench, state, thickness, near, most)
+    if left:
+        return float("inf")
+    while high - low > max(_FINEST, 0.02 * high):
+        middle = (low + high) / 2
+        if _pressing(bench, state, thickness, near, middle):
+            low = middle
+        else:
+            high = middle
+    return high + _SKIN
+
+
+def pressed_panel(bench: Bench, state: Placement, thickness: list[float], relief: float) -> int:
+    """Row of the panel that overlaps others at this relief and of whose flanks the fewest meet."""
+    _, flags = bench.met(state)
+    pressed = set()
+    for i, j in _near(bench, state, thickness):
+        if _pressing(bench, state, thickness, [(i, j)], relief):
+            pressed |= {state.rows[i], state.rows[j]}
+    return min(pressed, key=lambda row: (flags[row].sum(), -state.rows.index(row)))
+
+
+def _near(bench: Bench, state: Placement, thickness: list[float]) -> list[tuple[int, int]]:
+    """Pairs of places in the placement whose boxes meet."""
+    boxes = []
+    for row, turn, points in zip(state.rows, state.turns, bench.places(state), strict=True):
+        reach = np.abs(turn[:, 2]) * thickness[row] / 2
+        boxes.append((points.min(axis=0) - reach, points.max(axis=0) + reach))
+    count = range(len(boxes))
+    return [
+        (i, j) for i in count for j in range(i)
+        if (boxes[i][0] < boxes[j][1]).all() and (boxes[j][0] < boxes[i][1]).all()
+    ]  # fmt: skip
+
+
+def _pressing(
+    bench: Bench, state: Placement, thickness: list[float], near: list[tuple[int, int]], relief: float
+) -> bool:
+    used = {k for pair in near for k in pair}
+    solids = {}
+    for k in used:
+        row = state.rows[k]
+        solids[k] = solid(bench.plates[row], thickness[row], state.turns[k], state.moves[k], relief)
+    least = _FREE * min((bench.plates[row].polygon.length for row in state.rows), default=1.0)
+    return any((solids[i] ^ solids[j]).volume() > least for i, j in near)

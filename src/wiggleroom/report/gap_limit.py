@@ -1,0 +1,185 @@
+"""The gap that answers a maker's question, as JSON, as a table and as a picture."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+from msgspec import UNSET
+
+from wiggleroom.report.apart_picture import Checked, picture_of_check
+from wiggleroom.report.plots import curve
+from wiggleroom.report.table import columns
+from wiggleroom.report.words import asked, number, unit
+from wiggleroom.schema.results import GapResult, GapTrial
+from wiggleroom.sensitivity.allowable_gap import AllowableGap, Trial
+from wiggleroom.verdict import Certainty
+
+if TYPE_CHECKING:
+    from rich.console import Group
+
+_MOST = 12
+_DIGITS = 5
+
+
+def gap_result(found: AllowableGap, command: str = "", kerf: float | None = None) -> GapResult:
+    """Everything `gap --json` says."""
+    fits = found.question == "fits"
+    return GapResult(
+        question=found.question,
+        limit=found.limit,
+        gap=found.gap,
+        certainty=found.certainty,
+        beyond=found.beyond,
+        searched_gap=found.searched_gap,
+        proven_gap=found.proven_gap,
+        stopped=found.stopped,
+        note=found.why,
+        kerf=UNSET if kerf is None else kerf,
+        offset=UNSET if kerf is None else found.cut_offset(kerf),
+        trials=[
+            GapTrial(
+                gap=t.gap,
+                objective=UNSET if fits else t.value,
+                overlap=t.value if fits else UNSET,
+                at_most=t.at_most,
+                verdict=str(t.verdict),
+                path="checked" if t.checked else "not checked",
+            )
+            for t in found.trials
+        ],
+        command=command,
+    )
+
+
+def gap_sentence(found: AllowableGap) -> str:
+    """Answer in one line."""
+    what, limit = unit(found.goals), number(found.limit or 0.0)
+    if found.gap is None:
+        return f"no gap: {found.why}"
+    gap = f"{number(found.gap, _DIGITS)} mm"
+    match found.question:
+        case "at most":
+            return f"largest gap {gap}: {asked(found.goals)} stays below {limit} {what}".rstrip()
+        case "holds":
+            return f"largest gap {gap}: interlocked"
+    return f"smallest gap {gap}: fits with every outline {limit} mm larger"
+
+
+def gap_sure(found: AllowableGap) -> list[tuple[str, str]]:
+    """How sure the answer is, and what lies on its other side: a word and a sentence each."""
+    said = []
+    if found.gap is not None:
+        said.append((str(found.certainty), _certainty(found)))
+    if found.beyond is not None:
+        said.append(("beyond", _beyond(found, found.beyond)))
+    proven, searched = found.proven_gap, found.searched_gap
+    if found.question == "at most" and found.certainty is Certainty.SEARCHED:
+        lower = "no gap was proven" if proven is None else f"proven up to {number(proven, _DIGITS)} mm"
+        said.append(("proof", lower))
+    elif found.question == "at most" and searched is not None and searched != found.gap:
+        said.append(("searched", f"nothing further was found up to {number(searched, _DIGITS)} mm either"))
+    if found.why and found.gap is not None:
+        said.append(("note", found.why))
+    if found.stopped:
+        said.append(("stopped", "before both sides lay near each other; more --time brings them nearer"))
+    return said
+
+
+def _certainty(found: AllowableGap) -> str:
+    trial = next((t for t in found.trials if t.gap == found.gap), None)
+    match found.question:
+        case "at most" if found.certainty is Certainty.PROVEN and trial is not None and trial.at_most is not None:
+            return f"no motion at this gap is worth more than {number(trial.at_most)}"
+        case "at most":
+            return "no further motion was found at this gap, which is no proof"
+        case "holds":
+            return (
+                "every way out is closed"
+                if found.certainty is Certainty.PROVEN
+                else "no way out was found, which is no proof"
+            )
+    return "by exact geometry; smaller outlines fit all the more"
+
+
+def _beyond(found: AllowableGap, gap: float) -> str:
+    trial = next((t for t in found.trials if t.gap == gap), None)
+    at = f"at {number(gap, _DIGITS)} mm"
+    match found.question:
+        case "at most":
+            value = None if trial is None else trial.value
+            moves = "nothing stops it" if value is None or math.isinf(value) else f"it moves {number(value, _DIGITS)}"
+            return f"{at} {moves}, by a way that was checked"
+        case "holds":
+            return f"{at} it comes apart, by a way that was checked"
+    return f"{at} parts overlap by {number(trial.value or 0.0, 3)} mm" if trial else at
+
+
+def kerf_sentences(found: AllowableGap, kerf: float) -> list[str]:
+    """What to set at the cutter, so that the gap comes out."""
+    offset = found.cut_offset(kerf)
+    if found.gap is None or offset is None:
+        return []
+    way = "outward" if offset >= 0 else "inward"
+    lines = [f"with a kerf of {number(kerf)} mm: offset the cut by {number(abs(offset))} mm {way}, drawing as it is"]
+    if found.gap >= kerf:
+        lines.append(f"or cut along the lines of: wiggleroom convert FILE cut.svg --gap {number(found.gap - kerf)}")
+    return lines
+
+
+def gap_table(found: AllowableGap, kerf: float | None = None) -> Group:
+    """Page that `gap` prints."""
+    from rich.console import Group
+    from rich.text import Text
+
+    lines = [Text(gap_sentence(found), style="bold")]
+    lines += [Text(f"{term + ':':<10} {said}") for term, said in gap_sure(found)]
+    lines += [] if kerf is None else [Text(line) for line in kerf_sentences(found, kerf)]
+    if found.question == "holds" or not found.trials:
+        return Group(*lines)
+    what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
+    rows = columns("gap mm", what, "at most", "verdict")
+    for t in _nearest(found):
+        value = "" if t.value is None or math.isinf(t.value) else number(t.value, _DIGITS)
+        rows.add_row(
+            number(t.gap, _DIGITS), value, "" if t.at_most is None else number(t.at_most, _DIGITS), str(t.verdict)
+        )
+    return Group(*lines, Text(), rows)
+
+
+def _nearest(found: AllowableGap) -> list[Trial]:
+    """Trials nearest the answer, in order of the gap."""
+    middle = found.gap if found.gap is not None else found.trials[0].gap
+    return sorted(sorted(found.trials, key=lambda t: abs(t.gap - middle))[:_MOST], key=lambda t: t.gap)
+
+
+def gap_facts(found: AllowableGap) -> list[str]:
+    """Facts under the title."""
+    return [f"{term}: {said}" for term, said in gap_sure(found)]
+
+
+def picture_of_gap(found: AllowableGap, *, command: str = "", framed: bool = True) -> str:
+    """Curve of motion, or of overlap, against the gap with the crossing marked; of `holds` the parts as they come apart."""
+    held, apart = found.sides
+    if found.question == "holds" and (apart or held) is not None:
+        state = apart or held
+        assert state is not None
+        return picture_of_check(Checked(state), command=command)
+    gaps = np.array([t.gap for t in found.trials])
+    values = np.array([np.nan if t.value is None or math.isinf(t.value) else t.value for t in found.trials])
+    marks = [] if found.gap is None else [(found.gap, f"{found.certainty}: {number(found.gap, _DIGITS)} mm")]
+    if found.beyond is not None:
+        marks.append((found.beyond, f"fails: {number(found.beyond, _DIGITS)} mm"))
+    level = (found.limit, f"limit {number(found.limit)}") if found.question == "at most" and found.limit else None
+    what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
+    return curve(
+        gaps,
+        values,
+        labels=("gap mm", what),
+        title=gap_sentence(found) if framed else "",
+        facts=gap_facts(found) if framed else (),
+        marks=marks,
+        level=level,
+        command=command,
+    )

@@ -1,0 +1,136 @@
+"""Picture of a cutting sheet put together: its joints coloured and named on the sheet, and the result from aside."""
+
+from __future__ import annotations
+
+import colorsys
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.mating.bodies import AssembledSheet
+from wiggleroom.mating.flanks import inset
+from wiggleroom.report import frame, palette
+from wiggleroom.report.sheet_record import on_sheet, sheet_headline
+from wiggleroom.report.text import escape
+
+Floats = NDArray[np.float64]
+
+_WIDE = 1120.0
+_HALF = (_WIDE - 3 * palette.MARGIN) / 2
+_TALL = 760.0
+_OPEN = "#d00000"
+_VIEW = np.array([[0.82, 0.57, 0.0], [-0.27, 0.39, 0.88], [0.5, -0.72, 0.48]])
+"""Rows: where the picture's right, its up and the eye lie in space."""
+
+
+def sheet_picture(found: AssembledSheet, *, command: str = "") -> str:
+    """SVG text: left the sheet, right the bodies; red crosses are flanks that meet nothing, hatched panels are not placed."""
+    title = sheet_headline(found)
+    said = [*found.doubts] or ["every flank meets another, and no other way to put the panels together does as well"]
+    head, y = frame.header(title, said, _WIDE - 2 * palette.MARGIN)
+    body = [*head, _sheet(found, palette.MARGIN, y + 20), _bodies(found, 2 * palette.MARGIN + _HALF, y + 20)]
+    return frame.document(_WIDE, y + _TALL + 2 * palette.MARGIN, title, said, command, body)
+
+
+def _colour(k: int) -> str:
+    """Colours that stay apart however many there are (golden-angle hues)."""
+    red, green, blue = colorsys.hls_to_rgb((0.07 + 0.618034 * k) % 1.0, 0.40, 0.65)
+    return f"#{int(255 * red):02x}{int(255 * green):02x}{int(255 * blue):02x}"
+
+
+def _fitted(points: Floats, x: float, y: float) -> tuple[float, Floats]:
+    """Scale, and the shift of points with y up that fits them into one half of the picture."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    scale = min(_HALF / max(high[0] - low[0], 1e-9), _TALL / max(high[1] - low[1], 1e-9))
+    return scale, np.array([x - scale * low[0], y + scale * high[1]])
+
+
+def _path(rings: list[Floats], scale: float, shift: Floats) -> str:
+    moved = [ring * (scale, -scale) + shift for ring in rings]
+    return "".join("M" + "L".join(f"{px:.2f},{py:.2f}" for px, py in ring) + "Z" for ring in moved)
+
+
+def _rings(polygon: shapely.Polygon) -> list[Floats]:
+    return [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+
+
+def _sheet(found: AssembledSheet, x: float, y: float) -> str:
+    rings = [[ring + plate.centre for ring in _rings(plate.polygon)] for plate in found.plates]
+    scale, shift = _fitted(np.vstack([ring for panel in rings for ring in panel]), x, y)
+    lines = ["<g>"]
+    for row, (plate, panel) in enumerate(zip(found.plates, rings, strict=True)):
+        fill, dash = (palette.PAPER, ' stroke-dasharray="4 3"') if row in found.unplaced else (palette.NEUTRAL[0], "")
+        lines.append(
+            f'<path d="{_path(panel, scale, shift)}" fill="{fill}" fill-rule="evenodd" stroke="{palette.NEUTRAL[1]}"{dash}/>'
+        )
+        px, py = plate.centre * (scale, -scale) + shift
+        lines.append(_label(px, py, plate.name, palette.INK, 10.0))
+    for k, joint in enumerate(found.joints):
+        colour = _colour(k)
+        for side, row in enumerate(joint.panels):
+            points = on_sheet(found, row, joint.flanks[:, side]) * (scale, -scale) + shift
+            lines += [f'<circle cx="{px:.2f}" cy="{py:.2f}" r="2" fill="{colour}"/>' for px, py in points]
+            inner = points.mean(axis=0)
+            centre = found.plates[row].centre * (scale, -scale) + shift
+            away = centre - inner
+            inner = inner + away / max(float(np.hypot(*away)), 1e-9) * 9.0
+            lines.append(_label(inner[0], inner[1], f"J{k + 1}", colour, 8.0))
+    for row, flanks in found.open.items():
+        for px, py in on_sheet(found, row, flanks) * (scale, -scale) + shift:
+            cross = f"M{px - 3:.2f},{py - 3:.2f}l6,6m0,-6l-6,6"
+            lines.append(f'<path d="{cross}" stroke="{_OPEN}" stroke-width="1.5" fill="none"/>')
+    return "\n".join([*lines, "</g>"])
+
+
+def _label(x: float, y: float, text: str, colour: str, size: float) -> str:
+    return (
+        f'<text x="{x:.2f}" y="{y + size / 3:.2f}" font-size="{size:g}" text-anchor="middle" fill="{colour}" '
+        f'stroke="{palette.PAPER}" stroke-width="2" paint-order="stroke">{escape(text)}</text>'
+    )
+
+
+def _bodies(found: AssembledSheet, x: float, y: float) -> str:
+    """Faces drawn back to front (painter's algorithm)."""
+    faces: list[tuple[float, list[Floats], str]] = []
+    for body in found.bodies:
+        for row, turn, move in zip(body.rows, body.turns, body.moves, strict=True):
+            faces += _faces(found, row, turn, move)
+    if not faces:
+        return ""
+    scale, shift = _fitted(np.vstack([ring for _, rings, _ in faces for ring in rings]), x, y)
+    faces.sort(key=lambda face: face[0])
+    drawn = [
+        f'<path d="{_path(rings, scale, shift)}" fill="{fill}" fill-rule="evenodd" stroke="{palette.INK}" '
+        'stroke-width="0.5" stroke-linejoin="round"/>'
+        for _, rings, fill in faces
+    ]
+    return "\n".join(["<g>", *drawn, "</g>"])
+
+
+def _faces(found: AssembledSheet, row: int, turn: Floats, move: Floats) -> list[tuple[float, list[Floats], str]]:
+    """Depth, rings in the picture and colour of the sides of a plate that face the eye."""
+    plate, half = found.plates[row], found.thickness[row] / 2
+    right_up, eye = _VIEW[:2], _VIEW[2]
+    hue = (0.1 + 0.618034 * row) % 1.0
+    faces = []
+    rings = _rings(inset(plate.polygon, found.relief))
+    normal = turn[:, 2]
+    side = 1.0 if normal @ eye > 0 else -1.0
+    spatial = [np.column_stack([ring, np.full(len(ring), side * half)]) @ turn.T + move for ring in rings]
+    depth = float(np.mean(spatial[0] @ eye))
+    faces.append((depth, [ring @ right_up.T for ring in spatial], _shade(hue, abs(float(normal @ eye)))))
+    for ring in rings:
+        here, there = ring, np.roll(ring, -1, axis=0)
+        outward = np.column_stack([there[:, 1] - here[:, 1], here[:, 0] - there[:, 0], np.zeros(len(here))]) @ turn.T
+        for k in np.flatnonzero(outward @ eye > 0).tolist():
+            corners = np.array([[*here[k], -half], [*there[k], -half], [*there[k], half], [*here[k], half]])
+            quad = corners @ turn.T + move
+            light = float(outward[k] @ eye) / max(float(np.linalg.norm(outward[k])), 1e-9)
+            faces.append((float(np.mean(quad @ eye)), [quad @ right_up.T], _shade(hue, 0.8 * light)))
+    return faces
+
+
+def _shade(hue: float, light: float) -> str:
+    red, green, blue = colorsys.hls_to_rgb(hue, 0.62 + 0.28 * min(1.0, light), 0.45)
+    return f"#{int(255 * red):02x}{int(255 * green):02x}{int(255 * blue):02x}"

@@ -1,0 +1,283 @@
+"""Pictures of assemblies in space: SVG and PNG with hidden surfaces taken away, and GLB for viewers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import InputError
+from wiggleroom.files import write_whole
+from wiggleroom.report.endings import ending
+from wiggleroom.report.palette import FONT, INK, PAPER, QUIET
+from wiggleroom.report.spatial_table import spatial_certainty, spatial_headline
+from wiggleroom.spatial.rotations import exponential
+from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
+from wiggleroom.spatial.spatial_model import SpatialAssembly, Surface
+from wiggleroom.spatial.spatial_separation import SpatialSeparation
+
+Floats = NDArray[np.float64]
+
+WIDTH, HEIGHT, MARGIN = 800.0, 600.0, 40.0
+LOOK = np.array([-0.6, 0.65, -0.47])
+"""Direction in which the picture looks."""
+LIGHT = np.array([0.35, -0.55, 0.76])
+FIXED = (201, 196, 188)
+COLOURS = ((79, 129, 189), (192, 124, 62), (110, 160, 90), (150, 110, 170), (200, 160, 60), (80, 160, 165))
+CREASE = 1e-3
+"""Edges between faces that turn by more are drawn [rad]."""
+LEAST_AREA = 1e-12
+EXPLODED = 0.7
+"""Parts that left are shown no further away than this share of the size."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Facet:
+    """A flat convex polygon: corners (k, 3), which sides are drawn, its normal, and its colour."""
+
+    corners: Floats
+    drawn: tuple[bool, ...]
+    normal: Floats
+    colour: str
+
+
+def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
+    """Write a picture of an answer: moved parts over their outlines at rest, with contacts; .svg, .png or .glb.
+
+    Raises
+    ------
+    InputError
+        If the name has another ending.
+    """
+    lines = [spatial_headline(answer), f"{answer.verdict}, gap {answer.assembly.gap:g} mm, {spatial_certainty(answer)}"]
+    _write(answer.assembly, answer.motion, path, lines, answer.contacts)
+
+
+def draw_separation(found: SpatialSeparation, path: Path) -> None:
+    """Write a picture of what comes apart: parts that left stand beside the others; .svg, .png or .glb."""
+    motion = np.zeros((len(found.assembly.parts), 6))
+    for k, e in enumerate(found.escapes):
+        for name in e.parts:
+            who = found.assembly.names.index(name)
+            motion[who] = e.path[-1, who]
+            far = np.linalg.norm(motion[who, :3])
+            share = EXPLODED * found.assembly.size * (1 + 0.3 * (len(found.escapes) - 1 - k)) / max(float(far), 1e-300)
+            motion[who, :3] *= min(1.0, share)
+    lines = [f"{found.verdict} at gap {found.assembly.gap:g} mm"]
+    lines += [", then ".join(" and ".join(e.parts) for e in found.escapes)] if found.escapes else []
+    _write(found.assembly, motion, path, lines, ())
+
+
+def _write(
+    assembly: SpatialAssembly, motion: Floats, path: Path, lines: Sequence[str], contacts: Sequence[SpatialContact]
+) -> None:
+    kind = ending(path)
+    if kind == ".glb":
+        write_whole(path, glb(assembly, motion))
+    elif kind in (".svg", ".png"):
+        svg = spatial_svg(assembly, motion, lines, contacts)
+        if kind == ".svg":
+            write_whole(path, svg)
+        else:
+            from wiggleroom.report.png import png
+
+            write_whole(path, png(svg))
+    else:
+        message = f"picture {path}: the name must end in .svg, .png or .glb"
+        raise InputError(message)
+
+
+def glb(assembly: SpatialAssembly, motion: Floats) -> bytes:
+    """Moved parts as binary glTF, in metres, y up, each with its name and colour."""
+    import trimesh
+
+    scene = trimesh.Scene()
+    upright = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
+    for name, surface, colour in zip(assembly.names, _moved(assembly, motion), _colours(assembly), strict=True):
+        mesh = trimesh.Trimesh(surface.vertices / 1000.0, surface.faces, process=False)
+        mesh.apply_transform(upright)
+        mesh.visual = trimesh.visual.TextureVisuals(
+            material=trimesh.visual.material.PBRMaterial(
+                baseColorFactor=[*colour, 255], metallicFactor=0.0, roughnessFactor=0.8
+            )
+        )
+        scene.add_geometry(mesh, node_name=name, geom_name=name)
+    return bytes(scene.export(file_type="glb"))
+
+
+def spatial_svg(
+    assembly: SpatialAssembly, motion: Floats, lines: Sequence[str], contacts: Sequence[SpatialContact] = ()
+) -> str:
+    """Picture of parts at a motion (n, 6), seen from the front, right and above."""
+    depth, across, up = _camera()
+    rest, moved = _moved(assembly, np.zeros_like(motion)), _moved(assembly, motion)
+    everything = np.vstack([s.vertices for s in (*rest, *moved)])
+    flat = np.column_stack([everything @ across, everything @ up])
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    room = np.array([WIDTH - 2 * MARGIN, HEIGHT - 2 * MARGIN - 40])
+    scale = float((room / np.maximum(high - low, 1e-12)).min())
+    middle = (low + high) / 2
+
+    def place(points: Floats) -> Floats:
+        x = np.column_stack([points @ across, points @ up])
+        return np.column_stack(
+            [WIDTH / 2 + scale * (x[:, 0] - middle[0]), HEIGHT / 2 + 20 - scale * (x[:, 1] - middle[1])]
+        )
+
+    facets = []
+    for surface, colour in zip(moved, _colours(assembly), strict=True):
+        facets += _facets(surface, colour, depth)
+    out = [
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:g}" height="{HEIGHT:g}" viewBox="0 0 {WIDTH:g} {HEIGHT:g}">',
+        f'<rect width="{WIDTH:g}" height="{HEIGHT:g}" fill="{PAPER}"/>',
+    ]
+    for k, line in enumerate(lines):
+        size, shade = (18, INK) if k == 0 else (13, QUIET)
+        out.append(
+            f'<text x="20" y="{28 + 22 * k}" font-family="{FONT}" font-size="{size}" fill="{shade}">{escape(line)}</text>'
+        )
+    for facet in _sorted(facets):
+        p = place(facet.corners)
+        points = " ".join(f"{x:.2f},{y:.2f}" for x, y in p)
+        out.append(f'<polygon points="{points}" fill="{facet.colour}" stroke="{facet.colour}" stroke-width="0.8"/>')
+        for i, shown in enumerate(facet.drawn):
+            if shown:
+                (x1, y1), (x2, y2) = p[i], p[(i + 1) % len(p)]
+                out.append(
+                    f'<path d="M{x1:.2f} {y1:.2f}L{x2:.2f} {y2:.2f}" stroke="#333" stroke-width="0.9" stroke-linecap="round"/>'
+                )
+    for k, surface in enumerate(rest):
+        if motion[k].any():
+            for one, other in _creases(surface):
+                (x1, y1), (x2, y2) = place(np.array([one, other]))
+                out.append(
+                    f'<path d="M{x1:.2f} {y1:.2f}L{x2:.2f} {y2:.2f}" stroke="#999" stroke-width="0.6" stroke-dasharray="3 3" fill="none"/>'
+                )
+    for contact in contacts:
+        at = np.array(contact.point)
+        (x, y), (u, v) = place(np.array([at, at + 14 / scale * np.array(contact.normal)]))
+        out.append(f'<path d="M{x:.2f} {y:.2f}L{u:.2f} {v:.2f}" stroke="#c1272d" stroke-width="2"/>')
+        out.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="3.5" fill="#c1272d"/>')
+    return "\n".join([*out, "</svg>", ""])
+
+
+def _camera() -> tuple[Floats, Floats, Floats]:
+    """Unit vectors: away from the eye, to the right, and up in the picture."""
+    depth = LOOK / np.linalg.norm(LOOK)
+    across = np.cross(depth, [0.0, 0.0, 1.0])
+    across /= np.linalg.norm(across)
+    return depth, across, np.cross(across, depth)
+
+
+def _colours(assembly: SpatialAssembly) -> list[tuple[int, int, int]]:
+    free = iter(range(len(assembly.parts)))
+    return [FIXED if p.fixed else COLOURS[next(free) % len(COLOURS)] for p in assembly.parts]
+
+
+def _moved(assembly: SpatialAssembly, motion: Floats) -> list[Surface]:
+    """Surfaces of all parts in the world."""
+    found = []
+    turns = exponential(motion[:, 3:])
+    for part, made, R, m, reference in zip(
+        assembly.parts, assembly.made, turns, motion, assembly.reference, strict=True
+    ):
+        world = made.surface.vertices @ part.R.T + part.at
+        found.append(Surface((world - reference) @ R.T + reference + m[:3], made.surface.faces))
+    return found
+
+
+def _normals(surface: Surface) -> Floats:
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    normal = np.cross(b - a, c - a)
+    return normal / np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
+
+
+def _sharp(surface: Surface, normal: Floats) -> NDArray[np.bool_]:
+    """Sides (f, 3) of all triangles that are drawn: the faces beside them turn."""
+    faces = surface.faces
+    sides = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
+    order = np.lexsort(np.sort(sides, axis=1).T)
+    sharp = np.ones(len(sides), dtype=bool)
+    pair = order.reshape(-1, 2) if len(order) % 2 == 0 else order[:-1].reshape(-1, 2)
+    turn = np.linalg.norm(normal[pair[:, 0] // 3] - normal[pair[:, 1] // 3], axis=1) > CREASE
+    sharp[pair[:, 0]], sharp[pair[:, 1]] = turn, turn
+    return sharp.reshape(-1, 3)
+
+
+def _creases(surface: Surface) -> list[tuple[Floats, Floats]]:
+    """Edges of a surface that are drawn."""
+    sharp = _sharp(surface, _normals(surface))
+    found = {}
+    for face, shown in zip(surface.faces.tolist(), sharp.tolist(), strict=True):
+        for k in range(3):
+            if shown[k]:
+                i, j = face[k], face[(k + 1) % 3]
+                found[min(i, j), max(i, j)] = (surface.vertices[i], surface.vertices[j])
+    return list(found.values())
+
+
+def _facets(surface: Surface, colour: tuple[int, int, int], depth: Floats) -> list[_Facet]:
+    """Triangles of a surface that face the eye."""
+    normal = _normals(surface)
+    sharp = _sharp(surface, normal)
+    light = LIGHT / np.linalg.norm(LIGHT)
+    found = []
+    for face, n, drawn in zip(surface.faces, normal, sharp.tolist(), strict=True):
+        if n @ depth < -1e-9:
+            shade = 0.62 + 0.38 * max(0.0, float(n @ light))
+            fill = "#" + "".join(f"{min(255, round(c * shade)):02x}" for c in colour)
+            found.append(_Facet(surface.vertices[face], tuple(drawn), n, fill))
+    return found
+
+
+def _sorted(facets: list[_Facet]) -> list[_Facet]:
+    """Facets from back to front; those that cross the plane of another are cut along it.
+
+    Source: the tree of Fuchs, Kedem and Naylor 1980.
+    """
+    found: list[_Facet] = []
+    size = max((float(np.abs(f.corners).max()) for f in facets), default=1.0)
+    todo: list[tuple[list[_Facet], bool]] = [(facets, False)]
+    rng = np.random.default_rng(0)
+    while todo:
+        group, ready = todo.pop()
+        if ready or len(group) <= 1:
+            found += group
+            continue
+        pivot = group[int(rng.integers(len(group)))]
+        level = pivot.normal @ pivot.corners[0]
+        front, same, back = [], [], []
+        for facet in group:
+            side = facet.corners @ pivot.normal - level
+            if np.abs(side).max() <= 1e-9 * size:
+                same.append(facet)
+            elif side.min() >= -1e-9 * size:
+                front.append(facet)
+            elif side.max() <= 1e-9 * size:
+                back.append(facet)
+            else:
+                front.append(_cut(facet, side))
+                back.append(_cut(facet, -side))
+        # the pivot faces the eye, so what is in front of it is nearer; the last put in is taken out first
+        todo += [(front, False), (same, True), (back, False)]
+    return found
+
+
+def _cut(facet: _Facet, side: Floats) -> _Facet:
+    """The part of a facet where `side` of its corners is not negative; the new side is not drawn."""
+    corners, drawn = [], []
+    count = len(side)
+    for i in range(count):
+        j = (i + 1) % count
+        if side[i] >= 0:
+            corners.append(facet.corners[i])
+            drawn.append(facet.drawn[i] if side[j] >= 0 or side[i] > 0 else False)
+        if (side[i] >= 0) != (side[j] >= 0):
+            share = side[i] / (side[i] - side[j])
+            corners.append(facet.corners[i] + share * (facet.corners[j] - facet.corners[i]))
+            drawn.append(False if side[i] >= 0 else facet.drawn[i])
+    return _Facet(np.array(corners), tuple(drawn), facet.normal, facet.colour)

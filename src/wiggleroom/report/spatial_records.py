@@ -1,0 +1,72 @@
+"""Answers in space as JSON: the formats of the plane with `"dimension": 3` and motions of six numbers."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_separation import SpatialSeparation
+from wiggleroom.verdict import Verdict
+
+Record = dict[str, Any]
+STILL = 1e-12
+"""Parts that never move further are left out of paths [mm, rad]."""
+
+
+def motion_entry(motion: np.ndarray) -> Record:
+    """Motion (6,) [mm, rad] of a part: displacement of its reference point, and rotation vector in degrees."""
+    return {"move": motion[:3].tolist(), "turn_deg": np.degrees(motion[3:]).tolist()}
+
+
+def spatial_flex_record(answer: SpatialAnswer) -> Record:
+    """Everything `flex --json` says; lengths in mm, angles in degrees."""
+    free = answer.verdict is Verdict.UNBOUNDED
+    record: Record = {
+        "format": "wiggleroom.flex/1",
+        "dimension": 3,
+        "verdict": answer.verdict.value,
+        "objective": None if free or answer.objective is None else float(answer.objective),
+        "at_most": answer.at_most,
+    }
+    if free:
+        record |= {"leaves": list(answer.leaves), "turns": list(answer.turns)}
+    return record | {
+        "parts": {n: motion_entry(m) for n, m in zip(answer.assembly.names, answer.motion, strict=True)},
+        "collision_free": bool(answer.collision_free),
+        "deepest_overlap": float(answer.deepest_overlap),
+        "path": answer.path,
+        "contacts": [
+            {"parts": list(c.parts), "point": list(c.point), "normal": list(c.normal), "force": c.force}
+            for c in answer.contacts
+        ],
+        "model": answer.model,
+        "solver": answer.solver,
+        "rounds": answer.rounds,
+        "seconds": {stage: round(float(spent), 4) for stage, spent in answer.seconds.items()},
+        "command": answer.command,
+    }
+
+
+def spatial_check_record(found: SpatialSeparation, command: str = "") -> Record:
+    """Everything `check --json` says; lengths in mm, angles in degrees."""
+    names = found.assembly.names
+    escapes = []
+    for escape in found.escapes:
+        moved = np.flatnonzero((np.abs(escape.path) > STILL).any(axis=(0, 2)))
+        path = [{names[k]: motion_entry(m[k]) for k in moved} for m in escape.path]
+        escapes.append({"parts": list(escape.parts), "path": path})
+    return {
+        "format": "wiggleroom.check/1",
+        "dimension": 3,
+        "verdict": found.verdict.value,
+        "certainty": found.certainty.value,
+        "at_most": None,
+        "escapes": escapes,
+        "spins": [],
+        "remains": list(found.remains),
+        "gap": found.assembly.gap,
+        "seconds": round(found.seconds, 4),
+        "command": command,
+    }

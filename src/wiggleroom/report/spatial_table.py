@@ -1,0 +1,154 @@
+"""Answers in space as pages of plain tables for the terminal."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from wiggleroom.report.table import columns, fixed
+from wiggleroom.report.words import few, number, short
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
+from wiggleroom.spatial.spatial_separation import SpatialSeparation
+from wiggleroom.verdict import Certainty, Separability, Verdict
+
+if TYPE_CHECKING:
+    from rich.console import Group, RenderableType
+
+_MOST_PARTS, _MOST_CONTACTS = 12, 8
+_COLOURS = {Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
+_SENTENCES = {
+    Verdict.OPTIMAL: "the optimality conditions hold, contacts balance the pull",
+    Verdict.STATIONARY: "the optimality conditions of first order hold, but there is a direction that curves upwards",
+}
+
+
+def spatial_towards(direction: tuple[float, float, float]) -> str:
+    """Direction as people write it.
+
+    >>> spatial_towards((0.0, 0.0, -2.0)), spatial_towards((0.0, 3.0, 4.0))
+    ('-z', '(0, 0.6, 0.8)')
+    """
+    unit = np.array(direction) / np.linalg.norm(direction)
+    for axis, value in zip("xyz", unit.tolist(), strict=True):
+        if abs(abs(value) - 1) < 1e-12:
+            return ("+" if value > 0 else "-") + axis
+    return f"({', '.join(number(x, 3) for x in unit.tolist())})"
+
+
+def spatial_ask(goal: SpatialGoal) -> str:
+    """One goal in a few words."""
+    match goal:
+        case SpatialPull():
+            return f"{short(goal.part)} in {spatial_towards(goal.direction)}"
+        case SpatialTurn():
+            return f"twist of {short(goal.part)} about {spatial_towards(goal.axis)}"
+        case Weight():
+            return f"weight towards {spatial_towards(goal.direction)}"
+
+
+def spatial_headline(answer: SpatialAnswer) -> str:
+    """Say what was found, in one line, such as "lid moves 0.2 mm in +z"."""
+    asked = ", ".join(spatial_ask(g) for g in answer.goals[:4]) + (" and more" if len(answer.goals) > 4 else "")
+    if answer.objective is None:
+        return f"nothing stops {asked}"
+    if len(answer.goals) == 1:
+        goal, value = answer.goals[0], answer.objective / answer.goals[0].weight
+        match goal:
+            case SpatialPull():
+                at = "" if goal.point is None else f" at ({', '.join(number(x) for x in goal.point)})"
+                return f"{short(goal.part)}{at} moves {number(value)} mm in {spatial_towards(goal.direction)}"
+            case SpatialTurn():
+                return f"{short(goal.part)} turns {number(math.degrees(value))}° about {spatial_towards(goal.axis)}"
+            case Weight():
+                return f"sum of volume times density times sinking {number(value)}, towards {spatial_towards(goal.direction)}"
+    return f"{number(answer.objective)}: {asked}"
+
+
+def spatial_certainty(answer: SpatialAnswer) -> str:
+    """Say what was checked about the motion."""
+    if not answer.collision_free:
+        return f"parts overlap by {number(answer.deepest_overlap, 2)} mm"
+    return f"no overlap, way from rest {answer.path}"
+
+
+def spatial_table(answer: SpatialAnswer) -> Group:
+    """Page that `flex` prints: headline, verdict, the parts that move most, what holds them, and how sure it is."""
+    from rich.console import Group
+    from rich.text import Text
+
+    sentence = _SENTENCES.get(answer.verdict, answer.verdict.sentence)
+    lines = [
+        Text(spatial_headline(answer), style="bold"),
+        Text.assemble((answer.verdict.value, f"bold {_COLOURS.get(answer.verdict, 'yellow')}"), f": {sentence}"),
+    ]
+    if answer.leaves:
+        lines.append(Text(f"leaves: {few(answer.leaves)}"))
+    if answer.turns:
+        lines.append(Text(f"turns without limit: {few(answer.turns)}"))
+    names, motion = answer.assembly.names, answer.motion
+    moved = np.linalg.norm(motion[:, :3], axis=1)
+    order = np.argsort(-moved, kind="stable")
+    parts = columns("part", "dx mm", "dy mm", "dz mm", "turn deg")
+    still = [k for k in order if not motion[k].any()]
+    moving = [k for k in order if motion[k].any()]
+    farthest = float(moved.max(initial=0.0))
+    for k in moving[:_MOST_PARTS]:
+        shift = [fixed(x, farthest) for x in motion[k, :3].tolist()]
+        parts.add_row(short(names[k]), *shift, f"{math.degrees(answer.turn[k]):.3f}")
+    if len(moving) > _MOST_PARTS:
+        parts.add_row(f"... and {len(moving) - _MOST_PARTS} more", "", "", "", "", style="dim")
+    if still:
+        parts.add_row(f"{len(still)} at rest", "", "", "", "", style="dim")
+    page: list[RenderableType] = [*lines, Text(), parts, Text()]
+    if answer.contacts:
+        held = columns("held by", "x mm", "y mm", "z mm", "force")
+        for c in answer.contacts[:_MOST_CONTACTS]:
+            where = [fixed(x, answer.assembly.size) for x in c.point]
+            held.add_row(" | ".join(short(n) for n in c.parts), *where, number(c.force, 3))
+        if len(answer.contacts) > _MOST_CONTACTS:
+            held.add_row(f"... and {len(answer.contacts) - _MOST_CONTACTS} more", "", "", "", "", style="dim")
+        page += [held, Text()]
+    spent = ", ".join(f"{stage} {seconds:.2f}" for stage, seconds in answer.seconds.items())
+    overlap = f"deepest overlap {number(answer.deepest_overlap, 2)} mm"
+    sure = [
+        f"checked:  {spatial_certainty(answer)}; {overlap}",
+        f"solved:   {answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations",
+        f"seconds:  {spent}",
+    ]
+    return Group(*page, *[Text(line) for line in sure])
+
+
+def spatial_check_table(found: SpatialSeparation) -> Group:
+    """Page that `check` prints: verdict, who leaves in which order, what remains."""
+    from rich.console import Group
+    from rich.text import Text
+
+    lines = [
+        Text.assemble((found.verdict.value, "bold"), f" at gap {number(found.assembly.gap)} mm: {_rests_on(found)}")
+    ]
+    for k, escape in enumerate(found.escapes[:_MOST_PARTS]):
+        far = escape.path[-1]
+        who = [found.assembly.names.index(n) for n in escape.parts]
+        along = far[who, :3].mean(axis=0)
+        lines.append(Text(f"{k + 1:3}. {few(escape.parts)} in {spatial_towards(tuple(along.tolist()))}"))  # type: ignore[arg-type]
+    if len(found.escapes) > _MOST_PARTS:
+        lines.append(Text(f"     ... and {len(found.escapes) - _MOST_PARTS} more"))
+    if found.escapes and len(found.remains) > 1:
+        lines.append(Text(f"remains: {few(found.remains)}"))
+    lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} questions", style="dim"))
+    return Group(*lines)
+
+
+def _rests_on(found: SpatialSeparation) -> str:
+    if found.verdict is Separability.COMES_APART:
+        return "every step of the way checked for overlap"
+    if found.verdict is Separability.UNKNOWN:
+        return "some questions were not answered"
+    return (
+        "proven"
+        if found.certainty is Certainty.PROVEN
+        else "searched, every planned question was answered and no way was found"
+    )

@@ -1,0 +1,134 @@
+"""What was found as comma-separated values, for spreadsheets and other programs; the first line names the columns."""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.report.apart_picture import Checked
+from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.rank import Ranking
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.sensitivity.worst_case import WorstCase
+
+
+def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase) -> str:
+    """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> print(csv_of(wr.sweep(wr.patterns.chain(2, joint="tee"), [0.02])).splitlines()[0])
+    gap,objective,verdict
+    """
+    heads: tuple[str, ...]
+    rows: Sequence[Sequence[Any]]
+    match found:
+        case Answer():
+            heads, rows = ("step", *_MOTION), _steps(found.assembly.names, found.waypoints)
+        case Checked():
+            heads, rows = ("escape", "step", *_MOTION), _escapes(found)
+        case Ranking():
+            heads, rows = ("kind", "name", "other", "per_mm", "tighter_per_mm", "percent"), _ranks(found)
+        case Tightening():
+            heads, rows = ("order", "part", "moved_before_mm", "moved_after_mm"), _tightened(found)
+        case Sweep():
+            heads, rows = ("gap", "objective", "verdict"), [(s.gap, s.objective, s.verdict) for s in found.steps]
+        case Sample():
+            heads, rows = ("draw", "objective", *found.answer.assembly.names), _draws(found)
+        case AllowableGap():
+            heads, rows = ("gap", "objective", "at_most", "verdict", "path"), _trials(found)
+        case WorstCase():
+            heads, rows = (*_TOLERANCE, "per_mm", "looser_mm", "tighter_mm", "percent"), _contributions(found)
+    return text_of(heads, rows)
+
+
+_TOLERANCE = ("kind", "name", "other", "outline", "nominal_mm", "plus_mm", "minus_mm")
+_MOTION = ("part", "dx_mm", "dy_mm", "turn_deg")
+
+
+def text_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
+    """Heads and rows as text; numbers as short as they read back exactly, and empty where they are not finite."""
+    file = io.StringIO()
+    table = csv.writer(file, lineterminator="\n")
+    table.writerow(heads)
+    table.writerows([_cell(value) for value in row] for row in rows)
+    return file.getvalue()
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, float | np.floating):
+        return repr(float(value) + 0.0) if math.isfinite(value) else ""
+    return "" if value is None else str(value)
+
+
+def _steps(names: Sequence[str], way: NDArray[np.float64]) -> list[tuple[Any, ...]]:
+    """Motions along a way (k, n, 3), a row for each step and part; the last step is the end."""
+    return [
+        (step, name, x, y, math.degrees(turn))
+        for step, motion in enumerate(way.tolist())
+        for name, (x, y, turn) in zip(names, motion, strict=True)
+    ]
+
+
+def _escapes(checked: Checked) -> list[tuple[Any, ...]]:
+    """Ways of those that leave, one after the other; only parts that have moved."""
+    rows = []
+    for k, escape in enumerate(checked.found.escapes):
+        moves = np.asarray(escape.path.any(axis=(0, 2)))
+        names = [name for name, move in zip(checked.found.assembly.names, moves, strict=True) if move]
+        rows += [(k + 1, *row) for row in _steps(names, escape.path[:, moves])]
+    return rows
+
+
+def _ranks(ranking: Ranking) -> list[tuple[Any, ...]]:
+    """Parts, then joints, the most important first."""
+    names = ranking.answer.assembly.names
+    parts = [
+        ("part", names[k], "", float(ranking.looser[k]), float(ranking.tighter[k]), float(ranking.percent[k]))
+        for k in ranking.order.tolist()
+    ]
+    joints = [
+        ("joint", *(names[i] for i in ranking.joints[k].tolist()), float(ranking.joint_looser[k]), None,
+         float(ranking.joint_percent[k]))
+        for k in (-ranking.joint_looser).argsort(kind="stable").tolist()
+    ]  # fmt: skip
+    return parts + joints
+
+
+def _tightened(found: Tightening) -> list[tuple[Any, ...]]:
+    names = found.before.assembly.names
+    before, after = (np.hypot(*a.motion[:, :2].T).tolist() for a in (found.before, found.after))
+    return [(k + 1, name, before[names.index(name)], after[names.index(name)]) for k, name in enumerate(found.chosen)]
+
+
+def _draws(found: Sample) -> list[tuple[Any, ...]]:
+    """Objective of every draw, and the extra gap [mm] round every part."""
+    return [
+        (k + 1, float(value), *extra)
+        for k, (value, extra) in enumerate(zip(found.value, found.extra.tolist(), strict=True))
+    ]
+
+
+def _trials(found: AllowableGap) -> list[tuple[Any, ...]]:
+    return [(t.gap, t.value, t.at_most, t.verdict, "checked" if t.checked else "not checked") for t in found.trials]
+
+
+def _contributions(found: WorstCase) -> list[tuple[Any, ...]]:
+    """Tolerances and what each contributes, the largest first."""
+    rows = []
+    for share, one in zip(found.percent.tolist(), found.contributions, strict=True):
+        t = one.tolerance
+        kind = "joint" if len(t.parts) == 2 else "part" if t.outline is None else "outline"
+        names = (*t.parts, "")[:2]
+        rows.append((kind, *names, t.outline, t.nominal, t.plus, t.minus, one.slope, one.looser, one.tighter, share))
+    return rows

@@ -1,0 +1,115 @@
+"""Convex pieces: corners, the normals of their faces and the directions of their edges."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+PARALLEL = 1e-9
+"""Two unit vectors whose cross product is shorter are parallel."""
+
+
+@dataclass(frozen=True, eq=False)
+class ConvexPiece:
+    """A convex polytope in the frame of its part.
+
+    Parameters
+    ----------
+    corners : (k, 3) float64 [mm]
+    normals : (f, 3) float64
+        Outward unit normals of the faces; of two opposite ones only the first.
+    edges : (e, 3) float64
+        Unit directions of the edges, parallel ones once.
+    """
+
+    corners: Floats
+    normals: Floats
+    edges: Floats
+
+    def placed(self, R: Floats, T: Floats) -> ConvexPiece:
+        """The same piece turned by R (3, 3), then moved by T (3,) [mm]."""
+        turned = np.ascontiguousarray(R.T)
+        return ConvexPiece(
+            np.ascontiguousarray(self.corners @ turned + T),
+            np.ascontiguousarray(self.normals @ turned),
+            np.ascontiguousarray(self.edges @ turned),
+        )
+
+
+def convex_piece(points: Floats) -> ConvexPiece:
+    """Convex hull of points (k, 3) [mm] as a piece.
+
+    Raises
+    ------
+    ValueError
+        If the points lie in a plane.
+
+    Examples
+    --------
+    >>> piece = convex_piece(np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 2.0) for z in (0.0, 3.0)]))
+    >>> len(piece.corners), len(piece.normals), len(piece.edges)
+    (8, 3, 3)
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    points = np.asarray(points, dtype=float)
+    middle = points.mean(axis=0)
+    size = float(np.abs(points - middle).max())
+    try:
+        hull = ConvexHull((points - middle) / (size or 1.0))
+    except QhullError:
+        raise ValueError("the points lie in a plane") from None
+    face = hull.equations[:, :3]
+    neighbours = hull.neighbors
+    edges = []
+    for k, simplex in enumerate(hull.simplices):
+        for i in range(3):
+            other = neighbours[k, i]
+            if other > k and np.linalg.norm(np.cross(face[k], face[other])) > 1e-7:
+                ends = [simplex[j] for j in range(3) if j != i]
+                edges.append(points[ends[1]] - points[ends[0]])
+    corners = np.ascontiguousarray(points[_true_corners(hull)])
+    directions = np.array(edges) / np.linalg.norm(edges, axis=1)[:, None]
+    return ConvexPiece(corners, distinct_axes(face, 1e-7), distinct_axes(directions, PARALLEL))
+
+
+def _true_corners(hull: Any) -> NDArray[np.int64]:
+    """Corners where faces of three directions meet; others lie on an edge or inside a face."""
+    kept = []
+    for v in hull.vertices:
+        normals = hull.equations[(hull.simplices == v).any(axis=1), :3]
+        if np.linalg.svd(normals, compute_uv=False)[-1] > 1e-7 if len(normals) >= 3 else False:
+            kept.append(v)
+    return np.array(kept if len(kept) >= 4 else hull.vertices, dtype=np.int64)
+
+
+def distinct_axes(vectors: Floats, tolerance: float) -> Floats:
+    """Unit vectors (k, 3) without those that are parallel to an earlier one."""
+    kept: list[Floats] = []
+    for v in vectors:
+        if not kept or np.linalg.norm(np.cross(np.array(kept), v), axis=1).min() > tolerance:
+            kept.append(v)
+    return np.ascontiguousarray(np.array(kept))
+
+
+def prism(ring: Floats, low: float, high: float) -> ConvexPiece:
+    """Convex polygon (k, 2) [mm], counter-clockwise, extruded from z = low to z = high."""
+    k = len(ring)
+    corners = np.vstack([np.column_stack([ring, np.full(k, z)]) for z in (low, high)])
+    edge = np.roll(ring, -1, axis=0) - ring
+    edge /= np.linalg.norm(edge, axis=1)[:, None]
+    flat = np.zeros((k, 1))
+    normals = np.vstack([[0.0, 0.0, 1.0], np.hstack([edge[:, 1:], -edge[:, :1], flat])])
+    edges = np.vstack([[0.0, 0.0, 1.0], np.hstack([edge, flat])])
+    return ConvexPiece(corners, distinct_axes(normals, PARALLEL), distinct_axes(edges, PARALLEL))
+
+
+def cuboid(low: Floats, high: Floats) -> ConvexPiece:
+    """Axis-aligned box between two corners (3,) [mm]."""
+    x, y, z = np.meshgrid(*np.column_stack([low, high]), indexing="ij")
+    return ConvexPiece(np.column_stack([x.ravel(), y.ravel(), z.ravel()]), np.eye(3), np.eye(3))

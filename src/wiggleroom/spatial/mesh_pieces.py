@@ -1,0 +1,170 @@
+"""Meshes: faces moved inward by half the gap, and exact convex pieces by cuts along faces at reflex edges."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+from scipy.sparse.csgraph import connected_components
+
+from wiggleroom.spatial.convex import ConvexPiece, convex_piece
+from wiggleroom.spatial.solid_boolean import centroid_of, is_sound, solid_of, surface_of
+from wiggleroom.spatial.spatial_model import MadeSolid, Surface
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+FLAT = 1e-7
+"""Faces whose normals differ by less and that share an edge lie in one plane [rad]."""
+CONVEX = 1e-9
+"""A piece whose hull has no more than this share of additional volume is convex."""
+OFF_PLANE = 1e-6
+"""A moved corner may miss its planes by this share of the displacement."""
+MOST_PIECES = 2000
+"""A mesh that needs more pieces is refused."""
+CANDIDATES = 10
+"""So many cuts are compared each time."""
+
+
+def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:
+    """A mesh with every face moved inward by gap / 2 [mm], in convex pieces; and what is wrong with it."""
+    volume, centroid = centroid_of(drawn)
+    surface, wrong = (drawn, "") if gap == 0 else _moved_inward(drawn, gap / 2)
+    if surface is None:
+        return None, [f"{wrong} at gap {gap:g}"]
+    pieces = convex_pieces(solid_of(surface))
+    if pieces is None:
+        return None, [f"needs more than {MOST_PIECES} convex pieces: a coarser mesh would do"]
+    return MadeSolid(tuple(pieces), surface, volume, centroid), []
+
+
+def _planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
+    """Unit normals (f, 3) and offsets (f,) [mm] of the planes of all faces, and the plane of each face."""
+    a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
+    cross = np.cross(b - a, c - a)
+    area = np.linalg.norm(cross, axis=1)
+    normal = cross / np.maximum(area, 1e-300)[:, None]
+    sides = np.sort(np.vstack([surface.faces[:, [0, 1]], surface.faces[:, [1, 2]], surface.faces[:, [2, 0]]]), axis=1)
+    face = np.tile(np.arange(len(surface.faces)), 3)
+    order = np.lexsort(sides.T)
+    pairs = face[order].reshape(-1, 2)
+    flat = np.linalg.norm(normal[pairs[:, 0]] - normal[pairs[:, 1]], axis=1) < FLAT
+    links = sp.coo_matrix((np.ones(flat.sum()), pairs[flat].T), shape=(len(area), len(area)))
+    count, label = connected_components(links, directed=False)
+    total = np.zeros((count, 3))
+    np.add.at(total, label, cross)
+    unit = total / np.linalg.norm(total, axis=1)[:, None]
+    level = np.full(count, -np.inf)
+    np.maximum.at(level, label, np.einsum("ij,ij->i", unit[label], a))
+    return unit, level, label
+
+
+def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
+    """The surface with every plane moved inward; None and the reason where corners cannot follow all their planes."""
+    normal, level, label = _planes(drawn)
+    hull_volume = solid_of(drawn).hull().volume()
+    if hull_volume - centroid_of(drawn)[0] <= CONVEX * hull_volume:
+        return _convex_inward(normal, level, inward)
+    vertices = drawn.vertices.copy()
+    touch = [set() for _ in vertices]  # type: list[set[int]]
+    for face, plane in zip(drawn.faces.tolist(), label.tolist(), strict=True):
+        for v in face:
+            touch[v].add(plane)
+    for v, planes in enumerate(touch):
+        N = normal[sorted(planes)]
+        shift = np.linalg.lstsq(N, np.full(len(N), -inward), rcond=1e-9)[0]
+        if np.abs(N @ shift + inward).max() > OFF_PLANE * inward:
+            x, y, z = drawn.vertices[v]
+            return (
+                None,
+                f"the {len(N)} faces at ({x:g}, {y:g}, {z:g}) cannot all move inward and still meet in one corner",
+            )
+        vertices[v] += shift
+    moved = Surface(vertices, drawn.faces)
+    solid, before = solid_of(moved), solid_of(drawn)
+    outside = (solid - before).volume() if is_sound(solid) else np.inf
+    if outside > 1e-9 * before.volume() or not _kept_direction(drawn, moved):
+        return None, "faces are used up and the moved ones cross each other"
+    return surface_of(solid), ""
+
+
+def _kept_direction(before: Surface, after: Surface) -> bool:
+    """True where every face still looks the way it did."""
+    normals = []
+    for s in (before, after):
+        a, b, c = (s.vertices[s.faces[:, k]] for k in range(3))
+        normals.append(np.cross(b - a, c - a))
+    return bool((np.einsum("ij,ij->i", *normals) > 0).all())
+
+
+def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surface | None, str]:
+    """A convex solid: what is behind all planes once they have moved."""
+    from scipy.optimize import linprog
+    from scipy.spatial import HalfspaceIntersection
+
+    rows = np.column_stack([normal, np.ones(len(normal))])
+    deepest = linprog([0, 0, 0, -1], A_ub=rows, b_ub=level - inward, bounds=[(None, None)] * 3 + [(0, None)])
+    if deepest.status != 0 or deepest.x[3] <= 0:
+        return None, "vanishes"
+    cut = HalfspaceIntersection(np.column_stack([normal, inward - level]), deepest.x[:3])
+    import manifold3d
+
+    return surface_of(manifold3d.Manifold.hull_points(cut.intersections)), ""
+
+
+def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
+    """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where there would be too many.
+
+    Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
+    """
+    found, todo = [], [s for s in solid.decompose() if s.volume() > 0]
+    whole = solid.volume()
+    while todo:
+        part = todo.pop()
+        if part.volume() <= 1e-12 * whole:
+            continue
+        hull = part.hull()
+        if hull.volume() - part.volume() <= CONVEX * hull.volume():
+            found.append(convex_piece(surface_of(hull).vertices))
+        else:
+            cuts = _cuts(surface_of(part))
+            if not len(cuts):
+                found.append(convex_piece(surface_of(hull).vertices))
+                continue
+            best, halves = np.inf, []
+            for n0, n1, n2, offset in cuts.tolist():
+                both = [
+                    h for half in part.split_by_plane((n0, n1, n2), offset) for h in half.decompose() if h.volume() > 0
+                ]
+                hollow = sum(h.hull().volume() for h in both)
+                if len(both) > 1 and hollow < best:
+                    best, halves = hollow, both
+            if not halves:
+                return None
+            todo += halves
+        if len(found) + len(todo) > MOST_PIECES:
+            return None
+    return found
+
+
+def _cuts(surface: Surface) -> Floats:
+    """Planes (k, 4), unit normal and offset, of faces at reflex edges: those with the longest such edges."""
+    normal, level, label = _planes(surface)
+    faces = surface.faces
+    sides = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    face = np.tile(np.arange(len(faces)), 3)
+    order = np.lexsort(np.sort(sides, axis=1).T)
+    pair, side = face[order].reshape(-1, 2), sides[order][::2]
+    one, other = label[pair[:, 0]], label[pair[:, 1]]
+    along = surface.vertices[side[:, 1]] - surface.vertices[side[:, 0]]
+    bend = np.einsum("ij,ij->i", np.cross(normal[one], normal[other]), along)
+    length = np.linalg.norm(along, axis=1)
+    reflex = bend < -FLAT * length
+    gain = np.zeros(len(normal))
+    for who in (one, other):
+        np.add.at(gain, who[reflex], length[reflex])
+    best = np.argsort(-gain, kind="stable")[:CANDIDATES]
+    best = best[gain[best] > 0]
+    return np.column_stack([normal[best], level[best]])

@@ -1,0 +1,473 @@
+"""Compiled rows of separating planes, with exact first and second derivatives.
+
+A plane stands between a convex piece of body A and one of body B. It lives in A's frame: unit normal n, from A to B, and offset d about
+a point c. With B seen from A at q = Ra^T (Tb - Ta), Psi = Ra^T Rb its rows are
+
+    corner p of A's piece:  h = d - n . (p - c)
+    corner v of B's piece:  h = n . (x - c) - d,   x = q + Psi v
+
+Variables are (dT, a) for a body, T <- T + dT, R <- R exp(a), and (alpha, delta) for a plane, n <- (n + N alpha)/|.|, d <- (d + delta)/|.|
+with N two unit vectors across n. A pair of bodies sees xi = (tau, a, beta) = (Ra^T (dTb - dTa), a_A, Psi a_B).
+
+Planes of a pair of bodies follow each other: those of pair p are plane[p] .. plane[p + 1], rows of plane k are row[k] .. row[k + 1], the
+first `own[k]` of them belong to A's corners.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from wiggleroom.geometry.jit_options import NO_ALLOCATION
+
+
+@njit(**NO_ALLOCATION)
+def across(n, N):
+    """Fill N (2, 3) with unit vectors across n."""
+    i = 0
+    if abs(n[1]) < abs(n[i]):
+        i = 1
+    if abs(n[2]) < abs(n[i]):
+        i = 2
+    j, k = (i + 1) % 3, (i + 2) % 3
+    length = np.sqrt(n[j] * n[j] + n[k] * n[k])
+    N[0, i], N[0, j], N[0, k] = 0.0, -n[k] / length, n[j] / length
+    N[1, 0] = n[1] * N[0, 2] - n[2] * N[0, 1]
+    N[1, 1] = n[2] * N[0, 0] - n[0] * N[0, 2]
+    N[1, 2] = n[0] * N[0, 1] - n[1] * N[0, 0]
+
+
+@njit(**NO_ALLOCATION)
+def relative_frames(T, R, a, b, q, Psi):
+    """Fill q (P, 3) and Psi (P, 3, 3): B seen from A."""
+    for p in range(len(a)):
+        for i in range(3):
+            q[p, i] = 0.0
+            for j in range(3):
+                q[p, i] += R[a[p], j, i] * (T[b[p], j] - T[a[p], j])
+            for k in range(3):
+                s = 0.0
+                for j in range(3):
+                    s += R[a[p], j, i] * R[b[p], j, k]
+                Psi[p, i, k] = s
+
+
+@njit(**NO_ALLOCATION)
+def row_values(q, Psi, plane, row, own, V, c, n, d, h):
+    """Values h (R,) of all rows [mm]."""
+    for p in range(len(plane) - 1):
+        for k in range(plane[p], plane[p + 1]):
+            n0, n1, n2 = n[k, 0], n[k, 1], n[k, 2]
+            level = d[k] + n0 * c[k, 0] + n1 * c[k, 1] + n2 * c[k, 2]
+            for r in range(row[k], row[k] + own[k]):
+                h[r] = level - (n0 * V[r, 0] + n1 * V[r, 1] + n2 * V[r, 2])
+            m0 = n0 * Psi[p, 0, 0] + n1 * Psi[p, 1, 0] + n2 * Psi[p, 2, 0]
+            m1 = n0 * Psi[p, 0, 1] + n1 * Psi[p, 1, 1] + n2 * Psi[p, 2, 1]
+            m2 = n0 * Psi[p, 0, 2] + n1 * Psi[p, 1, 2] + n2 * Psi[p, 2, 2]
+            level = n0 * q[p, 0] + n1 * q[p, 1] + n2 * q[p, 2] - level
+            for r in range(row[k] + own[k], row[k + 1]):
+                h[r] = level + m0 * V[r, 0] + m1 * V[r, 1] + m2 * V[r, 2]
+
+
+@njit(**NO_ALLOCATION)
+def row_gradients(q, Psi, plane, row, own, V, c, n, lever, work, G):
+    """Derivatives G (R, 12) by xi (9) and by the plane's (alpha * lever, delta) (3). `work` (2, 3) is worked in."""
+    N = work
+    for p in range(len(plane) - 1):
+        for k in range(plane[p], plane[p + 1]):
+            across(n[k], N)
+            n0, n1, n2 = n[k, 0], n[k, 1], n[k, 2]
+            c0, c1, c2, arm = c[k, 0], c[k, 1], c[k, 2], 1.0 / lever[k]
+            for r in range(row[k], row[k] + own[k]):
+                x0, x1, x2 = V[r, 0] - c0, V[r, 1] - c1, V[r, 2] - c2
+                for i in range(9):
+                    G[r, i] = 0.0
+                G[r, 9] = -(N[0, 0] * x0 + N[0, 1] * x1 + N[0, 2] * x2) * arm
+                G[r, 10] = -(N[1, 0] * x0 + N[1, 1] * x1 + N[1, 2] * x2) * arm
+                G[r, 11] = 1.0
+            for r in range(row[k] + own[k], row[k + 1]):
+                z0 = Psi[p, 0, 0] * V[r, 0] + Psi[p, 0, 1] * V[r, 1] + Psi[p, 0, 2] * V[r, 2]
+                z1 = Psi[p, 1, 0] * V[r, 0] + Psi[p, 1, 1] * V[r, 1] + Psi[p, 1, 2] * V[r, 2]
+                z2 = Psi[p, 2, 0] * V[r, 0] + Psi[p, 2, 1] * V[r, 1] + Psi[p, 2, 2] * V[r, 2]
+                x0, x1, x2 = z0 + q[p, 0], z1 + q[p, 1], z2 + q[p, 2]
+                G[r, 0], G[r, 1], G[r, 2] = n0, n1, n2
+                G[r, 3], G[r, 4], G[r, 5] = x2 * n1 - x1 * n2, x0 * n2 - x2 * n0, x1 * n0 - x0 * n1
+                G[r, 6], G[r, 7], G[r, 8] = z1 * n2 - z2 * n1, z2 * n0 - z0 * n2, z0 * n1 - z1 * n0
+                x0, x1, x2 = x0 - c0, x1 - c1, x2 - c2
+                G[r, 9] = (N[0, 0] * x0 + N[0, 1] * x1 + N[0, 2] * x2) * arm
+                G[r, 10] = (N[1, 0] * x0 + N[1, 1] * x1 + N[1, 2] * x2) * arm
+                G[r, 11] = -1.0
+
+
+@njit(**NO_ALLOCATION)
+def invert(A, inverse):
+    """Fill inverse (3, 3) with that of the lower right 3 x 3 block of the symmetric A (12, 12), by L D L^T."""
+    d0 = A[9, 9]
+    l1, l2 = A[9, 10] / d0, A[9, 11] / d0
+    d1 = A[10, 10] - l1 * A[9, 10]
+    l3 = (A[10, 11] - l2 * A[9, 10]) / d1
+    d2 = A[11, 11] - l2 * A[9, 11] - l3 * l3 * d1
+    # columns of L^-1
+    m20 = l1 * l3 - l2
+    inverse[2, 2] = 1.0 / d2
+    inverse[1, 2] = -l3 / d2
+    inverse[0, 2] = m20 / d2
+    inverse[1, 1] = 1.0 / d1 + l3 * l3 / d2
+    inverse[0, 1] = -l1 / d1 - m20 * l3 / d2
+    inverse[0, 0] = 1.0 / d0 + l1 * l1 / d1 + m20 * m20 / d2
+    inverse[1, 0], inverse[2, 0], inverse[2, 1] = inverse[0, 1], inverse[0, 2], inverse[1, 2]
+
+
+@njit(**NO_ALLOCATION)
+def condensed(
+    q,
+    Psi,
+    R,
+    a,
+    b,
+    plane,
+    row,
+    own,
+    V,
+    n,
+    lever,
+    h,
+    G,
+    weight,
+    lam,
+    damping,
+    balance,
+    scale,
+    entry,
+    room,
+    inverse,
+    mixed,
+    data,
+):
+    """Add G^T diag(weight) G - sum lam h'' to the upper triangle `data`; planes are eliminated from it.
+
+    `entry` (P, 12, 12) says where the entries of a pair's block live (-1: nowhere). `inverse` (K, 3, 3) and `mixed` (K, 3, 9) are
+    filled with the inverse of every plane's own block and its block with xi. `balance` (P, 3) are forces on B, in A's frame.
+    `room` (8, 12, 12) is worked in. `damping` is added to the planes' own blocks.
+    """
+    A, S, M, W, Y = room[0], room[1], room[2], room[3], room[4]
+    N = room[5, :2, :3]
+    for p in range(len(a)):
+        for i in range(9):
+            for j in range(9):
+                S[i, j] = 0.0
+        f0, f1, f2 = balance[p, 0], balance[p, 1], balance[p, 2]
+        for k in range(plane[p], plane[p + 1]):
+            across(n[k], N)
+            n0, n1, n2, arm = n[k, 0], n[k, 1], n[k, 2], 1.0 / lever[k]
+            for i in range(12):
+                for j in range(12):
+                    A[i, j] = 0.0
+            for i in range(3):
+                for j in range(3):
+                    M[i, j] = 0.0
+            turn = 0.0
+            for r in range(row[k], row[k] + own[k]):
+                turn += max(lam[r] * h[r], 0.0)
+                w = weight[r]
+                for i in range(9, 12):
+                    for j in range(i, 12):
+                        A[i, j] += w * G[r, i] * G[r, j]
+            for r in range(row[k] + own[k], row[k + 1]):
+                turn += max(lam[r] * h[r], 0.0)
+                w, force = weight[r], lam[r]
+                for i in range(12):
+                    g = w * G[r, i]
+                    for j in range(i, 12):
+                        A[i, j] += g * G[r, j]
+                z0 = Psi[p, 0, 0] * V[r, 0] + Psi[p, 0, 1] * V[r, 1] + Psi[p, 0, 2] * V[r, 2]
+                z1 = Psi[p, 1, 0] * V[r, 0] + Psi[p, 1, 1] * V[r, 1] + Psi[p, 1, 2] * V[r, 2]
+                z2 = Psi[p, 2, 0] * V[r, 0] + Psi[p, 2, 1] * V[r, 1] + Psi[p, 2, 2] * V[r, 2]
+                x0, x1, x2 = z0 + q[p, 0], z1 + q[p, 1], z2 + q[p, 2]
+                f0, f1, f2 = f0 + force * n0, f1 + force * n1, f2 + force * n2
+                M[0, 0] += force * n0 * z0
+                M[0, 1] += force * n0 * z1
+                M[0, 2] += force * n0 * z2
+                M[1, 0] += force * n1 * z0
+                M[1, 1] += force * n1 * z1
+                M[1, 2] += force * n1 * z2
+                M[2, 0] += force * n2 * z0
+                M[2, 1] += force * n2 * z1
+                M[2, 2] += force * n2 * z2
+                for t in range(2):
+                    m0, m1, m2 = force * arm * N[t, 0], force * arm * N[t, 1], force * arm * N[t, 2]
+                    A[0, 9 + t] -= m0
+                    A[1, 9 + t] -= m1
+                    A[2, 9 + t] -= m2
+                    A[3, 9 + t] -= x2 * m1 - x1 * m2
+                    A[4, 9 + t] -= x0 * m2 - x2 * m0
+                    A[5, 9 + t] -= x1 * m0 - x0 * m1
+                    A[6, 9 + t] -= z1 * m2 - z2 * m1
+                    A[7, 9 + t] -= z2 * m0 - z0 * m2
+                    A[8, 9 + t] -= z0 * m1 - z1 * m0
+            A[9, 9] += turn * arm * arm + damping
+            A[10, 10] += turn * arm * arm + damping
+            A[11, 11] += damping
+            trace = M[0, 0] + M[1, 1] + M[2, 2]
+            for i in range(3):
+                for j in range(3):
+                    bend = 0.5 * (M[i, j] + M[j, i])
+                    other = -M[j, i]
+                    if i == j:
+                        bend -= trace
+                        other += trace
+                    if j >= i:
+                        A[3 + i, 3 + j] -= bend
+                        A[6 + i, 6 + j] -= bend
+                    A[3 + i, 6 + j] -= other
+            invert(A, inverse[k])
+            for t in range(3):
+                for i in range(9):
+                    mixed[k, t, i] = A[i, 9 + t]
+            for i in range(9):
+                for t in range(3):
+                    W[i, t] = A[i, 9] * inverse[k, 0, t] + A[i, 10] * inverse[k, 1, t] + A[i, 11] * inverse[k, 2, t]
+                for j in range(i, 9):
+                    S[i, j] += A[i, j] - (W[i, 0] * A[j, 9] + W[i, 1] * A[j, 10] + W[i, 2] * A[j, 11])
+        # second derivatives of q: - f . (a x (a x q) / 2 - a x tau)
+        q0, q1, q2 = q[p, 0], q[p, 1], q[p, 2]
+        S[0, 4] -= f2
+        S[0, 5] += f1
+        S[1, 3] += f2
+        S[1, 5] -= f0
+        S[2, 3] -= f1
+        S[2, 4] += f0
+        along = f0 * q0 + f1 * q1 + f2 * q2
+        S[3, 3] -= f0 * q0 - along
+        S[4, 4] -= f1 * q1 - along
+        S[5, 5] -= f2 * q2 - along
+        S[3, 4] -= 0.5 * (f0 * q1 + f1 * q0)
+        S[3, 5] -= 0.5 * (f0 * q2 + f2 * q0)
+        S[4, 5] -= 0.5 * (f1 * q2 + f2 * q1)
+        for i in range(9):
+            for j in range(i):
+                S[i, j] = S[j, i]
+        # to the bodies: tau = Ra^T (dTb - dTa), a = a_A, beta = Psi a_B
+        i_a, i_b = a[p], b[p]
+        for i in range(9):
+            for j in range(3):
+                s = 0.0
+                for t in range(3):
+                    s += S[i, t] * R[i_a, j, t]
+                Y[i, j], Y[i, 6 + j] = -s, s
+                Y[i, 3 + j] = S[i, 3 + j]
+                s = 0.0
+                for t in range(3):
+                    s += S[i, 6 + t] * Psi[p, t, j]
+                Y[i, 9 + j] = s
+        for j in range(12):
+            for i in range(3):
+                s = 0.0
+                for t in range(3):
+                    s += R[i_a, i, t] * Y[t, j]
+                A[i, j], A[6 + i, j] = -s, s
+                A[3 + i, j] = Y[3 + i, j]
+                s = 0.0
+                for t in range(3):
+                    s += Psi[p, t, i] * Y[6 + t, j]
+                A[9 + i, j] = s
+        for i in range(12):
+            si = scale[i_a, i] if i < 6 else scale[i_b, i - 6]
+            for j in range(12):
+                at = entry[p, i, j]
+                if at >= 0:
+                    sj = scale[i_a, j] if j < 6 else scale[i_b, j - 6]
+                    data[at] += A[i, j] * si * sj
+
+
+@njit(**NO_ALLOCATION)
+def against(Psi, R, a, b, plane, row, G, y, scale, on_bodies, on_planes):
+    """Add G^T y to on_bodies (n, 6), scaled, and fill on_planes (K, 3)."""
+    for p in range(len(a)):
+        x0, x1, x2, x3, x4, x5, x6, x7, x8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(plane[p], plane[p + 1]):
+            y0, y1, y2 = 0.0, 0.0, 0.0
+            for r in range(row[k], row[k + 1]):
+                v = y[r]
+                x0 += G[r, 0] * v
+                x1 += G[r, 1] * v
+                x2 += G[r, 2] * v
+                x3 += G[r, 3] * v
+                x4 += G[r, 4] * v
+                x5 += G[r, 5] * v
+                x6 += G[r, 6] * v
+                x7 += G[r, 7] * v
+                x8 += G[r, 8] * v
+                y0 += G[r, 9] * v
+                y1 += G[r, 10] * v
+                y2 += G[r, 11] * v
+            on_planes[k, 0], on_planes[k, 1], on_planes[k, 2] = y0, y1, y2
+        to_bodies(p, Psi, R, a[p], b[p], x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, on_bodies)
+
+
+@njit(**NO_ALLOCATION)
+def to_bodies(p, Psi, R, i, j, x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, out):
+    """Add what a pair feels by xi to what its two bodies feel."""
+    for k in range(3):
+        force = R[i, k, 0] * x0 + R[i, k, 1] * x1 + R[i, k, 2] * x2
+        out[i, k] -= force * scale[i, k]
+        out[j, k] += force * scale[j, k]
+        moment = Psi[p, 0, k] * x6 + Psi[p, 1, k] * x7 + Psi[p, 2, k] * x8
+        out[j, 3 + k] += moment * scale[j, 3 + k]
+    out[i, 3] += x3 * scale[i, 3]
+    out[i, 4] += x4 * scale[i, 4]
+    out[i, 5] += x5 * scale[i, 5]
+
+
+@njit(**NO_ALLOCATION)
+def pair_changes(Psi, R, a, b, scale, u, xi):
+    """Fill xi (P, 9) with what pairs see of scaled changes u (n, 6) of the bodies."""
+    for p in range(len(a)):
+        i, j = a[p], b[p]
+        for k in range(3):
+            s = 0.0
+            for t in range(3):
+                s += R[i, t, k] * (u[j, t] * scale[j, t] - u[i, t] * scale[i, t])
+            xi[p, k] = s
+            xi[p, 3 + k] = u[i, 3 + k] * scale[i, 3 + k]
+            s = 0.0
+            for t in range(3):
+                s += Psi[p, k, t] * u[j, 3 + t] * scale[j, 3 + t]
+            xi[p, 6 + k] = s
+
+
+@njit(**NO_ALLOCATION)
+def along(plane, row, G, xi, y, out):
+    """Fill out (R,) with the change of every row by xi (P, 9) of the pairs and y (K, 3) of the planes."""
+    for p in range(len(plane) - 1):
+        for k in range(plane[p], plane[p + 1]):
+            for r in range(row[k], row[k + 1]):
+                s = 0.0
+                for i in range(9):
+                    s += G[r, i] * xi[p, i]
+                out[r] = s + G[r, 9] * y[k, 0] + G[r, 10] * y[k, 1] + G[r, 11] * y[k, 2]
+
+
+@njit(**NO_ALLOCATION)
+def eliminate(Psi, R, a, b, plane, inverse, mixed, y, scale, share, on_bodies):
+    """Fill share (K, 3) with inverse y, and take what that means for the bodies off on_bodies (n, 6)."""
+    for p in range(len(a)):
+        x0, x1, x2, x3, x4, x5, x6, x7, x8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+        for k in range(plane[p], plane[p + 1]):
+            for t in range(3):
+                share[k, t] = inverse[k, t, 0] * y[k, 0] + inverse[k, t, 1] * y[k, 1] + inverse[k, t, 2] * y[k, 2]
+            for t in range(3):
+                v = -share[k, t]
+                x0 += mixed[k, t, 0] * v
+                x1 += mixed[k, t, 1] * v
+                x2 += mixed[k, t, 2] * v
+                x3 += mixed[k, t, 3] * v
+                x4 += mixed[k, t, 4] * v
+                x5 += mixed[k, t, 5] * v
+                x6 += mixed[k, t, 6] * v
+                x7 += mixed[k, t, 7] * v
+                x8 += mixed[k, t, 8] * v
+        to_bodies(p, Psi, R, a[p], b[p], x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, on_bodies)
+
+
+@njit(**NO_ALLOCATION)
+def substitute(plane, inverse, mixed, xi, share):
+    """Turn share (K, 3) into the changes of the planes that go with xi (P, 9)."""
+    for p in range(len(plane) - 1):
+        for k in range(plane[p], plane[p + 1]):
+            m0, m1, m2 = 0.0, 0.0, 0.0
+            for i in range(9):
+                m0 += mixed[k, 0, i] * xi[p, i]
+                m1 += mixed[k, 1, i] * xi[p, i]
+                m2 += mixed[k, 2, i] * xi[p, i]
+            for t in range(3):
+                share[k, t] -= inverse[k, t, 0] * m0 + inverse[k, t, 1] * m1 + inverse[k, t, 2] * m2
+
+
+@njit(**NO_ALLOCATION)
+def move_planes(n, d, lever, y, share, work, n2, d2):
+    """Fill n2, d2 with the planes changed by share * y (K, 3). `work` (2, 3) is worked in."""
+    for k in range(len(n)):
+        across(n[k], work)
+        s, t, arm = 0.0, 0.0, share / lever[k]
+        for i in range(3):
+            t = n[k, i] + arm * (work[0, i] * y[k, 0] + work[1, i] * y[k, 1])
+            n2[k, i] = t
+            s += t * t
+        s = 1.0 / np.sqrt(s)
+        for i in range(3):
+            n2[k, i] *= s
+        d2[k] = (d[k] + share * y[k, 2]) * s
+
+
+@njit(**NO_ALLOCATION)
+def fit_planes(q, Psi, plane, row, own, V, c, lever, goal, weight, rounds, room, n, d):
+    """Change the planes (n, d) so that rows come as near to `goal` as they can: weighted least squares, Gauss-Newton.
+
+    `room` (8, 12, 12) is worked in.
+    """
+    N, A, kept = room[5, :2, :3], room[0], room[1, :3, :3]
+    for p in range(len(plane) - 1):
+        for k in range(plane[p], plane[p + 1]):
+            before = 1e300
+            for turn in range(rounds + 1):
+                across(n[k], N)
+                for i in range(9, 12):
+                    for j in range(9, 12):
+                        A[i, j] = 0.0
+                g0, g1, g2, error = 0.0, 0.0, 0.0, 0.0
+                for r in range(row[k], row[k + 1]):
+                    if r < row[k] + own[k]:
+                        x0, x1, x2, sign = V[r, 0] - c[k, 0], V[r, 1] - c[k, 1], V[r, 2] - c[k, 2], -1.0
+                    else:
+                        x0 = (
+                            q[p, 0] + Psi[p, 0, 0] * V[r, 0] + Psi[p, 0, 1] * V[r, 1] + Psi[p, 0, 2] * V[r, 2] - c[k, 0]
+                        )
+                        x1 = (
+                            q[p, 1] + Psi[p, 1, 0] * V[r, 0] + Psi[p, 1, 1] * V[r, 1] + Psi[p, 1, 2] * V[r, 2] - c[k, 1]
+                        )
+                        x2 = (
+                            q[p, 2] + Psi[p, 2, 0] * V[r, 0] + Psi[p, 2, 1] * V[r, 1] + Psi[p, 2, 2] * V[r, 2] - c[k, 2]
+                        )
+                        sign = 1.0
+                    h = sign * (n[k, 0] * x0 + n[k, 1] * x1 + n[k, 2] * x2 - d[k])
+                    j0 = sign * (N[0, 0] * x0 + N[0, 1] * x1 + N[0, 2] * x2) / lever[k]
+                    j1 = sign * (N[1, 0] * x0 + N[1, 1] * x1 + N[1, 2] * x2) / lever[k]
+                    w, e = weight[r], goal[r] - h
+                    error += w * e * e
+                    g0, g1, g2 = g0 + w * e * j0, g1 + w * e * j1, g2 - w * e * sign
+                    A[9, 9] += w * j0 * j0
+                    A[9, 10] += w * j0 * j1
+                    A[10, 10] += w * j1 * j1
+                    A[9, 11] -= w * j0 * sign
+                    A[10, 11] -= w * j1 * sign
+                    A[11, 11] += w
+                if error > before or turn == rounds:
+                    if error > before:
+                        n[k, 0], n[k, 1], n[k, 2], d[k] = kept[0, 0], kept[0, 1], kept[0, 2], kept[1, 0]
+                    break
+                before = error
+                kept[0, 0], kept[0, 1], kept[0, 2], kept[1, 0] = n[k, 0], n[k, 1], n[k, 2], d[k]
+                tiny = 1e-13 * (A[9, 9] + A[10, 10] + A[11, 11])
+                A[9, 9] += tiny
+                A[10, 10] += tiny
+                A[11, 11] += tiny
+                d0 = A[9, 9]
+                l1, l2 = A[9, 10] / d0, A[9, 11] / d0
+                d1 = A[10, 10] - l1 * A[9, 10]
+                l3 = (A[10, 11] - l2 * A[9, 10]) / d1
+                d2 = A[11, 11] - l2 * A[9, 11] - l3 * l3 * d1
+                y0 = g0
+                y1 = g1 - l1 * y0
+                y2 = g2 - l2 * y0 - l3 * y1
+                y2 = y2 / d2
+                y1 = y1 / d1 - l3 * y2
+                y0 = y0 / d0 - l1 * y1 - l2 * y2
+                s = 0.0
+                for i in range(3):
+                    n[k, i] += (N[0, i] * y0 + N[1, i] * y1) / lever[k]
+                    s += n[k, i] * n[k, i]
+                s = 1.0 / np.sqrt(s)
+                for i in range(3):
+                    n[k, i] *= s
+                d[k] = (d[k] + y2) * s

@@ -1,0 +1,106 @@
+"""Rigid bodies in space: convex pieces in frames of their own, and which pieces of two bodies come near each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.spatial.convex import ConvexPiece
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class RigidBodies:
+    """Bodies at rest; every frame has its origin at the body's reference point and the axes of the world.
+
+    Parameters
+    ----------
+    pieces : tuple of tuples of ConvexPiece
+        Of each body, in its own frame.
+    at : (n, 3) float64 [mm]
+        Reference points at rest.
+    free : (n, 6) bool
+        Which of x, y, z, rx, ry, rz may change.
+    owner : tuple of (k,) int64
+        Part of every piece.
+    barred : frozenset of (int, int)
+        Pairs a < b of parts that never collide.
+    """
+
+    pieces: tuple[tuple[ConvexPiece, ...], ...]
+    at: Floats
+    free: Bools
+    owner: tuple[Ints, ...] = ()
+    barred: frozenset[tuple[int, int]] = frozenset()
+
+    @property
+    def moves(self) -> Bools:
+        """Bodies (n,) that are not fixed."""
+        return np.asarray(self.free.any(axis=1))
+
+    @property
+    def radius(self) -> Floats:
+        """Largest distance of a corner from the reference point (n,) [mm]."""
+        return np.array([max(np.linalg.norm(p.corners, axis=1).max() for p in body) for body in self.pieces])
+
+    @property
+    def size(self) -> float:
+        """Longest side of the box round everything at rest [mm]."""
+        corners = [p.corners + at for body, at in zip(self.pieces, self.at, strict=True) for p in body]
+        return float(np.ptp(np.vstack(corners), axis=0).max())
+
+    @property
+    def rest(self) -> Pose:
+        """Pose at rest."""
+        return Pose(self.at.copy(), np.repeat(np.eye(3)[None], len(self.at), axis=0))
+
+
+@dataclass(frozen=True, eq=False)
+class Pose:
+    """Where all bodies are: positions T (n, 3) [mm] of the reference points and rotations R (n, 3, 3)."""
+
+    T: Floats
+    R: Floats
+
+
+def boxes_of(bodies: RigidBodies, pose: Pose) -> list[tuple[Floats, Floats]]:
+    """Axis-aligned boxes of all pieces of each body: lower and upper corners (k, 3) [mm]."""
+    found = []
+    for pieces, T, R in zip(bodies.pieces, pose.T, pose.R, strict=True):
+        placed = [p.corners @ R.T + T for p in pieces]
+        found.append((np.array([c.min(axis=0) for c in placed]), np.array([c.max(axis=0) for c in placed])))
+    return found
+
+
+def near_bodies(low: Floats, high: Floats, bodies: RigidBodies, reach: float) -> list[tuple[int, int]]:
+    """Pairs a < b of bodies, not both fixed, whose boxes (n, 3) come within `reach` [mm]."""
+    import shapely
+
+    moves = bodies.moves
+    flat = shapely.box(*(low[:, :2] - reach / 2).T, *(high[:, :2] + reach / 2).T)
+    i, j = shapely.STRtree(flat).query(flat)
+    keep = (i < j) & (moves[i] | moves[j]) & (low[i, 2] <= high[j, 2] + reach) & (low[j, 2] <= high[i, 2] + reach)
+    return sorted(zip(i[keep].tolist(), j[keep].tolist(), strict=True))
+
+
+def near_pieces(bodies: RigidBodies, pose: Pose, reach: float) -> Ints:
+    """Pairs of pieces (k, 4) as body a, piece of a, body b, piece of b, whose boxes come within `reach` [mm]."""
+    boxes = boxes_of(bodies, pose)
+    low = np.array([lo.min(axis=0) for lo, _ in boxes])
+    high = np.array([hi.max(axis=0) for _, hi in boxes])
+    found = [np.zeros((0, 4), dtype=np.int64)]
+    for a, b in near_bodies(low, high, bodies, reach):
+        (al, ah), (bl, bh) = boxes[a], boxes[b]
+        meets = ((al[:, None] <= bh[None] + reach) & (ah[:, None] >= bl[None] - reach)).all(axis=2)
+        if bodies.barred:
+            parts = [(min(p, q), max(p, q)) for p in bodies.owner[a].tolist() for q in bodies.owner[b].tolist()]
+            barred = np.array([pair in bodies.barred for pair in parts])
+            meets &= ~barred.reshape(meets.shape)
+        i, j = np.nonzero(meets)
+        found.append(np.column_stack([np.full(len(i), a), i, np.full(len(i), b), j]))
+    return np.vstack(found)

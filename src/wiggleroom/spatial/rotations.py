@@ -1,0 +1,82 @@
+"""Rotations of space: matrices, rotation vectors, and the exponential map between them."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def exponential(w: Floats) -> Floats:
+    """Rotation matrices (..., 3, 3) of rotation vectors (..., 3) [rad], by the formula of Rodrigues.
+
+    >>> exponential(np.array([0.0, 0.0, np.pi / 2])).round(12).tolist()[0]
+    [0.0, -1.0, 0.0]
+    """
+    w = np.asarray(w, dtype=float)
+    angle = np.linalg.norm(w, axis=-1)[..., None, None]
+    half = angle / 2
+    x, y, z = np.moveaxis(w, -1, 0)
+    zero = np.zeros_like(x)
+    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=-1).reshape(*w.shape[:-1], 3, 3)
+    first = np.sinc(angle / np.pi)
+    second = np.sinc(half / np.pi) ** 2 / 2  # (1 - cos) / angle^2 without cancellation
+    return np.eye(3) + first * cross + second * (cross @ cross)
+
+
+def logarithm(R: Floats) -> Floats:
+    """Rotation vectors (..., 3) [rad], at most half a turn long, of rotation matrices (..., 3, 3).
+
+    >>> logarithm(exponential(np.array([0.1, -0.2, 3.0]))).round(9).tolist()
+    [0.1, -0.2, 3.0]
+    """
+    q = quaternion(R)
+    q = np.where(q[..., :1] < 0, -q, q)
+    sine = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    angle = 2 * np.arctan2(sine, q[..., :1])
+    return q[..., 1:] * np.where(sine > 1e-150, angle / np.maximum(sine, 1e-150), 2.0)
+
+
+def quaternion(R: Floats) -> Floats:
+    """Unit quaternions (..., 4), scalar first, of rotation matrices (..., 3, 3).
+
+    Source: Shepperd 1978, the largest of the four components first.
+    """
+    R = np.asarray(R, dtype=float)
+    d0, d1, d2 = R[..., 0, 0], R[..., 1, 1], R[..., 2, 2]
+    squares = np.stack([1 + d0 + d1 + d2, 1 + d0 - d1 - d2, 1 - d0 + d1 - d2, 1 - d0 - d1 + d2], axis=-1)
+    a, b, c = R[..., 2, 1] - R[..., 1, 2], R[..., 0, 2] - R[..., 2, 0], R[..., 1, 0] - R[..., 0, 1]
+    d, e, f = R[..., 1, 0] + R[..., 0, 1], R[..., 0, 2] + R[..., 2, 0], R[..., 2, 1] + R[..., 1, 2]
+    rows = np.stack(
+        [
+            np.stack([squares[..., 0], a, b, c], axis=-1),
+            np.stack([a, squares[..., 1], d, e], axis=-1),
+            np.stack([b, d, squares[..., 2], f], axis=-1),
+            np.stack([c, e, f, squares[..., 3]], axis=-1),
+        ],
+        axis=-2,
+    )
+    best = np.argmax(squares, axis=-1)[..., None, None]
+    q = np.take_along_axis(rows, best, axis=-2)[..., 0, :]
+    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+
+
+def fixed_axes(degrees: Floats) -> Floats:
+    """Rotation matrix (3, 3) that turns about the fixed x, then y, then z axis by these angles (3,) [deg].
+
+    Multiples of 90 degrees give exact entries.
+
+    >>> fixed_axes(np.array([90.0, 0.0, 0.0])).tolist()
+    [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
+    """
+    R = np.eye(3)
+    for axis, angle in enumerate(degrees):
+        quarter = (angle / 90) % 4
+        exact = (1.0, 0.0, -1.0, 0.0)[int(quarter)] if quarter == int(quarter) else float(np.cos(np.radians(angle)))
+        sine = (0.0, 1.0, 0.0, -1.0)[int(quarter)] if quarter == int(quarter) else float(np.sin(np.radians(angle)))
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        turn = np.eye(3)
+        turn[i, i], turn[i, j], turn[j, i], turn[j, j] = exact, -sine, sine, exact
+        R = turn @ R
+    return R + 0.0

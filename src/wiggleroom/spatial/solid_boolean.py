@@ -1,0 +1,66 @@
+"""Booleans of solids by the library manifold3d."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import see_extra
+from wiggleroom.spatial.spatial_model import Surface
+
+Floats = NDArray[np.float64]
+
+
+def see_library() -> None:
+    """See that the libraries for solids are installed.
+
+    Raises
+    ------
+    MissingExtraError
+        If they are not.
+    """
+    see_extra("solid", "assemblies in space need trimesh and manifold3d", "trimesh", "manifold3d")
+
+
+def solid_of(surface: Surface) -> Any:
+    """Solid of the library from a closed surface; `status()` tells whether it is one."""
+    import manifold3d
+
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.ascontiguousarray(surface.vertices),
+        tri_verts=np.ascontiguousarray(surface.faces, dtype=np.uint64),
+    )
+    return manifold3d.Manifold(mesh)
+
+
+def surface_of(solid: Any) -> Surface:
+    """Surface of a solid of the library."""
+    mesh = solid.to_mesh64()
+    vertices = np.array(mesh.vert_properties, dtype=float)[:, :3]
+    return Surface(np.ascontiguousarray(vertices), np.array(mesh.tri_verts, dtype=np.int64))
+
+
+def union_of(solids: Sequence[Any]) -> Any:
+    """Union of solids."""
+    import manifold3d
+
+    return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
+
+
+def is_sound(solid: Any) -> bool:
+    """True for a closed, oriented solid with a volume."""
+    import manifold3d
+
+    return solid.status() == manifold3d.Error.NoError and not solid.is_empty()
+
+
+def centroid_of(surface: Surface) -> tuple[float, Floats]:
+    """Volume [mm3] and centroid (3,) [mm] inside a closed surface, by tetrahedra from its middle."""
+    middle = surface.vertices.mean(axis=0)
+    a, b, c = (surface.vertices[surface.faces[:, k]] - middle for k in range(3))
+    six = np.einsum("ij,ij->i", a, np.cross(b, c))
+    volume = float(six.sum()) / 6
+    return volume, middle + (six[:, None] * (a + b + c)).sum(axis=0) / (24 * volume)

@@ -1,0 +1,82 @@
+"""The answer in space: a motion that was found and checked, and how sure it is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class SpatialContact:
+    """One place where two parts hold each other at the reported motion.
+
+    Parameters
+    ----------
+    parts : pair of names
+        The normal points from the first into the second.
+    point, normal : (x, y, z) [mm], unit vector
+        Assembly coordinates at the moved position.
+    force : float
+        Objective gained per mm that this contact gives way.
+    """
+
+    parts: tuple[str, str]
+    point: tuple[float, float, float]
+    normal: tuple[float, float, float]
+    force: float
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialAnswer:
+    """The largest safe motion that was found.
+
+    Parameters
+    ----------
+    assembly : SpatialAssembly
+    goals : tuple of SpatialPull, SpatialTurn or Weight
+    verdict : Verdict
+    objective : float or None
+        Sum of the goals [mm] (turns in [rad]); None where nothing stops the motion.
+    motion : (n, 6) float64 [mm, rad]
+        Displacement of the reference point of every part, and its rotation vector.
+    waypoints : (k, n, 6) float64 [mm, rad]
+        Motions along a way from rest to `motion`; between them positions go straight, turns about one constant axis.
+    contacts : tuple of SpatialContact
+    path : str
+        "checked" where no two parts overlap anywhere along the way, else "not checked".
+    collision_free : bool
+    deepest_overlap : float [mm]
+        Deepest overlap of any two parts at `motion`, by booleans of the solids.
+    leaves, turns : tuple of names
+        Parts that move away or turn without limit.
+    """
+
+    assembly: SpatialAssembly
+    goals: tuple[SpatialGoal, ...]
+    verdict: Verdict
+    objective: float | None
+    motion: NDArray[np.float64]
+    waypoints: NDArray[np.float64]
+    contacts: tuple[SpatialContact, ...]
+    path: str
+    collision_free: bool
+    deepest_overlap: float
+    solver: str
+    rounds: int
+    iterations: int
+    seconds: dict[str, float] = field(default_factory=dict)
+    leaves: tuple[str, ...] = ()
+    turns: tuple[str, ...] = ()
+    command: str = ""
+    at_most: float | None = None
+    model: str = "planes"
+
+    @property
+    def turn(self) -> NDArray[np.float64]:
+        """Angles by which the parts are turned (n,) [rad]."""
+        return np.linalg.norm(self.motion[:, 3:], axis=1)

@@ -1,0 +1,171 @@
+"""How far can it move, in space: rounds of the program, a checked way, and the answer put together."""
+
+from __future__ import annotations
+
+import itertools
+import time
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.spatial.overlap_check import deepest_overlap
+from wiggleroom.spatial.plane_contacts import plane_contacts
+from wiggleroom.spatial.plane_solver import PlaneSolution
+from wiggleroom.spatial.rigid import Pose
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_assembly import goal_findings
+from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
+from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
+from wiggleroom.spatial.spatial_search import SpatialSearch
+from wiggleroom.verdict import Verdict
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+OVERLAP = 1e-9
+"""Overlaps shallower than this share of the size are rounding."""
+
+
+def flex_spatial(
+    assembly: SpatialAssembly | SpatialPrepared,
+    goals: SpatialGoal | Sequence[SpatialGoal] | None = None,
+    *,
+    solver: str = "interior-point",
+    stop: Stop | None = None,
+    progress: Callable[[int, float], None] | None = None,
+) -> SpatialAnswer:
+    """How far a spatial assembly can move; see `wiggleroom.flex`.
+
+    Raises
+    ------
+    InputError
+        If nothing is fixed or pulled, or a goal names an unknown part.
+    TouchingError
+        If two parts touch at rest.
+    """
+    began = time.perf_counter()
+    if solver != "interior-point":
+        message = f'solver "{solver}" is for drawings; in space leave it out'
+        raise InputError(message)
+    its = assembly.assembly if isinstance(assembly, SpatialPrepared) else assembly
+    asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
+    wrong = goal_findings(its.drawing, asked) + lacking(its, asked)
+    if wrong:
+        raise InputError([f"{its.drawing.source}: {line}" if its.drawing.source else line for line in wrong])
+    ready = assembly if isinstance(assembly, SpatialPrepared) else prepare_spatial(assembly)
+    prepared = time.perf_counter()
+    search = SpatialSearch(ready, spatial_objective(ready, asked), solver, stop, progress)
+    program, found, way, whole = search.run()
+    solved = time.perf_counter()
+    motion = way[-1]
+    deepest = deepest_overlap(its, motion)
+    pose = ready.grouping.pose_of(motion)
+    last = found.point.pose
+    at_end = bool(np.abs(pose.T - last.T).max() + ready.size * np.abs(pose.R - last.R).max() < 1e-9 * ready.size)
+    verdict, leaves, turns = _verdict(ready, search.objective, found, way, whole, at_end)
+    contacts = plane_contacts(its, ready.grouping, program, found) if at_end and found.status == "converged" else ()
+    ended = time.perf_counter()
+    spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
+    value = None if verdict is Verdict.UNBOUNDED else _value(search.objective, ready, way)
+    return SpatialAnswer(
+        assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=way, contacts=contacts,
+        path="checked" if whole else "not checked", collision_free=deepest <= OVERLAP * ready.size,
+        deepest_overlap=deepest, solver=solver, rounds=search.rounds, iterations=search.iterations, seconds=spent,
+        leaves=leaves, turns=turns,
+    )  # fmt: skip
+
+
+def _value(objective: SumOfTerms, ready: SpatialPrepared, way: Floats) -> float:
+    """Objective at the end of a way; turns are counted on along it."""
+    value = 0.0
+    for motion in way:
+        value = objective.value(ready.grouping.pose_of(motion), value)
+    return value
+
+
+def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str]:
+    """List what a question about motion lacks: a fixed part, a pull."""
+    found = []
+    if not any(p.fixed for p in assembly.parts):
+        found.append("nothing is fixed: name the parts that stand with --fix NAME")
+    if not goals:
+        found.append("nothing is pulled: say what moves with --pull NAME:+z")
+    return found
+
+
+def _verdict(
+    ready: SpatialPrepared,
+    objective: SumOfTerms,
+    found: PlaneSolution,
+    way: Floats,
+    whole: bool,
+    at_end: bool,
+) -> tuple[Verdict, tuple[str, ...], tuple[str, ...]]:
+    """How the question ended, and the parts that leave or turn without limit."""
+    if found.status == "escaping" and whole and at_end:
+        names = ready.assembly.names
+        turning = _spinning(ready, objective, found)
+        leaving = leaving_parts(ready, way[-1], objective)
+        if turning:
+            return Verdict.UNBOUNDED, (), turning
+        if leaving:
+            return Verdict.UNBOUNDED, tuple(names[k] for k in leaving), ()
+    if found.status == "converged" and whole and at_end:
+        return (Verdict.OPTIMAL if found.curved_down else Verdict.STATIONARY), (), ()
+    return Verdict.STOPPED, (), ()
+
+
+def leaving_parts(ready: SpatialPrepared, motion: Floats, objective: SumOfTerms) -> list[int]:
+    """Parts that go on straight without limit from a motion: nothing is ahead of them; empty where that is not sure.
+
+    Parts that came along further than half of the farthest one go on with it, in the direction it is pulled. Balls round all parts show
+    that they only get further from the others.
+    """
+    pulls = [t for t in objective.terms if isinstance(t, Displacement)]
+    if not pulls:
+        return []
+    assembly, reference = ready.assembly, ready.assembly.reference
+    total = np.sum([t.direction for t in pulls], axis=0)
+    body = ready.grouping.body_of
+    pulled = {t.body for t in pulls}
+    along = motion[:, :3] @ (total / np.linalg.norm(total)) if np.linalg.norm(total) > 0 else np.zeros(len(motion))
+    far = np.array([k for k in range(len(motion)) if int(body[k]) in pulled])
+    farthest = float(along[far].max(initial=0.0))
+    if farthest < ready.size:
+        return []
+    gone = along > farthest / 2
+    direction = total / np.linalg.norm(total)
+    radius = np.array([
+        np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made
+    ])  # fmt: skip
+    centre = reference + motion[:, :3]
+    for k in np.flatnonzero(gone):
+        for j in np.flatnonzero(~gone):
+            apart = centre[k] - centre[j]
+            ahead = float(apart @ direction)
+            beside = float(np.linalg.norm(apart - ahead * direction))
+            room = radius[k] + radius[j]
+            if beside <= room and not (ahead > 0 and np.linalg.norm(apart) > room):
+                return []
+    return np.flatnonzero(gone).tolist()
+
+
+def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: PlaneSolution) -> tuple[str, ...]:
+    """Parts that are twisted without limit: a whole turn in place, from the end of the way, is free."""
+    twists = [t for t in objective.terms if isinstance(t, Twist)]
+    if len(twists) != 1 or len(objective.terms) != 1:
+        return ()
+    from wiggleroom.spatial.rotations import exponential
+
+    twist, pose = twists[0], found.point.pose
+    steps = []
+    for angle in np.linspace(0, 2 * np.pi, 33):
+        R = pose.R.copy()
+        R[twist.body] = exponential(angle * np.sign(twist.weight) * twist.direction) @ R[twist.body]
+        steps.append(ready.grouping.part_motion(Pose(pose.T, R)))
+    if any(ready.checker.overlaps(a, b) for a, b in itertools.pairwise(steps)):
+        return ()
+    return tuple(n for n, b in zip(ready.assembly.names, ready.grouping.body_of, strict=True) if b == twist.body)

@@ -1,0 +1,232 @@
+"""Cutting sheets put together, judged by booleans of solids that are built from the file alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("manifold3d")
+
+from benchmarks.sheet_drawings import Design, box, designs, egg_crate, shelf, stool
+from benchmarks.sheet_judge import judge, rotation
+
+from wiggleroom.errors import InputError
+from wiggleroom.mating.bodies import assemble_sheet
+from wiggleroom.mating.congruence import congruent
+from wiggleroom.mating.hints import Hints, Join, read_hints
+from wiggleroom.mating.plates_writer import fixed_axis_turns
+from wiggleroom.mating.sheet import CuttingSheet, read_sheet
+
+SHEETS = Path(__file__).parent / "sheets"
+OVERLAP = 1e-5
+
+
+def sheet_of(folder: Path, text: str) -> CuttingSheet:
+    path = folder / "sheet.svg"
+    path.write_text(text)
+    return read_sheet(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "thickness", "panels", "joints", "size"),
+    [
+        ("egg_crate_even", 4, 6, 9, (30, 120, 120)),
+        ("stool_small", 3, 3, 3, (53, 100, 100)),
+        ("dog_bone_tray", 6, 5, 8, (70, 130, 180)),
+        ("trapezoid", 3, 6, 8, (66, 80, 120)),
+    ],
+)
+def test_sheets_come_together_as_they_were_designed(
+    command: Callable[..., int],
+    tmp_path: Path,
+    name: str,
+    thickness: int,
+    panels: int,
+    joints: int,
+    size: tuple[int, ...],
+) -> None:
+    out, answer = tmp_path / "out.json", tmp_path / "answer.json"
+    assert command("assemble", SHEETS / f"{name}.svg", "--thickness", thickness, "-o", out, "--json", answer) == 0
+    judged = judge(out)
+    assert len(judged.names) == panels
+    assert judged.overlap < OVERLAP
+    assert len(judged.touching) >= joints
+    assert judged.size == pytest.approx(size, abs=0.02)
+    said = json.loads(answer.read_text())
+    assert len(said["joints"]) == joints
+    assert said["unplaced"] == []
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_panels_may_lie_turned_and_mirrored(tmp_path: Path, seed: int) -> None:
+    design = box("box", 75, 52, 38, 3, 8)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg(seed)), 3)
+    assert found.sure
+    assert len(found.joints) == 12
+
+
+def test_an_assembly_with_an_equal_alternative_is_not_sure(tmp_path: Path) -> None:
+    """Strips whose slots are as far apart when turned round, with ends of different length: each may be either way."""
+    design = egg_crate("crate", [30, 75, 110], [25, 60], 40, 3, 150, 90)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
+    assert not found.sure
+    assert any("more than one way" in doubt for doubt in found.doubts)
+
+
+def test_a_flank_without_partner_is_said(tmp_path: Path) -> None:
+    design = shelf("shelf", 120, 80, [40, 110], 4, 150)
+    del design.panels["board 1"]
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 4)
+    assert not found.sure
+    assert sum(map(len, found.open.values())) == 8
+    assert not found.unplaced
+
+
+def test_a_panel_without_joints_is_left_out_and_the_rest_is_written(
+    command: Callable[..., int], tmp_path: Path
+) -> None:
+    import shapely
+
+    design = stool("stool", 60, 50, 3)
+    design.panels["plain"] = shapely.box(0, 0, 50, 40)
+    sheet, out = tmp_path / "sheet.svg", tmp_path / "out.json"
+    sheet.write_text(design.svg())
+    assert command("assemble", sheet, "--thickness", 3, "-o", out) == 3
+    assert len(judge(out).names) == 3
+
+
+def test_two_boxes_on_one_sheet_are_two_bodies(tmp_path: Path) -> None:
+    design = box("a", 75, 52, 38, 3, 8)
+    other = stool("b", 60, 50, 3)
+    design.panels |= other.panels
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
+    assert sorted(len(body.rows) for body in found.bodies) == [3, 6]
+    assert found.sure
+
+
+def test_the_burn_is_taken_off(tmp_path: Path) -> None:
+    design = box("box", 75, 52, 38, 3, 8)
+    design.panels = {name: panel.buffer(0.1, join_style="mitre") for name, panel in design.panels.items()}
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3, burn=0.1)
+    assert found.sure
+    assert found.plates[0].polygon.area == pytest.approx(
+        box("box", 75, 52, 38, 3, 8).panels[found.plates[0].name].area, rel=1e-3
+    )
+
+
+def test_one_panel_may_be_thinner_than_its_slots(command: Callable[..., int], tmp_path: Path) -> None:
+    out = tmp_path / "out.json"
+    sheet = SHEETS / "stool_small.svg"
+    assert command("assemble", sheet, "--thickness", 3, "--thickness", "seat:2.8", "-o", out) == 0
+    parts = {part["name"]: part["thickness"] for part in json.loads(out.read_text())["parts"]}
+    assert parts == {"seat": 2.8, "leg a": 3.0, "leg b": 3.0}
+    assert judge(out).overlap < OVERLAP
+
+
+def test_a_join_that_is_told_is_kept(tmp_path: Path) -> None:
+    design = box("box", 75, 52, 38, 3, 8)
+    sheet = sheet_of(tmp_path, design.svg(2))
+    names = [panel.name for panel in sheet.panels]
+    free = assemble_sheet(sheet, 3)
+    first = free.joints[0]
+    sides = []
+    for side, row in enumerate(first.panels):
+        plate = free.plates[row]
+        middle = plate.middle[first.flanks[:, side]].mean(axis=0)
+        low, high = np.array(plate.polygon.bounds[:2]), np.array(plate.polygon.bounds[2:])
+        near = np.abs([middle[0] - low[0], middle[0] - high[0], middle[1] - low[1], middle[1] - high[1]])
+        sides.append(("left", "right", "bottom", "top")[int(np.argmin(near))])
+    join = Join((names[first.panels[0]], names[first.panels[1]]), (sides[0], sides[1]))
+    found = assemble_sheet(sheet, 3, hints=Hints(joins=(join,)))
+    assert found.sure
+    assert len(found.joints) == 12
+
+
+def test_a_panel_goes_where_a_hint_puts_it(command: Callable[..., int], tmp_path: Path) -> None:
+    import shapely
+
+    design = stool("stool", 60, 50, 3)
+    design.panels["plain"] = shapely.box(0, 0, 50, 40)
+    sheet, hints, out = tmp_path / "sheet.svg", tmp_path / "hints.toml", tmp_path / "out.json"
+    sheet.write_text(design.svg())
+    place = 'panel = "plain"\nframe = "seat"\nright = [0, 1, 0]\nup = [-1, 0, 0]'
+    hints.write_text(f"thickness = 3\n[[plate]]\n{place}\ncentre = [5, 0, 60]\n")
+    assert command("assemble", sheet, "--hints", hints, "-o", out) == 0
+    parts = {part["name"]: part for part in json.loads(out.read_text())["parts"]}
+    frame = rotation(parts["seat"]["rotate"])
+    apart = (np.array(parts["plain"]["at"]) - parts["seat"]["at"]) @ frame
+    assert apart == pytest.approx([5, 0, 60], abs=1e-6)
+    assert frame.T @ rotation(parts["plain"]["rotate"]) @ [1, 0, 0] == pytest.approx([0, 1, 0], abs=1e-9)
+    hints.write_text(f"thickness = 3\n[[plate]]\n{place}\ncentre = [5, 0, 0]\n")
+    assert command("assemble", sheet, "--hints", hints, "-o", out) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("thickness = -1", "thickness: is -1; it must be a length in mm larger than 0"),
+        ("nonsense = 1", "nonsense: is not known"),
+        ('join = [["lid", "back:top"]]', "join[0]: must be two edges"),
+        ("thickness = ", "is not TOML"),
+        ("groups = [3]", "groups[0]: must be a list of names"),
+        ("[[plate]]\npanel = 'lid'", "plate[0]: must have exactly"),
+    ],
+)
+def test_bad_hints_are_one_line(tmp_path: Path, text: str, said: str) -> None:
+    path = tmp_path / "hints.toml"
+    path.write_text(text)
+    with pytest.raises(InputError, match=said.replace("[", r"\[").replace("]", r"\]")) as caught:
+        read_hints(path)
+    assert len(caught.value.findings) == 1
+
+
+def test_a_name_that_is_not_there_is_said_with_what_was_meant() -> None:
+    sheet = read_sheet(SHEETS / "stool_small.svg")
+    with pytest.raises(InputError, match='there is no panel "seet"; did you mean "seat"'):
+        assemble_sheet(sheet, 3, hints=Hints(groups=(("seet",),)))
+
+
+@pytest.mark.parametrize(
+    "options", [(), ("--thickness", "0"), ("--thickness", "lid:x"), ("--thickness", "3", "--burn", "-1")]
+)
+def test_bad_options_are_bad_usage(command: Callable[..., int], tmp_path: Path, options: tuple[str, ...]) -> None:
+    out = tmp_path / "out.json"
+    assert command("assemble", SHEETS / "stool_small.svg", *options, "-o", out) == 2
+    assert not out.exists()
+
+
+def test_turns_about_fixed_axes_make_the_rotation_again() -> None:
+    rng = np.random.default_rng(3)
+    for _ in range(50):
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        turn *= np.linalg.det(turn)
+        assert rotation(fixed_axis_turns(turn).tolist()) == pytest.approx(turn, abs=1e-12)
+    for sign in (1.0, -1.0):
+        turn = rotation([20.0, 90.0 * sign, 35.0])
+        assert rotation(fixed_axis_turns(turn).tolist()) == pytest.approx(turn, abs=1e-7)
+
+
+def test_congruence_sees_one_small_hole_on_the_other_side() -> None:
+    plate = np.array([[0, 0, 0], [40, 0, 0], [40, 30, 0], [0, 30, 0.0]])
+    hole = np.array([[5, 5, 0], [7, 5, 0], [7, 7, 0], [5, 7, 0.0]])
+    other = hole + np.array([28, 0, 0])  # the mirror image of the hole in the plate alone
+    wall = plate[:, [0, 2, 1]]
+    marked = wall + np.array([0, 0, 1.5])
+    one = [(1.0, np.vstack([plate, hole])), (2.0, marked)]
+    mirrored = [(1.0, np.vstack([plate, other])), (2.0, marked)]
+    assert congruent(one, mirrored, 0.3)  # the wall is symmetric too: the whole is a mirror image
+    wedge = np.vstack([marked, [[9, 0, 20]]])
+    assert not congruent([one[0], (2.0, wedge)], [mirrored[0], (2.0, wedge)], 0.3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("design", designs(), ids=lambda design: design.name)
+def test_no_wrong_assembly_is_sure(tmp_path: Path, design: Design) -> None:
+    for seed in range(3):
+        found = assemble_sheet(sheet_of(tmp_path, design.svg(seed)), design.thickness)
+        if found.sure:
+            assert len(found.joints) == len(design.joined)

@@ -1,0 +1,126 @@
+"""The search beyond the nearest hill, and the complete search of a single body."""
+
+from __future__ import annotations
+
+import json
+import threading
+
+import msgspec
+import numpy as np
+import pytest
+import shapely
+
+import wiggleroom as wr
+from tests.flexing import box, polygon_part
+from wiggleroom.assembly.build import assemble
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.drawing.model import Drawing
+from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
+from wiggleroom.report.records import flex_result
+from wiggleroom.search.incumbent import at_rest
+from wiggleroom.search.prepare import prepare
+from wiggleroom.search.state_tree import StateTree
+from wiggleroom.verdict import Verdict
+
+BENT = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
+"""Room of a corridor with one bend, one unit wide."""
+
+
+def bent_corridor(goal, size=0.9):
+    """A square in a closed corridor with a bend, pulled."""
+    wall = shapely.box(-1, -1, 4, 4) - shapely.Polygon(BENT)
+    play = (1 - size) / 2
+    parts = [polygon_part("wall", wall, fixed=True), box("peg", 2 + play, play, 2 + play + size, play + size)]
+    return assemble(Drawing(tuple(parts), goals=(goal,), gap=0.0))
+
+
+def test_finds_the_way_round_the_bend_and_proves_it():
+    up = wr.Pull("peg", (0, 1))
+    near = wr.flex(bent_corridor(up), search=0)
+    answer = wr.flex(bent_corridor(up))
+    assert near.objective < 0.2  # up against the corridor's side
+    assert answer.objective == pytest.approx(2.05, rel=1e-3)  # round the bend and to the end
+    assert answer.verdict is Verdict.PROVEN
+    assert answer.objective <= answer.at_most <= 1.001 * answer.objective
+    assert answer.path == "checked"
+    assert audit_path(answer.assembly, answer.waypoints).free
+
+
+def test_says_how_many_starts_ended_where():
+    answer = wr.flex(bent_corridor(wr.Pull("peg", (0, 1))), search=12)
+    assert answer.search.starts == 13
+    assert 1 <= answer.search.at_value <= 13
+    assert answer.search.next_best is None or answer.search.next_best < answer.objective
+    assert json.loads(msgspec.json.encode(flex_result(answer)))["search"]["starts"] == 13
+
+
+def test_no_search_says_nothing_of_one():
+    answer = wr.flex(bent_corridor(wr.Pull("peg", (0, 1))), search=0)
+    assert answer.search is None
+
+
+def test_negative_number_of_starts_is_refused():
+    with pytest.raises(wr.InputError, match="search: -1 starts"):
+        wr.flex(bent_corridor(wr.Pull("peg", (0, 1))), search=-1)
+
+
+def test_same_answer_every_time():
+    asked = bent_corridor(wr.Pull("peg", (0.3, 1)))
+    one, other = wr.flex(asked), wr.flex(asked)
+    assert one.objective == other.objective
+    np.testing.assert_array_equal(one.waypoints, other.waypoints)
+    assert one.search == other.search
+
+
+def test_stop_keeps_the_best():
+    stop = threading.Event()
+    rounds = []
+
+    def watch(progress):
+        rounds.append(progress.round)
+        if len(rounds) > 60:
+            stop.set()
+
+    answer = wr.flex(bent_corridor(wr.Pull("peg", (0, 1))), search=500, stop=stop, progress=watch)
+    assert answer.verdict is Verdict.STOPPED
+    assert answer.objective > 0.04
+    assert answer.path == "checked"
+
+
+def test_large_assemblies_are_climbed_once():
+    answer = wr.flex(wr.patterns.grid(8, 8, joint="tee", gap=0.02))
+    assert answer.search.starts == 1
+
+
+def test_a_pair_whose_bound_is_near_is_proven():
+    answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02))
+    assert answer.verdict is Verdict.PROVEN
+    assert answer.at_most <= 1.001 * answer.objective
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
+    """Squares of random size in a square room: the truth is a closed form at rest's angle, and samples at all others."""
+    rng = np.random.default_rng(seed)
+    half, angle = rng.uniform(0.3, 0.45), rng.uniform(0, 2 * np.pi)
+    d = np.array([np.cos(angle), np.sin(angle)])
+    room = shapely.box(-1, -1, 1, 1) - shapely.box(-0.5, -0.5, 0.5, 0.5)
+    peg = shapely.box(-half, -half, half, half)
+    boxes = MotionBoxes(room, peg, d, np.zeros(2), 0.0, 100_000)
+    truth = (0.5 - half) * np.abs(d).sum()
+    closed, way = boxes.beyond(truth * 1.0001, truth * 1.0009)
+    assert closed
+    assert way is None
+    closed, way = boxes.beyond(truth * 0.5, truth * 0.6)
+    assert not closed
+    assert d @ way[-1, :2] > truth * 0.5
+
+
+def test_tree_keeps_new_states_only():
+    ready = prepare(bent_corridor(wr.Pull("peg", (0, 1))))
+    tree = StateTree(at_rest(ready), ready.bodies.radius, ready.clearance)
+    still = np.zeros((2, 3))
+    assert tree.known(still) == 0
+    aside = np.array([[0, 0, 0], [ready.clearance, 0, 0]])
+    assert tree.known(aside) is None
+    assert tree.legs_to(0) == ()

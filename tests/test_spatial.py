@@ -1,0 +1,304 @@
+"""Assemblies in space: the program's derivatives, answers against closed forms, ends and ways against a collision library."""
+
+from __future__ import annotations
+
+import itertools
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from benchmarks import spatial_overlaps
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+import wiggleroom as wr
+from wiggleroom.spatial.plane_program import PlanePoint, build_planes
+from wiggleroom.spatial.rigid import Pose, near_pieces
+from wiggleroom.spatial.rotations import exponential, fixed_axes, logarithm
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.spatial_bodies import grouped
+from wiggleroom.spatial.spatial_file import read_spatial
+from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialPull, SpatialTurn, Weight
+from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
+
+
+def spatial(*parts: dict, **more: object) -> SpatialAssembly:
+    return assemble_spatial(read_spatial(json.dumps({"format": "wiggleroom/2", "parts": list(parts), **more})))
+
+
+def square(side: float) -> list[list[float]]:
+    h = side / 2
+    return [[-h, -h], [h, -h], [h, h], [-h, h]]
+
+
+def ring(count: int, radius: float) -> list[list[float]]:
+    angle = 2 * np.pi * np.arange(count) / count
+    return (radius * np.column_stack([np.cos(angle), np.sin(angle)])).tolist()
+
+
+PLATE = {
+    "name": "plate",
+    "outline": square(40),
+    "holes": [square(10.4)],
+    "thickness": 12,
+    "at": [0, 0, -6],
+    "fixed": True,
+}
+PEG = {"name": "peg", "boxes": [[-5, -5, -20, 5, 5, 20]]}
+
+
+def sound(answer: SpatialAnswer) -> SpatialAnswer:
+    assert answer.collision_free
+    assert answer.path == "checked"
+    return answer
+
+
+@pytest.mark.parametrize(
+    "term",
+    [
+        Displacement(1, np.array([1.0, 2, 3]), np.array([0.3, -1, 2]), np.zeros(3)),
+        Twist(1, np.array([0, 0.6, 0.8]), 2.0),
+    ],
+    ids=["displacement", "twist"],
+)
+def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | Twist) -> None:
+    bodies = grouped(spatial(PLATE, PEG)).bodies
+    rng = np.random.default_rng(3)
+    P = build_planes(bodies, SumOfTerms((term,)), near_pieces(bodies, bodies.rest, 2.0), length=0.4)
+    pose = Pose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(rng.normal(size=(2, 3)) * 0.4))
+    n = P.start.n + 0.1 * rng.normal(size=P.start.n.shape)
+    point = PlanePoint(pose, n / np.linalg.norm(n, axis=1)[:, None], P.start.d.copy())
+    at = P.linearise(point)
+
+    def moved(u: np.ndarray, y: np.ndarray) -> PlanePoint:
+        from wiggleroom.spatial import plane_kernel as kernel
+
+        change = P.unpacked(u) * P.scale
+        there = Pose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
+        n, d = np.empty_like(point.n), np.empty_like(point.d)
+        kernel.move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
+        return PlanePoint(there, n, d)
+
+    u, y = rng.normal(size=6), rng.normal(size=(P.planes, 3))
+    step = 1e-6
+    ahead, back = (P.linearise(moved(s * step * u, s * step * y)) for s in (1, -1))
+    assert np.allclose((ahead.h - back.h) / (2 * step), at.along(u, y), atol=1e-6)
+    assert np.isclose((ahead.value - back.value) / (2 * step), at.gradient @ u, rtol=1e-6)
+    lam = rng.random(P.rows) * (at.h > 0)
+    force, moment = at.against(lam)
+    assert np.isclose(force @ u + (moment * y).sum(), lam @ at.along(u, y))
+    # the second derivative of the Lagrangian along the step, with the planes as they are in it
+    far = 1e-3
+    lagrangian = [lam @ P.values(moved(s * far * u, s * far * y)) for s in (1, 0, -1)]
+    bend = (lagrangian[0] - 2 * lagrangian[1] + lagrangian[2]) / far**2
+    zero = np.zeros(P.rows)
+    data, inverse, mixed = at.condensed(zero + 1e-12, lam, np.zeros((1, 3)), 0.0)
+    own = np.zeros((6, 6))
+    k = P.pattern.own[1]
+    own[k >= 0] = data[k[k >= 0]]
+    own = own + np.triu(own, 1).T
+    xi = at.seen(u)[0]
+    planes = sum(
+        (y[j] + inverse[j] @ mixed[j] @ xi) @ np.linalg.solve(inverse[j], y[j] + inverse[j] @ mixed[j] @ xi)
+        for j in range(P.planes)
+    )
+    assert np.isclose(u @ own @ u + planes, -bend, rtol=2e-3, atol=1e-3 * abs(bend))
+
+
+def test_square_peg_tilts_shifts_and_twists_as_closed_forms_say() -> None:
+    assembly = spatial(PLATE, PEG)
+    tilt = brentq(lambda a: 10.4 * np.cos(a) - 12 * np.sin(a) - 10, 0, 0.3)
+    twist = brentq(lambda a: 10 * (np.cos(a) + np.sin(a)) - 10.4, 0, 0.5)
+    assert sound(flex_spatial(assembly, SpatialPull("peg", (1, 0, 0)))).objective == pytest.approx(0.2, abs=1e-7)
+    found = sound(flex_spatial(assembly, [SpatialPull("peg", (s, 0, 0), (0, 0, 20.0 * s)) for s in (1, -1)]))
+    assert found.verdict == "optimal"
+    # pulled apart at both ends the peg also turns about x a little, which the plane does not know
+    assert found.objective == pytest.approx(1.31460622, abs=1e-7)
+    assert found.objective >= 40 * np.sin(tilt) - 1e-7
+    found = sound(flex_spatial(assembly, SpatialTurn("peg", (0, 0, 1))))
+    assert found.objective >= twist - 1e-9
+    locked = spatial(PLATE, PEG | {"lock": ["rx", "ry"]})
+    assert sound(flex_spatial(locked, SpatialTurn("peg", (0, 0, 1)))).objective == pytest.approx(twist, abs=1e-7)
+    assert sound(flex_spatial(locked, SpatialTurn("peg", (0, 0, -1)))).motion[1, 5] == pytest.approx(-twist, abs=1e-7)
+
+
+def test_a_rectangular_peg_is_held_by_its_shorter_clearance() -> None:
+    peg = {
+        "name": "peg",
+        "outline": [[-8, -4], [8, -4], [8, 4], [-8, 4]],
+        "thickness": 60,
+        "at": [0, 0, -30],
+        "lock": ["rx", "ry"],
+    }
+    hole = [[-8.3, -4.1], [8.3, -4.1], [8.3, 4.1], [-8.3, 4.1]]
+    assembly = spatial(PLATE | {"holes": [hole]}, peg)
+    truth = brentq(lambda a: 16 * np.sin(a) + 8 * np.cos(a) - 8.2, 0, 0.3)
+    assert sound(flex_spatial(assembly, SpatialTurn("peg", (0, 0, 1)))).objective == pytest.approx(truth, abs=1e-7)
+    assert sound(flex_spatial(assembly, SpatialPull("peg", (0, 1, 0)))).objective == pytest.approx(0.1, abs=1e-7)
+
+
+@pytest.mark.parametrize("count", [6, 24, 96])
+def test_a_round_pin_in_a_round_hole_moves_as_its_polygons_say(count: int) -> None:
+    pin = {"name": "pin", "outline": ring(count, 5.0), "thickness": 30, "at": [0, 0, -15], "lock": ["rx", "ry", "rz"]}
+    assembly = spatial(PLATE | {"holes": [ring(count, 5.2)]}, pin)
+    answer = sound(flex_spatial(assembly, SpatialPull("pin", (1, 0, 0))))
+    # both polygons have a corner on the x axis, so along x they meet corner to corner: the sides beside it hold
+    assert answer.objective == pytest.approx(0.2, abs=1e-6)
+    half = np.pi / count
+    across = tuple(float(x) for x in (np.cos(half), np.sin(half), 0.0))
+    answer = sound(flex_spatial(assembly, SpatialPull("pin", across)))
+    # the largest motion along a side's normal is to that side, 0.2 cos(half) away
+    assert answer.objective == pytest.approx(0.2 * np.cos(half), abs=1e-6)
+
+
+def test_motion_without_limit_names_what_leaves() -> None:
+    answer = sound(flex_spatial(spatial(PLATE, PEG), SpatialPull("peg", (0, 0, 1))))
+    assert answer.verdict == "unbounded"
+    assert answer.objective is None
+    assert answer.leaves == ("peg",)
+
+
+def test_a_part_that_nothing_holds_turns_without_limit() -> None:
+    axle = {"name": "axle", "outline": ring(48, 5.0), "thickness": 30, "at": [0, 0, -15]}
+    answer = sound(flex_spatial(spatial(PLATE, axle), SpatialTurn("axle", (0, 0, 1))))
+    assert answer.verdict == "unbounded"
+    assert answer.turns == ("axle",)
+
+
+def test_contacts_balance_the_pull() -> None:
+    assembly = spatial(PLATE, PEG | {"lock": ["z"]})
+    answer = sound(flex_spatial(assembly, SpatialPull("peg", (1, 0.3, 0), (0, 0, 20))))
+    assert answer.verdict == "optimal"
+    force, moment = np.zeros(3), np.zeros(3)
+    pulled = np.array([1, 0.3, 0]) / np.hypot(1, 0.3)
+    at = answer.assembly.reference[1] + answer.motion[1, :3]
+    grip = at + exponential(answer.motion[1, 3:]) @ (np.array([0, 0, 20.0]) - answer.assembly.reference[1])
+    for c in answer.contacts:
+        assert c.parts == ("plate", "peg")
+        force += c.force * np.array(c.normal)
+        moment += np.cross(np.array(c.point) - at, c.force * np.array(c.normal))
+    assert np.allclose(force[:2], -pulled[:2], atol=1e-5)
+    assert np.allclose(moment, -np.cross(grip - at, pulled), atol=1e-3)
+
+
+def test_weight_lets_everything_sink() -> None:
+    tray = {"name": "tray", "boxes": [[0, 0, 0, 20, 20, 2], [0, 0, 0, 2, 20, 8], [18, 0, 0, 20, 20, 8]], "fixed": True}
+    block = {"name": "block", "boxes": [[4, 4, 2.5, 16, 16, 6]], "density": 2.0}
+    answer = sound(flex_spatial(spatial(tray, block), Weight((0, 0, -1))))
+    assert answer.objective == pytest.approx(2 * 12 * 12 * 3.5 * 0.5, rel=1e-6)
+
+
+def test_chains_of_plates_locked_in_the_plane_move_as_the_drawing_does() -> None:
+    for joint in ("tee", "swallowtail"):
+        flat = wr.patterns.chain(10, joint=joint, gap=0.01)
+        truth = wr.flex(flat, wr.Pull(flat.names[-1], (0, 1))).objective
+        parts = [
+            {
+                "name": p.name,
+                "outline": p.regions[0].outer.tolist(),
+                "thickness": 0.4,
+                "at": [p.at[0], p.at[1], 0],
+                "fixed": p.fixed,
+                "lock": ["z", "rx", "ry"],
+            }
+            for p in flat.drawing.parts
+        ]
+        answer = sound(
+            flex_spatial(
+                spatial(*parts, gap=0.01), SpatialPull(flat.names[-1], (0, 1, 0), (*flat.drawing.parts[-1].at[:2], 0.2))
+            )
+        )
+        assert answer.objective == pytest.approx(truth, abs=1e-6)
+        assert answer.iterations <= 30
+
+
+def test_glued_parts_move_as_one_and_ignored_ones_pass() -> None:
+    wall = {"name": "wall", "boxes": [[0, 0, 0, 1, 10, 10]], "fixed": True}
+    stop = {"name": "stop", "boxes": [[10, 0, 0, 11, 10, 10]], "fixed": True}
+    one = {"name": "one", "boxes": [[2, 0, 0, 4, 10, 10]], "lock": []}
+    two = {"name": "two", "boxes": [[4, 0, 0, 7, 10, 10]]}
+    answer = sound(flex_spatial(spatial(wall, stop, one, two, glue=[["one", "two"]]), SpatialPull("one", (-1, 0, 0))))
+    assert np.allclose(answer.motion[2], answer.motion[3])
+    free = spatial(wall, stop, one, two, glue=[["one", "two"]], ignore=[["wall", "one"], ["wall", "two"]])
+    assert flex_spatial(free, SpatialPull("one", (-1, 0, 0))).verdict == "unbounded"
+
+
+def test_rotations_are_those_of_scipy() -> None:
+    rng = np.random.default_rng(0)
+    w = rng.normal(size=(200, 3)) * rng.choice([1e-12, 1e-4, 1.0], (200, 1))
+    assert np.allclose(exponential(w), Rotation.from_rotvec(w).as_matrix(), atol=1e-14)
+    R = Rotation.random(200, random_state=1)
+    assert np.allclose(logarithm(R.as_matrix()), R.as_rotvec(), atol=1e-12)
+    assert np.allclose(
+        fixed_axes(np.array([20.0, -50, 110])), Rotation.from_euler("xyz", [20, -50, 110], degrees=True).as_matrix()
+    )
+
+
+def test_a_turn_is_counted_on_past_half_a_turn() -> None:
+    twist = SumOfTerms((Twist(0, np.array([0, 0, 1.0]), 1.0),))
+    value = 0.0
+    for angle in np.arange(0.0, 12.0, 0.5):
+        value = twist.value(Pose(np.zeros((1, 3)), exponential(np.array([[0, 0, angle]]))), value)
+        assert value == pytest.approx(angle)
+
+
+def test_touching_parts_are_named() -> None:
+    with pytest.raises(wr.TouchingError, match=r'"a" and "b" touch at rest') as raised:
+        flex_spatial(
+            spatial(
+                {"name": "a", "boxes": [[0, 0, 0, 1, 1, 1]], "fixed": True},
+                {"name": "b", "boxes": [[1, 0, 0, 2, 1, 1]]},
+            ),
+            SpatialPull("b", (1, 0, 0)),
+        )
+    assert raised.value.parts == ("a", "b")
+
+
+def test_the_public_functions_take_both_dimensions(tmp_path: Path) -> None:
+    file = tmp_path / "peg.json"
+    file.write_text(json.dumps({"format": "wiggleroom/2", "parts": [PLATE, PEG]}))
+    assembly = wr.read(file, gap=0.1)
+    assert isinstance(assembly, SpatialAssembly)
+    answer = wr.flex(assembly, wr.Pull("peg", (1, 0, 0)))
+    assert answer.objective == pytest.approx(0.3, abs=1e-7)
+    assert answer.motion.shape == (2, 6)
+    found = wr.check(assembly)
+    assert found.verdict == "comes apart"
+    assert found.escapes[0].parts == ("peg",)
+
+
+@pytest.mark.parametrize("family", [spatial_overlaps.burr, spatial_overlaps.pegs, spatial_overlaps.cells])
+def test_no_end_and_no_way_overlaps_by_the_collision_library(family) -> None:
+    rng = np.random.default_rng(7)
+    for _ in range(3):
+        drawing, shapes = family(rng)
+        name = next(p.name for p in drawing.parts if not p.fixed)
+        assembly = assemble_spatial(drawing)
+        answer = flex_spatial(assembly, SpatialPull(name, (0.3, -0.5, 0.8)))
+        judge = spatial_overlaps.Judge(shapes, assembly.reference, [p.fixed for p in drawing.parts])
+        assert judge.depth(answer.motion) < spatial_overlaps.SHALLOW
+        for one, other in itertools.pairwise(answer.waypoints):
+            assert judge.depth(spatial_overlaps.between(one, other, 0.5)) < spatial_overlaps.SHALLOW
+
+
+def test_the_checks_see_what_overlaps() -> None:
+    from wiggleroom.spatial.overlap_check import deepest_overlap
+    from wiggleroom.spatial.swept_check import SweptCheck
+
+    assembly = spatial(PLATE, PEG)
+    rest, into, past = np.zeros((2, 6)), np.zeros((2, 6)), np.zeros((2, 6))
+    into[1, 0], past[1, 0] = 0.25, 60.0
+    assert deepest_overlap(assembly, rest) == 0
+    assert deepest_overlap(assembly, into) == pytest.approx(0.05)
+    swept = SweptCheck(assembly)
+    assert not swept.overlaps(rest, rest)
+    assert swept.overlaps(rest, into)
+    assert deepest_overlap(assembly, past) == 0
+    assert swept.overlaps(rest, past)  # free at both ends, through the plate between
+    spin = np.zeros((2, 6))
+    spin[1, 5] = np.pi / 2  # a square looks the same after a quarter turn, but cannot get there
+    assert deepest_overlap(assembly, spin) == 0
+    assert swept.overlaps(rest, spin)

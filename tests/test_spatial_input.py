@@ -1,0 +1,192 @@
+"""Files of format wiggleroom/2: what is read from them, and one plain line for everything that is wrong."""
+
+from __future__ import annotations
+
+import json
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+
+import wiggleroom as wr
+from wiggleroom.spatial.made_solids import made_solid
+from wiggleroom.spatial.solid_boolean import centroid_of
+from wiggleroom.spatial.spatial_assembly import assemble_spatial, read_spatial_assembly
+from wiggleroom.spatial.spatial_file import read_spatial
+from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_model import SpatialPull
+
+BOX = {"name": "a", "boxes": [[0, 0, 0, 4, 2, 2]]}
+SQUARE = [[0, 0], [4, 0], [4, 4], [0, 4]]
+
+
+def text(*parts: dict, **more: object) -> str:
+    return json.dumps({"format": "wiggleroom/2", "parts": list(parts), **more})
+
+
+BAD = {
+    "no parts": (text(), "has no parts"),
+    "other format": (text(BOX).replace("wiggleroom/2", "wiggleroom/3"), 'format is "wiggleroom/3"'),
+    "unit": (text(BOX, unit="feet"), 'unit is "feet"'),
+    "gap": (text(BOX, gap=-1), "gap is -1"),
+    "joint gaps": (text(BOX, gaps=[{"parts": ["a", "a"], "gap": 1}]), "gaps of single joints"),
+    "no material": (text({"name": "a"}), 'must have one of "outline", "mesh" or "boxes"'),
+    "two materials": (text(BOX | {"mesh": "a.stl"}), 'has "mesh" and "boxes"'),
+    "unknown field": (text(BOX | {"colour": "red"}), 'field "colour" is not known'),
+    "twice": (text(BOX, BOX), "name is used 2 times"),
+    "empty name": (text(BOX | {"name": " "}), "name must be printable"),
+    "no thickness": (text({"name": "a", "outline": SQUARE}), '"thickness" is missing'),
+    "thin": (text({"name": "a", "outline": SQUARE, "thickness": 0}), "thickness is 0"),
+    "thickness of boxes": (text(BOX | {"thickness": 3}), 'go with "outline" only'),
+    "two corners": (text({"name": "a", "outline": SQUARE[:2], "thickness": 1}), "needs at least 3 corners"),
+    "flat hole": (
+        text({"name": "a", "outline": SQUARE, "holes": [[[1, 1], [2, 2], [3, 3]]], "thickness": 1}),
+        "hole 1 needs",
+    ),
+    "no boxes": (text({"name": "a", "boxes": []}), '"boxes" is empty'),
+    "flat box": (text({"name": "a", "boxes": [[0, 0, 0, 1, 0, 1]]}), "boxes[0] must be x, y, z of the lower"),
+    "five numbers": (text({"name": "a", "boxes": [[0, 0, 0, 1, 1]]}), "must be a list of 6, not of 5"),
+    "far": (text(BOX | {"at": [1e12, 0, 0]}), "beyond 1e+09 mm"),
+    "lock": (text(BOX | {"lock": ["w"]}), 'lock names "w"'),
+    "one turn": (text(BOX | {"lock": ["rx"]}), "lock holds one turn only"),
+    "density": (text(BOX | {"density": 0}), "density is 0"),
+    "offset": (text(BOX | {"offset": 1}), "offset moves the cut edges of plates only"),
+    "glue": (text(BOX, glue=[["a", "b"]]), 'there is no part "b"'),
+    "ignore": (text(BOX, ignore=[["a", "a"]]), "must name two different parts"),
+    "pull fixed": (
+        text(BOX | {"fixed": True}, pull=[{"part": "a", "direction": [0, 0, 1]}]),
+        "is fixed and cannot be pulled",
+    ),
+    "pull nothing": (text(BOX, pull=[{"part": "a"}]), 'must have either "direction" or "turn"'),
+    "pull zero": (text(BOX, pull=[{"part": "a", "direction": [0, 0, 0]}]), "the direction is zero"),
+    "turn at a point": (
+        text(BOX, pull=[{"part": "a", "turn": [0, 0, 1], "point": [0, 0, 0]}]),
+        '"point" goes with "direction"',
+    ),
+    "mesh of a text": (text({"name": "a", "mesh": "a.stl"}), "this assembly is no file itself"),
+    "not JSON": ('{"format": "wiggleroom/2",', "is not JSON"),
+}
+
+
+@pytest.mark.parametrize(("given", "said"), BAD.values(), ids=BAD)
+def test_bad_input_gives_one_line(given: str, said: str) -> None:
+    with pytest.raises(wr.InputError) as raised:
+        read_spatial(given)
+    assert len(raised.value.findings) == 1
+    assert said in raised.value.findings[0]
+    assert "\n" not in raised.value.findings[0]
+
+
+def write(folder: Path, *parts: dict, **more: object) -> Path:
+    file = folder / "a.json"
+    file.write_text(text(*parts, **more))
+    return file
+
+
+FILES = {
+    "missing": ("no.stl", "there is no such file"),
+    "outside": ("../a.stl", "must lie in the folder"),
+    "absolute": ("/etc/passwd", "must lie in the folder"),
+    "folder": ("sub", "no mesh format"),
+    "STEP": ("a.step", "STEP is not read"),
+    "empty": ("empty.stl", "is empty"),
+    "rubbish": ("rubbish.stl", "has no faces"),
+    "no archive": ("no.3mf", "is not a 3MF archive"),
+    "bomb": ("bomb.3mf", "unpacks to"),
+    "open": ("open.stl", "is not closed"),
+    "two bodies": ("two.glb", "has 2 bodies"),
+    "no body": ("two.glb#c", 'there is no body "c"'),
+}
+
+
+@pytest.mark.parametrize(("mesh", "said"), FILES.values(), ids=FILES)
+def test_bad_mesh_files_give_one_line(tmp_path: Path, mesh: str, said: str) -> None:
+    (tmp_path / "sub").mkdir()
+    (tmp_path / "empty.stl").write_bytes(b"")
+    (tmp_path / "rubbish.stl").write_bytes(b"solid what\nfacet nonsense\n")
+    (tmp_path / "no.3mf").write_bytes(b"PK nothing")
+    with zipfile.ZipFile(tmp_path / "bomb.3mf", "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("3D/3dmodel.model", b"\0" * 410_000_000)
+    cube = trimesh.creation.box((1, 2, 3))
+    trimesh.Trimesh(cube.vertices, cube.faces[:6], process=False).export(tmp_path / "open.stl")
+    scene = trimesh.Scene({"a": cube, "b": trimesh.creation.box((1, 1, 1))})
+    scene.export(tmp_path / "two.glb")
+    with pytest.raises(wr.InputError) as raised:
+        read_spatial(write(tmp_path, {"name": "a", "mesh": mesh}))
+    assert len(raised.value.findings) == 1
+    assert said in raised.value.findings[0]
+
+
+def test_sheets_are_read_by_the_name_of_the_part(tmp_path: Path) -> None:
+    head = '<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="60mm" viewBox="0 0 80 60">'
+    sheet = head + '<rect id="lid" width="80" height="30"/></svg>'
+    (tmp_path / "sheet.svg").write_text(sheet)
+    read = read_spatial_assembly(write(tmp_path, {"name": "lid", "outline": "sheet.svg#lid", "thickness": 3}))
+    assert read.made[0].volume == pytest.approx(80 * 30 * 3)
+    assert np.allclose(read.made[0].centroid, [40, 45, 1.5])  # y points up from the bottom of the sheet
+    with pytest.raises(wr.InputError, match='has no part "box"; its parts are "lid"'):
+        read_spatial(write(tmp_path, {"name": "lid", "outline": "sheet.svg#box", "thickness": 3}))
+
+
+def test_units_of_files_and_formats(tmp_path: Path) -> None:
+    cube = trimesh.creation.box((2, 2, 2))
+    cube.export(tmp_path / "a.stl")
+    cube.export(tmp_path / "a.glb")
+    parts = [{"name": k, "mesh": f"a.{k}", "at": [10 * i, 0, 0]} for i, k in enumerate(("stl", "glb"))]
+    read = read_spatial_assembly(write(tmp_path, *parts, {"name": "b", "boxes": [[0, 0, 5, 1, 1, 6]]}, unit="cm"))
+    assert [m.volume for m in read.made] == pytest.approx([20.0**3, 2000.0**3, 10.0**3])
+    assert read.parts[1].at[0] == 100
+
+
+def test_the_gap_moves_every_face_of_the_union_inward() -> None:
+    bar = {"name": "bar", "boxes": [[0, 0, 0, 60, 20, 20], [20, 20, 0, 40, 40, 20]]}
+    made = assemble_spatial(read_spatial(text(bar, gap=0.4))).made[0]
+    assert centroid_of(made.surface)[0] == pytest.approx(59.6 * 19.6 * 19.6 + 19.6 * 20 * 19.6)
+    assert made.volume == pytest.approx(60 * 20 * 20 + 20 * 20 * 20)
+    plate = {"name": "p", "outline": SQUARE, "holes": [[[1, 1], [3, 1], [3, 3], [1, 3]]], "thickness": 3}
+    made = assemble_spatial(read_spatial(text(plate, gap=0.2))).made[0]
+    assert centroid_of(made.surface)[0] == pytest.approx((3.8**2 - 2.2**2) * 2.8)
+    with pytest.raises(wr.InputError, match="thickness 3 is used up by gap 3"):
+        assemble_spatial(read_spatial(text(plate, gap=3)))
+    with pytest.raises(wr.InputError, match=r"vanishes|falls"):
+        assemble_spatial(read_spatial(text({"name": "p", "boxes": [[0, 0, 0, 1, 1, 1]]}, gap=2)))
+
+
+def test_the_same_part_as_a_mesh_gives_the_same_answer(tmp_path: Path) -> None:
+    hole = [[-5.2, -5.2], [5.2, -5.2], [5.2, 5.2], [-5.2, 5.2]]
+    outer = [[-20, -20], [20, -20], [20, 20], [-20, 20]]
+    plate = {"name": "plate", "outline": outer, "holes": [hole], "thickness": 12, "at": [0, 0, -6], "fixed": True}
+    peg = {"name": "peg", "boxes": [[-5, -5, -20, 5, 5, 20]], "lock": ["z"]}
+    exact = assemble_spatial(read_spatial(text(plate, peg)))
+    goal = SpatialPull("peg", (1, 0.2, 0), (0, 0, 20))
+    truth = flex_spatial(exact, goal).objective
+    surface = exact.made[0].surface
+    for ending in ("stl", "ply", "obj", "3mf"):
+        trimesh.Trimesh(surface.vertices, surface.faces, process=False).export(tmp_path / f"plate.{ending}")
+        as_mesh = {"name": "plate", "mesh": f"plate.{ending}", "at": [0, 0, -6], "fixed": True}
+        answer = flex_spatial(read_spatial_assembly(write(tmp_path, as_mesh, peg)), goal)
+        assert answer.objective == pytest.approx(truth, abs=1e-5)
+        assert answer.path == "checked"
+    inward = read_spatial_assembly(write(tmp_path, as_mesh, peg, gap=0.1))
+    again = assemble_spatial(read_spatial(text(plate, peg, gap=0.1)))
+    assert flex_spatial(inward, goal).objective == pytest.approx(flex_spatial(again, goal).objective, abs=1e-5)
+
+
+def test_small_faults_of_meshes_are_mended_and_said(tmp_path: Path) -> None:
+    cube = trimesh.creation.box((2, 2, 2))
+    cube.invert()
+    cube.export(tmp_path / "a.stl")
+    drawing = read_spatial(write(tmp_path, {"name": "a", "mesh": "a.stl"}))
+    assert any("outward now" in note for note in drawing.notes)
+    assert made_solid(drawing.parts[0], 0.0)[0].volume == pytest.approx(8)
+
+
+def test_faces_that_cannot_meet_again_are_refused(tmp_path: Path) -> None:
+    ball = trimesh.creation.icosphere(subdivisions=1).difference(trimesh.creation.box((3, 0.5, 0.5)))
+    ball.export(tmp_path / "a.stl")
+    file = write(tmp_path, {"name": "a", "mesh": "a.stl"}, gap=0.05)
+    with pytest.raises(wr.InputError, match=r"cannot all move inward|cross each other"):
+        read_spatial_assembly(file)
+    assert read_spatial_assembly(file, gap=0.0).made[0].pieces

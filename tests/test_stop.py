@@ -1,0 +1,82 @@
+"""Whatever is asked, and whenever it is told to stop, it comes back within a second of work."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import wiggleroom as wr
+from wiggleroom.assembly.build import assemble
+
+DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
+
+
+@pytest.fixture(scope="module")
+def jigsaw() -> wr.Assembly:
+    """Twenty pieces, one of them fixed; everything that is compiled has been."""
+    drawing = wr.read(DRAWINGS / "pyjigsaw_4x5.svg", gap=2.0).drawing
+    fixed = assemble(replace(drawing, parts=tuple(replace(p, fixed=p.name == "p1") for p in drawing.parts)), gap=2.0)
+    pair = wr.patterns.chain(2, joint="swallowtail", gap=0.02)
+    wr.check(pair)
+    wr.free_space(pair, "b1", "b2")
+    for model in ("walls", "hull", "halfplane"):
+        wr.flex(pair, model=model)
+    return fixed
+
+
+PULL = wr.Pull("p20", (1, 0))
+ASKED: dict[str, Callable[[wr.Assembly, threading.Event], Any]] = {
+    "check": lambda a, stop: wr.check(a, stop=stop),
+    "largest gap": lambda a, stop: wr.largest_gap(a, stop=stop),
+    "free space": lambda a, stop: wr.free_space(a, "p1", "p2", stop=stop),
+    "prepare": lambda a, stop: wr.prepare(a, stop=stop),
+    "flex": lambda a, stop: wr.flex(a, PULL, stop=stop),
+    "hull": lambda a, stop: wr.flex(a, PULL, model="hull", stop=stop),
+    "halfplane": lambda a, stop: wr.flex(a, PULL, model="halfplane", stop=stop),
+    "prove": lambda a, stop: wr.flex(a, PULL, prove=1e-4, stop=stop),
+    "rank": lambda a, stop: wr.rank(a, PULL, by="differences", workers=1, stop=stop),
+    "tighten": lambda a, stop: wr.tighten(a, PULL, parts=3, workers=1, stop=stop),
+    "sweep": lambda a, stop: wr.sweep(a, [0.5, 1.0, 1.5, 2.0], PULL, stop=stop),
+    "sample": lambda a, stop: wr.sample(a, 0.05, PULL, workers=1, stop=stop),
+}
+
+
+def lateness(work: Callable[[threading.Event], Any], delay: float) -> float:
+    """Processor time between the request to stop and the return [s]; none where it was done before."""
+    stop, asked = threading.Event(), []
+
+    def ask() -> None:
+        asked.append(time.process_time())
+        stop.set()
+
+    timer = threading.Timer(delay, ask)
+    timer.start()
+    try:
+        work(stop)
+    except wr.WiggleroomError as error:  # where there is nothing to say yet
+        if not any(word in str(error) for word in ("stop", "cut short")):
+            raise
+    ended = time.process_time()
+    timer.cancel()
+    timer.join()
+    return ended - asked[0] if asked else 0.0
+
+
+@pytest.mark.parametrize("what", ASKED)
+def test_stop_is_honoured_within_a_second(what: str, jigsaw: wr.Assembly) -> None:
+    assert lateness(lambda stop: ASKED[what](jigsaw, stop), 0.4) < 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", ASKED)
+@pytest.mark.parametrize("seed", range(3))
+def test_stop_is_honoured_at_any_time(what: str, seed: int, jigsaw: wr.Assembly) -> None:
+    delay = float(np.random.default_rng([seed, len(what)]).uniform(0.05, 8.0))
+    assert lateness(lambda stop: ASKED[what](jigsaw, stop), delay) < 1.0
