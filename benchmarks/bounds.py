@@ -10,8 +10,8 @@ from tests.flexing import row_of
 from tests.oracle import blocks, chain
 
 import wiggleroom as wr
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 
 DRAWINGS = "examples/drawings"
 

@@ -64,7 +64,7 @@ def drawn(command: str) -> str:
         ends = axes.pixels(GAPS[[-1, -1]], np.array([truth[joint][-1], theirs[joint][-1]])).tolist()
         body.append(text(ends[0][0] + 12, ends[0][1] + 5, palette.TEXT_SIZE, colour, joint))
     # the hulls of both joints end almost at one height: one name for both
-    body.append(text(ends[1][0] + 12, ends[1][1] + 5, palette.TEXT_SIZE, palette.QUIET, "hull, both"))
+    body.append(text(ends[1][0] + 12, ends[1][1] + 5, palette.TEXT_SIZE, palette.SUBDUED, "hull, both"))
     at, y = axes.left + 24, axes.top + 22
     for k, (mark, said) in enumerate(
         (

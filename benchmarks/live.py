@@ -18,7 +18,7 @@ import numpy as np
 import shapely
 
 import wiggleroom as wr
-from wiggleroom.assembly.model import place
+from wiggleroom.assembly.assembly import place
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
 STEPS = 8
@@ -54,7 +54,9 @@ def _clock() -> np.ndarray:
     return np.array([time.perf_counter(), time.process_time()])
 
 
-def drags(live: wr.Live, count: int, steps: int, random: np.random.Generator) -> tuple[list[np.ndarray], list[wr.Shot]]:
+def drags(
+    live: wr.Live, count: int, steps: int, random: np.random.Generator
+) -> tuple[list[np.ndarray], list[wr.LiveResult]]:
     """Seconds of every move, and its shot."""
     seconds, shots = [], []
     for (part, grip, target), _ in zip(moves(live.assembly, random, steps), range(count), strict=False):
@@ -66,7 +68,7 @@ def drags(live: wr.Live, count: int, steps: int, random: np.random.Generator) ->
 
 def slides(
     live: wr.Live, count: int, share: float | None, random: np.random.Generator
-) -> tuple[list[np.ndarray], list[wr.Shot]]:
+) -> tuple[list[np.ndarray], list[wr.LiveResult]]:
     """Seconds of every move of the slider, and its shot; with a share small moves, else anywhere."""
     middle, last = live.assembly.gap, live.assembly.names[-1]
     goal, gap = wr.Pull(last, (1.0, 0.0)), middle
@@ -98,7 +100,7 @@ def _overlap(assembly: wr.Assembly, motion: np.ndarray) -> None:
         print(f"  overlap of {shared.max():.3g} mm2")
 
 
-def _line(name: str, seconds: list[np.ndarray], shots: list[wr.Shot]) -> None:
+def _line(name: str, seconds: list[np.ndarray], shots: list[wr.LiveResult]) -> None:
     middle, most, worst = 1e3 * np.percentile([s[0] for s in seconds], [50, 95, 100])
     spent = 1e3 * np.percentile([s[1] for s in seconds], 95)
     settled = sum(shot.settled for shot in shots)

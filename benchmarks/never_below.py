@@ -23,9 +23,9 @@ from tests.oracle import chain, random_joints
 from tests.oracle.slices import Slices
 
 import wiggleroom as wr
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
-from wiggleroom.bound.branch_and_bound import Bounding, Clock
+from wiggleroom.bound.branch_and_bound import BranchAndBound, Deadline
 from wiggleroom.bound.dual_bound import quick_bound
 from wiggleroom.bound.linear_relaxation import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
@@ -123,7 +123,7 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
     if not isinstance(goal, PointMotion) or not (ground.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
         return [np.inf]
     return [
-        Bounding(ground, links, [*regions], goal, cut, Clock(SECONDS), lambda _: None).run(ranges, cut)
+        BranchAndBound(ground, links, [*regions], goal, cut, Deadline(SECONDS), lambda _: None).run(ranges, cut)
         for cut in (share * truth for share in SHARES)
     ]
 

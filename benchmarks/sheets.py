@@ -13,10 +13,10 @@ from pathlib import Path
 
 from benchmarks.sheet_drawings import Design, designs
 from benchmarks.sheet_judge import Judged, judge
-from wiggleroom.mating.bodies import AssembledSheet, assemble_sheet
+from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
+from wiggleroom.mating.cutting_sheet import read_sheet
 from wiggleroom.mating.hints import read_hints
 from wiggleroom.mating.plates_writer import write_plates
-from wiggleroom.mating.sheet import read_sheet
 
 OVERLAP = 1e-5
 """Volume [mm3] below which nothing overlaps: a square of 3 mm to a depth of 1e-6 mm."""

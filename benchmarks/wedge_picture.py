@@ -95,7 +95,7 @@ def drawn(command: str) -> str:
     ):
         body.append(
             f'<g transform="translate({place} {end})">{swatch(colour, palette.NEUTRAL[1])}'
-            f'<text x="24" y="10" font-size="14" fill="{palette.QUIET}">{word}</text></g>'
+            f'<text x="24" y="10" font-size="14" fill="{palette.SUBDUED}">{word}</text></g>'
         )
         place += 50 + width_of(word, 14.0)
     title = "Open wedge: what each model knows of the free space"
@@ -103,7 +103,7 @@ def drawn(command: str) -> str:
         f"{high[0] - low[0]:.2g} x {high[1] - low[1]:.2g} mm of shifts, gap {GAP:g} mm, at three turns; the dot is rest"
     )
     lines, _ = header(title, [size], width)
-    foot = f'<text x="{palette.MARGIN}" y="{end + 50}" font-size="11" fill="{palette.QUIET}">{escape(command)}</text>'
+    foot = f'<text x="{palette.MARGIN}" y="{end + 50}" font-size="11" fill="{palette.SUBDUED}">{escape(command)}</text>'
     return document(width, end + 70, title, [size], command, [*lines, *body, foot])
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict

@@ -9,8 +9,8 @@ import shapely
 
 from tests.oracle.collision import depths, overlaps
 from tests.oracle.random_joints import Pair
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.freespace.free_space import FreeSpace
 

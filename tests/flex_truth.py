@@ -10,7 +10,7 @@ import scipy.optimize
 import shapely
 
 from tests.oracle.collision import depths, overlaps, relative_motion
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.search.answer import Answer
 

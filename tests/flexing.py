@@ -12,8 +12,8 @@ import wiggleroom as wr
 from tests.audit import as_assembly, part
 from tests.oracle import blocks, closed_forms, random_joints
 from tests.oracle.geometry import turn
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn, W
 
 FAMILIES = ("tee", "swallowtail", "dovetail", "revolute", "finger", "jigsaw")

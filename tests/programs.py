@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from wiggleroom.assembly import patterns
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import objective

@@ -22,7 +22,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served, Visit
-from wiggleroom.app import patient
+from wiggleroom.app import message_timeout as patient
 from wiggleroom.drawing.assembly_writer import write_assembly
 
 CHAIN = write_assembly(wr.patterns.chain(2, joint="tee", gap=0.02).drawing).encode()
@@ -196,7 +196,7 @@ def test_a_message_beyond_all_limits_ends_the_connection(served: Served) -> None
 
 @pytest.mark.parametrize("pieces", ["fragments", "one frame"])
 def test_an_upload_that_never_ends_is_cut_off(served: Served, monkeypatch: pytest.MonkeyPatch, pieces: str) -> None:
-    monkeypatch.setattr(patient, "UNFINISHED", 0.5)
+    monkeypatch.setattr(patient, "MESSAGE_SECONDS", 0.5)
     raw = socket.create_connection(("127.0.0.1", served.port), 10)
     raw.sendall(handshake(served))
     assert b" 101 " in raw.recv(65536)
@@ -273,7 +273,7 @@ def test_what_cannot_be_served_is_said_in_one_line(served: Served, tmp_path: Pat
 
 def test_pages_of_a_file_begin_with_it_and_its_options(tmp_path: Path) -> None:
     from wiggleroom.cli.options import Asked
-    from wiggleroom.cli.serve import first_request
+    from wiggleroom.cli.serve_command import first_request
 
     (tmp_path / "chain.json").write_bytes(CHAIN)
     first = first_request(str(tmp_path / "chain.json"), Asked(gap=0.03, pull=("b2:-x",)))
@@ -296,7 +296,7 @@ def test_pages_of_a_file_begin_with_it_and_its_options(tmp_path: Path) -> None:
 def test_processes_may_not_take_all_memory() -> None:
     resource = pytest.importorskip("resource")
     code = (
-        "from wiggleroom.app.limits import bound_memory; import resource; bound_memory(); "
+        "from wiggleroom.app.upload_limits import bound_memory; import resource; bound_memory(); "
         "print(resource.getrlimit(resource.RLIMIT_DATA)[0])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -121,12 +121,12 @@ def test_a_request_whose_process_dies_twice_is_given_up_and_the_page_goes_on(ser
 def test_a_drawing_that_takes_too_long_to_read_is_given_up(page: Visit, monkeypatch: pytest.MonkeyPatch) -> None:
     page.open("grid.json", text(GRID))
     rings = "".join(f"<circle cx='{k % 200 * 10}' cy='{k // 200 * 10}' r='4'/>" for k in range(40_000))
-    monkeypatch.setattr(session, "READING", 0.3)
+    monkeypatch.setattr(session, "READ_SECONDS", 0.3)
     reply = page.open(
         "big.svg", f"<svg xmlns='http://www.w3.org/2000/svg' width='2000mm' height='2000mm'>{rings}</svg>".encode()
     )
     assert "was not read within" in reply["findings"][0]
-    monkeypatch.setattr(session, "READING", 60.0)
+    monkeypatch.setattr(session, "READ_SECONDS", 60.0)
     assert page.ask("flex")["settled"]  # about the drawing before
 
 

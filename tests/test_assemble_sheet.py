@@ -15,11 +15,11 @@ from benchmarks.sheet_drawings import Design, box, designs, egg_crate, shelf, st
 from benchmarks.sheet_judge import judge, rotation
 
 from wiggleroom.errors import InputError
-from wiggleroom.mating.bodies import assemble_sheet
+from wiggleroom.mating.assembled_sheet import assemble_sheet
 from wiggleroom.mating.congruence import congruent
+from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
 from wiggleroom.mating.hints import Hints, Join, read_hints
 from wiggleroom.mating.plates_writer import fixed_axis_turns
-from wiggleroom.mating.sheet import CuttingSheet, read_sheet
 
 SHEETS = Path(__file__).parent / "sheets"
 OVERLAP = 1e-5

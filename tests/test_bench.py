@@ -18,14 +18,17 @@ import wiggleroom as wr
 from tests.audit import polygon, reachable
 from tests.oracle import chain as oracle_chain
 from tests.oracle.collision import overlaps, pose_depth
-from wiggleroom.bench import accuracy, chains, interlock, large, one, published, speed
+from wiggleroom.bench import accuracy, chains, published, speed
+from wiggleroom.bench import interlock_table as interlock
+from wiggleroom.bench import large_assemblies as large
+from wiggleroom.bench import run_one as one
 from wiggleroom.bench.collide import overlapping
 from wiggleroom.bench.pairs import PAIR, PAIRS
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.render import bench_markdown, bench_record, bench_table, with_section
-from wiggleroom.bench.result import Bench, Column, Sheet
+from wiggleroom.bench.result import Bench, Column, ResultTable
 from wiggleroom.cli import main
-from wiggleroom.report.records import to_json
+from wiggleroom.report.json_results import to_json
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 needs_ipopt = pytest.mark.skipif(find_spec("casadi") is None, reason="needs the extra bench")
@@ -267,7 +270,7 @@ def test_a_limit_is_kept_and_said() -> None:
 
 
 def test_a_process_that_fails_is_told_of() -> None:
-    case = large.Case("none", 1, "tee")
+    case = large.LargeAssembly("none", 1, "tee")
     assert speed.measured(case, "walls", None)["ended"].startswith("failed: ")
 
 
@@ -303,7 +306,7 @@ def small(cut: bool = False) -> Bench:
         {"pair": "tee", "method": "walls", "x": 1234.5, "published": False},
         {"pair": "tee", "method": "theirs", "x": None, "published": True},
     )
-    sheet = Sheet("", (Column("pair", "pair"), Column("method", "method"), Column("x", "x %", 1)), rows)
+    sheet = ResultTable("", (Column("pair", "pair"), Column("method", "method"), Column("x", "x %", 1)), rows)
     return Bench("accuracy", "A title", rows, (sheet,), ("A note.",), "wiggleroom bench accuracy", cut)
 
 

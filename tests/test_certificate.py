@@ -20,8 +20,8 @@ pytest.importorskip("highspy")
 pytest.importorskip("flint")
 import flint
 
-from wiggleroom.verify.bounds import highest
-from wiggleroom.verify.check import read, verify
+from wiggleroom.verify.ball_bounds import highest
+from wiggleroom.verify.checker import read, verify
 from wiggleroom.verify.skins import Refused, check_inside, check_skin, point
 
 

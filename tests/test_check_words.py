@@ -1,7 +1,7 @@
 """What `check` says in words: about gaps as drawn, and about a search that was not needed."""
 
 import wiggleroom as wr
-from wiggleroom.report.apart import border_sentence, check_sure
+from wiggleroom.report.separability import border_sentence, check_sure
 from wiggleroom.separate.largest_gap import LargestGap
 
 PLATE = [(-9, -9), (9, -9), (9, 9), (2, 9), (2, -4), (-2, -4), (-2, 9), (-9, 9)]

@@ -14,8 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.test_svg_reader import assert_same_geometry, material
+from wiggleroom.assembly.assembly import place
 from wiggleroom.assembly.build import read
-from wiggleroom.assembly.model import place
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.lettering import Label, labels_of, lettered
 from wiggleroom.drawing.model import Drawing, Part, Region

@@ -13,8 +13,8 @@ from shapely.ops import voronoi_diagram
 import wiggleroom as wr
 from tests.flexing import part_at
 from tests.oracle import collision
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.separate.enclosure import holds
 

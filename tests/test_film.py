@@ -16,10 +16,10 @@ import wiggleroom as wr
 from tests.answers import answer, block, row
 from wiggleroom.drawing.model import Drawing, Part, Pull, Turn
 from wiggleroom.report import scene as scenes
-from wiggleroom.report.draw import draw
 from wiggleroom.report.film import film, film_of_answer
-from wiggleroom.report.motion import Way, eased
+from wiggleroom.report.film_timing import TimedPath, eased
 from wiggleroom.report.scene import Scene, scene
+from wiggleroom.report.write_picture import draw
 from wiggleroom.verdict import Verdict
 
 SVG = "{http://www.w3.org/2000/svg}"
@@ -54,7 +54,7 @@ def test_between_way_points_the_centroid_goes_straight_and_glue_holds() -> None:
     end = np.zeros((3, 3))
     end[1, 2] = end[2, 2] = turn  # turn both about the origin
     end[2, :2] = [31 * math.cos(turn) - 31, 31 * math.sin(turn)]
-    way = Way(assembly, np.stack([np.zeros((3, 3)), end]))
+    way = TimedPath(assembly, np.stack([np.zeros((3, 3)), end]))
     half = way.at(np.array([way.length / 2]))[0]
     start, stop = np.array([30.5, 0.0]), 30.5 * np.array([math.cos(turn), math.sin(turn)])
     for k in (1, 2):  # the middle of the glued body, as either part carries it
@@ -66,7 +66,7 @@ def test_the_way_is_shared_out_by_its_length() -> None:
     assembly = row(2).assembly
     points = np.zeros((4, 2, 3))
     points[1:, 1, 1] = [1.0, 1.0, 4.0]  # with a point that stands still
-    way = Way(assembly, points)
+    way = TimedPath(assembly, points)
     assert way.length == pytest.approx(4.0)
     np.testing.assert_allclose(way.at(np.array([0.0, 1.0, 2.0, 4.0]))[:, 1, 1], [0, 1, 2, 4], atol=1e-12)
     assert eased(11)[1] < 0.05

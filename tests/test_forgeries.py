@@ -25,7 +25,7 @@ pytest.importorskip("flint")
 from wiggleroom.cli.options import Asked
 from wiggleroom.cli.verify_drawing import drawn_by
 from wiggleroom.drawing.assembly_writer import write_assembly
-from wiggleroom.verify.check import read, verify
+from wiggleroom.verify.checker import read, verify
 from wiggleroom.verify.claim import claim_of
 from wiggleroom.verify.drawn import difference
 from wiggleroom.verify.form import check_form

@@ -16,10 +16,10 @@ import pytest
 import wiggleroom as wr
 from tests.answers import answer, block, grid, row
 from tests.baked import frames, told
-from wiggleroom.assembly.model import place, rings_at
+from wiggleroom.assembly.assembly import place, rings_at
 from wiggleroom.drawing.model import Part, Pull
-from wiggleroom.report.draw import draw
 from wiggleroom.report.pages import page_of_answer
+from wiggleroom.report.write_picture import draw
 from wiggleroom.search.answer import Bound
 
 NASTY = "<img src=x onerror=alert(1)></script><b>&\"'"

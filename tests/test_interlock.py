@@ -13,11 +13,11 @@ import shapely
 import wiggleroom as wr
 from tests.flexing import displaced, part_at
 from tests.oracle import collision
+from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.passage import passage
-from wiggleroom.report.apart import check_result, further, why
+from wiggleroom.report.separability import check_result, further, why
 
 HERE = Path(__file__).parents[1] / "examples" / "17_does_it_come_apart"
 TRUTH = json.loads((HERE / "truth.json").read_text())

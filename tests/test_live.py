@@ -12,8 +12,8 @@ import shapely
 import wiggleroom as wr
 from tests.flexing import box, polygon_part
 from tests.oracle import collision
+from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.drawing.model import Drawing, Part, Region
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -25,8 +25,8 @@ from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import objective
-from wiggleroom.report.records import flex_result
-from wiggleroom.report.words import sentence
+from wiggleroom.report.answer_words import sentence
+from wiggleroom.report.json_results import flex_result
 from wiggleroom.solve.linear_programming import maximise
 
 

@@ -16,7 +16,7 @@ import pytest
 
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served
-from wiggleroom.app.opening import first_open
+from wiggleroom.app.open_requests import first_open
 from wiggleroom.cli import main
 from wiggleroom.drawing.assembly_writer import write_assembly
 

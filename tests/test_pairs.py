@@ -11,8 +11,8 @@ import shapely
 from shapely import affinity
 
 from wiggleroom.assembly import patterns
+from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_rest

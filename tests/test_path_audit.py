@@ -14,8 +14,8 @@ from benchmarks.attack.families import FAMILIES, draw
 from benchmarks.attack.oracle import Ground
 
 import wiggleroom as wr
-from wiggleroom.assembly.model import Assembly
-from wiggleroom.audit.outlines import INSET
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.audit.audit_outlines import INSET
 from wiggleroom.audit.path_audit import audit_path
 
 

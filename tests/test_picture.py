@@ -299,5 +299,5 @@ def test_small_parts_have_quiet_names_of_one_size() -> None:
     groups = [g for g in tree(svg).iter(f"{SVG}g") if g.get("text-anchor") == "middle"]
     by_colour = {g.get("fill"): [t.text for t in g.iter(f"{SVG}text")] for g in groups}
     assert "b0-0" in by_colour[palette.INK]
-    assert len(by_colour[palette.QUIET]) > 10
+    assert len(by_colour[palette.SUBDUED]) > 10
     assert len({t.get("font-size") for g in groups for t in g.iter(f"{SVG}text")}) <= 2

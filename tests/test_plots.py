@@ -11,7 +11,7 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.report import palette
 from wiggleroom.report.axes import span, ticks
-from wiggleroom.report.blame import shade
+from wiggleroom.report.importance_picture import shade
 from wiggleroom.report.plots import bars, curve, histogram
 
 SVG = "{http://www.w3.org/2000/svg}"

@@ -14,7 +14,7 @@ from tests.flexing import case_assembly, displaced, mirrored, random_assembly, r
 from tests.oracle import blocks, chain, closed_forms, random_joints
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
-from wiggleroom.bound.branch_and_bound import Bounding, Clock
+from wiggleroom.bound.branch_and_bound import BranchAndBound, Deadline
 from wiggleroom.bound.linear_relaxation import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.trigonometric_envelopes import envelope, support
@@ -35,7 +35,7 @@ ROUNDING = 1e-12
 
 def bound_of(assembly, goals, cut, seconds):
     """What a proof says that looks for motions worth more than `cut`, whatever the truth is."""
-    clock = Clock(seconds, None)
+    clock = Deadline(seconds, None)
     ground = survey(assembly)
     goal = objective(assembly, ground.bodies, goals)
     assert isinstance(goal, PointMotion)
@@ -44,7 +44,7 @@ def bound_of(assembly, goals, cut, seconds):
     held = ground.bodies.fixed[goal.body] | np.isfinite(ranges.far[goal.body])
     if not held.all():
         return math.inf
-    return Bounding(ground, links, regions, goal, cut, clock, lambda _: None).run(ranges, cut)
+    return BranchAndBound(ground, links, regions, goal, cut, clock, lambda _: None).run(ranges, cut)
 
 
 # -- never below the truth -------------------------------------------------------------------------------------------
@@ -296,7 +296,7 @@ def test_command(tmp_path, capsys, command):
 def test_words_round_outwards():
     from dataclasses import replace
 
-    from wiggleroom.report.words import proven
+    from wiggleroom.report.answer_words import proven
 
     answer = wr.flex(wr.patterns.chain(2, joint="tee", gap=0.02), wr.Pull("b2", (0, 1)))
     assert proven(replace(answer, at_most=None, bound=None)) == ""

@@ -19,7 +19,7 @@ from wiggleroom.bound.dual_bound import quick_bound
 from wiggleroom.freespace.outer.local_outer_region import pocket
 from wiggleroom.freespace.outer.outer_slices import Facing
 from wiggleroom.program.objectives import PointMotion
-from wiggleroom.report.words import bounded
+from wiggleroom.report.answer_words import bounded
 
 ROUNDING = 1e-11
 

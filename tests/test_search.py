@@ -16,7 +16,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
-from wiggleroom.report.records import flex_result
+from wiggleroom.report.json_results import flex_result
 from wiggleroom.search.incumbent import at_rest
 from wiggleroom.search.prepare import prepare
 from wiggleroom.search.state_tree import StateTree

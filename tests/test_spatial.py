@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.spatial.plane_program import PlanePoint, build_planes
-from wiggleroom.spatial.rigid import Pose, near_pieces
+from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.rotations import exponential, fixed_axes, logarithm
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import assemble_spatial
@@ -68,7 +68,7 @@ def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | 
     bodies = grouped(spatial(PLATE, PEG)).bodies
     rng = np.random.default_rng(3)
     P = build_planes(bodies, SumOfTerms((term,)), near_pieces(bodies, bodies.rest, 2.0), length=0.4)
-    pose = Pose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(rng.normal(size=(2, 3)) * 0.4))
+    pose = SpatialPose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(rng.normal(size=(2, 3)) * 0.4))
     n = P.start.n + 0.1 * rng.normal(size=P.start.n.shape)
     point = PlanePoint(pose, n / np.linalg.norm(n, axis=1)[:, None], P.start.d.copy())
     at = P.linearise(point)
@@ -77,7 +77,7 @@ def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | 
         from wiggleroom.spatial import plane_kernel as kernel
 
         change = P.unpacked(u) * P.scale
-        there = Pose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
+        there = SpatialPose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
         n, d = np.empty_like(point.n), np.empty_like(point.d)
         kernel.move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
         return PlanePoint(there, n, d)
@@ -241,7 +241,7 @@ def test_a_turn_is_counted_on_past_half_a_turn() -> None:
     twist = SumOfTerms((Twist(0, np.array([0, 0, 1.0]), 1.0),))
     value = 0.0
     for angle in np.arange(0.0, 12.0, 0.5):
-        value = twist.value(Pose(np.zeros((1, 3)), exponential(np.array([[0, 0, angle]]))), value)
+        value = twist.value(SpatialPose(np.zeros((1, 3)), exponential(np.array([[0, 0, angle]]))), value)
         assert value == pytest.approx(angle)
 
 

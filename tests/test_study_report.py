@@ -16,8 +16,8 @@ from tests.baked import frames, rows, told
 from tests.test_html import tags
 from tests.test_plots import all_of, axis
 from wiggleroom.report import pages, palette
-from wiggleroom.report.apart_picture import Checked
-from wiggleroom.report.blame import picture_of_ranking, picture_of_tightening, shade
+from wiggleroom.report.importance_picture import picture_of_ranking, picture_of_tightening, shade
+from wiggleroom.report.separability_picture import Checked
 from wiggleroom.report.study_plots import picture_of_sample, picture_of_sweep
 
 PAGES = {

@@ -11,7 +11,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from shapely.geometry import Polygon, box
 
-from wiggleroom.assembly.model import place
+from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.drawing.svg import read_svg

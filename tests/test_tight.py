@@ -16,7 +16,7 @@ from wiggleroom.assembly.loops import placed
 from wiggleroom.tight.blocking_graph import blocking, blocking_graph
 from wiggleroom.tight.mobility import cone, opening, tight_verdict
 from wiggleroom.tight.point_contacts import tight_contacts
-from wiggleroom.tight.self_stress import Lock, holds
+from wiggleroom.tight.self_stress import SelfStress, holds
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
@@ -235,13 +235,13 @@ def test_a_proof_that_was_tampered_with_fails():
     for k in (0, len(lock.force) // 2):
         force = lock.force.copy()
         force[k] *= 1000  # a small imbalance would prove as much: the check knows how much is harmless
-        assert not holds(found.contacts, [Lock(lock.contact, force)])
+        assert not holds(found.contacts, [SelfStress(lock.contact, force)])
         force[k] = -lock.force[k]
-        assert not holds(found.contacts, [Lock(lock.contact, force)])
+        assert not holds(found.contacts, [SelfStress(lock.contact, force)])
     assert not holds(found.contacts, [])
-    assert not holds(found.contacts, [Lock(lock.contact[1:], lock.force[1:])])
+    assert not holds(found.contacts, [SelfStress(lock.contact[1:], lock.force[1:])])
     slide = wr.tight_verdict(slot("through slot"))
-    everything = Lock(np.arange(len(slide.contacts.a)), np.ones(len(slide.contacts.a)))
+    everything = SelfStress(np.arange(len(slide.contacts.a)), np.ones(len(slide.contacts.a)))
     assert not holds(slide.contacts, [everything])  # in balance, but of low rank
     assert not replace(slide, motion=slide.motion[:, [1, 0, 2]]).verify()
 

@@ -16,8 +16,8 @@ from wiggleroom.search.drawable import Drawable
 
 if TYPE_CHECKING:
     from wiggleroom.assembly import coupon, patterns
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.assembly.build import assemble
-    from wiggleroom.assembly.model import Assembly
     from wiggleroom.bound.prove import prove
     from wiggleroom.drawing.model import (
         Closer,
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from wiggleroom.freespace.free_space import FreeSpace, free_space
     from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
     from wiggleroom.freespace.models.polyhedron import Polyhedron
-    from wiggleroom.live.live_result import Mode, Shot
+    from wiggleroom.live.live_result import LiveResult, Mode
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
     from wiggleroom.questions import check, flex, read
@@ -60,7 +60,7 @@ if TYPE_CHECKING:
 _HOME = {
     "AllowableGap": "sensitivity.allowable_gap",
     "Answer": "search.answer",
-    "Assembly": "assembly.model",
+    "Assembly": "assembly.assembly",
     "Blocking": "tight.blocking_graph",
     "Bound": "search.answer",
     "Closer": "drawing.model",
@@ -84,7 +84,7 @@ _HOME = {
     "Ranking": "sensitivity.rank",
     "Region": "drawing.model",
     "Sample": "sensitivity.sample",
-    "Shot": "live.live_result",
+    "LiveResult": "live.live_result",
     "Spread": "sensitivity.gap_distribution",
     "StoppedError": "errors",
     "Sweep": "sensitivity.sweep",
@@ -139,6 +139,7 @@ __all__ = [
     "JointGap",
     "LargestGap",
     "Live",
+    "LiveResult",
     "MissingExtraError",
     "Mode",
     "Part",
@@ -148,7 +149,6 @@ __all__ = [
     "Ranking",
     "Region",
     "Sample",
-    "Shot",
     "Spread",
     "StoppedError",
     "Sweep",
@@ -187,7 +187,7 @@ __all__ = [
 
 
 def _draw(found: Any, path: Any) -> None:
-    from wiggleroom.report.draw import draw  # slow to import, and not always needed
+    from wiggleroom.report.write_picture import draw  # slow to import, and not always needed
 
     draw(found, path)
 

@@ -12,8 +12,8 @@ from typing import Any, overload
 
 import numpy as np
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, answer_from, approximate
 from wiggleroom.compare.flex_halfplane import flex_half_planes
@@ -25,7 +25,7 @@ from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.complete_search import PROVEN, complete
+from wiggleroom.search.complete_search import PROVEN_GAP, complete
 from wiggleroom.search.global_search import search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
@@ -224,7 +224,7 @@ def witness(
     climb, effort = search_on(climb, search)
     climb, most = complete(climb)
     answer = replace(answer_of(climb, asked, solver, began), search=effort)
-    return answer if most is None else with_bound(answer, Bound(most, PROVEN, 0.0))
+    return answer if most is None else with_bound(answer, Bound(most, PROVEN_GAP, 0.0))
 
 
 def _from_several(

@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, overload
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_goals import AnyGoal, spatial_goals

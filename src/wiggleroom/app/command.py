@@ -5,8 +5,8 @@ from __future__ import annotations
 import shlex
 from pathlib import PurePath
 
-from wiggleroom.app.designs import goals_of
-from wiggleroom.app.opening import File
+from wiggleroom.app.design_cache import goals_of
+from wiggleroom.app.open_requests import File
 from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.schema.requests import Design
 

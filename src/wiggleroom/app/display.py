@@ -10,16 +10,16 @@ import numpy as np
 from msgspec import UNSET, UnsetType
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.geometry.relative_pose import turn
-from wiggleroom.report.told import rings_told
+from wiggleroom.report.page_messages import rings_told
 from wiggleroom.schema.replies import Outline, Pose
 
 Floats = NDArray[np.float64]
 
-AGAIN = 3.0
+REPEAT_SECONDS = 3.0
 """Outlines that changed are told with every reply for so long [s]."""
 
 
@@ -43,7 +43,7 @@ class Display:
             self._outlines, self._since, self._rings = key, now, rings_told(assembly.parts)
         elif self._told.is_set():
             self._since = now
-        elif now > self._since + AGAIN:
+        elif now > self._since + REPEAT_SECONDS:
             return UNSET
         self._told = stop
         return self._rings

@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from wiggleroom.app.link import Done, Outgoing, Ready, Start, Stop, block, length, result
+from wiggleroom.app.worker_protocol import Done, Outgoing, Ready, StartOrder, StopOrder, block, length, result
 
-MOST_PAGES = 4
+MAX_PAGES = 4
 """Each page has a process of its own, and that much memory."""
 
 
@@ -30,14 +30,14 @@ class Process:
         """Start a process; it loads what it needs by itself."""
         path = os.pathsep.join(p for p in sys.path if p)
         child = await asyncio.create_subprocess_exec(
-            sys.executable, "-m", "wiggleroom.app.worker",
+            sys.executable, "-m", "wiggleroom.app.solver_worker",
             stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL,
             env=os.environ | {"PYTHONPATH": path},
             start_new_session=True,  # Ctrl-C is for the server
         )  # fmt: skip
         return cls(child)
 
-    async def send(self, order: Start | Stop) -> None:
+    async def send(self, order: StartOrder | StopOrder) -> None:
         """Give an order; raises LostError where nobody takes it."""
         assert self.child.stdin is not None
         try:
@@ -49,7 +49,7 @@ class Process:
     def stop(self, ticket: int) -> None:
         """Ask it to stop working on a ticket."""
         if self.child.stdin is not None and not self.child.stdin.is_closing():
-            self.child.stdin.write(block(Stop(ticket)))
+            self.child.stdin.write(block(StopOrder(ticket)))
 
     async def receive(self) -> Outgoing | Done | Ready:
         """What it says next; raises LostError where it is gone."""

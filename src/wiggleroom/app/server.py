@@ -18,14 +18,14 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from wiggleroom.app.limits import UPLOAD_MB
+from wiggleroom.app.message_timeout import MessageTimeout
 from wiggleroom.app.messages import encode, failed
-from wiggleroom.app.patient import Patient
-from wiggleroom.app.process import MOST_PAGES, Pool
+from wiggleroom.app.process import MAX_PAGES, Pool
 from wiggleroom.app.session import Session
+from wiggleroom.app.upload_limits import UPLOAD_MB
 from wiggleroom.schema.replies import ExtraLimits, Hello
 
-LARGEST = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
+MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
 HEADERS = {
     "Content-Security-Policy": (
@@ -39,7 +39,13 @@ HEADERS = {
     "Cross-Origin-Resource-Policy": "same-origin",
     "Cache-Control": "no-store",
 }
-KINDS = {"html": "text/html", "js": "text/javascript", "css": "text/css", "svg": "image/svg+xml", "png": "image/png"}
+MEDIA_TYPES = {
+    "html": "text/html",
+    "js": "text/javascript",
+    "css": "text/css",
+    "svg": "image/svg+xml",
+    "png": "image/png",
+}
 EXTRAS = {"dxf": ("ezdxf",), "fast": ("rslab",), "film": ("PIL", "av"), "prove": ("highspy",)}
 """Extras the page asks about, and what they install."""
 
@@ -93,7 +99,7 @@ class Page:
         name = request.url.path.lstrip("/") or "index.html"
         if name == "index.html" and "token" in request.query_params and not self._trusted(request):
             return PlainTextResponse("the address must be the one that wiggleroom serve printed", 403, HEADERS)
-        kind = KINDS.get(name.rpartition(".")[2], "application/octet-stream")
+        kind = MEDIA_TYPES.get(name.rpartition(".")[2], "application/octet-stream")
         return Response(self._files[name], media_type=kind, headers=HEADERS)
 
     async def _socket(self, socket: WebSocket) -> None:
@@ -112,11 +118,11 @@ class Page:
                 await socket.send_text(text.decode())
 
         for _ in range(20):  # a page that is reloaded may come before it has gone
-            if self._pages < MOST_PAGES:
+            if self._pages < MAX_PAGES:
                 break
             await asyncio.sleep(0.05)
         else:
-            line = f"{MOST_PAGES} pages are open already; close one of them, then reload this one"
+            line = f"{MAX_PAGES} pages are open already; close one of them, then reload this one"
             await send([], encode(failed(0, "hello", [line])))
             await socket.close(1013)
             return
@@ -186,8 +192,8 @@ class Server(uvicorn.Server):
         config = uvicorn.Config(
             page.app,
             http="h11",
-            ws=Patient,
-            ws_max_size=LARGEST,
+            ws=MessageTimeout,
+            ws_max_size=MAX_MESSAGE_BYTES,
             ws_per_message_deflate=False,  # nothing to win on one machine, and no bombs
             log_config=None,
             log_level="critical",

@@ -12,9 +12,9 @@ from contextlib import suppress
 from dataclasses import dataclass
 from itertools import count
 
-from wiggleroom.app.link import Done, Outgoing, Ready, Start
 from wiggleroom.app.messages import decode, encode, failed, head, kind_of
 from wiggleroom.app.process import LostError, Pool, Process
+from wiggleroom.app.worker_protocol import Done, Outgoing, Ready, StartOrder
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Reply, WorkerState
 from wiggleroom.schema.requests import CancelRequest, FlexRequest
@@ -22,17 +22,17 @@ from wiggleroom.schema.requests import CancelRequest, FlexRequest
 Send = Callable[[list[bytes], bytes], Awaitable[None]]
 """Sends binary frames and then one text frame."""
 
-FIRST = {"open": 0, "drag": 1, "flex": 2, "shape": 3}
+PRIORITY = {"open": 0, "drag": 1, "flex": 2, "shape": 3}
 """Kinds that are served first, in this order; all others are interrupted for them."""
-GRACE = 0.6
+GRACE_SECONDS = 0.6
 """A drag or flex that a newer one replaces may still end within this time [s]: else a hand that never rests would see nothing."""
-QUIET = 0.25
+IDLE_SECONDS = 0.25
 """So long after the last drag or flex [s] long work is taken up again."""
-READING = 60.0
+READ_SECONDS = 60.0
 """A drawing must be read within this time [s]."""
-PATIENCE = 8.0
+STOP_SECONDS = 8.0
 """A process that does not stop within this time [s] is ended."""
-TRIES = 2
+MAX_TRIES = 2
 """A request whose process died so often is given up."""
 
 
@@ -68,7 +68,7 @@ class Job:
     @property
     def rank(self) -> tuple[int, int]:
         """Who is served first."""
-        return FIRST.get(self.kind, len(FIRST)), self.born
+        return PRIORITY.get(self.kind, len(PRIORITY)), self.born
 
 
 class Session:
@@ -126,7 +126,7 @@ class Session:
         if running is not None and not running.stopped:
             if running.kind == job.kind:
                 self._supersede(running)
-            elif job.kind in FIRST and running.kind not in FIRST:
+            elif job.kind in PRIORITY and running.kind not in PRIORITY:
                 running.again = True
                 self._halt(running)
         self._news.set()
@@ -141,7 +141,7 @@ class Session:
     def _supersede(self, job: Job) -> None:
         """Stop what a newer request of its kind replaces; a moving hand sees its answer if that comes soon."""
         loop = asyncio.get_running_loop()
-        left = job.began + GRACE - loop.time()
+        left = job.began + GRACE_SECONDS - loop.time()
         if job.kind in ("drag", "flex") and not job.replied and left > 0:
             loop.call_later(left, lambda: self._halt(job) if self._running is job else None)
         else:
@@ -153,7 +153,7 @@ class Session:
         job.stopped = True
         process = self._process
         process.stop(job.ticket)
-        asyncio.get_running_loop().call_later(PATIENCE, lambda: process.kill() if self._running is job else None)
+        asyncio.get_running_loop().call_later(STOP_SECONDS, lambda: process.kill() if self._running is job else None)
 
     async def run(self) -> None:
         """Work off requests until the page is gone."""
@@ -171,8 +171,8 @@ class Session:
         job = min(self._pending.values(), key=lambda j: j.rank, default=None)
         self._news.clear()
         rest = None
-        if job is not None and job.kind not in FIRST:
-            rest = self._last_move + QUIET - asyncio.get_running_loop().time()
+        if job is not None and job.kind not in PRIORITY:
+            rest = self._last_move + IDLE_SECONDS - asyncio.get_running_loop().time()
         if job is not None and (rest is None or rest <= 0):
             return self._pending.pop(job.kind)
         with suppress(TimeoutError):
@@ -202,7 +202,7 @@ class Session:
         """Give a new process the drawing that is open."""
         if self._loaded or self._drawing is None:
             return
-        await self._order(Start(ticket := next(self._tickets), self._drawing, quiet=True))
+        await self._order(StartOrder(ticket := next(self._tickets), self._drawing, quiet=True))
         while not (isinstance(said := await self._receive(), Done) and said.ticket == ticket):
             pass
         self._loaded = True
@@ -210,8 +210,8 @@ class Session:
     async def _work(self, job: Job) -> None:
         loop = asyncio.get_running_loop()
         job.ticket, job.began = next(self._tickets), loop.time()
-        await self._order(Start(job.ticket, job.text, settle=job.kind == "settle"))
-        limit = loop.call_later(READING, self._too_late, job) if job.kind == "open" else None
+        await self._order(StartOrder(job.ticket, job.text, settle=job.kind == "settle"))
+        limit = loop.call_later(READ_SECONDS, self._too_late, job) if job.kind == "open" else None
         try:
             while True:
                 said = await self._receive()
@@ -251,17 +251,19 @@ class Session:
         self._process, self._loaded = await self._pool.take(), False
         await self._tell(WorkerState(state="restarted"))
         if job.late:
-            line = f"the drawing was not read within {READING:g} seconds; simplify it, or cut it into several files"
+            line = (
+                f"the drawing was not read within {READ_SECONDS:g} seconds; simplify it, or cut it into several files"
+            )
             await self._tell(failed(job.number, job.of, [line]))
         elif job.stopped and not job.again:
             return
-        elif job.tries < TRIES or job.again:
+        elif job.tries < MAX_TRIES or job.again:
             self._pending.setdefault(job.kind, job)
         else:
-            line = f"the solver ended {TRIES} times without a word while it worked on this; it is left out"
+            line = f"the solver ended {MAX_TRIES} times without a word while it worked on this; it is left out"
             await self._tell(failed(job.number, job.of, [line]))
 
-    async def _order(self, order: Start) -> None:
+    async def _order(self, order: StartOrder) -> None:
         assert self._process is not None
         await self._process.send(order)
 

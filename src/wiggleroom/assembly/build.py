@@ -7,8 +7,8 @@ from dataclasses import replace
 from os import PathLike
 from pathlib import Path
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import examine, opened_overlaps
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.assembly.plausibility import doubts
 from wiggleroom.assembly.statements import PartNames, unknown
 from wiggleroom.drawing.layers import ReadOptions

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
+from wiggleroom.assembly.assembly import place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import examine
 from wiggleroom.assembly.joints import joint as joint_of
-from wiggleroom.assembly.model import place
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.lettering import Label, labels_of, width_of
 from wiggleroom.drawing.model import Drawing, Part, Points, Region

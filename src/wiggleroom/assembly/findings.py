@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wiggleroom.assembly.gaps import make
-from wiggleroom.assembly.outlines import sound_parts
+from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps
 from wiggleroom.assembly.statements import glue_groups, statement_findings
 from wiggleroom.drawing.model import Drawing, Goal, Part

@@ -11,6 +11,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import place
 from wiggleroom.assembly.facing import Stretch, facing, split
 from wiggleroom.assembly.loops import (
     Loops,
@@ -22,7 +23,6 @@ from wiggleroom.assembly.loops import (
     signed_areas,
 )
 from wiggleroom.assembly.mitre import moved, resolved
-from wiggleroom.assembly.model import place
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Points, Region
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from wiggleroom.assembly.model import place
+from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing.model import Drawing
 
 

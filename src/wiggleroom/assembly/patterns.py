@@ -12,9 +12,9 @@ from collections.abc import Callable, Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.joints import Jigsaw, joint
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Part, Points, Pull, Region
 from wiggleroom.errors import InputError
 

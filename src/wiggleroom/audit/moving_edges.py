@@ -13,12 +13,12 @@ import numpy as np
 
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, OPTIONS, njit
 
-MOST_HALVINGS = 40
-MOST_PIECES = 20_000
+MAX_HALVINGS = 40
+MAX_PIECES = 20_000
 """One straight piece of a pair is halved into at most so many."""
-STRIDE = 0.15
+MAX_STRIDE_SHARE = 0.15
 """Edges that may meet are looked for anew where parts have moved by this share of the smaller one's radius."""
-MOST_STRIDES = 4096
+MAX_STRIDES = 4096
 SEPARATIONS = 8
 COS, SIN, X, Y, BACK_X, BACK_Y = 0, 1, 2, 3, 4, 5
 """A relative pose: turn of B seen from A, place of B in A's frame, place of A in B's frame."""
@@ -170,7 +170,7 @@ def free_piece(
         if doubt == 0:
             continue
         pieces += 1
-        if size + 2 > MOST_HALVINGS or pieces > MOST_PIECES:
+        if size + 2 > MAX_HALVINGS or pieces > MAX_PIECES:
             return False
         t = (t0 + t1) / 2
         for axis in range(3):
@@ -260,9 +260,9 @@ def sweep(
     ranges = np.empty((128, 2), dtype=np.int64)
     edges = np.empty((room, 2), dtype=np.int64)
     how = np.empty(room, dtype=np.int64)
-    times = np.empty((MOST_HALVINGS + 2, 2))
-    left = np.empty(MOST_HALVINGS + 2, dtype=np.int64)
-    poses = np.empty((MOST_HALVINGS + 2, 2, 6))
+    times = np.empty((MAX_HALVINGS + 2, 2))
+    left = np.empty(MAX_HALVINGS + 2, dtype=np.int64)
+    poses = np.empty((MAX_HALVINGS + 2, 2, 6))
     for pair in range(len(pair_a)):
         a, b = pair_a[pair], pair_b[pair]
         pose_a, pose_b = pose[a], pose[b]
@@ -270,7 +270,7 @@ def sweep(
             relative(pose_a[k], pose_b[k], at[k])
         for k in range(last):
             accelerations(pose_a[k], pose_a[k + 1], pose_b[k], pose_b[k + 1], reach[a], reach[b], bound[k])
-        stride = STRIDE * min(disc[a, 2], disc[b, 2])
+        stride = MAX_STRIDE_SHARE * min(disc[a, 2], disc[b, 2])
         ranges[0, 0], ranges[0, 1] = 0, last
         size = 1
         while size:
@@ -299,7 +299,7 @@ def sweep(
                 size += 2
                 continue
             if stray_b > 2 * stride:  # one piece only
-                strides = min(MOST_STRIDES, int(np.ceil(stray_b / stride)))
+                strides = min(MAX_STRIDES, int(np.ceil(stray_b / stride)))
                 free = free_long_piece(
                     a, b, pose_a[k0], pose_a[k1], pose_b[k0], pose_b[k1], strides, bound[k0], reach[a], reach[b], rounding,
                     corner, after, direction, length, run, first_run, run_disc, edges, how, times, left, poses,

@@ -8,16 +8,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
-from wiggleroom.audit.outlines import Outlines, outlines
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-WIDER = 2.0
+MAX_BOX_GROWTH = 2.0
 """A stretch of the way is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
-MOST_NEAR_EDGES = 200_000
+MAX_NEAR_EDGES = 200_000
 """Pairs of edges of two parts that may meet on one stretch, at most."""
 
 
@@ -51,7 +51,7 @@ class PathAudit:
         return int(self.piece.min(initial=len(self.doubtful))) + 1
 
 
-def audit_path(parts: Outlines | Assembly, motions: Floats) -> PathAudit:
+def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     """Judge a way from its way-points and the outlines of the parts alone.
 
     Between two way-points every part moves straight: x, y and angle of its reference point change evenly.
@@ -96,7 +96,7 @@ def audit_path(parts: Outlines | Assembly, motions: Floats) -> PathAudit:
     first = np.full(len(keys), len(motions), dtype=np.int64)
     sweep(
         a, b, poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run, parts.first_run,
-        parts.run_disc, parts.disc, parts.reach, MOST_NEAR_EDGES, doubtful, first,
+        parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, doubtful, first,
     )  # fmt: skip
     nested = np.zeros(len(keys), dtype=np.bool_)
     inside_each_other(
@@ -108,7 +108,7 @@ def audit_path(parts: Outlines | Assembly, motions: Floats) -> PathAudit:
     return PathAudit(doubtful[:pieces], a[doubt], b[doubt], first[doubt])
 
 
-def _near(parts: Outlines, poses: Floats) -> Ints:
+def _near(parts: AuditOutlines, poses: Floats) -> Ints:
     """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the way."""
     n = len(poses)
     width = _widths(_swept(parts, poses, 0, 0))
@@ -117,7 +117,7 @@ def _near(parts: Outlines, poses: Floats) -> Ints:
     while waiting:
         k0, k1 = waiting.pop()
         boxes = _swept(parts, poses, k0, k1)
-        if k1 - k0 > 1 and _widths(boxes) > WIDER * width:
+        if k1 - k0 > 1 and _widths(boxes) > MAX_BOX_GROWTH * width:
             waiting += [((k0 + k1) // 2, k1), (k0, (k0 + k1) // 2)]
             continue
         shapes = shapely.box(*boxes.T)
@@ -127,7 +127,7 @@ def _near(parts: Outlines, poses: Floats) -> Ints:
     return np.setdiff1d(np.concatenate(found), parts.ignored)
 
 
-def _swept(parts: Outlines, poses: Floats, k0: int, k1: int) -> Floats:
+def _swept(parts: AuditOutlines, poses: Floats, k0: int, k1: int) -> Floats:
     """Boxes (n, 4) [mm] round what every part sweeps from way-point k0 to k1."""
     out = np.empty((len(poses), 4))
     swept_boxes(poses, k0, k1, parts.first, parts.corner, parts.reach, out)

@@ -14,11 +14,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bench.collide import overlapping
 from wiggleroom.bench.pairs import GAP, PAIR, PAIRS
 from wiggleroom.bench.published import ACCURACY
-from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.compare.monte_carlo import depths, reached
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.free_space import FreeSpace, free_space
@@ -114,8 +114,8 @@ def accuracy(
         if r["method"] in HULLS
     )
     sheets = (
-        Sheet("Over the box of the free space: how much of all motions is lost", COLUMNS, tuple(found)),
-        Sheet(
+        ResultTable("Over the box of the free space: how much of all motions is lost", COLUMNS, tuple(found)),
+        ResultTable(
             "Over the box of the hull itself, as published: what it says where it was made",
             COLUMNS[:-2],
             (*own, *ACCURACY),

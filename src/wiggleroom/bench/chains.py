@@ -7,9 +7,9 @@ from collections.abc import Callable
 from importlib.resources import files
 
 from wiggleroom.assembly import patterns
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bench.physics import pulled_to_rest
-from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.errors import Stop, see_extra
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.maximise import witness
@@ -105,7 +105,7 @@ def chains(*, stop: Stop | None = None, progress: Callable[[int, int], None] | N
     return Bench("chains", title, tuple(found), _sheets(found), notes, "wiggleroom bench chains", cut)
 
 
-def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
+def _sheets(found: list[Record]) -> tuple[ResultTable, ...]:
     """Displacement, and share of the true optimum, with a column for every gap."""
     gaps = sorted({r["gap_mm"] for r in found})
     sheets = []
@@ -125,5 +125,5 @@ def _sheets(found: list[Record]) -> tuple[Sheet, ...]:
             Column("method", "method"),
             *[Column(f"{g:g}", f"{g:g}", right=True) for g in gaps],
         )
-        sheets.append(Sheet(title, columns, tuple(order)))
+        sheets.append(ResultTable(title, columns, tuple(order)))
     return tuple(sheets)

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from wiggleroom.assembly import patterns
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Part, Region
 
 GAP = 0.01

@@ -18,8 +18,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import role_findings
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError, see_extra
 from wiggleroom.geometry.bodies import Bodies

@@ -10,7 +10,7 @@ from wiggleroom.bench.puzzles import APART
 from wiggleroom.bench.result import Bench, Record
 from wiggleroom.report import frame, palette
 from wiggleroom.report.axes import text
-from wiggleroom.report.curves import Curve, Panel, Style, around, legend
+from wiggleroom.report.curve_panels import Curve, Panel, Style, around, legend
 from wiggleroom.report.text import wrap
 
 _TRUTH, _OURS, _HULL, _HULL_2 = "#1f2933", "#1f5f99", "#c96a00", "#e3a008"
@@ -80,7 +80,7 @@ def speed_picture(found: Bench, command: str) -> str:
             if r.get("at_least"):
                 u, v = panel.pixels(np.array([r["total_seconds"]]), np.array([names.index(r["assembly"])]))[0].tolist()
                 arrow = f"M{u + 7:.1f},{v:.1f}h10m-4,-3.5l4,3.5l-4,3.5"  # stopped there, so it takes longer
-                body.append(f'<path d="{arrow}" fill="none" stroke="{palette.QUIET}" stroke-width="1.5"/>')
+                body.append(f'<path d="{arrow}" fill="none" stroke="{palette.SUBDUED}" stroke-width="1.5"/>')
     return _finished(found, command, body, top + HIGH, left + WIDE, [name for name, _ in _by_method(timed)])
 
 
@@ -110,13 +110,13 @@ def interlock_picture(found: Bench, command: str) -> str:
     methods = [name for name, _ in _by_method(found.records)]
     wide, high, left = 130.0, 30.0, palette.MARGIN + 270
     truth = {r["assembly"]: r["truth"] for r in found.records}
-    body.append(text(left - 12, top - 12, palette.TEXT_SIZE, palette.QUIET, "truth", "end"))
+    body.append(text(left - 12, top - 12, palette.TEXT_SIZE, palette.SUBDUED, "truth", "end"))
     for k, name in enumerate(methods):
         body.append(text(left + (k + 0.5) * wide, top - 12, palette.TEXT_SIZE, palette.INK, name, "middle"))
     for i, row in enumerate(rows):
         y = top + i * high
         body.append(text(palette.MARGIN, y + 20, palette.TEXT_SIZE, palette.INK, row))
-        body.append(text(left - 12, y + 20, palette.TEXT_SIZE, palette.QUIET, truth[row], "end"))
+        body.append(text(left - 12, y + 20, palette.TEXT_SIZE, palette.SUBDUED, truth[row], "end"))
         for r in (r for r in found.records if r["assembly"] == row):
             x = left + methods.index(r["method"]) * wide
             fill, stroke = palette.PULLED if r["right"] else palette.FIXED
@@ -176,7 +176,7 @@ def _finished(found: Bench, command: str, body: list[str], bottom: float, right:
     for line in (*theirs, *([command] if command else [])):
         for row in wrap(line.split(" "), " ", palette.SMALL_SIZE, right - palette.MARGIN, 3):
             y += palette.SMALL_SIZE + 5
-            body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
+            body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.SUBDUED, row))
     return frame.document(right + palette.MARGIN, y + palette.MARGIN - 12, found.title, found.notes, command, body)
 
 

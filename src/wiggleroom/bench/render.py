@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING
 
-from wiggleroom.bench.result import Bench, Record, Sheet
+from wiggleroom.bench.result import Bench, Record, ResultTable
 from wiggleroom.errors import InputError
 from wiggleroom.report.table import columns
 
@@ -29,7 +29,7 @@ def bench_table(found: Bench) -> Group:
     return Group(*page, Text(), *[Text(note) for note in (*cut, *found.notes)])
 
 
-def _rich(sheet: Sheet) -> Table:
+def _rich(sheet: ResultTable) -> Table:
     """Table; where lines share their first value, it stands once in a line of its own over them."""
     shown = [c for c in sheet.columns if not c.wide]
     groups = [shown[0].cell(row) for row in sheet.rows]

@@ -58,7 +58,7 @@ class Column:
 
 
 @dataclass(frozen=True)
-class Sheet:
+class ResultTable:
     """Records under columns, with a title where there is more than one sheet; lines with the same first value belong together."""
 
     title: str
@@ -90,7 +90,7 @@ class Bench:
     name: str
     title: str
     records: tuple[Record, ...]
-    sheets: tuple[Sheet, ...]
+    sheets: tuple[ResultTable, ...]
     notes: tuple[str, ...]
     command: str
     cut: bool = False

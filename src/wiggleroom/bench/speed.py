@@ -14,10 +14,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import wiggleroom
-from wiggleroom.bench.large import CASES, GAP, Case
-from wiggleroom.bench.one import METHODS
+from wiggleroom.bench.large_assemblies import CASES, GAP, LargeAssembly
 from wiggleroom.bench.published import speed as published
-from wiggleroom.bench.result import Bench, Column, Record, Sheet
+from wiggleroom.bench.result import Bench, Column, Record, ResultTable
+from wiggleroom.bench.run_one import METHODS
 from wiggleroom.errors import InputError, Stop, see_extra
 from wiggleroom.solve.ipopt import described
 from wiggleroom.solve.linear_programming import linear_solver
@@ -113,14 +113,14 @@ def speed(
         "speed",
         "Large assemblies: time and memory",
         tuple(found),
-        (Sheet("", COLUMNS, tuple(found)),),
+        (ResultTable("", COLUMNS, tuple(found)),),
         notes,
         command,
         cut,
     )
 
 
-def asked(max_parts: int | None, limit: float | None) -> list[Case]:
+def asked(max_parts: int | None, limit: float | None) -> list[LargeAssembly]:
     """Assemblies that are measured, once it is seen that they can be; raises as `speed` does."""
     cases = [case for case in CASES if max_parts is None or case.parts <= max_parts]
     wrong = []
@@ -134,7 +134,7 @@ def asked(max_parts: int | None, limit: float | None) -> list[Case]:
     return cases
 
 
-def measured(case: Case, method: str, limit: float | None, stop: Stop | None = None) -> Record:
+def measured(case: LargeAssembly, method: str, limit: float | None, stop: Stop | None = None) -> Record:
     """Figures of one method on one assembly, from a process of its own that ends a while after `limit` [s] at the latest."""
     record: Record = {
         "assembly": case.name,
@@ -147,7 +147,7 @@ def measured(case: Case, method: str, limit: float | None, stop: Stop | None = N
     source = str(Path(wiggleroom.__file__).parents[1])
     where = os.pathsep.join([source, *filter(None, [os.environ.get("PYTHONPATH")])])
     with subprocess.Popen(
-        [sys.executable, "-m", "wiggleroom.bench.one", json.dumps(job)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+        [sys.executable, "-m", "wiggleroom.bench.run_one", json.dumps(job)], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
         stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": where}, start_new_session=True,
     ) as process:  # fmt: skip
         said, wrong, asked = _heard(process, limit, stop)

@@ -17,11 +17,18 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.bound.linear_relaxation import Linear, Links, NothingLeft, Ranges, narrowed, relaxation
-from wiggleroom.bound.proof_steps import Step
+from wiggleroom.bound.linear_relaxation import (
+    AngleRanges,
+    InfeasibleRelaxation,
+    JointConstraints,
+    LinearRelaxation,
+    narrowed,
+    relaxation,
+)
+from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.outer_facets import holding
-from wiggleroom.freespace.outer.outer_region import Outer, refined
+from wiggleroom.freespace.outer.outer_region import OuterRegion, refined
 from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
@@ -43,7 +50,7 @@ MAX_PROOF_DEPTH = 200
 
 
 @dataclass(eq=False)
-class Clock:
+class Deadline:
     """When to end; itself something that can be asked to stop."""
 
     seconds: float
@@ -63,19 +70,19 @@ class Clock:
 
 
 @dataclass(eq=False)
-class Bounding:
+class BranchAndBound:
     """State of the loop: outer regions, and the ranges of turns that may still hold motions worth more than `cut`."""
 
     ground: Survey
-    links: Links
-    regions: list[Outer | Skin]
+    links: JointConstraints
+    regions: list[OuterRegion | Skin]
     goal: PointMotion
     cut: float
-    clock: Clock
+    clock: Deadline
     tell: Callable[[float], None]
-    proof: Step | None = None
+    proof: ProofNode | None = None
 
-    def run(self, ranges: Ranges, enough: float) -> float:
+    def run(self, ranges: AngleRanges, enough: float) -> float:
         """Value that no motion within `ranges` exceeds; ends where that is at most `enough`."""
         number = itertools.count()
         best = np.inf
@@ -93,12 +100,12 @@ class Bounding:
                 heapq.heappush(todo, (-min(most, value), next(number), part, min(most, value), step and step.follow()))
         return self.cut
 
-    def _worked(self, ranges: Ranges, before: float, step: Step | None) -> list[tuple[Ranges, float]]:
+    def _worked(self, ranges: AngleRanges, before: float, step: ProofNode | None) -> list[tuple[AngleRanges, float]]:
         """What is left of `ranges`, in one or two pieces, and what motions in them are worth at most."""
         ground, unit = self.ground, self.ground.clearance
         try:
             linear = relaxation(ground.bodies, self.links, self.regions, ranges, self.goal, unit, ground.size)
-        except NothingLeft as nothing:
+        except InfeasibleRelaxation as nothing:
             if step is not None:
                 step.empty = nothing.pair
             return []
@@ -125,8 +132,8 @@ class Bounding:
         return [(part, value) for part in halves]
 
     def _tightened(
-        self, linear: Linear, solver: LinearBounds, ranges: Ranges, scale: float, step: Step | None
-    ) -> tuple[Ranges, float]:
+        self, linear: LinearRelaxation, solver: LinearBounds, ranges: AngleRanges, scale: float, step: ProofNode | None
+    ) -> tuple[AngleRanges, float]:
         """Cut every body's turn to what the program leaves it; also the largest share that was cut off."""
         low, high = ranges.low.copy(), ranges.high.copy()
         held = np.flatnonzero(linear.turn >= 0)
@@ -144,7 +151,7 @@ class Bounding:
         share = (cut.high - cut.low)[held] / np.maximum((ranges.high - ranges.low)[held], 1e-300)
         return cut, float((1 - share).max(initial=0.0))
 
-    def _sharpen(self, linear: Linear, y: Floats) -> bool:
+    def _sharpen(self, linear: LinearRelaxation, y: Floats) -> bool:
         """Make the intervals narrower whose facets hold the program up; False where all are narrow enough."""
         rows = y[-len(linear.facet) - 1 : -1]
         active = np.flatnonzero(np.abs(rows) > ACTIVE_MULTIPLIER * np.abs(y).max(initial=0.0))
@@ -161,12 +168,12 @@ class Bounding:
         for kind, found in wanted.items():
             these = np.unique(np.concatenate(found))
             region = self.regions[kind]
-            if len(these) and isinstance(region, Outer) and not self.clock.over():
+            if len(these) and isinstance(region, OuterRegion) and not self.clock.over():
                 self.regions[kind] = refined(region, these)
                 done = True
         return done
 
-    def _halves(self, linear: Linear, x: Floats, ranges: Ranges) -> tuple[int, float, list[Ranges]]:
+    def _halves(self, linear: LinearRelaxation, x: Floats, ranges: AngleRanges) -> tuple[int, float, list[AngleRanges]]:
         """Body, angle, and both halves of the turn that the linear program, at its best point, gets most wrong for its width."""
         held = np.flatnonzero(linear.turn >= 0)
         column = linear.turn[held]
@@ -180,7 +187,7 @@ class Bounding:
         return body, middle, [narrowed(ranges, ranges.low, high), narrowed(ranges, low, ranges.high)]
 
 
-def _asked(linear: Linear, limit: float) -> tuple[LinearBounds, float]:
+def _asked(linear: LinearRelaxation, limit: float) -> tuple[LinearBounds, float]:
     """The linear program with the goal as its last row, and the factor of that row."""
     scale = 1.0 / max(float(np.abs(linear.cost).max()), 1e-300)
     rows = sp.vstack([linear.rows, sp.csr_matrix(linear.cost * scale)]).tocsr()

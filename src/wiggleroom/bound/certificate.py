@@ -11,11 +11,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly, place
-from wiggleroom.bound.linear_relaxation import Links, Ranges
-from wiggleroom.bound.proof_steps import Step
+from wiggleroom.assembly.assembly import Assembly, place
+from wiggleroom.bound.linear_relaxation import AngleRanges, JointConstraints
+from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.drawing.model import Part
-from wiggleroom.freespace.outer.outer_region import Outer
+from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.freespace.outer.skin import Skin, skin
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
@@ -27,12 +27,14 @@ ABOVE = 1e-12
 """A bound is stated larger by this share, so that whoever works it out with other rounding does not come out above it."""
 
 
-def skins(links: Links, regions: list[Outer], over: Callable[[], bool]) -> tuple[Links, list[Skin]]:
+def skins(
+    links: JointConstraints, regions: list[OuterRegion], over: Callable[[], bool]
+) -> tuple[JointConstraints, list[Skin]]:
     """The pairs for whose outer region a skin was found, and these."""
     found = [None if over() else skin(region, over) for region in regions]
     place = np.cumsum([s is not None for s in found]) - 1
     keep = np.array([found[k] is not None for k in links.kind], dtype=bool)
-    kept = Links(
+    kept = JointConstraints(
         links.a[keep],
         links.b[keep],
         place[links.kind[keep]] if len(found) else links.kind,
@@ -46,12 +48,12 @@ def skins(links: Links, regions: list[Outer], over: Callable[[], bool]) -> tuple
 def certificate(
     ground: Survey,
     assembly: Assembly,
-    links: Links,
+    links: JointConstraints,
     regions: list[Skin],
     goal: PointMotion,
-    ranges: Ranges,
+    ranges: AngleRanges,
     cut: float,
-    proof: Step,
+    proof: ProofNode,
 ) -> dict[str, Any]:
     """What `wiggleroom verify` reads; lengths in mm, angles in radians."""
     them = ground.bodies

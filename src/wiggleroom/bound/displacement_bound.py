@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.assembly.model import Assembly
-from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.bound.linear_relaxation import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.errors import Stop
@@ -24,7 +24,7 @@ def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> fl
     >>> 0.03 < furthest(wr.patterns.chain(2, joint="swallowtail", gap=0.02), 60) < 0.2
     True
     """
-    clock = Clock(seconds, stop)
+    clock = Deadline(seconds, stop)
     ground = survey(assembly)
     links, regions = outer_regions(ground, clock.over)
     ranges = first_ranges(ground.bodies, links, regions)

@@ -20,10 +20,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.linear_relaxation import Links, Ranges, first_ranges
+from wiggleroom.bound.linear_relaxation import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.outer_regions import facing_of, links_about
 from wiggleroom.bound.trigonometric_envelopes import support
-from wiggleroom.freespace.outer.local_outer_region import Pocket, pocket
+from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, pocket
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_rest
 from wiggleroom.geometry.relative_pose import turn
@@ -72,7 +72,7 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float |
         iterations, found.program.rows
     ):
         return None
-    pockets: list[Pocket] = []
+    pockets: list[LocalOuterRegion] = []
     kind = np.full(len(first), -1, dtype=np.int64)
     pivots = np.zeros((len(first), 2))
     for c in wanted:
@@ -104,9 +104,9 @@ def _wrenches(found: Incumbent) -> Floats:
 def _value(
     them: Bodies,
     goal: PointMotion,
-    links: Links,
-    pockets: Sequence[Pocket],
-    ranges: Ranges,
+    links: JointConstraints,
+    pockets: Sequence[LocalOuterRegion],
+    ranges: AngleRanges,
     wrench: Floats,
     motion: Floats,
 ) -> float | None:
@@ -162,7 +162,7 @@ class _Parts:
         """Bodies that count at all."""
         return (self.shift != 0).any(1) | (self.weight != 0).any(1)
 
-    def most(self, body: Ints, ranges: Ranges) -> list[Floats]:
+    def most(self, body: Ints, ranges: AngleRanges) -> list[Floats]:
         """Largest values within the ranges: of the turns, and of what is left of the shifts."""
         low, high = ranges.low[body], ranges.high[body]
         middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-15) + 1e-15

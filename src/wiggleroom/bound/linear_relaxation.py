@@ -19,9 +19,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.bound.trigonometric_envelopes import envelope
-from wiggleroom.freespace.outer.local_outer_region import Pocket
+from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
 from wiggleroom.freespace.outer.outer_facets import Facets, facets
-from wiggleroom.freespace.outer.outer_region import Outer
+from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.relative_pose import turn
@@ -37,7 +37,7 @@ ROW_MARGIN = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
-class Links:
+class JointConstraints:
     """Pairs of bodies whose relative motion is bounded.
 
     Parameters
@@ -60,7 +60,7 @@ class Links:
 
 
 @dataclass(frozen=True, eq=False)
-class Ranges:
+class AngleRanges:
     """Where bodies can be; infinite where nothing is known.
 
     Parameters
@@ -76,7 +76,7 @@ class Ranges:
     far: Floats
 
 
-class NothingLeft(Exception):  # noqa: N818
+class InfeasibleRelaxation(Exception):  # noqa: N818
     """No motion lies in the given ranges: they leave this pair no turn."""
 
     def __init__(self, pair: int) -> None:
@@ -85,7 +85,7 @@ class NothingLeft(Exception):  # noqa: N818
 
 
 @dataclass(frozen=True, eq=False)
-class Linear:
+class LinearRelaxation:
     """max cost . x subject to low <= rows x <= high, least <= x <= most, everything scaled to be near one.
 
     Parameters
@@ -120,7 +120,9 @@ class Linear:
     cut: dict[int, Facets]
 
 
-def first_ranges(bodies: Bodies, links: Links, regions: Sequence[Outer | Skin | Pocket]) -> Ranges:
+def first_ranges(
+    bodies: Bodies, links: JointConstraints, regions: Sequence[OuterRegion | Skin | LocalOuterRegion]
+) -> AngleRanges:
     """Turns and shifts add up along ways to fixed bodies; the shortest way counts."""
     root = bodies.fixed
     turns = np.array([regions[k].turns for k in links.kind]).reshape(-1, 2)
@@ -132,10 +134,10 @@ def first_ranges(bodies: Bodies, links: Links, regions: Sequence[Outer | Skin | 
     with np.errstate(invalid="ignore"):
         step = far + np.hypot(*links.arm_a.T) * swing[links.a] + np.hypot(*links.arm_b.T) * swing[links.b]
     shift = _shortest(links, step, step, root)
-    return Ranges(-down * RANGE_FACTOR, up * RANGE_FACTOR, shift * RANGE_FACTOR)
+    return AngleRanges(-down * RANGE_FACTOR, up * RANGE_FACTOR, shift * RANGE_FACTOR)
 
 
-def _shortest(links: Links, forth: Floats, back: Floats, root: NDArray[np.bool_]) -> Floats:
+def _shortest(links: JointConstraints, forth: Floats, back: Floats, root: NDArray[np.bool_]) -> Floats:
     """Shortest ways (n,) from the roots where link k costs forth[k] >= 0 from a to b and back[k] the other way."""
     source, target = np.concatenate([links.a, links.b]), np.concatenate([links.b, links.a])
     length = np.concatenate([forth, back])
@@ -150,13 +152,13 @@ def _shortest(links: Links, forth: Floats, back: Floats, root: NDArray[np.bool_]
 
 def relaxation(
     bodies: Bodies,
-    links: Links,
-    regions: Sequence[Outer | Skin],
-    ranges: Ranges,
+    links: JointConstraints,
+    regions: Sequence[OuterRegion | Skin],
+    ranges: AngleRanges,
     goal: PointMotion,
     unit: float,
     size: float,
-) -> Linear:
+) -> LinearRelaxation:
     """Put regions, envelopes and the goal into one linear program.
 
     Parameters
@@ -171,14 +173,20 @@ def relaxation(
     NothingLeft
         If the ranges leave a pair no turn at all.
     """
-    return _Builder(bodies, links, regions, ranges, unit, size).build(goal)
+    return _RowBuilder(bodies, links, regions, ranges, unit, size).build(goal)
 
 
-class _Builder:
+class _RowBuilder:
     """Rows as they are collected; columns of a body are x, y, t, C, S, those of a pair follow."""
 
     def __init__(
-        self, bodies: Bodies, links: Links, regions: Sequence[Outer | Skin], ranges: Ranges, unit: float, size: float
+        self,
+        bodies: Bodies,
+        links: JointConstraints,
+        regions: Sequence[OuterRegion | Skin],
+        ranges: AngleRanges,
+        unit: float,
+        size: float,
     ) -> None:
         self.links, self.regions, self.ranges = links, regions, ranges
         self.pad = ROW_MARGIN * size
@@ -202,7 +210,7 @@ class _Builder:
         self.high.append(high + self.pad)
         self.count += len(low)
 
-    def build(self, goal: PointMotion) -> Linear:
+    def build(self, goal: PointMotion) -> LinearRelaxation:
         least, most = self._boxes()
         self._envelopes()
         facet = self._pairs(least, most)
@@ -216,7 +224,7 @@ class _Builder:
         rows = (sp.diags(scale) @ rows).tocsr()
         low, high = np.concatenate(self.low) * scale, np.concatenate(self.high) * scale
         turns = np.where(self.column >= 0, self.column + 2, -1)
-        return Linear(
+        return LinearRelaxation(
             rows,
             low,
             high,
@@ -289,7 +297,7 @@ class _Builder:
         """Facets of a pair in the world's axes at rest."""
         found = facets(self.regions[self.links.kind[p]], low, high)
         if found is None:
-            raise NothingLeft(p)
+            raise InfeasibleRelaxation(p)
         self.cut[p] = found
         angle = np.full(1, self.links.axes[p])
         normal = np.column_stack([turn(found.normal[:, :2], angle), found.normal[:, 2]])
@@ -305,6 +313,6 @@ class _Builder:
         return cost
 
 
-def narrowed(ranges: Ranges, low: Floats, high: Floats) -> Ranges:
+def narrowed(ranges: AngleRanges, low: Floats, high: Floats) -> AngleRanges:
     """The same ranges with turns cut to the given ones."""
     return replace(ranges, low=np.maximum(ranges.low, low), high=np.minimum(ranges.high, high))

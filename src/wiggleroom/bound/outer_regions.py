@@ -8,8 +8,8 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.linear_relaxation import Links
-from wiggleroom.freespace.outer.outer_region import Outer, outer_region, pivot_of
+from wiggleroom.bound.linear_relaxation import JointConstraints
+from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of
 from wiggleroom.freespace.outer.outer_slices import Facing
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import classes, relative_rest
@@ -23,11 +23,11 @@ PIVOT_REACH = 3.0
 """The pivot of a pair is found from the edges within so many clearances."""
 
 
-def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[Links, list[Outer]]:
+def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[JointConstraints, list[OuterRegion]]:
     """Outer regions of the pairs whose joint closes, and which pair has which; fewer where it is `over` before all are done."""
     them, a, b = ground.bodies, ground.near.a, ground.near.b
     first, label = classes(them, a, b, relative_rest(them, a, b))
-    regions: list[Outer] = []
+    regions: list[OuterRegion] = []
     kind = np.full(len(first), -1, dtype=np.int64)
     pivots = np.zeros((len(first), 2))
     for c, k in enumerate(first):
@@ -42,11 +42,11 @@ def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[Links, list
     return links_about(them, a[known], b[known], kind[label], pivots[label]), regions
 
 
-def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, pivots: Floats) -> Links:
+def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, pivots: Floats) -> JointConstraints:
     """Links of pairs (P,) that have a region each, about pivots (P, 2) [mm] in the frames of their first bodies."""
     axes = them.rest[a, 2]
     arm = turn(pivots, axes)
-    return Links(a, b, kind, arm, them.rest[a, :2] + arm - them.rest[b, :2], axes)
+    return JointConstraints(a, b, kind, arm, them.rest[a, :2] + arm - them.rest[b, :2], axes)
 
 
 def facing_of(
@@ -63,7 +63,9 @@ def facing_of(
     return facing, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
 
 
-def _region(ground: Survey, a: int, b: int, clearance: float, over: Callable[[], bool]) -> tuple[Outer | None, Floats]:
+def _region(
+    ground: Survey, a: int, b: int, clearance: float, over: Callable[[], bool]
+) -> tuple[OuterRegion | None, Floats]:
     """Outer region of one pair, None where the joint is open or it was `over` first, and its pivot in the frame of body `a`."""
     them = ground.bodies
     facing, pivot, lever = facing_of(them, ground.geometry, a, b, clearance)

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.bound.linear_relaxation import Linear, Ranges
+from wiggleroom.bound.linear_relaxation import AngleRanges, LinearRelaxation
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(eq=False)
-class Step:
+class ProofNode:
     """One linear program: the bound that it gave, the turns it cut, and what came after.
 
     Multipliers are [goal, [[pair, x, y], ..], [[facet, multiplier], ..]]: the weight of "worth at least the cut", the force with which each
@@ -29,19 +29,21 @@ class Step:
     empty: int | None = None
     nothing_left: bool = False
     depth: int = 0
-    then: list[Step] = field(default_factory=list)
+    then: list[ProofNode] = field(default_factory=list)
     place: dict[int, int] = field(default_factory=dict)
 
-    def follow(self) -> Step:
+    def follow(self) -> ProofNode:
         """A next step."""
-        self.then.append(Step(depth=self.depth + 1))
+        self.then.append(ProofNode(depth=self.depth + 1))
         return self.then[-1]
 
-    def ask(self, linear: Linear, y: Floats, value: float) -> None:
+    def ask(self, linear: LinearRelaxation, y: Floats, value: float) -> None:
         """Keep what shows that the goal is at most `value`."""
         self.best, self.value = [0.0, *self._multipliers(linear, y[: len(linear.low)])], value
 
-    def cut(self, linear: Linear, y: Floats, scale: float, body: int, sign: float, end: float, ranges: Ranges) -> None:
+    def cut(
+        self, linear: LinearRelaxation, y: Floats, scale: float, body: int, sign: float, end: float, ranges: AngleRanges
+    ) -> None:
         """Keep what shows that a body turns no further than `end`, where that is news."""
         before = ranges.high[body] if sign > 0 else ranges.low[body]
         if sign * (before - end) > 0:
@@ -49,7 +51,7 @@ class Step:
             goal = max(-float(y[-1]), 0.0) * scale * unit
             self.cuts.append([body, int(sign), end, [goal, *self._multipliers(linear, y[:-1] * unit)]])
 
-    def _multipliers(self, linear: Linear, y: Floats) -> list[list[Any]]:
+    def _multipliers(self, linear: LinearRelaxation, y: Floats) -> list[list[Any]]:
         raw = y * linear.scale
         pairs = np.unique(linear.facet[:, 0])
         k, r = len(pairs), len(linear.facet)

@@ -8,13 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from wiggleroom.bound.branch_and_bound import Bounding, Clock
+from wiggleroom.bound.branch_and_bound import BranchAndBound, Deadline
 from wiggleroom.bound.certificate import certificate, skins
 from wiggleroom.bound.linear_relaxation import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
-from wiggleroom.bound.proof_steps import Step
+from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.errors import InputError, Stop, WiggleroomError
-from wiggleroom.freespace.outer.outer_region import Outer
+from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
@@ -77,7 +77,7 @@ def prove(
     if answer.model != "walls":
         finding = f"a bound is proven for the model walls only; this answer is of {answer.model}"
         raise InputError(finding)
-    clock = Clock(seconds, stop)
+    clock = Deadline(seconds, stop)
     ground = survey(answer.assembly)
     goal = objective(answer.assembly, ground.bodies, answer.goals)
     if not isinstance(goal, PointMotion):
@@ -93,7 +93,7 @@ def prove(
 
     tell("outer regions", math.nan)
     links, outer = outer_regions(ground, clock.over)
-    regions: list[Outer | Skin] = [*outer]
+    regions: list[OuterRegion | Skin] = [*outer]
     found: list[Skin] = []
     if certify:
         tell("skins", math.nan)
@@ -106,8 +106,8 @@ def prove(
         loose = "no chain of joints that close round each other holds what is pulled"
         why = late if clock.over() else loose + (", or no skin was found round one of them" if certify else "")
         return _not_proven(answer, clock, why)
-    proof = Step() if certify else None
-    bounding = Bounding(
+    proof = ProofNode() if certify else None
+    bounding = BranchAndBound(
         ground, links, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most: tell("prove", most), proof
     )
     most = bounding.run(ranges, witness + aim)
@@ -125,7 +125,7 @@ def prove(
     return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
 
 
-def _not_proven(answer: Answer, clock: Clock, why: str) -> Answer:
+def _not_proven(answer: Answer, clock: Deadline, why: str) -> Answer:
     """The answer and why nothing is proven, or nothing nearer than what it had."""
     had = answer.bound or Bound(None, None, 0.0)
     return replace(answer, bound=replace(had, seconds=clock.spent, why=why, certificate=None))

@@ -6,25 +6,25 @@ from collections.abc import Callable
 
 from cyclopts import App
 
-from wiggleroom.cli.assemble import assemble
-from wiggleroom.cli.bench import bench
-from wiggleroom.cli.check import check
+from wiggleroom.cli.assemble_command import assemble
+from wiggleroom.cli.bench_command import bench
+from wiggleroom.cli.check_command import check
 from wiggleroom.cli.completion import completion_of
-from wiggleroom.cli.convert import convert
-from wiggleroom.cli.coupon import coupon
-from wiggleroom.cli.draw import draw, parts
-from wiggleroom.cli.flex import flex
-from wiggleroom.cli.gap import gap
-from wiggleroom.cli.make import make
-from wiggleroom.cli.make_image import image
-from wiggleroom.cli.rank import rank
-from wiggleroom.cli.sample import sample
-from wiggleroom.cli.serve import serve
-from wiggleroom.cli.space import space
-from wiggleroom.cli.sweep import sweep
-from wiggleroom.cli.tighten import tighten
-from wiggleroom.cli.tolerances import tolerances
-from wiggleroom.cli.verify import verify
+from wiggleroom.cli.convert_command import convert
+from wiggleroom.cli.coupon_command import coupon
+from wiggleroom.cli.draw_command import draw, parts
+from wiggleroom.cli.flex_command import flex
+from wiggleroom.cli.gap_command import gap
+from wiggleroom.cli.make_command import make
+from wiggleroom.cli.make_image_command import image
+from wiggleroom.cli.rank_command import rank
+from wiggleroom.cli.sample_command import sample
+from wiggleroom.cli.serve_command import serve
+from wiggleroom.cli.space_command import space
+from wiggleroom.cli.sweep_command import sweep
+from wiggleroom.cli.tighten_command import tighten
+from wiggleroom.cli.tolerances_command import tolerances
+from wiggleroom.cli.verify_command import verify
 
 _HELP = """How far loose interlocking flat parts can move.
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Group, Parameter
 
 if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.assembly.inventory import InventoryRow
-    from wiggleroom.assembly.model import Assembly
     from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.drawing.model import Drawing, Goal
     from wiggleroom.drawing.outlines import Remark
@@ -149,10 +149,10 @@ def look(file: str, asked: Asked) -> Look:
     """
     from dataclasses import replace
 
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.assembly.build import with_notes
     from wiggleroom.assembly.findings import examine
     from wiggleroom.assembly.inventory import inventory
-    from wiggleroom.assembly.model import Assembly
     from wiggleroom.assembly.statements import unknown
     from wiggleroom.drawing.read import reading
     from wiggleroom.errors import InputError

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import RESULTS
 from wiggleroom.provenance import is_own
-from wiggleroom.report.endings import ANSWERS, PAGE, STUDIES, ending, unlike
+from wiggleroom.report.file_endings import ANSWERS, PAGE, STUDIES, ending, unlike
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from rich.console import RenderableType
 
-    from wiggleroom.assembly.model import Assembly
-    from wiggleroom.report.draw_study import Study
+    from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.report.write_study import Study
     from wiggleroom.search.answer import Answer
 
 Places = dict[str, tuple[str | Path | None, tuple[str, ...]]]
@@ -178,13 +178,13 @@ def tell(
     if outputs.picture is not None:
         from wiggleroom.cli.say import note
         from wiggleroom.cli.watch import bar
-        from wiggleroom.report.draw import draw
+        from wiggleroom.report.write_picture import draw
 
         with bar("frames", "drawing") as count:
             draw(found, outputs.picture, command=command, progress=count)
         note(f"picture: {outputs.picture}")
         if ending(outputs.picture) in PIXELS:
-            from wiggleroom.report.draw_study import assembly_of
+            from wiggleroom.report.write_study import assembly_of
 
             _note_missing_letters(outputs.picture, assembly_of(found).names)
 
@@ -193,7 +193,7 @@ def write_moved(assembly: Assembly, motion: NDArray[np.float64], path: Path | No
     """Outlines of the parts as made, moved by (n, 3) [mm, mm, rad], as a drawing or an assembly file."""
     if path is None:
         return
-    from wiggleroom.assembly.model import moved_drawing
+    from wiggleroom.assembly.assembly import moved_drawing
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import write_drawing
 
@@ -214,7 +214,7 @@ def write_result(result: Struct | dict[str, Any], place: str) -> None:
     """Result as JSON to a file, or to stdout where the place is "-"."""
     from wiggleroom.cli.say import note
     from wiggleroom.files import write_whole
-    from wiggleroom.report.records import to_json
+    from wiggleroom.report.json_results import to_json
 
     text = to_json(result)
     if place == "-":

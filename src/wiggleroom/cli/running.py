@@ -12,7 +12,7 @@ from cyclopts import Parameter
 from wiggleroom.cli.options import WORK
 
 if TYPE_CHECKING:
-    from wiggleroom.assembly.model import Assembly
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.deadline import Deadline
 
 

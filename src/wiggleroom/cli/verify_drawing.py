@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from wiggleroom.assembly.model import Assembly
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.options import Asked
     from wiggleroom.drawing.model import Goal, Part
     from wiggleroom.verify.claim import Claim, Term
@@ -105,7 +105,7 @@ def _covered(parts: list[Part]) -> list[Rings]:
     """Outer ring and holes of every polygon that parts make up together, material left of every edge."""
     import shapely
 
-    from wiggleroom.assembly.model import place
+    from wiggleroom.assembly.assembly import place
 
     regions = [
         [place(ring, part.at) for ring in (region.outer, *region.holes)] for part in parts for region in part.regions

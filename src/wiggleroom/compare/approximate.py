@@ -13,12 +13,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.models.halfplane import half_planes
-from wiggleroom.freespace.models.halfspaces import Faces
+from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.freespace.models.pair_hulls import Hulls, hulls
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
 from wiggleroom.geometry.bodies import Bodies
@@ -29,7 +29,7 @@ from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import unlimited
-from wiggleroom.search.prepare import REACH, survey
+from wiggleroom.search.prepare import NEIGHBOUR_REACH, survey
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
@@ -78,11 +78,11 @@ class Approximation:
         return reference_points(self.assembly, self.bodies)
 
     @property
-    def faces(self) -> Faces:
+    def faces(self) -> Halfspaces:
         """Rows N g + D <= 0 of every pair at rest."""
         if self.hulls is not None:
             return self.hulls.faces
-        return half_planes(self.bodies, *self.near, np.zeros_like(self.bodies.rest), REACH * self.clearance)
+        return half_planes(self.bodies, *self.near, np.zeros_like(self.bodies.rest), NEIGHBOUR_REACH * self.clearance)
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from wiggleroom.compare.approximate import Approximation, End, thinned
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.models.halfplane import half_planes
-from wiggleroom.freespace.models.halfspaces import Faces
+from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.neighbours import neighbours, placed
 from wiggleroom.program.nonlinear_program import Linearised, build
 from wiggleroom.program.objectives import Objective
-from wiggleroom.search.loop import FAR, Progress
+from wiggleroom.search.loop import ESCAPE_DISTANCE, Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.solve.linear_programming import maximise
 from wiggleroom.verdict import Verdict
@@ -88,7 +88,7 @@ class _Steps:
     def at_once(self, way: list[Floats]) -> End:
         """One linear program without trust region, bounded only where a body would leave."""
         at, _ = self._linearised(way[0], self.objective, way[-1])
-        bound = FAR * self.ready.size / at.program.scale
+        bound = ESCAPE_DISTANCE * self.ready.size / at.program.scale
         bound[2::3] = np.pi / at.program.scale[2::3]
         found = maximise(at.gradient, at.jacobian(), -at.h, bound)
         self.iterations += found.iterations
@@ -125,7 +125,7 @@ class _Steps:
             promised = float(at.gradient @ du)
             way.append(moved)
             at, faces = after, faces_there
-            if np.abs(moved[:, :2]).max() > FAR * ready.size:
+            if np.abs(moved[:, :2]).max() > ESCAPE_DISTANCE * ready.size:
                 verdict = Verdict.UNBOUNDED
                 break
             idle = idle + 1 if gain < max(unit, GAIN_TOLERANCE * abs(at.value)) else 0
@@ -141,7 +141,7 @@ class _Steps:
 
     def _linearised(
         self, motion: Floats, objective: Objective, slope_at: Floats | None = None
-    ) -> tuple[Linearised, Faces]:
+    ) -> tuple[Linearised, Halfspaces]:
         """Rows at a motion, and the derivatives of the objective there or at another motion."""
         ready = self.ready
         reach = EDGE_REACH * FIRST_TRUST_RADIUS * ready.clearance
@@ -154,14 +154,14 @@ class _Steps:
             at = Linearised(program, at.motion, at.g, at.turn, at.h, at.d, at.value, slope)
         return at, faces
 
-    def _solve(self, at: Linearised, faces: Faces, size: float) -> Floats | None:
+    def _solve(self, at: Linearised, faces: Halfspaces, size: float) -> Floats | None:
         """Best step in the trust region; where the violated rows cannot be put right, one that makes them no worse."""
         ready, program = self.ready, at.program
         box = _box(ready, faces, size)
         limits = build(ready.bodies, box, self.objective, length=ready.clearance)
         there = limits.linearise(program.variables(at.motion))
         rows = sp.vstack([at.jacobian(), there.jacobian()]).tocsr()
-        bound = FAR * ready.size / 10 / program.scale
+        bound = ESCAPE_DISTANCE * ready.size / 10 / program.scale
         turn = size * np.sqrt(ready.clearance / (2 * ready.bodies.radius[program.free]))
         bound[2::3] = turn / program.scale[2::3]
         for h in (at.h, np.maximum(at.h, 0.0)):
@@ -177,14 +177,14 @@ class _Steps:
         return End(motions, verdict, at.program, value, self.rounds, self.iterations)
 
 
-def _box(ready: Approximation, faces: Faces, size: float) -> Faces:
+def _box(ready: Approximation, faces: Halfspaces, size: float) -> Halfspaces:
     """Bounds of the motion of every pair against each other, as faces."""
     count, far = len(faces.a), size * FIRST_TRUST_RADIUS * ready.clearance
     lever = np.minimum(ready.bodies.radius[faces.a], ready.bodies.radius[faces.b])
     normal = np.tile(np.vstack([np.eye(3), -np.eye(3)]), (count, 1, 1))
     normal[:, :, 2] *= lever[:, None]
     row = np.arange(count + 1) * 6
-    return Faces(faces.a, faces.b, row, normal.reshape(-1, 3), np.full(6 * count, -far), faces.point, faces.rest)
+    return Halfspaces(faces.a, faces.b, row, normal.reshape(-1, 3), np.full(6 * count, -far), faces.point, faces.rest)
 
 
 def _violation(at: Linearised) -> float:

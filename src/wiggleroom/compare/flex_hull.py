@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.compare.approximate import Approximation, End, thinned
 from wiggleroom.errors import Stop, StoppedError
-from wiggleroom.freespace.models.halfspaces import Faces
+from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.freespace.models.pair_hulls import hulls
 from wiggleroom.freespace.models.pair_models import Hull
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction
-from wiggleroom.search.loop import EACH, FAR, FINE, GAIN, Progress, nudged
+from wiggleroom.search.loop import ESCAPE_DISTANCE, FINE_TOLERANCE, MIN_GAIN, TOLERANCE_PER_BODY, Progress, nudged
 from wiggleroom.search.multistart import pulls
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.kkt_conditions import conditions
@@ -49,7 +49,7 @@ def flex_hull(
         program, solution = run.round(faces, begin)
         points = [program.motion(u) for u in (*solution.way, solution.u)]
         value = objective.value(points[-1])
-        least = GAIN * len(begin) * max(abs(value), ready.clearance)
+        least = MIN_GAIN * len(begin) * max(abs(value), ready.clearance)
         gained = best is None or value > best.value + least
         if best is None or gained:
             motions = thinned(ready.bodies, [*way, *points], ready.clearance)
@@ -84,7 +84,7 @@ class _Run:
     rounds: int = 0
     iterations: int = 0
 
-    def round(self, faces: Faces, begin: Floats) -> tuple[Program, Solution]:
+    def round(self, faces: Halfspaces, begin: Floats) -> tuple[Program, Solution]:
         """Best solution over all starts, from the motion `begin` (n, 3) strictly inside all faces."""
         ready = self.ready
         self.rounds += 1
@@ -99,13 +99,14 @@ class _Run:
         found = found or [self._solved(program, aside)]
         return program, max(found, key=lambda s: self.objective.value(program.motion(s.u)))
 
-    def _build(self, faces: Faces, objective: Objective) -> Program:
+    def _build(self, faces: Halfspaces, objective: Objective) -> Program:
         return build(self.ready.bodies, faces, objective, length=self.ready.clearance)
 
     def _solved(self, program: Program, start: Floats) -> Solution:
         number = self.rounds
         found = self.solve(
-            program, start, tolerance=max(FINE, EACH * len(self.ready.bodies.fixed)), horizon=FAR * self.ready.size, stop=self.stop,
+            program, start, tolerance=max(FINE_TOLERANCE, TOLERANCE_PER_BODY * len(self.ready.bodies.fixed)),
+            horizon=ESCAPE_DISTANCE * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
         self.iterations += found.iterations

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.errors import InputError, Stop, TouchingError
 from wiggleroom.freespace.cells.cells import Cells

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.assembly.assembly import Assembly, place
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -17,7 +17,7 @@ CONGRUENCE_TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Shapes:
+class BodyShapes:
     """Distinct outlines, concatenated: corner k of shape s is row `first[s] + k`.
 
     Edge k runs from corner k to corner `after[k]`; material lies left of it.
@@ -75,7 +75,7 @@ class Bodies:
         Parts of each body, in order.
     """
 
-    shapes: Shapes
+    shapes: BodyShapes
     shape: Ints
     rest: Floats
     fixed: NDArray[np.bool_]
@@ -214,7 +214,7 @@ def _same(rings: list[Floats], member: list[int], table: dict, known: list) -> i
     return len(known) - 1
 
 
-def _stack(known: list[tuple[list[Floats], list[int]]]) -> Shapes:
+def _stack(known: list[tuple[list[Floats], list[int]]]) -> BodyShapes:
     corner, after, member, first, radius = [], [], [], [0], []
     run, run_first, disc = [], [0], []
     at = 0
@@ -241,7 +241,7 @@ def _stack(known: list[tuple[list[Floats], list[int]]]) -> Shapes:
     along = corners[nexts] - corners
     length = np.hypot(*along.T)
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
-    return Shapes(
+    return BodyShapes(
         corners, nexts, normal, length, np.concatenate(member), np.array(first), np.array(radius),
         np.array([*run, at]), np.array(run_first), np.array(disc),
     )  # fmt: skip

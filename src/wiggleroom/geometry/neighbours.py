@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.bodies import Bodies, Shapes
+from wiggleroom.geometry.bodies import Bodies, BodyShapes
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -64,7 +64,7 @@ def placed(bodies: Bodies, motion: Floats | None = None, only: Ints | None = Non
     return out
 
 
-def _rings(shapes: Shapes) -> tuple[Ints, NDArray[np.bool_]]:
+def _rings(shapes: BodyShapes) -> tuple[Ints, NDArray[np.bool_]]:
     """Ring (N,) of every corner, counted through all shapes, and which rings are outer ones."""
     ends = shapes.after != np.arange(1, len(shapes.after) + 1)
     ring = np.cumsum(ends) - ends

@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
-from wiggleroom.geometry.bodies import Bodies, Shapes
+from wiggleroom.geometry.bodies import Bodies, BodyShapes
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-def mitres(shapes: Shapes) -> Floats:
+def mitres(shapes: BodyShapes) -> Floats:
     """How far each corner moves (N, 2) when both its edges move inward by 1: the walls are linear in this.
 
     With outward normals n1 and n2 it is the shift m with n1 . m = n2 . m = -1, so m = -2 (n1 + n2) / |n1 + n2|^2.
@@ -76,7 +76,7 @@ def _changed(bodies: Bodies, inward: Floats) -> NDArray[np.bool_]:
     return changed
 
 
-def _with(shapes: Shapes, rows: list[Ints], corners: list[Floats], radius: list[float]) -> Shapes:
+def _with(shapes: BodyShapes, rows: list[Ints], corners: list[Floats], radius: list[float]) -> BodyShapes:
     """Shapes and, behind them, copies of some whose corners lie elsewhere."""
     counts = np.array([len(r) for r in rows])
     start = shapes.first[-1] + np.concatenate([[0], np.cumsum(counts)])
@@ -97,7 +97,7 @@ def _with(shapes: Shapes, rows: list[Ints], corners: list[Floats], radius: list[
         disc.append(grown)
     run.append(np.array([len(corner)]))
     cat = np.concatenate
-    return Shapes(
+    return BodyShapes(
         corner, after, cat([shapes.normal, shapes.normal[old]]), length, cat([shapes.member, shapes.member[old]]),
         cat([shapes.first, start[1:]]), cat([shapes.radius, radius]), cat(run), cat(run_first), np.vstack(disc),
     )  # fmt: skip

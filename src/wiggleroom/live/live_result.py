@@ -11,7 +11,7 @@ from wiggleroom.search.answer import Contact
 
 
 @dataclass(frozen=True, eq=False)
-class Shot:
+class LiveResult:
     """A motion found in the time that there was.
 
     Parameters

@@ -10,15 +10,15 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import relative_rest
 from wiggleroom.geometry.rigid_motions import of_parts
-from wiggleroom.live.live_result import Mode, Shot
+from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
-from wiggleroom.live.prepared_designs import Design, Designs
+from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns
 from wiggleroom.live.warm_start import State, Until, WarmSearch, at_rest, pushed
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
@@ -52,7 +52,7 @@ class _End:
     """Where a largest motion ended, in which design."""
 
     goals: tuple[Goal, ...]
-    design: Design
+    design: GapDesign
     state: State
 
 
@@ -78,8 +78,8 @@ class Live:
     """
 
     def __init__(self, drawing: Drawing | Assembly) -> None:
-        self._designs = Designs(drawing.drawing if isinstance(drawing, Assembly) else drawing)
-        self._now: Design | None = None
+        self._designs = PreparedDesigns(drawing.drawing if isinstance(drawing, Assembly) else drawing)
+        self._now: GapDesign | None = None
         self._state: State | None = None
         self._ends: list[_End] = []
 
@@ -142,7 +142,7 @@ class Live:
         start: str = "here",
         seconds: float = 0.1,
         stop: Stop | None = None,
-    ) -> Shot:
+    ) -> LiveResult:
         """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
 
         Parameters
@@ -185,11 +185,11 @@ class Live:
         held = _held(ready, search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
         blocking = dict.fromkeys(n for c in held if part in c.parts for n in c.parts if n != part)
         seconds = time.perf_counter() - began
-        return Shot(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
+        return LiveResult(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
 
     def flex(
         self, goals: Goal | Sequence[Goal] | None = None, *, seconds: float = 0.1, stop: Stop | None = None
-    ) -> Shot:
+    ) -> LiveResult:
         """Largest motion as far as it can be found quickly: from the end at a gap nearby where there is one, else from rest.
 
         Parameters
@@ -219,9 +219,9 @@ class Live:
         motion = of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
         if search.search.unlimited:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
-            return Shot(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
+            return LiveResult(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
         held = _held(ready, search, 1.0)
-        return Shot(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
+        return LiveResult(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
 
     def settle(
         self,
@@ -278,7 +278,7 @@ class Live:
         return modes(self.ready, body, count, Until(seconds, stop))
 
     @property
-    def _design(self) -> Design:
+    def _design(self) -> GapDesign:
         if self._now is None:
             self.design()
         assert self._now is not None
@@ -312,14 +312,14 @@ class Live:
         return None
 
 
-def _kept(state: State | None, old: Design | None, new: Design) -> State | None:
+def _kept(state: State | None, old: GapDesign | None, new: GapDesign) -> State | None:
     """The state in another design, where all parts are as small or smaller; else None."""
     if state is None or old is None or old.roles != new.roles or not (old.inward <= new.inward + 1e-12).all():
         return None
     return _in_design(state, old, new)
 
 
-def _followed(end: State, old: Design, new: Design) -> State | None:
+def _followed(end: State, old: GapDesign, new: GapDesign) -> State | None:
     """The state in a design where some parts are a little larger; None where they do not fit there."""
     there = _in_design(end, old, new)
     if there is None:
@@ -332,7 +332,7 @@ def _followed(end: State, old: Design, new: Design) -> State | None:
     return None
 
 
-def _in_design(state: State, old: Design, new: Design) -> State | None:
+def _in_design(state: State, old: GapDesign, new: GapDesign) -> State | None:
     """The state with its cells carried to the outlines of another design; None where these have other corners."""
     one, other = old.ready.bodies, new.ready.bodies
     if one is other:

@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly, rings_at
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError, Stop
@@ -36,7 +36,7 @@ MIN_CARRIED_CLEARANCE = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Design:
+class GapDesign:
     """One design, made ready for questions.
 
     Parameters
@@ -78,12 +78,12 @@ class Design:
         )
 
 
-class Designs:
+class PreparedDesigns:
     """Designs of one drawing, the last ones kept."""
 
     def __init__(self, drawing: Drawing) -> None:
         self.drawing = drawing
-        self._kept: OrderedDict[tuple[object, ...], Design] = OrderedDict()
+        self._kept: OrderedDict[tuple[object, ...], GapDesign] = OrderedDict()
 
     def design(
         self,
@@ -91,7 +91,7 @@ class Designs:
         extra: Mapping[str, float],
         fixed: Collection[str] | None,
         glue: Sequence[Sequence[str]] | None,
-    ) -> Design:
+    ) -> GapDesign:
         """Return one design; arguments and errors as for `wiggleroom.Live.design`."""
         drawing = self._with_roles(fixed, glue)
         gap = drawing.gap if gap is None else float(gap)
@@ -101,11 +101,11 @@ class Designs:
             made = assemble(drawing, gap=gap, offset={name: -x / 2 for name, x in extra.items() if x})
             inward = np.array([gap / 2 - part.offset for part in made.drawing.parts])
             ready = self._carried(roles, inward, made)
-            self._keep(key, Design(roles, inward, made, ready or prepare(made), ready is None))
+            self._keep(key, GapDesign(roles, inward, made, ready or prepare(made), ready is None))
         self._kept.move_to_end(key)
         return self._kept[key]
 
-    def prove(self, design: Design, stop: Stop | None = None) -> Design:
+    def prove(self, design: GapDesign, stop: Stop | None = None) -> GapDesign:
         """Return the same design with cells grown for its very outlines; raises StoppedError where it is asked to stop."""
         if design.proven:
             return design
@@ -115,7 +115,7 @@ class Designs:
                 self._kept[key] = proven
         return proven
 
-    def _keep(self, key: tuple[object, ...], design: Design) -> None:
+    def _keep(self, key: tuple[object, ...], design: GapDesign) -> None:
         """Keep a design; the oldest goes, but one that others can be carried from stays."""
         self._kept[key] = design
         if len(self._kept) > MAX_CACHED:

@@ -17,11 +17,11 @@ from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import ZERO_MOTION, Objective
-from wiggleroom.search.incumbent import AGAIN, Incumbent, Start
-from wiggleroom.search.loop import FINE, LocalSearch, Policy
+from wiggleroom.search.incumbent import BARRIER_GROWTH, Incumbent, Start
+from wiggleroom.search.loop import FINE_TOLERANCE, LocalSearch, Policy
 from wiggleroom.search.moves import regrow_stale, stale, tighten
 from wiggleroom.search.path_check import missed
-from wiggleroom.search.prepare import REACH, Prepared
+from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.interior_point import INITIAL_BARRIER, solve
 from wiggleroom.verdict import SolverStatus
@@ -29,24 +29,24 @@ from wiggleroom.verdict import SolverStatus
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NEAR, NEARER = 1e-3, 2e-4
+LIVE_TOLERANCE, DRAG_TOLERANCE = 1e-3, 2e-4
 """Share of the objective that a live answer may leave on the table, and a drag, where motion sideways to the target gains little."""
-SKETCH = 0.03
+SKETCH_TOLERANCE = 0.03
 """Tolerance of the first rounds: they only show which cells are left."""
-SEEN = 5e-3
+VISIBLE_DISTANCE = 5e-3
 """A drag ends within this share of the clearance of where it could."""
-LEFT = 0.5
+TOLERATED_LOSS = 0.5
 """Share of that which virtual walls may hold back, were they all to give way by a clearance."""
-FIRST = 3e-3
-MOST_ROUNDS = 30
-SOME = 8
+FIRST_BARRIER = 3e-3
+MAX_LIVE_ROUNDS = 30
+PATH_SAMPLES = 8
 """So many of a way's points show where it leads: the solver's steps wander."""
-ROOM, LEAST_ROOM, SOFTER, MOST_PUSHES = 2e-3, 1e-6, 1e-6, 8
+WANTED_ROOM, MIN_ROOM, SLACK_ROW_WEIGHT, MAX_PUSHES = 2e-3, 1e-6, 1e-6, 8
 """Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
-SHARP = 1e-6
+PICTURE_TOLERANCE = 1e-6
 """Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
-ENDED = (SolverStatus.CONVERGED, SolverStatus.ENOUGH)
-LEAST_ASKED = 8
+FINISHED = (SolverStatus.CONVERGED, SolverStatus.ENOUGH)
+MIN_LIVE_ITERATIONS = 8
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
 
 
@@ -102,7 +102,7 @@ class Until:
         """True to stop."""
         self._asked += 1
         told = self.stop is not None and self.stop.is_set()
-        return told or (self._asked > LEAST_ASKED and time.perf_counter() > self._end)
+        return told or (self._asked > MIN_LIVE_ITERATIONS and time.perf_counter() > self._end)
 
 
 @dataclass(eq=False)
@@ -131,9 +131,9 @@ class WarmSearch:
         """Choose moves and tolerances."""
         policy = Policy(
             moves=(regrow_stale, tighten), stale=self._stale, fine=self._tolerance, unchecked=self._unchecked,
-            rough=SKETCH, mu_may_grow=False, most_rounds=MOST_ROUNDS,
+            rough=SKETCH_TOLERANCE, mu_may_grow=False, most_rounds=MAX_LIVE_ROUNDS,
         )  # fmt: skip
-        solver = partial(solve, enough=np.inf if self.enough is None else self.enough, exact=SHARP)
+        solver = partial(solve, enough=np.inf if self.enough is None else self.enough, exact=PICTURE_TOLERANCE)
         self.search = LocalSearch(self.ready, self.objective, solver, policy, self.stop)
 
     @property
@@ -160,11 +160,13 @@ class WarmSearch:
     def _tolerance(self, search: LocalSearch) -> float:
         """Of the last rounds: a drag that gained much may still have little left to gain, which should be seen."""
         if self.enough is None:
-            return NEAR
+            return LIVE_TOLERANCE
         if search.best is None or search.best.value <= 0:
-            return NEARER
+            return DRAG_TOLERANCE
         pull = float(np.abs(self.objective.gradient(search.best.motion)[:, :2]).max())
-        return float(np.clip(SEEN * self.ready.clearance * pull / search.best.value, FINE, NEARER))
+        return float(
+            np.clip(VISIBLE_DISTANCE * self.ready.clearance * pull / search.best.value, FINE_TOLERANCE, DRAG_TOLERANCE)
+        )
 
     def _stale(self, search: LocalSearch, found: Incumbent) -> Ints:
         """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
@@ -173,7 +175,9 @@ class WarmSearch:
             return pairs
         held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs] * self._room(found)[pairs]
         order = np.argsort(held)
-        least = LEFT * found.tolerance * max(abs(found.value), self.ready.clearance * float(touch.force.max()))
+        least = (
+            TOLERATED_LOSS * found.tolerance * max(abs(found.value), self.ready.clearance * float(touch.force.max()))
+        )
         return pairs[np.sort(order[np.cumsum(held[order]) > least])]
 
     def _room(self, found: Incumbent) -> Floats:
@@ -190,7 +194,7 @@ class WarmSearch:
     def _safe_end(self, found: Incumbent) -> Floats | None:
         """The motion of an incumbent; None where something overlaps there or may have met on the path."""
         motion = found.motion
-        if found.solution.status not in ENDED:  # the last iterate may be on its way through a wall; these are not
+        if found.solution.status not in FINISHED:  # the last iterate may be on its way through a wall; these are not
             motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
         if overlaps(self.ready.bodies, motion, self.ready.barred).deepest > OVERLAP_TOLERANCE * self.ready.size:
             return None
@@ -202,7 +206,7 @@ class WarmSearch:
             return self._seen[1]
         ready = self.ready
         points = [(leg.program, u) for leg in found.path for u in leg.points]
-        some = np.unique(np.linspace(0, len(points) - 1, SOME).round().astype(int))
+        some = np.unique(np.linspace(0, len(points) - 1, PATH_SAMPLES).round().astype(int))
         motions = np.array([points[k][0].motion(points[k][1]) for k in some])
         audit = audit_path(ready.assembly, of_parts(ready.assembly, ready.bodies, motions))
         pairs = missed(ready.bodies, audit, found.program)
@@ -217,7 +221,9 @@ class WarmSearch:
             cells, inner, mu = coming.cells, coming.inner, coming.mu
         if last is not None and last.program.cells is cells:
             inner = last.program.motion(last.solution.inner)
-            mu = min(mu, last.solution.inner_mu * (1.0 if last.solution.status is SolverStatus.STOPPED else AGAIN))
+            mu = min(
+                mu, last.solution.inner_mu * (1.0 if last.solution.status is SolverStatus.STOPPED else BARRIER_GROWTH)
+            )
         first, rounds = len(self.ready.cells.a), self.search.rounds
         ended = relative_rest(self.ready.bodies, cells.a, cells.b, motion) if settled else None
         if before.ended is not None and rounds == 1:  # nothing was grown: how far it has come adds up
@@ -225,25 +231,25 @@ class WarmSearch:
         late = np.arange(len(cells.a)) >= first
         place, radius = (self.ready.bodies.rest + motion)[:, :2], self.ready.bodies.radius
         apart = np.hypot(*(place[cells.b] - place[cells.a]).T) - radius[cells.a] - radius[cells.b]
-        far = late & (apart > REACH * self.ready.clearance)
+        far = late & (apart > NEIGHBOUR_REACH * self.ready.clearance)
         if far.any():
             cells, ended = select(cells, np.flatnonzero(~far)), ended if ended is None else ended[~far[: len(ended)]]
-        fine = coming is not None and coming.tolerance is not None and coming.tolerance < SKETCH
+        fine = coming is not None and coming.tolerance is not None and coming.tolerance < SKETCH_TOLERANCE
         near = not settled and (before.near or fine)
-        return State(cells, inner, motion, max(mu, FIRST) if settled else mu, near, before.linked, ended)
+        return State(cells, inner, motion, max(mu, FIRST_BARRIER) if settled else mu, near, before.linked, ended)
 
 
 def pushed(ready: Prepared, state: State) -> State | None:
     """Return the state with its inner point moved a little, until it is strictly inside all cells; None where that does not help."""
     program = build(ready.bodies, state.cells, ZERO_MOTION, length=ready.clearance)
     u, matrix = program.variables(state.inner), factor(program.pattern)
-    for _ in range(MOST_PUSHES):
+    for _ in range(MAX_PUSHES):
         at = program.linearise(u)
-        short = np.maximum(ROOM - at.h, 0.0)
-        if at.h.min(initial=np.inf) > LEAST_ROOM:
+        short = np.maximum(WANTED_ROOM - at.h, 0.0)
+        if at.h.min(initial=np.inf) > MIN_ROOM:
             return replace(state, inner=program.motion(u))
-        weight = np.where(at.h < 2 * ROOM, 1.0, SOFTER)
-        shift = SOFTER
+        weight = np.where(at.h < 2 * WANTED_ROOM, 1.0, SLACK_ROW_WEIGHT)
+        shift = SLACK_ROW_WEIGHT
         while not matrix.update(at.condensed(weight, np.zeros_like(weight), share=0.0), shift):
             shift *= 100
         u = u + matrix.solve(at.against(short))

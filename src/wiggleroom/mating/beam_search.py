@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.candidates import TOLERANCE, fits
 from wiggleroom.mating.contact import blocked_pairs, crossing_volume, meeting, scores
-from wiggleroom.mating.flanks import Plate, inset
+from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
 
@@ -31,7 +31,7 @@ _PRIMES = np.random.default_rng(7).integers(2**61, 2**63, size=12)
 
 
 @dataclass(frozen=True, eq=False)
-class Pool:
+class BeamPool:
     """Poses that are open to the panels of one kind.
 
     Parameters
@@ -65,13 +65,13 @@ class Placement:
     turns: Floats
     moves: Floats
     met: float
-    pools: dict[int, Pool]
+    pools: dict[int, BeamPool]
 
 
-class Bench:
+class BeamState:
     """Panels with everything that the search asks of them again and again."""
 
-    def __init__(self, plates: Sequence[Plate]) -> None:
+    def __init__(self, plates: Sequence[SheetPlate]) -> None:
         self.plates = plates
         self.eroded = [inset(p.polygon, _EROSION * p.thickness) for p in plates]
         self.edges = [_edges(polygon) for polygon in self.eroded]
@@ -221,11 +221,11 @@ class Bench:
         """One panel in its own frame."""
         return Placement((row,), np.eye(3)[None], np.zeros((1, 3)), 0, {})
 
-    def pools(self, state: Placement, kinds: Iterable[int], power: float) -> dict[int, Pool]:
+    def pools(self, state: Placement, kinds: Iterable[int], power: float) -> dict[int, BeamPool]:
         """Where panels of these kinds could go."""
         return {kind: self._grown(state, kind, power) for kind in kinds}
 
-    def _grown(self, state: Placement, kind: int, power: float) -> Pool:
+    def _grown(self, state: Placement, kind: int, power: float) -> BeamPool:
         last, turn, move = state.rows[-1], state.turns[-1], state.moves[-1]
         sample = self.first[kind]
         new_turns, new_moves = self.fits(self.plates[last].kind, kind)
@@ -247,10 +247,10 @@ class Bench:
             shift = (moves[fresh] - state.moves[k]) @ state.turns[k]
             score[fresh] += self.scores(a, sample, inner, shift, power)
         keep = keep[score[keep] > -_HOPELESS]
-        return Pool(turns[keep], moves[keep], score[keep])
+        return BeamPool(turns[keep], moves[keep], score[keep])
 
 
-def _weights(plates: Sequence[Plate]) -> list[float]:
+def _weights(plates: Sequence[SheetPlate]) -> list[float]:
     """The same number for panels of the same shape, turned or turned over as they may lie on the sheet."""
     shapes: list[tuple[float, float, int]] = []
     weights = []
@@ -268,7 +268,7 @@ def _weights(plates: Sequence[Plate]) -> list[float]:
     return weights
 
 
-def _filled(plate: Plate) -> shapely.Polygon:
+def _filled(plate: SheetPlate) -> shapely.Polygon:
     """Outline of a panel with the notches and holes of its joints filled, a little smaller."""
     reach = 1.6 * plate.thickness
     small = [ring for ring in plate.polygon.interiors if shapely.Polygon(ring).buffer(-reach).is_empty]
@@ -307,7 +307,7 @@ class Effort:
 
 
 def grow(
-    bench: Bench,
+    bench: BeamState,
     state: Placement,
     free: frozenset[int],
     effort: Effort,
@@ -345,7 +345,7 @@ def grow(
             return beam
 
 
-def _children(bench: Bench, state: Placement, free: frozenset[int], effort: Effort) -> list[Placement]:
+def _children(bench: BeamState, state: Placement, free: frozenset[int], effort: Effort) -> list[Placement]:
     """The best placements with one panel more that do not overlap."""
     waiting = {bench.plates[i].kind: i for i in sorted(free - set(state.rows), reverse=True)}
     pools = bench.pools(state, waiting, effort.power)
@@ -376,6 +376,6 @@ def _children(bench: Bench, state: Placement, free: frozenset[int], effort: Effo
     return children
 
 
-def extent(bench: Bench, state: Placement) -> float:
+def extent(bench: BeamState, state: Placement) -> float:
     """Volume of the box round a placement [mm3]."""
     return float(np.prod(np.ptp(np.vstack(bench.places(state)), axis=0) + bench.tolerance))

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.mating.flanks import LENGTH, FlankLine, Plate
+from wiggleroom.mating.flanks import LENGTH, FlankLine, SheetPlate
 
 Floats = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Fit(NamedTuple):
     votes: int
 
 
-def fits(a: Plate, b: Plate) -> list[Fit]:
+def fits(a: SheetPlate, b: SheetPlate) -> list[Fit]:
     """Poses in which a line of flanks of `b` lies on one of `a`, their planes square to each other.
 
     Source: voting over one parameter, as in the generalised Hough transform (Ballard 1981).

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.mating.beam_search import Bench, Placement
+from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.congruence import congruent
 
 Floats = NDArray[np.float64]
@@ -44,7 +44,7 @@ class Closed:
 
 
 def closed_placements(
-    bench: Bench, start: Placement, free: Iterable[int], *, seconds: float, stop: Stop | None = None
+    bench: BeamState, start: Placement, free: Iterable[int], *, seconds: float, stop: Stop | None = None
 ) -> Closed:
     """Assemblies that hold the panels of `start` and leave no needed flank open.
 
@@ -67,7 +67,7 @@ def closed_placements(
 
 
 class _Search:
-    def __init__(self, bench: Bench, free: frozenset[int], deadline: float, stop: Stop | None) -> None:
+    def __init__(self, bench: BeamState, free: frozenset[int], deadline: float, stop: Stop | None) -> None:
         self.bench, self.free, self.deadline, self.stop = bench, free, deadline, stop
         self.result = Closed()
         self._seen: list[tuple[Floats, Placement]] = []

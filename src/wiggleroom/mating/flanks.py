@@ -54,7 +54,7 @@ class FlankLine:
 
 
 @dataclass(frozen=True, eq=False)
-class Plate:
+class SheetPlate:
     """A panel in its own frame: the origin in its centroid, the middle of its thickness at z = 0.
 
     Parameters
@@ -172,7 +172,7 @@ def _crossing(a: Floats, b: Floats, c: Floats, d: Floats) -> Floats | None:
 
 def plates_of(
     names: list[str], polygons: list[shapely.Polygon], thickness: list[float], burn: float
-) -> tuple[Plate, ...]:
+) -> tuple[SheetPlate, ...]:
     """Plates of the panels of a sheet.
 
     Parameters
@@ -207,7 +207,7 @@ def _congruent(a: shapely.Polygon, b: shapely.Polygon) -> bool:
     return near and len(a.interiors) == len(b.interiors) and a.symmetric_difference(b).area < 0.02 * a.length
 
 
-def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> Plate:
+def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> SheetPlate:
     smooth = _without_reliefs(cut, _RELIEF * float(wanted.min()))
     middle, inward, along, length, neighbours, bottom = _flanks(smooth, wanted)
     lines = _lines(middle, inward, length, 0.12 * float(wanted.min()))
@@ -217,7 +217,7 @@ def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted
         inward[line.rows] = line.sense[:, None] * line.along
         middle[line.rows] = line.at[:, None] * line.along + line.offset * line.across
     along = np.column_stack([inward[:, 1], -inward[:, 0]])
-    return Plate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, kind)
+    return SheetPlate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, kind)
 
 
 def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon:

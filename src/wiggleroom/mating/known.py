@@ -7,15 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from wiggleroom.errors import InputError
-from wiggleroom.mating.beam_search import Bench, Placement
+from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.candidates import line_fits
-from wiggleroom.mating.flanks import FlankLine, Plate
+from wiggleroom.mating.flanks import FlankLine, SheetPlate
 from wiggleroom.mating.hints import Hints, Join
 
 _AXES = {"left": (0, -1), "right": (0, 1), "bottom": (1, -1), "top": (1, 1)}
 
 
-def joined_start(bench: Bench, hints: Hints, free: frozenset[int]) -> Placement | None:
+def joined_start(bench: BeamState, hints: Hints, free: frozenset[int]) -> Placement | None:
     """Panels placed by the joins among `free` that hang together, or None where there is none.
 
     Raises
@@ -38,7 +38,7 @@ def joined_start(bench: Bench, hints: Hints, free: frozenset[int]) -> Placement 
         state = _joined(bench, state, join, names)
 
 
-def _joined(bench: Bench, state: Placement, join: Join, names: Sequence[str]) -> Placement:
+def _joined(bench: BeamState, state: Placement, join: Join, names: Sequence[str]) -> Placement:
     """One panel more, laid on the other's edge where most flanks meet."""
     a, b = (names.index(name) for name in join.panels)
     one, other = bench.plates[a], bench.plates[b]
@@ -59,7 +59,7 @@ def _joined(bench: Bench, state: Placement, join: Join, names: Sequence[str]) ->
     return Placement((*state.rows, b), turns, moves, state.met + votes, {})
 
 
-def _lines(plate: Plate, side: str) -> list[FlankLine]:
+def _lines(plate: SheetPlate, side: str) -> list[FlankLine]:
     """Lines of flanks along one side of a panel's box."""
     axis, sign = _AXES[side]
     bounds = plate.polygon.bounds
@@ -72,7 +72,7 @@ def _lines(plate: Plate, side: str) -> list[FlankLine]:
     return lines
 
 
-def with_fixed_plates(bench: Bench, bodies: Sequence[Placement], hints: Hints) -> tuple[list[Placement], list[int]]:
+def with_fixed_plates(bench: BeamState, bodies: Sequence[Placement], hints: Hints) -> tuple[list[Placement], list[int]]:
     """Bodies with the panels added whose place is given, and the rows of panels in no body.
 
     Raises

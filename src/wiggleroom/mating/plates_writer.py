@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.mating.bodies import AssembledSheet
+from wiggleroom.mating.assembled_sheet import AssembledSheet
 from wiggleroom.mating.flanks import inset
 
 Floats = NDArray[np.float64]

@@ -9,8 +9,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import see_extra
-from wiggleroom.mating.beam_search import Bench, Placement
-from wiggleroom.mating.flanks import Plate, inset
+from wiggleroom.mating.beam_search import BeamState, Placement
+from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
 
@@ -23,7 +23,7 @@ _SKIN = 2e-6
 """Added to the relief that was found to be enough [mm]."""
 
 
-def refined(bench: Bench, state: Placement) -> Placement:
+def refined(bench: BeamState, state: Placement) -> Placement:
     """Placement whose panels are shifted by least squares over all flanks that meet; turns stay, the first panel stays.
 
     Returns
@@ -50,7 +50,7 @@ def refined(bench: Bench, state: Placement) -> Placement:
     return Placement(state.rows, state.turns, moves, state.met, {})
 
 
-def solid(plate: Plate, thickness: float, turn: Floats, move: Floats, relief: float = 0.0) -> Any:
+def solid(plate: SheetPlate, thickness: float, turn: Floats, move: Floats, relief: float = 0.0) -> Any:
     """Plate in space as a manifold of manifold3d; its outline moved inward by `relief` [mm].
 
     Raises
@@ -68,7 +68,7 @@ def solid(plate: Plate, thickness: float, turn: Floats, move: Floats, relief: fl
     return body.transform(np.column_stack([turn, move]))
 
 
-def relief_needed(bench: Bench, state: Placement, thickness: list[float], most: float) -> float:
+def relief_needed(bench: BeamState, state: Placement, thickness: list[float], most: float) -> float:
     """Smallest distance [mm] by which all outlines must move inward so that no two plates share material.
 
     Parameters
@@ -96,7 +96,7 @@ def relief_needed(bench: Bench, state: Placement, thickness: list[float], most: 
     return high + _SKIN
 
 
-def pressed_panel(bench: Bench, state: Placement, thickness: list[float], relief: float) -> int:
+def pressed_panel(bench: BeamState, state: Placement, thickness: list[float], relief: float) -> int:
     """Row of the panel that overlaps others at this relief and of whose flanks the fewest meet."""
     _, flags = bench.met(state)
     pressed = set()
@@ -106,7 +106,7 @@ def pressed_panel(bench: Bench, state: Placement, thickness: list[float], relief
     return min(pressed, key=lambda row: (flags[row].sum(), -state.rows.index(row)))
 
 
-def _near(bench: Bench, state: Placement, thickness: list[float]) -> list[tuple[int, int]]:
+def _near(bench: BeamState, state: Placement, thickness: list[float]) -> list[tuple[int, int]]:
     """Pairs of places in the placement whose boxes meet."""
     boxes = []
     for row, turn, points in zip(state.rows, state.turns, bench.places(state), strict=True):
@@ -120,7 +120,7 @@ def _near(bench: Bench, state: Placement, thickness: list[float]) -> list[tuple[
 
 
 def _pressing(
-    bench: Bench, state: Placement, thickness: list[float], near: list[tuple[int, int]], relief: float
+    bench: BeamState, state: Placement, thickness: list[float], near: list[tuple[int, int]], relief: float
 ) -> bool:
     used = {k for pair in near for k in pair}
     solids = {}

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import Cells
-from wiggleroom.freespace.models.halfspaces import Faces
+from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.program import contact_functions as kernel
 
@@ -69,7 +69,7 @@ def wall_rows(bodies: Bodies, cells: Cells) -> Rows:
     return Rows(cells.kind, normal, np.zeros(len(off)), off, corner)
 
 
-def face_rows(bodies: Bodies, faces: Faces) -> Rows:  # noqa: ARG001
+def face_rows(bodies: Bodies, faces: Halfspaces) -> Rows:  # noqa: ARG001
     """Flat faces: h = -(N g + D)."""
     pair = faces.pair
     return Rows(
@@ -81,5 +81,5 @@ def face_rows(bodies: Bodies, faces: Faces) -> Rows:  # noqa: ARG001
     )
 
 
-ROWS: dict[type, Callable[..., Rows]] = {Cells: wall_rows, Faces: face_rows}
+ROWS: dict[type, Callable[..., Rows]] = {Cells: wall_rows, Halfspaces: face_rows}
 """Registry: kind of region and the function that makes rows of it."""

@@ -9,7 +9,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W, part_of
 from wiggleroom.errors import InputError
 from wiggleroom.geometry.bodies import Bodies

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.report import frame, palette
+from wiggleroom.report.answer_words import number
 from wiggleroom.report.text import escape, width, wrap
-from wiggleroom.report.words import number
 
 Floats = NDArray[np.float64]
 
@@ -96,12 +96,12 @@ def plot(
     for t in rows:
         v = axes.pixels(np.array([x[0]]), np.array([t]))[0, 1]
         found.append(line(left, v, left + WIDTH, v, palette.GRID))
-        found.append(text(left - 8, v + 5, palette.TEXT_SIZE, palette.QUIET, number(t), "end"))
+        found.append(text(left - 8, v + 5, palette.TEXT_SIZE, palette.SUBDUED, number(t), "end"))
     for t in ticks(*x):
         u = axes.pixels(np.array([t]), np.array([y[0]]))[0, 0]
-        found.append(line(u, bottom, u, bottom + 5, palette.QUIET))
-        found.append(text(u, bottom + 22, palette.TEXT_SIZE, palette.QUIET, number(t), "middle"))
-    found.append(line(left, bottom, left + WIDTH, bottom, palette.QUIET))
+        found.append(line(u, bottom, u, bottom + 5, palette.SUBDUED))
+        found.append(text(u, bottom + 22, palette.TEXT_SIZE, palette.SUBDUED, number(t), "middle"))
+    found.append(line(left, bottom, left + WIDTH, bottom, palette.SUBDUED))
     found.append(text(left + WIDTH, bottom + 46, palette.TEXT_SIZE, palette.INK, labels[0], "end"))
     return axes, found
 
@@ -141,7 +141,7 @@ def finished(axes: Axes, body: list[str], title: str, facts: Sequence[str], comm
     y = axes.top + HEIGHT + 60
     for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command else []:
         y += palette.SMALL_SIZE + 4
-        body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
+        body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.SUBDUED, row))
     return frame.document(wide, y + palette.MARGIN - 12, title, facts, command, body)
 
 

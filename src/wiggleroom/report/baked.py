@@ -15,12 +15,12 @@ import numpy as np
 from msgspec import UNSET
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.drawing.plain import json_bytes
+from wiggleroom.report.page_messages import answer_told, digits_of, drawing_told
+from wiggleroom.report.path_frames import way_frames
 from wiggleroom.report.text import escape
-from wiggleroom.report.told import answer_told, digits_of, drawing_told
-from wiggleroom.report.ways import way_frames
 from wiggleroom.schema.baked_page import (
     BakedAnswer,
     BakedDrawing,

@@ -9,12 +9,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
+from wiggleroom.report.answer_words import facts, headline
 from wiggleroom.report.scene import Scene, scene
-from wiggleroom.report.words import facts, headline
 from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]

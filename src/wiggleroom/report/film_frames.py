@@ -14,7 +14,7 @@ from wiggleroom.report.film_svg import PAUSES
 from wiggleroom.report.letters import missing_letters
 from wiggleroom.report.png import png
 from wiggleroom.report.scene import Scene
-from wiggleroom.sensitivity.parallel import Many
+from wiggleroom.sensitivity.parallel import ParallelRun
 
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
@@ -96,7 +96,7 @@ def _frames(made: Scene, room: tuple[int, int], progress: Progress | None) -> It
     x, y, wide, high = (scale * s for s in made.stage)
     left, top = max(math.floor(x), 0), max(math.floor(y), 0)
     box = (left, top, min(math.ceil(x + wide), still.width), min(math.ceil(y + high), still.height))
-    for drawn in Many(progress=progress).each(moving, (made, box, scale, own), range(made.frames)):
+    for drawn in ParallelRun(progress=progress).each(moving, (made, box, scale, own), range(made.frames)):
         over = Image.open(io.BytesIO(drawn))
         image = still.copy()
         image.paste(over, box[:2], over)
@@ -118,9 +118,9 @@ def moving(shared: tuple[Scene, tuple[int, int, int, int], float, bool], k: int)
 
 def _colours() -> list[int]:
     """Red, green and blue of the colours that films are made of and of the steps between any two of them."""
-    thin = [tuple(round(0.85 * c + 0.15 * 255) for c in _rgb(fill)) for fill, _ in palette.OF.values()]
-    lines = [stroke for _, stroke in palette.OF.values()]
-    pure = [_rgb(c) for c in (palette.PAPER, palette.INK, palette.QUIET, palette.REST, palette.MOTION, *lines)]
+    thin = [tuple(round(0.85 * c + 0.15 * 255) for c in _rgb(fill)) for fill, _ in palette.ROLE_COLOURS.values()]
+    lines = [stroke for _, stroke in palette.ROLE_COLOURS.values()]
+    pure = [_rgb(c) for c in (palette.PAPER, palette.INK, palette.SUBDUED, palette.REST, palette.MOTION, *lines)]
     pure += thin
     between = [
         tuple(round((1 - t) * p + t * q) for p, q in zip(one, other, strict=True))

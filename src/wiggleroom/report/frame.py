@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wiggleroom.report import palette
+from wiggleroom.report.answer_words import number
 from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.text import escape, width, wrap
-from wiggleroom.report.words import number
 
 LegendEntry = tuple[str, str]
 """Swatch (SVG, in a box of 16 x 12 px with its upper left corner at 0, 0) and its meaning."""
@@ -25,7 +25,7 @@ def header(title: str, facts: Sequence[str], room: float) -> tuple[list[str], fl
     y += 2
     for row in wrap(facts, "  ·  ", palette.TEXT_SIZE, room, 3):
         y += palette.TEXT_SIZE
-        found.append(_text(palette.MARGIN, y, palette.TEXT_SIZE, palette.QUIET, row))
+        found.append(_text(palette.MARGIN, y, palette.TEXT_SIZE, palette.SUBDUED, row))
         y += 6
     return found, y
 
@@ -46,14 +46,14 @@ def footer(view: View, y: float, legend: Sequence[LegendEntry], command: str) ->
         if x > begin and x + long > end:
             x, y = begin, y + 22
         found.append(f'<g transform="translate({x:.2f} {y - 11:.2f})">{swatch}</g>')
-        found.append(_text(x + 24, y + 1, palette.TEXT_SIZE, palette.QUIET, meaning))
+        found.append(_text(x + 24, y + 1, palette.TEXT_SIZE, palette.SUBDUED, meaning))
         x += long + 26
     y += 12
     if command:
         y += 12
         for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, view.canvas - 2 * palette.MARGIN, 3):
             y += palette.SMALL_SIZE + 4
-            found.append(_text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
+            found.append(_text(palette.MARGIN, y, palette.SMALL_SIZE, palette.SUBDUED, row))
     return found, y + palette.MARGIN - 12
 
 

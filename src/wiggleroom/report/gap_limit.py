@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import UNSET
 
-from wiggleroom.report.apart_picture import Checked, picture_of_check
+from wiggleroom.report.answer_words import asked, number, unit
 from wiggleroom.report.plots import curve
+from wiggleroom.report.separability_picture import Checked, picture_of_check
 from wiggleroom.report.table import columns
-from wiggleroom.report.words import asked, number, unit
 from wiggleroom.schema.results import GapResult, GapTrial
 from wiggleroom.sensitivity.allowable_gap import AllowableGap, Trial
 from wiggleroom.verdict import Certainty

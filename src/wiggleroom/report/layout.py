@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly, place
+from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.report import palette
 
 Floats = NDArray[np.float64]

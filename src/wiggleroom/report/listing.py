@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from wiggleroom.assembly.inventory import InventoryRow
-from wiggleroom.schema.results import PartEntry, PartsResult
+from wiggleroom.schema.results import PartListing, PartsResult
 
 
 def parts_result(
@@ -14,7 +14,7 @@ def parts_result(
 ) -> PartsResult:
     """Everything `parts --json` says; lengths in mm."""
     return PartsResult(
-        parts=[PartEntry(**asdict(row)) for row in rows],
+        parts=[PartListing(**asdict(row)) for row in rows],
         notes=list(notes),
         findings=list(findings),
         command=command,

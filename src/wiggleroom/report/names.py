@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from shapely import affinity
 
 from wiggleroom.report import palette
-from wiggleroom.report.shapes import Shape
+from wiggleroom.report.answer_words import short
+from wiggleroom.report.part_paths import PartPath
 from wiggleroom.report.text import escape, width
-from wiggleroom.report.words import short
 
 _SMALLEST, _LARGEST = 7.0, 15.0
 _MOST_MEASURED = 400
@@ -25,14 +25,14 @@ _PLACES = sorted(((dx, dy) for dy in _STEPS for dx in _STEPS), key=lambda d: d[0
 """Where a name may go, from the middle of the part outwards, in diameters of the circle that fits into it."""
 
 
-def label(name: str, shape: Shape, place: Place, largest: float, marks: shapely.STRtree) -> str:
+def label(name: str, shape: PartPath, place: Place, largest: float, marks: shapely.STRtree) -> str:
     """Text element with the part's name, or nothing where it does not fit; see `room_for`."""
     found = room_for(name, shape, place, largest, marks)
     return text_at(name, *found) if found else ""
 
 
 def room_for(
-    name: str, shape: Shape, place: Place, largest: float, marks: shapely.STRtree
+    name: str, shape: PartPath, place: Place, largest: float, marks: shapely.STRtree
 ) -> tuple[Floats, float] | None:
     """Middle (2,) [px] and font size of a part's name, or None where it does not fit.
 
@@ -71,7 +71,7 @@ def text_at(name: str, middle: Floats, size: float) -> str:
     return f'<text x="{middle[0]:.2f}" y="{middle[1] + 0.36 * size:.2f}" font-size="{size:.2f}">{escape(name)}</text>'
 
 
-def fitting(name: str, shape: Shape) -> float:
+def fitting(name: str, shape: PartPath) -> float:
     """Font size [px] at which a name fits into the largest circle inside a shape."""
     wide = width(name, 1.0)
     # no part holds a circle larger than its area says
@@ -79,7 +79,7 @@ def fitting(name: str, shape: Shape) -> float:
     return most if most < _SMALLEST else _size(shape.circle[1], wide)
 
 
-def usual(named: Sequence[tuple[str, Shape]], room: float) -> float:
+def usual(named: Sequence[tuple[str, PartPath]], room: float) -> float:
     """One font size for all names in a picture whose usual part is `room` pixels large.
 
     Most names fit in this size; those that do not are written smaller, or left out.
@@ -88,7 +88,9 @@ def usual(named: Sequence[tuple[str, Shape]], room: float) -> float:
     return min(0.23 * room, _LARGEST, max(sizes[len(sizes) // 5], _SMALLEST) if sizes else _LARGEST)
 
 
-def names_group(named: Sequence[tuple[str, Shape, Place]], first: set[str], room: float, marks: shapely.STRtree) -> str:
+def names_group(
+    named: Sequence[tuple[str, PartPath, Place]], first: set[str], room: float, marks: shapely.STRtree
+) -> str:
     """All names of a picture; where the parts are small, those that are not among the `first` ones stand back.
 
     Parameters
@@ -101,10 +103,10 @@ def names_group(named: Sequence[tuple[str, Shape, Place]], first: set[str], room
         What names must not cover.
     """
     size = usual([(short(name), shape) for name, shape, _ in named], room)
-    found: dict[str, list[str]] = {palette.QUIET: [], palette.INK: []}
+    found: dict[str, list[str]] = {palette.SUBDUED: [], palette.INK: []}
     for name, shape, place in named:
         quiet = size < _CROWDED and name not in first
-        found[palette.QUIET if quiet else palette.INK].append(label(short(name), shape, place, size, marks))
+        found[palette.SUBDUED if quiet else palette.INK].append(label(short(name), shape, place, size, marks))
     return "".join(
         f'<g fill="{colour}" text-anchor="middle">{"".join(texts)}</g>' for colour, texts in found.items() if any(texts)
     )

@@ -7,24 +7,24 @@ from typing import Any, cast
 import numpy as np
 from msgspec.structs import asdict
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import Audit
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
-from wiggleroom.report.apart import check_facts, check_title
-from wiggleroom.report.apart_picture import Checked
+from wiggleroom.report.answer_words import headline, number, unit
 from wiggleroom.report.baked import answered, baked, opened, section, way
-from wiggleroom.report.blame import ranking_facts, tightening_facts
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
+from wiggleroom.report.importance_picture import ranking_facts, tightening_facts
 from wiggleroom.report.plots import histogram
-from wiggleroom.report.solid import space_told
-from wiggleroom.report.space import headline as space_headline
-from wiggleroom.report.space import said, space_picture, space_result
-from wiggleroom.report.studies import QUANTILES, lost_sentence, sample_sure
-from wiggleroom.report.told_studies import check_told, ranking_told, step_told
-from wiggleroom.report.tolerances import tolerance_name, tolerances_facts, tolerances_sentence, tolerances_sure
-from wiggleroom.report.words import headline, number, unit
+from wiggleroom.report.separability import check_facts, check_title
+from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.space_report import headline as space_headline
+from wiggleroom.report.space_report import said, space_picture, space_result
+from wiggleroom.report.space_solid import space_told
+from wiggleroom.report.study_messages import check_told, ranking_told, step_told
+from wiggleroom.report.study_results import QUANTILES, lost_sentence, sample_sure
+from wiggleroom.report.tolerance_results import tolerance_name, tolerances_facts, tolerances_sentence, tolerances_sure
 from wiggleroom.schema.baked_page import BakedCheck, StudyTab, Tints, Title
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.allowable_gap import AllowableGap

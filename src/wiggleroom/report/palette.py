@@ -4,14 +4,14 @@ from __future__ import annotations
 
 PAPER = "#ffffff"
 INK = "#1f2933"
-QUIET = "#66727f"
+SUBDUED = "#66727f"
 REST = "#aeb6bf"
 GRID = "#e3e7eb"
 
 NEUTRAL = ("#e4e9ef", "#7c8894")
 PULLED = ("#8fc1ea", "#1f5f99")
 FIXED = ("#e58a80", "#a02c22")
-OF = {"neutral": NEUTRAL, "pulled": PULLED, "fixed": FIXED}
+ROLE_COLOURS = {"neutral": NEUTRAL, "pulled": PULLED, "fixed": FIXED}
 """Fill and outline of the parts, in the order they are drawn."""
 
 BLAME = ("#f3f1ec", "#fbe3b8", "#f8bd76", "#ee8a5b", "#d9606a", "#b0508c")

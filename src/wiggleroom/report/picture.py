@@ -9,15 +9,15 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Pull, part_of
 from wiggleroom.report import frame, layout, palette
+from wiggleroom.report.answer_words import facts, headline, number
 from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, numbered, obstacles
 from wiggleroom.report.layout import View
 from wiggleroom.report.names import names_group
-from wiggleroom.report.shapes import Shapes, spot, use
+from wiggleroom.report.part_paths import PartPaths, spot, use
 from wiggleroom.report.text import escape
-from wiggleroom.report.words import facts, headline, number
 from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]
@@ -26,7 +26,7 @@ _GAP = 30.0
 
 
 @dataclass(frozen=True)
-class Tints:
+class PartColours:
     """Colours that say something about parts: fill by name, and what the legend says."""
 
     fill: dict[str, str]
@@ -37,7 +37,7 @@ def picture(
     answer: Answer,
     *,
     magnify: float | None = None,
-    tints: Tints | None = None,
+    tints: PartColours | None = None,
     title: str | None = None,
     said: Sequence[str] | None = None,
     leaving: bool = False,
@@ -71,7 +71,7 @@ def _draw(
     title: str,
     said: list[str],
     command: str,
-    tints: Tints | None = None,
+    tints: PartColours | None = None,
     leaving: bool = False,
 ) -> str:
     """Whole picture; without an answer the parts lie at rest."""
@@ -107,17 +107,17 @@ def drawn_parts(
     pulled: set[str],
     marks: list[Mark],
     room: float,
-    tints: Tints | None,
+    tints: PartColours | None,
 ) -> list[str]:
     """Everything inside the drawing, bottom first: rest outlines, parts, marks, names."""
-    shapes, still, places = Shapes(view.scale), [], []
-    drawn: dict[tuple[str, str], list[str]] = {colours: [] for colours in palette.OF.values()}
+    shapes, still, places = PartPaths(view.scale), [], []
+    drawn: dict[tuple[str, str], list[str]] = {colours: [] for colours in palette.ROLE_COLOURS.values()}
     for k, (part, pose) in enumerate(zip(assembly.parts, shown.tolist(), strict=True)):
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
             still.append(use(shape, spot(view, part, tuple(rest[k].tolist()))))
         kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        fill, stroke = palette.OF[kind]
+        fill, stroke = palette.ROLE_COLOURS[kind]
         colours = (fill if tints is None else tints.fill[part.name], stroke)
         drawn.setdefault(colours, []).append(use(shape, place, escape(part.name)))
         places.append((part.name, shape, place))
@@ -132,7 +132,7 @@ def drawn_parts(
             + "</g>"
         )
     if assembly.drawing.ignore:  # parts lie above each other: what stands lies at the bottom
-        drawn = {palette.OF["fixed"]: drawn.pop(palette.OF["fixed"]), **drawn}
+        drawn = {palette.ROLE_COLOURS["fixed"]: drawn.pop(palette.ROLE_COLOURS["fixed"]), **drawn}
     for (fill, stroke), uses in drawn.items():
         if uses:
             style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
@@ -149,7 +149,7 @@ _ARROW = (
 
 
 def _legend(
-    assembly: Assembly, answer: Answer | None, asked: bool, tints: Tints | None = None, leaving: bool = False
+    assembly: Assembly, answer: Answer | None, asked: bool, tints: PartColours | None = None, leaving: bool = False
 ) -> list[frame.LegendEntry]:
     """Only what the picture shows."""
     found = [] if tints is None else list(tints.legend)

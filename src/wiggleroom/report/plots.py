@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.report import frame, palette
+from wiggleroom.report.answer_words import number
 from wiggleroom.report.axes import WIDTH, across, finished, plot, span, text, uprights
 from wiggleroom.report.text import elide, wrap
-from wiggleroom.report.words import number
 
 Floats = NDArray[np.float64]
 Mark = tuple[float, str]
@@ -97,7 +97,7 @@ def histogram(
     values = np.asarray(values, dtype=float).ravel()
     some = values[np.isfinite(values)]
     facts = [*facts] + ([f"{len(values) - len(some)} without limit, not drawn"] if len(some) < len(values) else [])
-    lines = sorted([(m, palette.QUIET) for m in marks] + ([(limit, palette.FIXED[1])] if limit else []))
+    lines = sorted([(m, palette.SUBDUED) for m in marks] + ([(limit, palette.FIXED[1])] if limit else []))
     count, edges = np.histogram(some, _bins(some, limit))
     wide = span(np.concatenate([some, edges if len(some) else [], [m[0] for m, _ in lines]]))
     least, most = span(count.astype(float), zero=True)
@@ -175,18 +175,18 @@ def bars(
         body.append(
             f'<rect x="{left:.2f}" y="{y:.2f}" width="{long:.2f}" height="{_BAR}" fill="{fill}" stroke="{stroke}"/>'
         )
-        body.append(text(max(zero, left + long) + 8, middle, palette.TEXT_SIZE, palette.QUIET, said))
+        body.append(text(max(zero, left + long) + 8, middle, palette.TEXT_SIZE, palette.SUBDUED, said))
         y += _BAR + _BETWEEN
-    body.append(f'<path d="M{zero:.2f},{top - 4:.2f}V{y - _BETWEEN + 4:.2f}" stroke="{palette.QUIET}"/>')
+    body.append(f'<path d="M{zero:.2f},{top - 4:.2f}V{y - _BETWEEN + 4:.2f}" stroke="{palette.SUBDUED}"/>')
     if len(values) > len(order):
         y += 18
         body.append(
-            text(palette.MARGIN, y, palette.TEXT_SIZE, palette.QUIET, f"and {len(values) - len(order)} smaller ones")
+            text(palette.MARGIN, y, palette.TEXT_SIZE, palette.SUBDUED, f"and {len(values) - len(order)} smaller ones")
         )
     y += 14
     for row in wrap(command.split(" "), " ", palette.SMALL_SIZE, WIDTH, 3) if command else []:
         y += palette.SMALL_SIZE + 4
-        body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.QUIET, row))
+        body.append(text(palette.MARGIN, y, palette.SMALL_SIZE, palette.SUBDUED, row))
     return frame.document(WIDTH + 2 * palette.MARGIN, y + palette.MARGIN - 12, title, facts, command, body)
 
 

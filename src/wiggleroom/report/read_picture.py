@@ -7,24 +7,24 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.inventory import InventoryRow
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.assembly.overlaps import overlap_areas
 from wiggleroom.drawing.model import Points, part_of
 from wiggleroom.drawing.outlines import Remark
 from wiggleroom.report import frame, layout, palette
+from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import goal_mark
 from wiggleroom.report.layout import View
 from wiggleroom.report.picture import drawn_parts
 from wiggleroom.report.text import escape, wrap
-from wiggleroom.report.words import number, short
 
 _GAP = 30.0
 _MOST_ROWS = 60
 _MOST_LINES = 24
 _WRONG = "#c1121f"
 _STYLES = {
-    "left out": ("left out", f'stroke="{palette.QUIET}" stroke-dasharray="5 4"'),
+    "left out": ("left out", f'stroke="{palette.SUBDUED}" stroke-dasharray="5 4"'),
     "hole": ("taken as a hole", 'stroke="#00798c" stroke-width="1.6"'),
     "mended": ("mended", 'stroke="#7b2cbf" stroke-width="1.6"'),
     "open end": ("open end", f'stroke="{palette.FORCE}" stroke-width="2"'),
@@ -105,7 +105,7 @@ def _overlaps(assembly: Assembly) -> list[Remark]:
 
 def _crossings(assembly: Assembly) -> list[Remark]:
     """Outlines that cross themselves."""
-    from wiggleroom.assembly.model import rings_at
+    from wiggleroom.assembly.assembly import rings_at
 
     bad = [ring for part in assembly.parts for ring in rings_at(part) if not shapely.Polygon(ring).is_valid]
     return [Remark("crossing", tuple(np.vstack([ring, ring[:1]]) for ring in bad))] if bad else []
@@ -168,7 +168,7 @@ def _lists(
         y += size + 5
         for place, share, text in zip(range(len(cells)), columns, cells, strict=True):
             left = place in (0, len(cells) - 1)
-            colour = palette.QUIET if k == 0 else palette.INK
+            colour = palette.SUBDUED if k == 0 else palette.INK
             found.append(_cell(palette.MARGIN + share * room, y, size, colour, text, "" if left else "end"))
     return found, y + palette.MARGIN
 

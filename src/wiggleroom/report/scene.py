@@ -9,16 +9,16 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal, Pull, Turn, W, part_of
 from wiggleroom.report import frame, layout, palette
+from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow, turn_radius
+from wiggleroom.report.film_timing import TimedPath, eased, way_points
 from wiggleroom.report.layout import View
-from wiggleroom.report.motion import Way, eased, way_points
 from wiggleroom.report.names import room_for, text_at, usual
-from wiggleroom.report.shapes import Shape, Shapes, middle, spot, use
+from wiggleroom.report.part_paths import PartPath, PartPaths, middle, spot, use
 from wiggleroom.report.text import escape
-from wiggleroom.report.words import number, short
 
 Floats = NDArray[np.float64]
 
@@ -142,7 +142,7 @@ def scene(
     """
     points = way_points(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
-    way = Way(assembly, points * factor)
+    way = TimedPath(assembly, points * factor)
     pan = math.inf if np.abs(factor * points[:, :, :2]).max() <= _NEAR * assembly.size else _PAN * assembly.size
     shown = _seen_length(assembly, way, pan)
     seconds = float(np.clip(_SECONDS[0] + 1.2 * shown / assembly.size, *_SECONDS))
@@ -188,7 +188,7 @@ def _opacity(assembly: Assembly, poses: Floats, pan: float) -> Floats:
     return np.clip(1.0 - (out - 0.15 * pan) / (0.7 * pan), 0.0, 1.0)
 
 
-def _seen_length(assembly: Assembly, way: Way, pan: float) -> float:
+def _seen_length(assembly: Assembly, way: TimedPath, pan: float) -> float:
     """Length of the way after which nothing that can be seen moves any more [mm]."""
     if way.length <= pan:
         return way.length
@@ -212,7 +212,7 @@ def _tracks(
     view: View, assembly: Assembly, poses: Floats, goals: tuple[Goal, ...], pan: float
 ) -> tuple[str, tuple[Track, ...], str]:
     """Shapes, what moves (neutral parts first, then pulled and fixed ones, names, arrows), and the outlines at rest."""
-    shapes, rest = Shapes(view.scale), assembly.rest
+    shapes, rest = PartPaths(view.scale), assembly.rest
     far = np.abs(poses - rest)[:, :, :2].max() > pan
     opacity = _opacity(assembly, poses, pan if far else math.inf)
     pulled = {part_of(g) for g in goals}
@@ -223,7 +223,7 @@ def _tracks(
     layers: dict[str, list[Track]] = {"neutral": [], "pulled": [], "fixed": []}
     for k, (part, shape) in enumerate(zip(assembly.parts, of, strict=True)):
         kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        fill, stroke = palette.OF[kind]
+        fill, stroke = palette.ROLE_COLOURS[kind]
         style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}" fill-rule="evenodd"'
         body = (
             f'<use xlink:href="#{shape.key}" {style} stroke-linejoin="round"><title>{escape(part.name)}</title></use>'
@@ -264,7 +264,7 @@ def _taken(goal: Pull | Turn | W, x: float, y: float, room: float) -> shapely.Ge
 
 
 def _names(
-    assembly: Assembly, of: list[Shape], places: Floats, opacity: Floats, room: float, marks: shapely.STRtree
+    assembly: Assembly, of: list[PartPath], places: Floats, opacity: Floats, room: float, marks: shapely.STRtree
 ) -> list[Track]:
     """Names that go with their parts and stay upright."""
     called = [short(p.name) for p in assembly.parts]

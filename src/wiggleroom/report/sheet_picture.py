@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.mating.bodies import AssembledSheet
+from wiggleroom.mating.assembled_sheet import AssembledSheet
 from wiggleroom.mating.flanks import inset
 from wiggleroom.report import frame, palette
 from wiggleroom.report.sheet_record import on_sheet, sheet_headline

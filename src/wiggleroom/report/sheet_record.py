@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wiggleroom.mating.bodies import AssembledSheet
+from wiggleroom.mating.assembled_sheet import AssembledSheet
 
 if TYPE_CHECKING:
     from rich.console import Group

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
-from wiggleroom.report.endings import ending
-from wiggleroom.report.palette import FONT, INK, PAPER, QUIET
+from wiggleroom.report.file_endings import ending
+from wiggleroom.report.palette import FONT, INK, PAPER, SUBDUED
 from wiggleroom.report.spatial_table import spatial_certainty, spatial_headline
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
@@ -136,7 +136,7 @@ def spatial_svg(
         f'<rect width="{WIDTH:g}" height="{HEIGHT:g}" fill="{PAPER}"/>',
     ]
     for k, line in enumerate(lines):
-        size, shade = (18, INK) if k == 0 else (13, QUIET)
+        size, shade = (18, INK) if k == 0 else (13, SUBDUED)
         out.append(
             f'<text x="20" y="{28 + 22 * k}" font-family="{FONT}" font-size="{size}" fill="{shade}">{escape(line)}</text>'
         )

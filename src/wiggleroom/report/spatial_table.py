@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wiggleroom.report.answer_words import few, number, short
 from wiggleroom.report.table import columns, fixed
-from wiggleroom.report.words import few, number, short
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
 from wiggleroom.spatial.spatial_separation import SpatialSeparation

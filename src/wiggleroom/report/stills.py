@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from wiggleroom.files import write_whole
-from wiggleroom.report.endings import STILLS, ending, see
+from wiggleroom.report.file_endings import STILLS, ending, see
 
 
 def write_svg(svg: str, path: Path) -> None:

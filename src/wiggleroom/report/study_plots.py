@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.errors import InputError
+from wiggleroom.report.answer_words import asked, number, unit
 from wiggleroom.report.plots import curve, histogram
-from wiggleroom.report.studies import lost_sentence, spread_words, yield_sentence
-from wiggleroom.report.words import asked, number, unit
+from wiggleroom.report.study_results import lost_sentence, spread_words, yield_sentence
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.verdict import Verdict

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.drawing.model import part_of
-from wiggleroom.report.words import ask, certainty, headline, holding, number, proven, searched, sentence, short
+from wiggleroom.report.answer_words import ask, certainty, headline, holding, number, proven, searched, sentence, short
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 

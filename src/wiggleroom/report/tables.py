@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.report.apart_picture import Checked
+from wiggleroom.report.separability_picture import Checked
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.allowable_gap import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking

@@ -378,7 +378,7 @@ class TolerancesResult(Struct, tag_field="format", tag="wiggleroom.tolerances/1"
     command: Command
 
 
-class PartEntry(Struct):
+class PartListing(Struct):
     """One part as drawn."""
 
     name: str
@@ -396,7 +396,7 @@ class PartEntry(Struct):
 class PartsResult(Struct, tag_field="format", tag="wiggleroom.parts/1", kw_only=True):
     """What a file holds: `wiggleroom parts --json`."""
 
-    parts: list[PartEntry]
+    parts: list[PartListing]
     notes: Notes
     findings: Annotated[list[str], Meta(description="what is wrong with the file, one line each")]
     command: Command

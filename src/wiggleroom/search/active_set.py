@@ -13,14 +13,14 @@ from wiggleroom.program.nonlinear_program import Program
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-END = 1e-6
+EDGE_END_TOLERANCE = 1e-6
 """A foot within this share of an edge's length from its end is at the end."""
-ACTIVE = 1e-6
+ACTIVE_TOLERANCE = 1e-6
 """A row that would gain less than this share of the objective by giving way a whole clearance holds nothing."""
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class ActiveSet:
     """Active rows at a point.
 
     Parameters
@@ -40,12 +40,12 @@ class Touch:
     @property
     def virtual(self) -> NDArray[np.bool_]:
         """Rows that stop the motion although nothing touches there."""
-        return ~((self.place > -END) & (self.place < 1 + END))
+        return ~((self.place > -EDGE_END_TOLERANCE) & (self.place < 1 + EDGE_END_TOLERANCE))
 
     @property
     def at_end(self) -> NDArray[np.bool_]:
         """Corner on corner: the way past either corner is another branch."""
-        return ~self.virtual & ((self.place < END) | (self.place > 1 - END))
+        return ~self.virtual & ((self.place < EDGE_END_TOLERANCE) | (self.place > 1 - EDGE_END_TOLERANCE))
 
     def lines_at_end(self, program: Program, pairs: Ints) -> Ints:
         """Kind and edge (k, 2) of a line that a corner touches at its end, for each of some pairs; -1 where there is none."""
@@ -56,7 +56,7 @@ class Touch:
         return out
 
 
-def wishes(program: Program, u: Floats, touch: Touch, pairs: Ints) -> Floats:
+def wishes(program: Program, u: Floats, touch: ActiveSet, pairs: Ints) -> Floats:
     """Relative poses (k, 3) of some pairs one clearance further where their virtual walls push back: where they would go without them."""
     at = program.linearise(u)
     push = np.zeros((len(program.cells.a), 3))
@@ -71,12 +71,12 @@ def wishes(program: Program, u: Floats, touch: Touch, pairs: Ints) -> Floats:
     return at.g[pairs] + push
 
 
-def touching(program: Program, u: Floats, lam: Floats) -> Touch:
+def touching(program: Program, u: Floats, lam: Floats) -> ActiveSet:
     """Rows with a force at u (3F,), from the multipliers `lam` (R,) of a solution."""
     h, force = program.values(u), lam / program.length
     value = abs(program.objective.value(program.motion(u)))
     # strict complementarity: the share of the objective that a row holds outweighs what is left of its gap
-    row = np.flatnonzero((lam > ACTIVE * max(value, program.length)) & (lam > h * program.length))
+    row = np.flatnonzero((lam > ACTIVE_TOLERANCE * max(value, program.length)) & (lam > h * program.length))
     pair = program.cells.pair[row]
     place = np.full(len(row), np.nan)
     g, _ = program.relative(program.motion(u))
@@ -96,4 +96,4 @@ def touching(program: Program, u: Floats, lam: Floats) -> Touch:
         normal = shapes.normal[edge]
         along = np.column_stack([-normal[:, 1], normal[:, 0]])
         place[k] = ((spot - shapes.corner[edge]) * along).sum(1) / shapes.length[edge]
-    return Touch(row, pair, force[row], place)
+    return ActiveSet(row, pair, force[row], place)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.global_search import SearchEffort

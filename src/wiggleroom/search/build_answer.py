@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
 from wiggleroom.geometry.bodies import Bodies
@@ -16,7 +16,7 @@ from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.incumbent import Incumbent
-from wiggleroom.search.loop import FAR, ROUND, LocalSearch, Progress
+from wiggleroom.search.loop import ESCAPE_DISTANCE, FULL_TURN, LocalSearch, Progress
 from wiggleroom.search.moves import branch_left_open
 from wiggleroom.solve.kkt_conditions import conditions
 from wiggleroom.verdict import SolverStatus, Verdict
@@ -106,8 +106,8 @@ def unlimited(
     assembly: Assembly, bodies: Bodies, motion: Floats, size: float
 ) -> tuple[tuple[str, ...], tuple[str, ...]]:
     """Names of the parts that move away, and of those that turn, without limit, from the motion (n, 3) of the bodies."""
-    far = np.hypot(*motion[:, :2].T) > FAR * size / 2
-    turned = (np.abs(motion[:, 2]) > ROUND / 2) & ~far
+    far = np.hypot(*motion[:, :2].T) > ESCAPE_DISTANCE * size / 2
+    turned = (np.abs(motion[:, 2]) > FULL_TURN / 2) & ~far
     return _names(assembly, bodies, far), _names(assembly, bodies, turned)
 
 

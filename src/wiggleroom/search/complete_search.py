@@ -19,11 +19,11 @@ from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
 
-MOST_BOXES, BOX_WORK = 120_000, 1_500_000
+MAX_BOXES, BOX_WORK = 120_000, 1_500_000
 """Boxes judged at most, and boxes times corners: a box takes longer where there are more corners."""
-BETTER, PROVEN = 1e-4, 9e-4
+MIN_IMPROVEMENT, PROVEN_GAP = 1e-4, 9e-4
 """Motions better by the first share are looked for, until none better by the second is left."""
-MOST_CLIMBS = 30
+MAX_CLIMBS = 30
 
 
 def complete(first: LocalSearch) -> tuple[LocalSearch, float | None]:
@@ -45,12 +45,12 @@ def complete(first: LocalSearch) -> tuple[LocalSearch, float | None]:
     boxes = _boxes(first)
     if boxes is None:
         return first, None
-    for _ in range(MOST_CLIMBS):
+    for _ in range(MAX_CLIMBS):
         value, free = best.certain_value()
         if free or value <= 0:
             break
-        most = value * (1 + PROVEN)
-        closed, way = boxes.beyond(value * (1 + BETTER), most, first.stop)
+        most = value * (1 + PROVEN_GAP)
+        closed, way = boxes.beyond(value * (1 + MIN_IMPROVEMENT), most, first.stop)
         if closed:
             return best, most
         start = None if way is None else _start(ready, boxes, way)
@@ -88,7 +88,7 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
         direction.sum(0),
         lever,
         float(goal.turn[mine].sum()),
-        MOST_BOXES,
+        MAX_BOXES,
     )
 
 

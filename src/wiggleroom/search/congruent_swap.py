@@ -21,9 +21,9 @@ from wiggleroom.geometry.relative_pose import turn
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-APART = 0.05
+POSE_TOLERANCE = 0.05
 """Ends of two joints that differ by less than this share of the clearance are the same."""
-MOST = 64
+MAX_SWAPS = 64
 """Joints are tried one by one where there are no more tries than this."""
 
 
@@ -51,14 +51,14 @@ def twins(bodies: Bodies, cells: Cells, motion: Floats, clearance: float) -> lis
     for kind in range(int(label.max(initial=-1)) + 1):
         same = np.flatnonzero(label == kind)
         for k, like in enumerate(same):
-            far = np.abs(end[same] - end[like]).max(axis=1) > APART * clearance
+            far = np.abs(end[same] - end[like]).max(axis=1) > POSE_TOLERANCE * clearance
             if not far[:k].all():  # an end that was met before
                 continue
             others = same[far]
             if len(others):
                 together.append(Twin(others, int(like)))
                 alone += [Twin(np.array([one]), int(like)) for one in others]
-    return [*together, *alone] if len(together) + len(alone) <= MOST else []
+    return [*together, *alone] if len(together) + len(alone) <= MAX_SWAPS else []
 
 
 def exchanged(bodies: Bodies, cells: Cells, twin: Twin) -> Cells:

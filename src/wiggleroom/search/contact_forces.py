@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program
-from wiggleroom.search.active_set import Touch
+from wiggleroom.search.active_set import ActiveSet
 from wiggleroom.search.answer import Contact
 
-WEAK = 1e-5
+MIN_FORCE_SHARE = 1e-5
 """Contacts with less than this share of the largest force are not reported."""
 
 
 def contacts(
-    assembly: Assembly, program: Program, u: np.ndarray, touch: Touch, unit: float = 1.0
+    assembly: Assembly, program: Program, u: np.ndarray, touch: ActiveSet, unit: float = 1.0
 ) -> tuple[Contact, ...]:
     """Contacts at u (3F,) in assembly coordinates, strongest first; forces in this unit."""
     bodies, cells, shapes = program.bodies, program.cells, program.bodies.shapes
     pose, name = bodies.rest + program.motion(u), assembly.names
     order = np.argsort(-touch.force, kind="stable")
-    order = order[~touch.virtual[order] & (touch.force[order] >= WEAK * touch.force.max(initial=0.0))]
+    order = order[~touch.virtual[order] & (touch.force[order] >= MIN_FORCE_SHARE * touch.force.max(initial=0.0))]
     row, pair = touch.row[order], touch.pair[order]
     of_a = cells.kind[row] == kernel.A_EDGE
     a, b, edge, corner = cells.a[pair], cells.b[pair], cells.edge[row], cells.corner[row]

@@ -12,25 +12,25 @@ from wiggleroom.geometry.neighbours import relative_rest
 from wiggleroom.program.objectives import Objective, PointMotion
 from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.loop import LocalSearch, Policy
-from wiggleroom.search.moves import ASIDE, CLIMB, THOROUGH
+from wiggleroom.search.moves import CLIMB, RANDOM_CLIMB, THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.state_tree import StateTree
 
 Floats = NDArray[np.float64]
 
-MOST_BODIES = 50
+MAX_BODIES = 50
 """Assemblies of more free bodies are climbed once."""
-WORK = 2000.0
+WORK_BUDGET = 2000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
-MOST_PAIRS = 200
+MAX_KNOWN_PAIRS = 200
 """Up to so many pairs that are apart at rest are known from the start."""
-BETTER = 1e-4
+MIN_IMPROVEMENT = 1e-4
 """An end better by this share is followed to its own end."""
-ALONE = 0.5
+SINGLE_BODY_SHARE = 0.5
 """Share of the random objectives that are about one body."""
-SAME = 1e-3
+VALUE_TOLERANCE = 1e-3
 """Ends that differ by less than this share count as equal."""
 
 
@@ -98,7 +98,7 @@ class _GlobalSearch:
     def goes_on(self, starts: int | None) -> bool:
         """True while there is more to do."""
         free = int((~self.first.ready.bodies.fixed).sum())
-        more = self.made < starts if starts is not None else free <= MOST_BODIES and self.work < WORK
+        more = self.made < starts if starts is not None else free <= MAX_BODIES and self.work < WORK_BUDGET
         return more and not self.first.stopped and not self.free and not (starts is None and self._saturated)
 
     @property
@@ -109,7 +109,7 @@ class _GlobalSearch:
         """
         ends = np.sort(self.values)
         n = len(ends)
-        met = 1 + int((np.diff(ends) > SAME * np.abs(ends[1:])).sum())
+        met = 1 + int((np.diff(ends) > VALUE_TOLERANCE * np.abs(ends[1:])).sum())
         return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + 0.5
 
     def result(self) -> tuple[LocalSearch, SearchEffort]:
@@ -117,7 +117,7 @@ class _GlobalSearch:
         best = self.best
         best.rounds, best.iterations, best.seconds = self.rounds, self.iterations, self.seconds
         best.ended = best.ended and not self.first.stopped
-        margin = SAME * abs(self.value)
+        margin = VALUE_TOLERANCE * abs(self.value)
         others = [v for v in self.values if v < self.value - margin]
         at_value = sum(abs(v - self.value) <= margin for v in self.values)
         return best, SearchEffort(self.made + 1, at_value, max(others, default=None))
@@ -138,7 +138,7 @@ class _GlobalSearch:
         self.hills[between] = found.value
         if not climb.unlimited and self.tree.known(found.motion) is None:
             self.hills[self.tree.add(found, between)] = found.value
-        least = BETTER * max(abs(found.value), self.first.ready.clearance)
+        least = MIN_IMPROVEMENT * max(abs(found.value), self.first.ready.clearance)
         if climb.unlimited or found.value > self.value + least:
             self._follow(replace(found, legs=(*self.tree.legs_to(between), *found.legs[1:])))
 
@@ -155,7 +155,7 @@ class _GlobalSearch:
 
     def _step_aside(self, objective: Objective, state: int) -> tuple[int | None, int | None]:
         """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
-        search = self._search(objective, ASIDE)
+        search = self._search(objective, RANDOM_CLIMB)
         found = self._run(search, self.tree.states[state].start)
         if found is None or search.unlimited or search.stopped:
             return None, None
@@ -185,7 +185,7 @@ def _rest_of_all_pairs(ready: Prepared) -> Start:
     a, b = np.triu_indices(n, 1)
     key = a * n + b
     new = ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(key, np.concatenate([ready.barred, cells.a * n + cells.b]))
-    if new.sum() > MOST_PAIRS:
+    if new.sum() > MAX_KNOWN_PAIRS:
         return rest
     a, b = a[new], b[new]
     grown, good = grow_cells(bodies, a, b, relative_rest(bodies, a, b), np.full(len(a), ready.clearance))
@@ -205,7 +205,7 @@ def _turns(ready: Prepared) -> list[Objective]:
 def _random_objective(ready: Prepared, random: np.random.Generator) -> Objective:
     """A pull and a turn of one body or of all, at random."""
     free = np.flatnonzero(~ready.bodies.fixed)
-    if random.random() < ALONE:
+    if random.random() < SINGLE_BODY_SHARE:
         free = random.choice(free, 1)
     direction = random.standard_normal((len(free), 2))
     return PointMotion(

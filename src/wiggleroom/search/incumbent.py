@@ -9,13 +9,13 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.program.nonlinear_program import Program
-from wiggleroom.search.active_set import Touch
+from wiggleroom.search.active_set import ActiveSet
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import INITIAL_BARRIER, Solution
 
 Floats = NDArray[np.float64]
 
-AGAIN = 5.0
+BARRIER_GROWTH = 5.0
 """A round begins with this multiple of the complementarity at the inner point of the one before: its new cells leave more to gain."""
 
 
@@ -81,7 +81,7 @@ class Incumbent:
     value: float
     program: Program
     solution: Solution
-    touch: Touch
+    touch: ActiveSet
     legs: tuple[Leg, ...]
     begin: Floats
     tolerance: float
@@ -110,5 +110,5 @@ class Incumbent:
     def start(self, *, tolerance: float | None = None, mu: float | None = None, level: int = 0) -> Start:
         """Where a round in the same cells begins: at the inner point, or at one nearer to the end."""
         point = self.nearer(level)
-        mu = AGAIN * self.solution.inner_mu if mu is None else mu
+        mu = BARRIER_GROWTH * self.solution.inner_mu if mu is None else mu
         return Start(self.program.cells, self.program.motion(point), (*self.legs, self.leg(point)), mu, tolerance)

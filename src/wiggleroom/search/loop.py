@@ -19,7 +19,7 @@ from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.incumbent import Incumbent, Start
-from wiggleroom.search.path_check import Way, whole_way
+from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.verdict import SolverStatus
@@ -27,22 +27,22 @@ from wiggleroom.verdict import SolverStatus
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ROUGH, FINE = 1e-2, 1e-6
+ROUGH_TOLERANCE, FINE_TOLERANCE = 1e-2, 1e-6
 """Tolerance of the first rounds, which only show where everything wants to go, and of the others."""
-MOST_ROUNDS = 200
-EACH, COARSE = 1e-8, 5e-5
+MAX_ROUNDS = 200
+TOLERANCE_PER_BODY, MAX_TOLERANCE = 1e-8, 5e-5
 """Share of the objective that each body may leave on the table, where that is more than the tolerance, and all together at most."""
-GAIN = 2e-7
+MIN_GAIN = 2e-7
 """A gain below this share of the objective for each body is none."""
-FAR = 4.0
+ESCAPE_DISTANCE = 4.0
 """A body that moves further than this multiple of the drawing's size leaves."""
-NUDGE = 1e-3
+PERTURBATION = 1e-3
 """Standard deviation of the first, random displacement, in units of the clearance."""
-MOST_RESTARTS = 3
+MAX_RESTARTS = 3
 """Most restarts after a pair outside the program was met on the path."""
-MANY = 1000
+LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
-ROUND = 2.0 * np.pi + 0.5
+FULL_TURN = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] can turn without limit."""
 
 
@@ -92,9 +92,9 @@ class Policy:
     stale: Callable[[LocalSearch, Incumbent], Ints]
     fine: Callable[[LocalSearch], float]
     unchecked: Callable[[LocalSearch, Incumbent], tuple[Ints, Ints]] | None = None
-    rough: float = ROUGH
+    rough: float = ROUGH_TOLERANCE
     mu_may_grow: bool = True
-    most_rounds: int = MOST_ROUNDS
+    most_rounds: int = MAX_ROUNDS
 
 
 @dataclass(eq=False)
@@ -137,7 +137,7 @@ class LocalSearch:
     rounds: int = 0
     iterations: int = 0
     restarts: int = 0
-    checked: tuple[Incumbent, Way] | None = None
+    checked: tuple[Incumbent, CheckedPath] | None = None
     seconds: dict[str, float] = field(default_factory=lambda: {"freespace": 0.0, "solve": 0.0, "check": 0.0})
 
     def improve(self, start: Start) -> Incumbent | None:
@@ -184,7 +184,9 @@ class LocalSearch:
     def _goes_on_from(self, found: Incumbent, before: Incumbent) -> bool:
         """True where an incumbent that gained nothing is surer than the one before, or rough and nearly as good."""
         surer = self.best is found and found.tolerance < before.tolerance
-        return surer or (found.tolerance > self.fine and found.value >= before.value - ROUGH * abs(before.value))
+        return surer or (
+            found.tolerance > self.fine and found.value >= before.value - ROUGH_TOLERANCE * abs(before.value)
+        )
 
     @property
     def stopped(self) -> bool:
@@ -199,7 +201,7 @@ class LocalSearch:
     @property
     def large(self) -> bool:
         """True where the last hundredth of a per cent would cost more than all before."""
-        return len(self.ready.bodies.fixed) > MANY
+        return len(self.ready.bodies.fixed) > LARGE_ASSEMBLY
 
     @property
     def unlimited(self) -> bool:
@@ -207,8 +209,8 @@ class LocalSearch:
         if self.best is None:
             return False
         asked = (self.objective.gradient(self.best.motion) != 0).any(axis=1)
-        far = np.hypot(*self.best.motion[asked, :2].T).max(initial=0.0) > FAR * self.ready.size
-        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > ROUND)
+        far = np.hypot(*self.best.motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size
+        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > FULL_TURN)
 
     def certain_value(self) -> tuple[float, bool]:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
@@ -219,7 +221,7 @@ class LocalSearch:
             return self.best.value, self.unlimited
         return self.objective.value(way.motions[max(way.certain, 1) - 1]), False
 
-    def way(self, found: Incumbent) -> Way:
+    def way(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""
         if self.checked is None or self.checked[0] is not found:
             self.checked = found, whole_way(self.ready, found.path, self.stop)
@@ -234,7 +236,7 @@ class LocalSearch:
         tolerance = self.policy.rough if start.tolerance is None else start.tolerance
         solution = self.solve(
             program, begin if start.legs else nudged(program, begin), mu=start.mu, tolerance=tolerance,
-            horizon=FAR * self.ready.size, stop=self.stop,
+            horizon=ESCAPE_DISTANCE * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
         self.iterations += solution.iterations
@@ -247,7 +249,7 @@ class LocalSearch:
     def _keep(self, found: Incumbent) -> bool:
         """Keep what is better than the best so far, or surer and not much worse; True where it is better by more than it might err."""
         rough = self.best.tolerance if self.best and self.large else found.tolerance
-        least = max(GAIN * len(found.motion), 0.3 * rough) * max(abs(found.value), self.ready.clearance)
+        least = max(MIN_GAIN * len(found.motion), 0.3 * rough) * max(abs(found.value), self.ready.clearance)
         before = self.best.value if self.best else 0.0
         surer = self.best is not None and (
             found.tolerance < self.best.tolerance
@@ -256,7 +258,7 @@ class LocalSearch:
         gained = found.value - before > least
         # as good is not enough where walls hold it that nothing touches
         worse = self.best is not None and bool(found.touch.virtual.any()) and not self.best.touch.virtual.any()
-        allowed = 0.1 * ROUGH * abs(before) if surer else 0.0
+        allowed = 0.1 * ROUGH_TOLERANCE * abs(before) if surer else 0.0
         if self.best is None or gained or (found.value >= before - allowed and (surer or not worse)):
             self.best = found
         return gained
@@ -267,7 +269,7 @@ class LocalSearch:
         if best is None:
             return None
         more = self._with_missed(best, start)
-        if more is None and self.policy.unchecked is not None and self.restarts < MOST_RESTARTS:
+        if more is None and self.policy.unchecked is not None and self.restarts < MAX_RESTARTS:
             began = time.perf_counter()
             a, b = self.policy.unchecked(self, best)
             if len(a):
@@ -329,5 +331,5 @@ class LocalSearch:
 
 def nudged(program: Program, u: Floats) -> Floats:
     """A point beside u: a symmetric assembly would else stay on the ridge between two equal ways."""
-    aside = u + NUDGE * np.random.default_rng(0).standard_normal(len(u))
+    aside = u + PERTURBATION * np.random.default_rng(0).standard_normal(len(u))
     return aside if (program.values(aside) > 0.5 * program.values(u)).all() else u

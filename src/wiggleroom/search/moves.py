@@ -15,15 +15,23 @@ from wiggleroom.program.nonlinear_program import build
 from wiggleroom.search.active_set import wishes
 from wiggleroom.search.congruent_swap import Twin, exchanged, followed, twins
 from wiggleroom.search.incumbent import Incumbent, Leg, Start
-from wiggleroom.search.loop import COARSE, EACH, FINE, ROUGH, LocalSearch, Policy, Progress
+from wiggleroom.search.loop import (
+    FINE_TOLERANCE,
+    MAX_TOLERANCE,
+    ROUGH_TOLERANCE,
+    TOLERANCE_PER_BODY,
+    LocalSearch,
+    Policy,
+    Progress,
+)
 from wiggleroom.solve.interior_point import INITIAL_BARRIER
 from wiggleroom.verdict import SolverStatus
 
 Ints = NDArray[np.int64]
 
-FEW = 8, 100
+MAX_BRANCHES = 8, 100
 """Up to so many corner contacts are tried one by one, in an assembly of up to so many bodies."""
-NEARER = 2
+MAX_NEARER_SEEDS = 2
 """Most regrowths from a seed nearer the optimum."""
 
 
@@ -64,7 +72,7 @@ def regrow_nearer(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterato
     """Grow the stale cells nearer to the end: past a corner, the walls that matter show only from where it has been passed."""
     if incumbent.touch.virtual.any() and not search.large:
         seed = incumbent.solution.inner
-        for level in range(1, NEARER + 1):
+        for level in range(1, MAX_NEARER_SEEDS + 1):
             if incumbent.nearer(level) is seed:
                 return
             seed = incumbent.nearer(level)
@@ -88,7 +96,7 @@ def congruent_swap(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterat
     """In small assemblies, let joints go the way of a congruent one."""
     count = len(incumbent.program.cells.a)
     whole = all(len(leg.program.cells.a) == count for leg in incumbent.legs)
-    if whole and len(incumbent.motion) <= FEW[1]:
+    if whole and len(incumbent.motion) <= MAX_BRANCHES[1]:
         bodies, cells = search.ready.bodies, incumbent.program.cells
         for twin in twins(bodies, cells, incumbent.motion, search.ready.clearance):
             yield replace(_swapped(search, incumbent, twin), tolerance=search.fine)
@@ -143,7 +151,7 @@ def _corner_contacts(incumbent: Incumbent) -> Ints:
 
 
 def _few(incumbent: Incumbent) -> bool:
-    return len(_corner_contacts(incumbent)) <= FEW[0] and len(incumbent.motion) <= FEW[1]
+    return len(_corner_contacts(incumbent)) <= MAX_BRANCHES[0] and len(incumbent.motion) <= MAX_BRANCHES[1]
 
 
 def _unchecked(search: LocalSearch, incumbent: Incumbent) -> tuple[Ints, Ints]:
@@ -151,14 +159,18 @@ def _unchecked(search: LocalSearch, incumbent: Incumbent) -> tuple[Ints, Ints]:
 
 
 def _fine(search: LocalSearch) -> float:
-    return min(max(FINE, EACH * len(search.ready.bodies.fixed)), COARSE)
+    return min(max(FINE_TOLERANCE, TOLERANCE_PER_BODY * len(search.ready.bodies.fixed)), MAX_TOLERANCE)
 
 
-PLAIN = Policy(moves=(regrow_stale, tighten, regrow_nearer), stale=stale, fine=_fine)
+WITHOUT_BRANCHES = Policy(moves=(regrow_stale, tighten, regrow_nearer), stale=stale, fine=_fine)
 """The best motion in reach of the cells; other sides of corner contacts are not tried, and nobody looks at the path."""
-THOROUGH = replace(PLAIN, moves=(*PLAIN.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked)
+THOROUGH = replace(
+    WITHOUT_BRANCHES, moves=(*WITHOUT_BRANCHES.moves, other_side_of_corners, congruent_swap), unchecked=_unchecked
+)
 """What an answer needs."""
-CLIMB = replace(PLAIN, moves=(regrow_stale, tighten), unchecked=_unchecked, fine=lambda _: 1e-4)
+CLIMB = replace(WITHOUT_BRANCHES, moves=(regrow_stale, tighten), unchecked=_unchecked, fine=lambda _: 1e-4)
 """A climb that only shows how high a hill is."""
-ASIDE = replace(PLAIN, moves=(regrow_stale,), unchecked=_unchecked, fine=lambda _: ROUGH, most_rounds=8)
+RANDOM_CLIMB = replace(
+    WITHOUT_BRANCHES, moves=(regrow_stale,), unchecked=_unchecked, fine=lambda _: ROUGH_TOLERANCE, most_rounds=8
+)
 """A short climb, with another objective than the true one."""

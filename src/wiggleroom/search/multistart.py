@@ -10,11 +10,11 @@ from wiggleroom.program.objectives import Objective, PointMotion
 
 Floats = NDArray[np.float64]
 
-FLAT = 1e-9
+GRADIENT_TOLERANCE = 1e-9
 """An objective whose derivatives at rest are below this share of what a motion by one clearance makes them is at rest there."""
-MANY = 300
+LARGE_ASSEMBLY = 300
 """Assemblies of more bodies get fewer starts."""
-UNEVEN = 0.2
+WEIGHT_DEVIATION = 0.2
 """Standard deviation of the weights of the pulls, so that no start is a symmetric one."""
 
 
@@ -26,13 +26,13 @@ def pulls(bodies: Bodies, objective: Objective, clearance: float) -> tuple[Point
     """
     still = np.zeros((len(bodies.fixed), 3))
     moved = np.where(bodies.fixed[:, None], 0.0, [[clearance, clearance, 0.0]])
-    if np.abs(objective.gradient(still)).max() > FLAT * np.abs(objective.gradient(moved)).max():
+    if np.abs(objective.gradient(still)).max() > GRADIENT_TOLERANCE * np.abs(objective.gradient(moved)).max():
         return ()
     random = np.random.default_rng(0)
     free = np.flatnonzero(~bodies.fixed)
     ways = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)]
     found = [_pull(bodies, free, np.tile(way, (len(free), 1)), 0.0, random) for way in ways]
-    if len(free) <= MANY:
+    if len(free) <= LARGE_ASSEMBLY:
         found += [_pull(bodies, free, np.zeros((len(free), 2)), sense, random) for sense in (1.0, -1.0)]
         found += [_pull(bodies, free, random.standard_normal((len(free), 2)), 0.0, random) for _ in range(2)]
     return tuple(found)
@@ -41,6 +41,6 @@ def pulls(bodies: Bodies, objective: Objective, clearance: float) -> tuple[Point
 def _pull(
     bodies: Bodies, free: NDArray[np.int64], way: Floats, turn: float, random: np.random.Generator
 ) -> PointMotion:
-    weight = 1.0 + UNEVEN * random.standard_normal(len(free))
+    weight = 1.0 + WEIGHT_DEVIATION * random.standard_normal(len(free))
     lever = turn * weight * bodies.radius[free]
     return PointMotion(free, way * weight[:, None], np.zeros((len(free), 2)), lever)

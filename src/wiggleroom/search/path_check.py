@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.audit.outlines import Outlines, outlines
+from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.path_audit import PathAudit, audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies
@@ -22,16 +22,16 @@ from wiggleroom.solve.factorisation import Factor, factor
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-MOST_SPLITS = 12
+MAX_SPLITS = 12
 """A piece of the path is halved at most this often."""
-MOST_AT_ONCE = 32
+SPLIT_BATCH = 32
 """So many pieces are halved before the audit looks again, the first ones first: where one of them fails, the rest is of no use."""
-FEW_SPLITS = 3
+MAX_UNKNOWN_SPLITS = 3
 """The same where the pair that may overlap on it is not in its program."""
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class CheckedPath:
     """A path from rest.
 
     Parameters
@@ -70,7 +70,7 @@ class _Point:
     depth: int
 
 
-def whole_way(ready: Prepared, legs: Sequence[Leg], stop: Stop | None = None) -> Way:
+def whole_way(ready: Prepared, legs: Sequence[Leg], stop: Stop | None = None) -> CheckedPath:
     """Check a path that consists of legs, each inside the cells of one program.
 
     Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help.
@@ -88,10 +88,10 @@ def whole_way(ready: Prepared, legs: Sequence[Leg], stop: Stop | None = None) ->
     motions = np.array([legs[p.leg].program.motion(p.u) for p in points])
     if free:
         none = np.zeros(0, dtype=np.int64)
-        return Way(motions, waypoints, len(points), tuple(legs), (none, none))
+        return CheckedPath(motions, waypoints, len(points), tuple(legs), (none, none))
     last = points[max(audit.certain - 1, 0)]
     kept = (*legs[: last.leg], Leg(legs[last.leg].program, legs[last.leg].points[: last.index + 1]))
-    return Way(motions, waypoints, audit.certain, kept, missed(ready.bodies, audit, kept[-1].program))
+    return CheckedPath(motions, waypoints, audit.certain, kept, missed(ready.bodies, audit, kept[-1].program))
 
 
 def missed(bodies: Bodies, audit: PathAudit, program: Program) -> tuple[Ints, Ints]:
@@ -107,7 +107,7 @@ def _waypoints(ready: Prepared, legs: Sequence[Leg], points: Sequence[_Point]) -
 
 
 def _refined(
-    ready: Prepared, legs: Sequence[Leg], parts: Outlines, points: list[_Point], audit: PathAudit
+    ready: Prepared, legs: Sequence[Leg], parts: AuditOutlines, points: list[_Point], audit: PathAudit
 ) -> tuple[list[_Point], bool]:
     """The path with more points on the doubtful pieces, one stretch of them after the other; True where all are free now."""
     out: list[_Point] = []
@@ -128,12 +128,12 @@ def _refined(
 
 
 def _refined_stretch(
-    ready: Prepared, legs: Sequence[Leg], parts: Outlines, points: list[_Point], refiner: _Refiner
+    ready: Prepared, legs: Sequence[Leg], parts: AuditOutlines, points: list[_Point], refiner: _Refiner
 ) -> tuple[list[_Point], bool]:
     """Halve the doubtful pieces of a stretch until none is left, or that does not help; True where none is."""
     doubtful = np.ones(len(points) - 1, dtype=bool)
     while True:
-        halved = set(np.flatnonzero(doubtful)[:MOST_AT_ONCE].tolist())
+        halved = set(np.flatnonzero(doubtful)[:SPLIT_BATCH].tolist())
         finer = [points[0]]
         for k, after in enumerate(points[1:]):
             if k in halved:
@@ -146,7 +146,7 @@ def _refined_stretch(
             return points, True
         k = int(doubtful.argmax())
         stranger = len(missed(ready.bodies, audit, legs[points[k + 1].leg].program)[0]) > 0
-        if audit.certain == 0 or points[k + 1].depth >= (FEW_SPLITS if stranger else MOST_SPLITS):
+        if audit.certain == 0 or points[k + 1].depth >= (MAX_UNKNOWN_SPLITS if stranger else MAX_SPLITS):
             return points, False
 
 

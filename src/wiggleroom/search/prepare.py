@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
@@ -20,11 +20,11 @@ from wiggleroom.program.objectives import Objective, objective
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TOUCHING = 1e-6
+CONTACT_TOLERANCE = 1e-6
 """A clearance below this share of the drawing's size counts as touching."""
-ENOUGH = 200
+CLEARANCE_SAMPLES = 200
 """So many bodies tell what the typical clearance is."""
-REACH = 3.0
+NEIGHBOUR_REACH = 3.0
 """Pairs closer than this multiple of the typical clearance are in the program from the start."""
 
 
@@ -133,16 +133,16 @@ def survey(assembly: Assembly) -> Survey:
     barred = _barred(assembly, them)
     geometry, size = placed(them), assembly.size
     clearance = _clearance(assembly.gap, geometry, size)
-    near = neighbours(them, geometry, REACH * clearance, barred=barred)
-    if len(near.a) and near.clearance.min() < TOUCHING * size:
+    near = neighbours(them, geometry, NEIGHBOUR_REACH * clearance, barred=barred)
+    if len(near.a) and near.clearance.min() < CONTACT_TOLERANCE * size:
         _refuse_touching(assembly, them, near, size)
     return Survey(them, geometry, barred, clearance, size, near)
 
 
 def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:
     """True where boundaries run along each other, not only past a corner."""
-    near = shapely.buffer(b, 1.5 * REACH * clearance)
-    return shapely.length(shapely.intersection(shapely.boundary(a), near)) > 5 * REACH * clearance
+    near = shapely.buffer(b, 1.5 * NEIGHBOUR_REACH * clearance)
+    return shapely.length(shapely.intersection(shapely.boundary(a), near)) > 5 * NEIGHBOUR_REACH * clearance
 
 
 def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floats, stop: Stop | None = None) -> Cells:
@@ -167,9 +167,9 @@ def _clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
     """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median."""
     if len(geometry) < 2:
         return float(gap) or 1e-3 * size
-    some = geometry[np.linspace(0, len(geometry) - 1, min(len(geometry), ENOUGH)).astype(int)]
+    some = geometry[np.linspace(0, len(geometry) - 1, min(len(geometry), CLEARANCE_SAMPLES)).astype(int)]
     _, apart = shapely.STRtree(geometry).query_nearest(some, exclusive=True, all_matches=False, return_distance=True)
-    apart = apart[apart > TOUCHING * size]
+    apart = apart[apart > CONTACT_TOLERANCE * size]
     middle = float(np.median(apart)) if len(apart) else 1e-3 * size
     return float(gap) if 0.3 * middle < gap < 3 * middle else middle
 
@@ -196,7 +196,7 @@ def _barred(assembly: Assembly, them: Bodies) -> Ints:
 def _refuse_touching(assembly: Assembly, them: Bodies, near: Pairs, size: float) -> None:
     k = int(near.clearance.argmin())
     one, other = (assembly.names[them.members[body[k]][0]] for body in (near.a, near.b))
-    count = int((near.clearance < TOUCHING * size).sum())
+    count = int((near.clearance < CONTACT_TOLERANCE * size).sum())
     more = f" (and {count - 1} more pairs)" if count > 1 else ""
     finding = (
         f'{assembly.drawing.source or "the assembly"}: parts "{one}" and "{other}" touch at rest, clearance '

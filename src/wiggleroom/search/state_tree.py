@@ -11,7 +11,7 @@ from wiggleroom.search.incumbent import Incumbent, Leg, Start
 
 Floats = NDArray[np.float64]
 
-NOVEL = 0.5
+NOVELTY_DISTANCE = 0.5
 """A state is new where a body lies otherwise than in every state before by more than this share of the clearance."""
 
 
@@ -79,7 +79,7 @@ class StateTree:
         change = np.abs(np.array([state.motion for state in self.states]) - motion)
         moved = (np.hypot(change[..., 0], change[..., 1]) + self.radius * change[..., 2]).max(axis=1)
         nearest = int(moved.argmin())
-        return nearest if moved[nearest] <= NOVEL * self.clearance else None
+        return nearest if moved[nearest] <= NOVELTY_DISTANCE * self.clearance else None
 
     def pick(self, random: np.random.Generator) -> int:
         """A state to go on from: at random, those that were seldom chosen rather than others."""

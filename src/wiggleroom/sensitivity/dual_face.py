@@ -28,7 +28,7 @@ UNIQUENESS_TOLERANCE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
-class Face:
+class DualFace:
     """The multipliers of the rows that hold a motion, and directions in which they may change.
 
     Parameters
@@ -73,7 +73,7 @@ class Face:
         return min(ends[0], value), max(ends[1], value)
 
 
-def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> Face:
+def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> DualFace:
     """Face of multipliers at a solution; `holds` (k,) are the rows that carry a force."""
     at = program.linearise(u)
     force = lam[holds]
@@ -92,7 +92,7 @@ def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> Face:
     some = z.any(axis=0)
     turn = force[:, None] * z * np.where(some, ahead, 0.0)
     back = np.where(some, behind / ahead, 0.0)
-    return Face(holds, force / program.length, jacobian.T.tocsr(), turn / program.length, back)
+    return DualFace(holds, force / program.length, jacobian.T.tocsr(), turn / program.length, back)
 
 
 def worths(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:

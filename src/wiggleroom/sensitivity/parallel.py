@@ -29,7 +29,7 @@ MAX_RETRIES = 3
 
 
 @dataclass(frozen=True)
-class Many:
+class ParallelRun:
     """Where many solves run, and who watches.
 
     Parameters
@@ -127,7 +127,7 @@ class _Process:
 
 
 def _in_processes(
-    many: Many,
+    many: ParallelRun,
     work: Work,
     shared: Any,
     tasks: Sequence[Any],
@@ -194,7 +194,7 @@ def _in_processes(
 
 
 def _on_cluster(
-    many: Many,
+    many: ParallelRun,
     work: Work,
     shared: Any,
     tasks: Sequence[Any],

@@ -13,8 +13,8 @@ from typing import cast
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
 from wiggleroom.geometry.offset_bodies import moved
@@ -26,7 +26,7 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch
-from wiggleroom.search.moves import PLAIN
+from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution, solve
 from wiggleroom.verdict import SolverStatus, Verdict
@@ -38,7 +38,7 @@ FINE_TOLERANCE = 1e-10
 
 
 @dataclass(frozen=True)
-class Varied:
+class PerturbedObjective:
     """Largest objective with other outlines.
 
     Parameters
@@ -54,7 +54,7 @@ class Varied:
 
 
 @dataclass(frozen=True, eq=False)
-class Base:
+class PerturbationBase:
     """The last program of an answer, solved as finely as its variations will be.
 
     Parameters
@@ -97,16 +97,16 @@ def can_be_ranked(answer: Answer) -> bool:
     return found is not None and answer.objective is not None and found.solution.status is SolverStatus.CONVERGED
 
 
-def base(ready: Prepared, found: Incumbent) -> Base:
+def base(ready: Prepared, found: Incumbent) -> PerturbationBase:
     """What variations start from: the last program of a search, solved to ten digits."""
     program, solution = found.program, found.solution
     finer = solve(program, solution.inner, mu=solution.inner_mu, tolerance=FINE_TOLERANCE)
     solution = finer if finer.status is SolverStatus.CONVERGED else solution
     value = program.objective.value(program.motion(solution.u))
-    return Base(ready, program, solution, program.motion(found.solution.inner), value)
+    return PerturbationBase(ready, program, solution, program.motion(found.solution.inner), value)
 
 
-def follow(base: Base, inward: Floats) -> float:
+def follow(base: PerturbationBase, inward: Floats) -> float:
     """Objective in the walls of an answer when the outline of each part moves inward by `inward` (parts,) [mm].
 
     Meant for displacements far below the gap. nan where the walls do not do any more: no solution, or parts overlap.
@@ -120,7 +120,7 @@ def follow(base: Base, inward: Floats) -> float:
     return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
 
 
-def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats) -> Varied:
+def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats) -> PerturbedObjective:
     """Largest objective when the outline of each part moves inward by `inward` (parts,) [mm]; negative moves it out.
 
     The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the way
@@ -132,24 +132,24 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
     except InputError:
         return afresh(ready.assembly, goals, inward)
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
-        return Varied(np.nan, Verdict.TOUCHING)
+        return PerturbedObjective(np.nan, Verdict.TOUCHING)
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
-    finder = LocalSearch(varied, objective, solve, PLAIN)
+    finder = LocalSearch(varied, objective, solve, WITHOUT_BRANCHES)
     found = finder.improve(at_rest(varied))
     if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return afresh(ready.assembly, goals, inward)
     if overlaps(bodies, found.motion, ready.barred).deepest > OVERLAP_TOLERANCE * ready.size:
         return afresh(ready.assembly, goals, inward)
-    return Varied(found.value, Verdict.OPTIMAL)
+    return PerturbedObjective(found.value, Verdict.OPTIMAL)
 
 
-def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> Varied:
+def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> PerturbedObjective:
     """The same as `vary`, as `wiggleroom.flex` answers it for parts made so."""
     offset = {name: -float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
     try:
         answer = witness(assemble(assembly.drawing, offset=offset), goals)
     except InputError:
-        return Varied(np.nan, Verdict.TOUCHING)
+        return PerturbedObjective(np.nan, Verdict.TOUCHING)
     if answer.objective is None:
-        return Varied(np.inf, Verdict.UNBOUNDED)
-    return Varied(answer.objective, answer.verdict)
+        return PerturbedObjective(np.inf, Verdict.UNBOUNDED)
+    return PerturbedObjective(answer.objective, answer.verdict)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.maximise import witness
@@ -19,15 +19,15 @@ from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.dual_face import face, is_unique, worths
-from wiggleroom.sensitivity.parallel import Many
-from wiggleroom.sensitivity.perturbation import Base, base, ended, follow
+from wiggleroom.sensitivity.parallel import ParallelRun
+from wiggleroom.sensitivity.perturbation import PerturbationBase, base, ended, follow
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-STEP = 1e-3
+DIFFERENCE_STEP = 1e-3
 """Extra gap of forward differences, as a share of the typical clearance."""
-MOST_ROWS = 3000
+MAX_LP_ROWS = 3000
 """With more rows that hold, ranges are what random directions show, not the ends found by linear programs."""
 
 
@@ -144,7 +144,7 @@ def rank(
     exact : bool
         Solve again for the parts whose derivative is not unique.
     workers, cluster, stop, progress
-        Where differences are solved, see `wiggleroom.sensitivity.parallel.Many`.
+        Where differences are solved, see `wiggleroom.sensitivity.parallel.ParallelRun`.
 
     Returns
     -------
@@ -178,7 +178,7 @@ def rank(
         answer, replace(found, solution=replace(found.solution, u=start.solution.u, lam=start.solution.lam))
     )
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
-    return _by_differences(ranking, start, parts, by, Many(workers, cluster, stop, progress))
+    return _by_differences(ranking, start, parts, by, ParallelRun(workers, cluster, stop, progress))
 
 
 def rank_at_once(answer: Answer) -> Ranking:
@@ -192,7 +192,7 @@ def rank_at_once(answer: Answer) -> Ranking:
     return _by_duals(answer, ended(answer), most_rows=0)
 
 
-def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MOST_ROWS, stop: Stop | None = None) -> Ranking:
+def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
     """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
     program, solution = found.program, found.solution
     touch = touching(program, solution.u, solution.lam)
@@ -228,7 +228,7 @@ def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MOST_ROWS, stop
     )  # fmt: skip
 
 
-def _by_differences(ranking: Ranking, start: Base, parts: Ints, by: str, many: Many) -> Ranking:
+def _by_differences(ranking: Ranking, start: PerturbationBase, parts: Ints, by: str, many: ParallelRun) -> Ranking:
     """The same ranking, the derivatives of some parts taken from solving again."""
     tasks = [(int(k), sign) for k in parts for sign in (1.0, -1.0)]
     slopes = many.each(slope, start, tasks)
@@ -250,10 +250,10 @@ def _by_differences(ranking: Ranking, start: Base, parts: Ints, by: str, many: M
     return replace(ranking, by=by, looser=looser, tighter=tighter, unique=unique, ends=ends)
 
 
-def slope(start: Base, task: tuple[int, float]) -> float:
+def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
     """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
     part, sign = task
-    for step in (STEP, STEP / 10):
+    for step in (DIFFERENCE_STEP, DIFFERENCE_STEP / 10):
         extra = sign * step * start.program.length
         inward = np.zeros(len(start.program.bodies.body_of))
         inward[part] = extra / 2

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.maximise import witness
@@ -17,14 +17,14 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
-from wiggleroom.sensitivity.parallel import Many
-from wiggleroom.sensitivity.perturbation import Varied, afresh, ended, vary
+from wiggleroom.sensitivity.parallel import ParallelRun
+from wiggleroom.sensitivity.perturbation import PerturbedObjective, afresh, ended, vary
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 
-CHECKED = 10
+RESOLVED_DRAWS = 10
 """So many draws are answered again with everything worked out anew: the largest, the smallest, and some between."""
 
 
@@ -159,7 +159,7 @@ def sample(
     limit : float, optional
         Largest motion that is wanted.
     workers, cluster, stop, progress
-        Where draws are solved, see `wiggleroom.sensitivity.parallel.Many`.
+        Where draws are solved, see `wiggleroom.sensitivity.parallel.ParallelRun`.
 
     Returns
     -------
@@ -187,7 +187,7 @@ def sample(
     answer = witness(ready, goals, stop=stop)
     found = ended(answer)
     extra = lot.draw(draws, len(assembly.parts), seed)
-    many = Many(workers, cluster, stop, progress)
+    many = ParallelRun(workers, cluster, stop, progress)
     shared = (ready, found.program.objective, answer.goals)
     results = many.each(one_draw, shared, list(extra / 2))
     done = [k for k, r in enumerate(results) if r is not None]
@@ -197,7 +197,7 @@ def sample(
     value = np.array([results[k].value for k in done])
     extra = extra[done]
     again = _extremes(value)
-    anew = Many(workers, cluster, stop).each(one_afresh, (assembly, answer.goals), list(extra[again] / 2))
+    anew = ParallelRun(workers, cluster, stop).each(one_afresh, (assembly, answer.goals), list(extra[again] / 2))
     checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
     return Sample(
         answer, lot, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
@@ -208,15 +208,15 @@ def sample(
 def _extremes(value: Floats) -> list[int]:
     """Draws to check: evenly from the smallest to the largest, so both ends are among them."""
     order = np.argsort(value, kind="stable")
-    return sorted({int(order[k]) for k in np.linspace(0, len(order) - 1, CHECKED).round().astype(int)})
+    return sorted({int(order[k]) for k in np.linspace(0, len(order) - 1, RESOLVED_DRAWS).round().astype(int)})
 
 
-def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> Varied:
+def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, with the moved walls of the prepared assembly."""
     ready, objective, goals = shared
     return vary(ready, objective, goals, inward)
 
 
-def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> Varied:
+def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, everything worked out anew."""
     return afresh(*shared, inward)

@@ -10,9 +10,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import question_findings
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
@@ -33,18 +33,18 @@ from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.verdict import Verdict
 
-COUNT = 9
+DEFAULT_GAPS = 9
 """Gaps of a sweep that names none: from a quarter of the assembly's gap to twice it."""
-BRACKET = 1e-3
+BRACKET_TOLERANCE = 1e-3
 """The gap at which the motion loses its end is found to this share."""
-ASIDE = (0.5, 0.3, 0.7)
+BISECTION_SHARES = (0.5, 0.3, 0.7)
 """Where between two gaps the next one lies; the others where a search there was cut short."""
-SAME = 1e-9
+OUTLINE_TOLERANCE = 1e-9
 """Outlines that agree to this share of the drawing's size are the same."""
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class SweepStep:
     """One gap of a sweep.
 
     Parameters
@@ -83,7 +83,7 @@ class Sweep(Drawable):
 
     assembly: Assembly
     goals: tuple[Goal, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[SweepStep, ...]
     lost: tuple[float, float] | None
 
 
@@ -94,7 +94,7 @@ def sweep(
     *,
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
-    each: Callable[[Step, NDArray[np.float64] | None], None] | None = None,
+    each: Callable[[SweepStep, NDArray[np.float64] | None], None] | None = None,
 ) -> Sweep:
     """Largest motion for several gaps, and the gap from which on nothing stops it.
 
@@ -131,9 +131,9 @@ def sweep(
     sizes = _gaps(assembly, gaps, wrong)
     if wrong:
         raise InputError(wrong)
-    steps: list[Step] = []
-    state: _State | None = None
-    held: _State | None = None
+    steps: list[SweepStep] = []
+    state: _SweepState | None = None
+    held: _SweepState | None = None
     for gap in sizes:
         if stop is not None and stop.is_set():
             break
@@ -164,7 +164,7 @@ def _gaps(assembly: Assembly, gaps: Sequence[float] | None, wrong: list[str]) ->
     if gaps is None:
         if assembly.gap <= 0:
             wrong.append("sweep: the drawing has no gap to start from: name the gaps")
-        return np.linspace(assembly.gap / 4, 2 * assembly.gap, COUNT).tolist()
+        return np.linspace(assembly.gap / 4, 2 * assembly.gap, DEFAULT_GAPS).tolist()
     odd = [g for g in gaps if not 0 <= g < np.inf]
     wrong += [f"sweep: gap {g:g}: it must be 0 or more" for g in odd]
     if not len(gaps):
@@ -173,7 +173,7 @@ def _gaps(assembly: Assembly, gaps: Sequence[float] | None, wrong: list[str]) ->
 
 
 @dataclass(frozen=True, eq=False)
-class _State:
+class _SweepState:
     """What the next larger gap starts from: an answer that ends, and what it was prepared with."""
 
     gap: float
@@ -182,13 +182,13 @@ class _State:
 
 
 def _step(
-    assembly: Assembly, goals: tuple[Goal, ...], gap: float, last: _State | None, stop: Stop | None
-) -> tuple[Step, _State | None]:
+    assembly: Assembly, goals: tuple[Goal, ...], gap: float, last: _SweepState | None, stop: Stop | None
+) -> tuple[SweepStep, _SweepState | None]:
     """One gap, from the answer of a smaller one where there is one; and what the next gap may start from."""
     try:
         made = assemble(assembly.drawing, gap=gap)
     except InputError:
-        return Step(gap, None, Verdict.NOT_MAKEABLE, False), last
+        return SweepStep(gap, None, Verdict.NOT_MAKEABLE, False), last
     ready = _carried(last, made)
     try:
         answer = None if last is None or ready is None else _from(last, ready, goals, stop)
@@ -196,21 +196,21 @@ def _step(
             ready = prepare(made, stop=stop)
             answer = witness(ready, goals, stop=stop)
     except StoppedError:
-        return Step(gap, None, Verdict.STOPPED, False), last
+        return SweepStep(gap, None, Verdict.STOPPED, False), last
     except InputError:
-        return Step(gap, None, Verdict.TOUCHING, False), None
+        return SweepStep(gap, None, Verdict.TOUCHING, False), None
     answer = replace(answer, assembly=made)
-    step = Step(gap, answer.objective, answer.verdict, answer.path == "checked", replace(answer, warm_start=None))
+    step = SweepStep(gap, answer.objective, answer.verdict, answer.path == "checked", replace(answer, warm_start=None))
     good = answer.verdict.ends
-    return step, _State(gap, ready, answer) if good else last
+    return step, _SweepState(gap, ready, answer) if good else last
 
 
-def _beyond(gap: float) -> Step:
+def _beyond(gap: float) -> SweepStep:
     """A gap beyond that at which the motion loses its end, where no way out was found from the smaller gaps."""
-    return Step(gap, None, Verdict.UNBOUNDED, True)
+    return SweepStep(gap, None, Verdict.UNBOUNDED, True)
 
 
-def _looser(assembly: Assembly, step: Step, gap: float) -> Step:
+def _looser(assembly: Assembly, step: SweepStep, gap: float) -> SweepStep:
     """The step of a gap at which parts leave by the way of a smaller gap."""
     try:
         made = assemble(assembly.drawing, gap=gap)
@@ -219,7 +219,7 @@ def _looser(assembly: Assembly, step: Step, gap: float) -> Step:
     return replace(step, gap=gap, answer=step.answer and replace(step.answer, assembly=made))
 
 
-def _carried(last: _State | None, made: Assembly) -> Prepared | None:
+def _carried(last: _SweepState | None, made: Assembly) -> Prepared | None:
     """A prepared assembly with its outlines moved to a larger gap; None where that is not all that changes."""
     if last is None or made.drawing.gaps:
         return None
@@ -229,13 +229,13 @@ def _carried(last: _State | None, made: Assembly) -> Prepared | None:
     except InputError:
         return None
     there, here = placed(bodies(made)), placed(after)
-    if shapely.hausdorff_distance(there, here).max() > SAME * last.ready.size:
+    if shapely.hausdorff_distance(there, here).max() > OUTLINE_TOLERANCE * last.ready.size:
         return None
     cells = carried(last.ready.cells, before, after)
     return replace(last.ready, assembly=made, bodies=after, cells=cells, clearance=last.ready.clearance + more)
 
 
-def _from(last: _State, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | None) -> Answer | None:
+def _from(last: _SweepState, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | None) -> Answer | None:
     """Answer for a larger gap, begun where a smaller one ended; None where the whole path is not certainly free."""
     began = time.perf_counter()
     found = ended(last.answer)
@@ -249,20 +249,20 @@ def _from(last: _State, ready: Prepared, goals: tuple[Goal, ...], stop: Stop | N
 
 
 def _lost(
-    assembly: Assembly, goals: tuple[Goal, ...], held: _State, free: float, stop: Stop | None
+    assembly: Assembly, goals: tuple[Goal, ...], held: _SweepState, free: float, stop: Stop | None
 ) -> tuple[float, float]:
     """Between which gaps the motion loses its end, by halving."""
-    low, tries = held.gap, list(ASIDE)
-    while free - low > BRACKET * free and tries and not (stop is not None and stop.is_set()):
+    low, tries = held.gap, list(BISECTION_SHARES)
+    while free - low > BRACKET_TOLERANCE * free and tries and not (stop is not None and stop.is_set()):
         gap = low + tries[0] * (free - low)
         step, state = _step(assembly, goals, gap, held, stop)
         if step.objective is not None:  # a narrow way out may show from rest and not from there
             anew, _ = _step(assembly, goals, gap, None, stop)
             step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:
-            free, tries = gap, list(ASIDE)
+            free, tries = gap, list(BISECTION_SHARES)
         elif state is not None and state.gap == gap:
-            low, held, tries = gap, state, list(ASIDE)
+            low, held, tries = gap, state, list(BISECTION_SHARES)
         else:
             tries.pop(0)  # undecided: beside it, perhaps
     return low, free

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.maximise import witness
@@ -17,20 +17,20 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared, prepare
-from wiggleroom.sensitivity.parallel import Many
+from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, vary
 from wiggleroom.sensitivity.rank import rank
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SHARE = 0.1
+KEPT_GAP_SHARE = 0.1
 """By default the share of a gap that a tightened part keeps."""
-ROUNDS = 8
+MAX_RANKINGS = 8
 """So often the parts are ranked again while some are being chosen."""
-SPARED = 16
+MAX_REMOVAL_TESTS = 16
 """So many of the parts chosen last are tried without."""
-DRAWS = 50
+RANDOM_CHOICES = 50
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +93,7 @@ def tighten(
     parts: int | None = None,
     limit: float | None = None,
     gap: float | None = None,
-    draws: int = DRAWS,
+    draws: int = RANDOM_CHOICES,
     seed: int = 0,
     workers: int | None = None,
     cluster: str | None = None,
@@ -121,7 +121,7 @@ def tighten(
         Choices at random to compare with.
     seed : int
     workers, cluster, stop, progress
-        Where these are solved, see `wiggleroom.sensitivity.parallel.Many`.
+        Where these are solved, see `wiggleroom.sensitivity.parallel.ParallelRun`.
 
     Returns
     -------
@@ -143,7 +143,7 @@ def tighten(
     """
     ready = prepare(assembly)
     whole = assembly.gap if assembly.gap > 0 else ready.clearance
-    aim = SHARE * whole if gap is None else gap
+    aim = KEPT_GAP_SHARE * whole if gap is None else gap
     count = len(assembly.parts)
     _check(parts, limit, aim, whole, count)
     room = _room(assembly, whole, aim)
@@ -151,7 +151,7 @@ def tighten(
     ended(before)
     asked = before.goals
     choice, after = _choose(before, room, asked, parts, limit, stop)
-    many = Many(workers, cluster, stop, progress)
+    many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
     lots = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
@@ -203,7 +203,7 @@ def _choose(
         worth[chosen] = -1.0
         order = np.argsort(-worth, kind="stable")
         left = most - len(chosen)
-        batch = max(1, -(-most // ROUNDS))
+        batch = max(1, -(-most // MAX_RANKINGS))
         if limit is not None:
             # what half of the missing motion needs by first order: the rest is ranked anew
             needed = int(np.searchsorted(np.cumsum(np.maximum(worth[order], 0.0)), (answer.objective - limit) / 2)) + 1
@@ -211,7 +211,7 @@ def _choose(
         chosen += [int(k) for k in order[: min(batch, left)] if room[k] > 0]
         answer = _tightened(before.assembly, chosen, room, goals, stop)
     if limit is not None and answer.objective is not None and answer.objective <= limit:
-        for k in chosen[:-SPARED:-1]:  # a batch may have held more than it took
+        for k in chosen[:-MAX_REMOVAL_TESTS:-1]:  # a batch may have held more than it took
             fewer = [c for c in chosen if c != k]
             less = _tightened(before.assembly, fewer, room, goals, stop) if fewer else before
             if less.objective is not None and less.objective <= limit:

@@ -14,9 +14,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.deviations import deviated
-from wiggleroom.assembly.model import Assembly
 from wiggleroom.bound.prove import prove
 from wiggleroom.drawing.model import Drawing, Goal, Tolerance
 from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
@@ -24,7 +24,7 @@ from wiggleroom.maximise import flex, witness
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress
-from wiggleroom.sensitivity.parallel import Many
+from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.rank import Ranking, rank
 from wiggleroom.verdict import Certainty, Verdict
 
@@ -264,7 +264,7 @@ def _slopes(
     }
     alone = [t for t in given if t.outline is not None and _loose(t)]
     shared = (drawing, tuple(given), ranking.answer.goals, ranking.answer.objective or 0.0)
-    results = Many(workers, None, stop).each(one_outline, shared, alone)
+    results = ParallelRun(workers, None, stop).each(one_outline, shared, alone)
     outlines = dict(zip(alone, results, strict=True))
     slopes = []
     for t in given:

@@ -13,21 +13,21 @@ from scipy.sparse.csgraph import connected_components
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
 from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_rest
-from wiggleroom.search.prepare import REACH, Prepared
+from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.separate.enclosure import Enclosed, holds
 
 Ints = NDArray[np.int64]
 
-AT_ONCE = 50
+PAIR_BATCH = 50
 """Pairs that are measured between two looks at `stop`."""
-BOXES = 20_000
+BOXES_PER_PAIR = 20_000
 """Boxes judged at most for a pair among many."""
-MANY = 400_000
+BOXES_PER_DECISIVE_PAIR = 400_000
 """Boxes judged at most for a pair on which it depends whether all are tied: near the gap at which a tab slips out, each takes seconds."""
 
 
 @dataclass(frozen=True, eq=False)
-class Links:
+class ClosedPairs:
     """Bodies tied to each other.
 
     Parameters
@@ -50,7 +50,7 @@ class Links:
         return bool((self.group == self.group[0]).all())
 
 
-def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> Links:
+def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> ClosedPairs:
     """Tie together what stands, and what lies in closed holes to what it lies in.
 
     Parameters
@@ -64,10 +64,10 @@ def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> Links:
     pairs = [(int(a), int(b)) for a, b in around.pairs]
     still = [(a, b) for a, b in pairs if around.held[a] and around.held[b]]
     none = np.zeros((0, 2), dtype=np.int64)
-    return Links(_labels(len(fixed), standing + pairs), _labels(len(fixed), standing + still), none)
+    return ClosedPairs(_labels(len(fixed), standing + pairs), _labels(len(fixed), standing + still), none)
 
 
-def links(ready: Prepared, begin: Links, stop: Stop | None = None) -> Links:
+def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:
     """Tie bodies together wherever the free space of a pair alone is certainly closed.
 
     What two bodies cannot do while all others are taken away they cannot do among them either. Pairs that lie along each other longest come
@@ -85,7 +85,7 @@ def links(ready: Prepared, begin: Links, stop: Stop | None = None) -> Links:
     if stop is not None and stop.is_set():
         return begin
     geometry = placed(bodies)
-    near = neighbours(bodies, geometry, REACH * ready.clearance, barred=ready.barred)
+    near = neighbours(bodies, geometry, NEIGHBOUR_REACH * ready.clearance, barred=ready.barred)
     tied, held = _ties(begin.group), _ties(begin.held)
     undecided: list[tuple[int, int]] = []
     if len(near.a):
@@ -100,7 +100,7 @@ def links(ready: Prepared, begin: Links, stop: Stop | None = None) -> Links:
             if labels[a] == labels[b] or begin.group[a] == begin.group[b]:
                 continue
             if c not in known:
-                known[c] = passage(geometry[a], geometry[b], most=BOXES, stop=stop)
+                known[c] = passage(geometry[a], geometry[b], most=BOXES_PER_PAIR, stop=stop)
                 if not known[c].closed and known[c].way is None and _one_holds_other(geometry[a], geometry[b]):
                     known[c] = replace(known[c], closed=True)
             if known[c].held:
@@ -109,10 +109,10 @@ def links(ready: Prepared, begin: Links, stop: Stop | None = None) -> Links:
                 tied.append((a, b))
             elif known[c].way is None:
                 undecided.append((a, b))
-    return Links(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
+    return ClosedPairs(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
 
 
-def surer(ready: Prepared, known: Links, stop: Stop | None = None) -> Links:
+def surer(ready: Prepared, known: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:
     """Look again, with many more boxes, at pairs that were not decided, for as long as that can still tie all bodies together.
 
     The group with the fewest such pairs comes first: where none of them is closed, the others need not be looked at.
@@ -131,7 +131,7 @@ def surer(ready: Prepared, known: Links, stop: Stop | None = None) -> Links:
                 return replace(known, group=group, held=held)
             c = int(label[k])
             if c not in seen:
-                seen[c] = passage(geometry[a[k]], geometry[b[k]], most=MANY, stop=stop)
+                seen[c] = passage(geometry[a[k]], geometry[b[k]], most=BOXES_PER_DECISIVE_PAIR, stop=stop)
             if seen[c].closed:
                 held = np.where(held == held[b[k]], held[a[k]], held) if seen[c].held else held
                 group = np.where(group == group[b[k]], group[a[k]], group)
@@ -153,11 +153,11 @@ def _ties(group: Ints) -> list[tuple[int, int]]:
 def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float, stop: Stop | None) -> NDArray[np.float64]:
     """How long two bodies lie along each other [mm], zero for those that come after `stop`."""
     found = np.zeros(len(a))
-    for k in range(0, len(a), AT_ONCE):
+    for k in range(0, len(a), PAIR_BATCH):
         if stop is not None and stop.is_set():
             break
-        some = slice(k, k + AT_ONCE)
-        near = shapely.buffer(b[some], 1.5 * REACH * clearance, quad_segs=2)
+        some = slice(k, k + PAIR_BATCH)
+        near = shapely.buffer(b[some], 1.5 * NEIGHBOUR_REACH * clearance, quad_segs=2)
         found[some] = shapely.length(shapely.intersection(shapely.boundary(a[some]), near))
     return found
 

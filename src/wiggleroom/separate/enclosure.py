@@ -20,11 +20,11 @@ from wiggleroom.geometry.bodies import Bodies
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CAREFUL = 0.98
+DISC_MARGIN = 0.98
 """A disc counts with this share of its radius: buffers are polygons, and wrong by up to one part in a hundred."""
-GRADES = 1.01
+RADIUS_RATIO = 1.01
 """Radii are rounded down to powers of this: congruent bodies share a thickened wall."""
-PRECISE = 1e-3
+INSCRIBED_TOLERANCE = 1e-3
 """The middle of the largest disc in a body is found to this share of its size: any disc inside would do."""
 
 
@@ -68,7 +68,7 @@ class Wall:
             return None
         n, group = len(self._geometry), self._group
         passed = np.isin(np.minimum(group, b) * n + np.maximum(group, b), self._barred)
-        thicker = GRADES ** np.floor(np.log(radius) / np.log(GRADES)) if radius > 0 else 0.0
+        thicker = RADIUS_RATIO ** np.floor(np.log(radius) / np.log(RADIUS_RATIO)) if radius > 0 else 0.0
         key = passed.tobytes(), thicker
         if key not in self._made:
             whole = shapely.union_all(self._geometry[group[~passed]])
@@ -100,7 +100,7 @@ def enclosed(bodies: Bodies, geometry: NDArray[np.object_], barred: Ints, stop: 
         hole = wall.hole(b, disc, 0.0)
         if hole is not None and shapely.covers(hole, body):
             far[b], held[b] = _longest(hole, body), _too_long(hole, body)
-        elif (hole := wall.hole(b, disc, CAREFUL * disc.radius)) is not None:
+        elif (hole := wall.hole(b, disc, DISC_MARGIN * disc.radius)) is not None:
             middle = shapely.Point(disc.middle)
             far[b] = _longest(hole, middle) + 2 * _longest(body, middle)
         if hole is not None:
@@ -113,7 +113,7 @@ def enclosed(bodies: Bodies, geometry: NDArray[np.object_], barred: Ints, stop: 
             break
         disc = discs[loose[k]]
         around = Wall(geometry, np.array([a]), barred)
-        if a != loose[k] and around.hole(loose[k], disc, CAREFUL * disc.radius) is not None:
+        if a != loose[k] and around.hole(loose[k], disc, DISC_MARGIN * disc.radius) is not None:
             pairs.append((a, loose[k]))
     return Enclosed(np.array(pairs, dtype=np.int64).reshape(-1, 2), far, held)
 
@@ -140,7 +140,7 @@ def enclosed_by_held(
         if stop is not None and stop.is_set():
             break
         disc = largest_disc(geometry[b])
-        radius = CAREFUL * disc.radius - far
+        radius = DISC_MARGIN * disc.radius - far
         if radius > 0 and wall.hole(b, disc, radius) is not None:
             found.append(b)
     return np.array(found, dtype=np.int64)
@@ -160,7 +160,7 @@ def holds(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
         disc = largest_disc(piece) if shapely.area(piece) > 0 else None
         if disc is None or disc.radius <= 0:
             continue
-        if hole_round(shapely.buffer(wall, CAREFUL * disc.radius, quad_segs=8), disc.middle) is not None:
+        if hole_round(shapely.buffer(wall, DISC_MARGIN * disc.radius, quad_segs=8), disc.middle) is not None:
             return True
     return False
 
@@ -168,7 +168,7 @@ def holds(wall: shapely.Geometry, body: shapely.Geometry) -> bool:
 def largest_disc(body: shapely.Geometry) -> Disc:
     """The largest disc inside, nearly."""
     x0, y0, x1, y1 = shapely.bounds(body)
-    spoke = shapely.maximum_inscribed_circle(body, PRECISE * max(x1 - x0, y1 - y0))
+    spoke = shapely.maximum_inscribed_circle(body, INSCRIBED_TOLERANCE * max(x1 - x0, y1 - y0))
     middle = shapely.get_coordinates(spoke)[0]
     inside = bool(shapely.contains_xy(body, *middle))
     return Disc(middle, float(shapely.distance(shapely.Point(middle), shapely.boundary(body))) if inside else 0.0)

@@ -17,7 +17,7 @@ from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.separate.closed_pairs import BOXES, Links, links, surer
+from wiggleroom.separate.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
 from wiggleroom.separate.enclosure import enclosed_by_held
 from wiggleroom.separate.explore import explore, way_out
 from wiggleroom.separate.remaining import without
@@ -28,16 +28,16 @@ from wiggleroom.verdict import Certainty, Separability
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-ONLY = 150_000
+BOXES_FOR_ONE_BODY = 150_000
 """Boxes judged at most where one body alone can leave; a few seconds."""
-NEARLY = 40_000
+BOXES_FOR_NEAR_EXIT = 40_000
 """Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
-ROOM = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
+EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """So much further inward outlines lie then, as shares of the clearance."""
-MOST_NEARLY = 8
-FRAME = 2.0
+MAX_NEAR_EXITS = 8
+FRAME_SECONDS = 2.0
 """Seconds that a distance may take which no part of a frame exceeds."""
-BEYOND = 0.1
+EXIT_DISTANCE = 0.1
 """Parts that left end this share of the drawing's size beyond all others."""
 
 
@@ -68,7 +68,7 @@ class Stage:
 
 
 def next_stage(
-    ready: Prepared, begin: Links, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
+    ready: Prepared, begin: ClosedPairs, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
 ) -> Stage:
     """The next parts that leave, the cheapest ways of finding them first; `begin` says what is tied already."""
     bodies, n = ready.bodies, len(ready.bodies.fixed)
@@ -88,7 +88,7 @@ def next_stage(
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
     nearly = _nearly(ready, ground, known.group, stop)
-    for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, NEARLY, stop) for e in nearly)):
+    for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, stop) for e in nearly)):
         if stop is not None and stop.is_set():
             break
         out = None if rigid.way is None else way_out(ready, ground, known.group, rigid.way, stop=stop)
@@ -104,22 +104,24 @@ def next_stage(
     return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
 
 
-def _rigid(ready: Prepared, begin: Links, boxes: int, stop: Stop | None) -> tuple[Links, Iterator[Rigid]]:
+def _rigid(ready: Prepared, begin: ClosedPairs, boxes: int, stop: Stop | None) -> tuple[ClosedPairs, Iterator[Rigid]]:
     """What is tied to what, and for each group that may leave what is known about its leaving as one."""
     free = np.flatnonzero(~ready.bodies.fixed)
     if len(free) == 1:
         rigid = leaves_as_one(ready, free, boxes, stop)
         alone = (~ready.bodies.fixed).astype(np.int64)
-        return Links(alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)), iter(
-            [rigid]
-        )
-    known = links(ready, begin, stop)
+        return ClosedPairs(
+            alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)
+        ), iter([rigid])
+    known = closed_pairs(ready, begin, stop)
     ground = known.group[np.flatnonzero(ready.bodies.fixed)[0]]
     groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
-    return known, (leaves_as_one(ready, who, BOXES, stop) for who in groups if stop is None or not stop.is_set())
+    return known, (
+        leaves_as_one(ready, who, BOXES_PER_PAIR, stop) for who in groups if stop is None or not stop.is_set()
+    )
 
 
-def _walled_in(ready: Prepared, known: Links, stop: Stop | None) -> Links:
+def _walled_in(ready: Prepared, known: ClosedPairs, stop: Stop | None) -> ClosedPairs:
     """Tie what lies inside a frame of several bodies that are tied together and can move but little."""
     bodies, geometry = ready.bodies, placed(ready.bodies)
     ground = known.group[np.flatnonzero(bodies.fixed)[0]]
@@ -129,7 +131,7 @@ def _walled_in(ready: Prepared, known: Links, stop: Stop | None) -> Links:
     if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.barred, 0.0, stop)):
         return known
     others = np.flatnonzero(known.group[bodies.body_of] != ground)
-    far = furthest(without(ready.assembly, others), FRAME, stop)
+    far = furthest(without(ready.assembly, others), FRAME_SECONDS, stop)
     inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.barred, far, stop)
     return replace(known, group=np.where(np.isin(known.group, known.group[inside]), ground, known.group))
 
@@ -140,13 +142,13 @@ def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> lis
         return []
     rest = np.zeros((len(group), 3))
     found: dict[tuple[int, ...], Exit] = {}
-    for share in ROOM:
+    for share in EXTRA_CLEARANCES:
         thinner = share * ready.clearance
         for e in straight_exits(ready.bodies, rest, ground, ready.barred, ready.size, group, thinner, stop):
             found.setdefault(tuple(e.who.tolist()), e)
-        if len(found) >= MOST_NEARLY or (stop is not None and stop.is_set()):
+        if len(found) >= MAX_NEAR_EXITS or (stop is not None and stop.is_set()):
             break
-    return list(found.values())[:MOST_NEARLY]
+    return list(found.values())[:MAX_NEAR_EXITS]
 
 
 def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
@@ -159,9 +161,9 @@ def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
 
     # beyond where the others are now, and wherever they pass on their way back
     length = max(along(others, m).max() for m in way) - along(who, way[-1]).min()
-    length += BEYOND * ready.size
+    length += EXIT_DISTANCE * ready.size
     out = way[-1].copy()
-    out[who, :2] += max(length, BEYOND * ready.size) * found.direction
+    out[who, :2] += max(length, EXIT_DISTANCE * ready.size) * found.direction
     back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]
     back[:, who] = out[who]
     whole = np.concatenate([way, out[None], back])

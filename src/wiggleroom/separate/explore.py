@@ -16,22 +16,22 @@ from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import witness
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.loop import Progress
-from wiggleroom.search.prepare import REACH, Prepared
+from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.separate.translation import Exit, straight_exit
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-WAYS = 8
+PULL_DIRECTIONS = 8
 """Directions in which every group is pulled."""
-MOST_QUESTIONS = 300
+MAX_QUESTIONS = 300
 """So many questions are asked; beyond that the search counts as cut short."""
-MOST_PLACES = 12
+MAX_STATES = 12
 """From so many places besides rest it goes on at most."""
-ELSEWHERE = 3.0
+NOVELTY_DISTANCE = 3.0
 """A place is new where some neighbours lie otherwise than in all places before by more than this multiple of the clearance."""
-LOOKS = 8
+EXIT_TESTS = 8
 """So many way-points of an answer are looked at for a straight way out."""
 
 
@@ -62,7 +62,7 @@ def explore(
     nearly: list[Exit],
     stop: Stop | None,
     tell: Callable[[Progress], None],
-    most: int = MOST_QUESTIONS,
+    most: int = MAX_QUESTIONS,
 ) -> Explored:
     """Pull and turn every group every way, look for a straight way out along each answer, and go on from new places.
 
@@ -83,7 +83,7 @@ def explore(
     bodies = ready.bodies
     if stop is not None and stop.is_set():
         return Explored(None, None, False, 0)
-    near = neighbours(bodies, placed(bodies), REACH * ready.clearance, barred=ready.barred)
+    near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, barred=ready.barred)
     places = [relative_rest(bodies, near.a, near.b)]
     waiting: deque[Answer | None] = deque([None])
     questions, open_questions = 0, 0
@@ -100,14 +100,14 @@ def explore(
                 continue
             open_questions += answer.verdict is Verdict.STOPPED
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
-            found = way_out(ready, ground, group, motions, LOOKS, stop)
+            found = way_out(ready, ground, group, motions, EXIT_TESTS, stop)
             if found is not None:
                 return Explored(*found, True, questions)
             place = relative_rest(bodies, near.a, near.b, motions[-1])
-            if len(places) <= MOST_PLACES and all(_differ(ready, near.b, place, p) for p in places):
+            if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
                 places.append(place)
                 waiting.append(answer)
-    return Explored(None, None, open_questions == 0 and len(places) <= MOST_PLACES, questions)
+    return Explored(None, None, open_questions == 0 and len(places) <= MAX_STATES, questions)
 
 
 def _ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
@@ -139,7 +139,7 @@ def _differ(ready: Prepared, b: Ints, one: Floats, other: Floats) -> bool:
     """True where any pair lies otherwise."""
     change = one - other
     moved = np.hypot(change[:, 0], change[:, 1]) + ready.bodies.radius[b] * np.abs(change[:, 2])
-    return bool(moved.max(initial=0.0) > ELSEWHERE * ready.clearance)
+    return bool(moved.max(initial=0.0) > NOVELTY_DISTANCE * ready.clearance)
 
 
 def _questions(ready: Prepared, ground: int, group: Ints, nearly: list[Exit]) -> Iterator[tuple[Goal, ...]]:
@@ -158,13 +158,13 @@ def _questions(ready: Prepared, ground: int, group: Ints, nearly: list[Exit]) ->
             Pull(names[b], _pair(sign * out[b]), _pair(rest[b, :2]), weight) for b in free if np.hypot(*out[b]) > 0
         )
     groups = [np.flatnonzero(group == g) for g in np.unique(group[free]) if g != group[ground]]
-    for rank in range(WAYS):
+    for rank in range(PULL_DIRECTIONS):
         for who in groups:
             away = out[who].mean(0)
             base = np.arctan2(away[1], away[0])
             step = (rank + 1) // 2 * (1 if rank % 2 else -1)
             # whole eighths of a turn, the one nearest to outwards first: drawings lie along the axes
-            angle = (np.round(base / (2 * np.pi) * WAYS) + step) * 2 * np.pi / WAYS
+            angle = (np.round(base / (2 * np.pi) * PULL_DIRECTIONS) + step) * 2 * np.pi / PULL_DIRECTIONS
             d = (float(np.cos(angle)), float(np.sin(angle)))
             yield tuple(Pull(names[b], d, _pair(rest[b, :2]), 1.0 / len(who)) for b in who)
     for sense in ("ccw", "cw"):

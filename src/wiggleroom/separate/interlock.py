@@ -11,9 +11,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
-from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, WiggleroomError
@@ -24,8 +24,8 @@ from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import Survey, prepare, survey
 from wiggleroom.separate.closed_pairs import enclosed_links
 from wiggleroom.separate.enclosure import enclosed
-from wiggleroom.separate.escape import ONLY, Stage, next_stage
-from wiggleroom.separate.explore import MOST_QUESTIONS
+from wiggleroom.separate.escape import BOXES_FOR_ONE_BODY, Stage, next_stage
+from wiggleroom.separate.explore import MAX_QUESTIONS
 from wiggleroom.separate.remaining import without
 from wiggleroom.tight.mobility import tight_verdict
 from wiggleroom.verdict import Certainty, Separability, Tightness
@@ -34,13 +34,13 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-LITTLE = 1e-4
+TRIAL_GAP = 1e-4
 """Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
-BRIEF = 1.0
+MIN_BOUND_SECONDS = 1.0
 """A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
-LEAST = 0.1
+MIN_REFINED_SECONDS = 0.1
 """The same where a distance is known already and a nearer one is looked for."""
-NOBODY = np.zeros(0, dtype=np.int64)
+NO_BODIES = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,8 +102,8 @@ def check(
     *,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
-    boxes: int = ONLY,
-    questions: int = MOST_QUESTIONS,
+    boxes: int = BOXES_FOR_ONE_BODY,
+    questions: int = MAX_QUESTIONS,
     every: bool = True,
     seconds: float | None = None,
 ) -> Interlock:
@@ -151,7 +151,7 @@ def check(
         if not 0 < seconds < np.inf:
             finding = f"seconds {seconds:g}: it must be more than 0"
             raise InputError(finding)
-        stop = Clock(seconds, stop)
+        stop = Deadline(seconds, stop)
     tell = progress or silent
     left = _standing(assembly)
     names = np.array(assembly.names, dtype=object)
@@ -165,7 +165,7 @@ def check(
             around = enclosed(ground.bodies, ground.geometry, ground.barred, stop)
             begin = enclosed_links(ground.bodies.fixed, around)
             if begin.all_tied:
-                stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NOBODY, None, begin.held, 0)
+                stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held, 0)
                 break
             stage = next_stage(prepare(left, ground=ground, stop=stop), begin, boxes, questions, stop, tell)
         except TouchingError:
@@ -189,7 +189,7 @@ def check(
         if not every:
             break
         if len({int(b) for b in np.delete(ground.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
-            stage = replace(stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=NOBODY)
+            stage = replace(stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=NO_BODIES)
             break
     spins = _spins(left, ground, stage.held, stop) if stage.way is None and every else ()
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
@@ -198,7 +198,7 @@ def check(
         whole = (
             around.far.max()
         )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
-        spent = max(time.perf_counter() - began, BRIEF if np.isinf(whole) else LEAST)
+        spent = max(time.perf_counter() - began, MIN_BOUND_SECONDS if np.isinf(whole) else MIN_REFINED_SECONDS)
         found = furthest(left, spent, stop)
         at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
     return Interlock(
@@ -233,7 +233,7 @@ def _tight(
         return Interlock(
             assembly, Separability.INTERLOCKED, sure, remains=names, seconds=time.perf_counter() - began, tight=True
         )
-    loose = assemble(left.drawing, gap=left.gap + LITTLE * left.size)
+    loose = assemble(left.drawing, gap=left.gap + TRIAL_GAP * left.size)
     found = check(loose, stop=stop, progress=progress, boxes=boxes, questions=questions, every=every)
     apart = found.verdict is Separability.COMES_APART  # with the little gap, which is not quite the drawing
     return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)

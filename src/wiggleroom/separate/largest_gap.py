@@ -6,22 +6,22 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.assembly.model import Assembly
-from wiggleroom.bound.branch_and_bound import Clock
+from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.loop import Progress
 from wiggleroom.separate.interlock import Interlock, check
 
-WITHIN = 1e-3
+RELATIVE_TOLERANCE = 1e-3
 """Both sides end no further apart than this share of the gap."""
-BOXES, QUESTIONS = 40_000, 40
+BOXES_PER_GAP, QUESTIONS_PER_GAP = 40_000, 40
 """Of `check`, at every gap that is tried."""
-SMALLEST = 1e-4
+MIN_GAP_SHARE = 1e-4
 """The search for a gap that holds ends below this share of the drawing's size."""
-START = 1e-2
+FIRST_GAP_SHARE = 1e-2
 """Where the drawing gives no gap, the search begins at this share of its size."""
-ENDED = {"comes apart", "gone"}
+NOT_HELD = {"comes apart", "gone"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,7 @@ def largest_gap(
         if not 0 < seconds < float("inf"):
             finding = f"seconds {seconds:g}: it must be more than 0"
             raise InputError(finding)
-        stop = Clock(seconds, stop)
+        stop = Deadline(seconds, stop)
     tried: dict[float, Interlock | None] = {}
 
     def at(gap: float) -> str:
@@ -94,7 +94,9 @@ def largest_gap(
                 tried[gap] = None
                 return "gone"
             try:
-                verdict = check(made, stop=stop, progress=progress, boxes=BOXES, questions=QUESTIONS, every=False)
+                verdict = check(
+                    made, stop=stop, progress=progress, boxes=BOXES_PER_GAP, questions=QUESTIONS_PER_GAP, every=False
+                )
             except TouchingError:
                 return "unknown"
             if verdict.verdict == "unknown":
@@ -116,23 +118,23 @@ def largest_gap(
 
 def _bracket(assembly: Assembly, at: Callable[[float], str], known: Callable[[str], list[float]]) -> None:
     """Try gaps until one that interlocks and one that does not are near each other, or none interlocks."""
-    begin = assembly.gap or START * assembly.size
+    begin = assembly.gap or FIRST_GAP_SHARE * assembly.size
     low: float | None = begin if assembly.gap or at(0.0) != "interlocked" else 0.0
     while low and at(low) != "interlocked":
-        low = low / 2 if low > SMALLEST * assembly.size else None
+        low = low / 2 if low > MIN_GAP_SHARE * assembly.size else None
     if low is not None:
         high = max(begin, 2 * low)
-        while at(high) not in ENDED:
+        while at(high) not in NOT_HELD:
             high *= 2
-        _narrow(at, low, high, ENDED)
+        _narrow(at, low, high, NOT_HELD)
         low = max(known("interlocked"))
-        above = [g for bad in (*ENDED, "unknown") for g in known(bad) if g > low]
-        _narrow(at, low, min(above), {*ENDED, "unknown"})
+        above = [g for bad in (*NOT_HELD, "unknown") for g in known(bad) if g > low]
+        _narrow(at, low, min(above), {*NOT_HELD, "unknown"})
 
 
 def _narrow(at: Callable[[float], str], low: float, high: float, bad: set[str]) -> None:
     """Halve the interval between a gap that is not `bad` and one that is, until it is narrow enough."""
-    while high - low > WITHIN * high:
+    while high - low > RELATIVE_TOLERANCE * high:
         middle = (low + high) / 2
         if at(middle) in bad:
             high = middle

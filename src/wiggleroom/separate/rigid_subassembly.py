@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.audit.outlines import outlines
+from wiggleroom.audit.audit_outlines import outlines
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import passage
@@ -19,9 +19,9 @@ from wiggleroom.search.prepare import Prepared
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-TURN = 0.02
+MAX_TURN_STEP = 0.02
 """Way-points are no further apart than this [rad]."""
-MOST_HALVINGS = 4
+MAX_SPLITS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = Non
         return Rigid(found.held, found.closed, None)
     points = _finer(found.way)
     parts = outlines(ready.assembly)
-    for _ in range(MOST_HALVINGS):
+    for _ in range(MAX_SPLITS):
         motions = np.zeros((len(points), n, 3))
         motions[:, who] = about(np.repeat(points[:, None], len(who), 1), bodies.rest[who, :2] - found.pivot)
         if audit_path(parts, of_parts(ready.assembly, bodies, motions)).free:
@@ -77,7 +77,7 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = Non
 
 def _finer(points: Floats) -> Floats:
     """The same way with points in between where it turns: those of other points of the body are straight only nearly."""
-    count = np.maximum(1, np.ceil(np.abs(np.diff(points[:, 2])) / TURN)).astype(int)
+    count = np.maximum(1, np.ceil(np.abs(np.diff(points[:, 2])) / MAX_TURN_STEP)).astype(int)
     pieces = [
         one + (other - one) * np.arange(k)[:, None] / k
         for one, other, k in zip(points[:-1], points[1:], count, strict=True)

@@ -24,11 +24,11 @@ from wiggleroom.separate.translation_blocking import block
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FAN = 24
+EVEN_DIRECTIONS = 24
 """Directions evenly round, besides those of edges."""
-MOST_EDGES = 48
+MAX_EDGE_DIRECTIONS = 48
 """So many directions of edges are tried at most, the longest first."""
-NONE = 1e-10
+OVERLAP_NOISE = 1e-10
 """An overlap below this share of the drawing's size counts as none."""
 
 
@@ -90,7 +90,7 @@ def straight_exits(
     if thinner > 0:
         geometry = shapely.buffer(geometry, -thinner, join_style="mitre")
     edges, first = _edges(geometry)
-    unit = size * NONE
+    unit = size * OVERLAP_NOISE
     group = np.unique(group, return_inverse=True)[1].ravel()
     groups = int(group.max()) + 1
     found: list[Exit] = []
@@ -130,12 +130,12 @@ def _leaving(arcs: NDArray[np.bool_], count: int, label: Ints, ground: int) -> I
 
 def _directions(edges: Floats) -> Floats:
     """Unit vectors (k, 2): a fan, and both ways along the longest edges."""
-    fan = 2 * np.pi * np.arange(FAN) / FAN
+    fan = 2 * np.pi * np.arange(EVEN_DIRECTIONS) / EVEN_DIRECTIONS
     along = edges[:, 2:] - edges[:, :2]
     angle = np.arctan2(along[:, 1], along[:, 0]) % np.pi
     slot = np.round(angle / 1e-3).astype(np.int64)
     total = np.bincount(slot, weights=np.hypot(*along.T))
-    longest = np.argsort(-total, kind="stable")[:MOST_EDGES]
+    longest = np.argsort(-total, kind="stable")[:MAX_EDGE_DIRECTIONS]
     exact = np.array([angle[np.flatnonzero(slot == s)[0]] for s in longest if total[s] > 0])
     angles = np.concatenate([fan, exact, exact + np.pi])
     return np.column_stack([np.cos(angles), np.sin(angles)])

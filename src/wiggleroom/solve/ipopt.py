@@ -79,7 +79,7 @@ def solve(
     u = np.zeros(len(program.scale)) if start is None else start
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
-    watch = _Monitor(program, unit, u, horizon, stop, progress)
+    watch = _IpoptMonitor(program, unit, u, horizon, stop, progress)
     variables, value, rows = _expressions(casadi, program)
     nlp = {"x": variables, "f": -value / unit, "g": rows}
     listener = _listener(casadi, watch)
@@ -209,7 +209,7 @@ def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:
 
 
 @dataclass(eq=False)
-class _Monitor:
+class _IpoptMonitor:
     """What is kept from the iterations, and the reasons to end them."""
 
     program: Program
@@ -248,7 +248,7 @@ class _Monitor:
         return self.status is None
 
 
-def _listener(casadi: Any, watch: _Monitor) -> object:
+def _listener(casadi: Any, watch: _IpoptMonitor) -> object:
     """CasADi's iteration callback, which hands every iterate to `watch`."""
     sizes = {"x": len(watch.program.scale), "f": 1, "g": watch.program.rows}
     sizes |= {"lam_x": sizes["x"], "lam_g": sizes["g"], "lam_p": 0}

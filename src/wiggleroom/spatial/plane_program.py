@@ -11,7 +11,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.spatial import plane_kernel as kernel
-from wiggleroom.spatial.rigid import Pose, RigidBodies
+from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.separation import separation, turned
 
@@ -25,13 +25,13 @@ PLANE_DAMPING = 1e-9
 class SpatialObjective(Protocol):
     """What is maximised: value [mm or rad], gradient (n, 6) and Hessian (n, 6, 6) by (dT, a) at a pose."""
 
-    def value(self, pose: Pose, before: float | None = None) -> float:
+    def value(self, pose: SpatialPose, before: float | None = None) -> float:
         """Value at a pose; turns are counted on from the value `before`."""
 
-    def gradient(self, pose: Pose) -> Floats:
+    def gradient(self, pose: SpatialPose) -> Floats:
         """Derivatives by (dT, a) of every body."""
 
-    def hessian(self, pose: Pose) -> Floats:
+    def hessian(self, pose: SpatialPose) -> Floats:
         """Second derivatives by (dT, a) of every body."""
 
 
@@ -39,7 +39,7 @@ class SpatialObjective(Protocol):
 class PlanePoint:
     """A point of the program: pose of the bodies, and planes by unit normals n (K, 3) and offsets d (K,) [mm]."""
 
-    pose: Pose
+    pose: SpatialPose
     n: Floats
     d: Floats
 
@@ -125,7 +125,7 @@ class PlaneProgram:
         """Number of planes."""
         return len(self.pieces)
 
-    def frames(self, pose: Pose) -> tuple[Floats, Floats]:
+    def frames(self, pose: SpatialPose) -> tuple[Floats, Floats]:
         """How B is seen from A by all pairs: q (P, 3) [mm] and Psi (P, 3, 3)."""
         q, Psi = np.empty((len(self.a), 3)), np.empty((len(self.a), 3, 3))
         kernel.relative_frames(pose.T, pose.R, self.a, self.b, q, Psi)
@@ -211,7 +211,7 @@ class LinearisedPlanes:
 
 
 def build_planes(
-    bodies: RigidBodies, objective: SpatialObjective, pieces: Ints, *, length: float, rest: Pose | None = None
+    bodies: RigidBodies, objective: SpatialObjective, pieces: Ints, *, length: float, rest: SpatialPose | None = None
 ) -> PlaneProgram:
     """Planes between pairs of pieces (K, 4), each at rest where it parts them best, put into one program."""
     pieces = _framed(bodies, pieces)
@@ -247,7 +247,7 @@ def build_planes(
     )  # fmt: skip
 
 
-def best_axis(bodies: RigidBodies, pose: Pose, who: Sequence[int], axis: Floats) -> tuple[float, Floats]:
+def best_axis(bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: Floats) -> tuple[float, Floats]:
     """Separation of two pieces [mm], and the second one's corners in the first one's frame; `axis` (3,) becomes the best one there."""
     i, pi, j, pj = who
     P, Q = bodies.pieces[i][pi], bodies.pieces[j][pj]
@@ -266,7 +266,7 @@ def beside_rest(program: PlaneProgram, share: float = 1e-2) -> PlanePoint:
     step = np.random.default_rng(0).uniform(-1.0, 1.0, P.slot.shape) * P.scale * P.bodies.free
     room = P.values(rest)
     while share > 1e-9:
-        pose = Pose(rest.pose.T + share * step[:, :3], rest.pose.R @ exponential(share * step[:, 3:]))
+        pose = SpatialPose(rest.pose.T + share * step[:, :3], rest.pose.R @ exponential(share * step[:, 3:]))
         point = PlanePoint(pose, rest.n, rest.d)
         if (P.values(point) > 0.5 * room).all():
             return point
@@ -368,14 +368,14 @@ class GraphRetraction:
         T[self._moving] += self._solve(self._ends @ wanted) * self._open
         return T
 
-    def bodies(self, at: LinearisedPlanes, u: Floats, share: float) -> Pose:
+    def bodies(self, at: LinearisedPlanes, u: Floats, share: float) -> SpatialPose:
         """Pose after `share` of the step u (V,)."""
         P, pose = self._program, at.point.pose
         change = P.unpacked(share * u) * P.scale
         R = pose.R @ exponential(change[:, 3:])
         xi = at.seen(share * u)
         q = at.q + xi[:, :3] - np.cross(xi[:, 3:6], at.q)
-        return Pose(self.placed(pose.T + change[:, :3], R, q), R)
+        return SpatialPose(self.placed(pose.T + change[:, :3], R, q), R)
 
     def step(
         self,

@@ -164,7 +164,7 @@ class _System:
 
 
 @dataclass(eq=False)
-class _Step:
+class _SpatialStep:
     u: Floats
     y: Floats
     s: Floats
@@ -381,7 +381,7 @@ class PlaneSolver:
 
     def _direction(
         self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, least: float
-    ) -> _Step | None:
+    ) -> _SpatialStep | None:
         """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step no stub."""
         s, lam, mu, system = state.s, state.lam, self._mu, self._system
         system.set(state, dual)
@@ -399,7 +399,7 @@ class PlaneSolver:
             goal = max(centring * mu, least) - s * lam - np.clip(ds * dl, -CORRECTION * mu, CORRECTION * mu)
             du, dy, ds, dl = system.newton(state, primal, dual, dual_planes, goal)
             far, dfar = max_step(s, ds), max_step(lam, dl)
-            found = _Step(
+            found = _SpatialStep(
                 du, dy, ds, dl, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift
             )
             if found.primal > SHORT or attempt >= 5:
@@ -407,7 +407,7 @@ class PlaneSolver:
             shift = max(10 * shift, 1e-6)
         return found
 
-    def _take(self, state: PlaneState, step: _Step) -> bool:
+    def _take(self, state: PlaneState, step: _SpatialStep) -> bool:
         """Take the step; halve it while rows fall behind the foreseen ones by more than half of the complementarity."""
         P, at = state.at.program, state.at
         longest_share = self._longest_share(step.u)

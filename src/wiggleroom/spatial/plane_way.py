@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.spatial import plane_kernel as kernel
 from wiggleroom.spatial.plane_program import GraphRetraction, PlanePoint, PlaneProgram, parted
-from wiggleroom.spatial.rigid import Pose
+from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential, logarithm
 
 if TYPE_CHECKING:
@@ -73,7 +73,7 @@ def halfway(
     R = one.pose.R @ exponential(logarithm(np.einsum("nji,njk->nik", one.pose.R, other.pose.R)) / 2)
     q = (P.frames(one.pose)[0] + P.frames(other.pose)[0]) / 2
     T = retraction.placed((one.pose.T + other.pose.T) / 2, R, q)
-    pose = Pose(T, R)
+    pose = SpatialPose(T, R)
     n = one.n + other.n
     length = np.linalg.norm(n, axis=1)
     n, d = n / length[:, None], (one.d + other.d) / 2

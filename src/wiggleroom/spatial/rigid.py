@@ -55,20 +55,20 @@ class RigidBodies:
         return float(np.ptp(np.vstack(corners), axis=0).max())
 
     @property
-    def rest(self) -> Pose:
+    def rest(self) -> SpatialPose:
         """Pose at rest."""
-        return Pose(self.at.copy(), np.repeat(np.eye(3)[None], len(self.at), axis=0))
+        return SpatialPose(self.at.copy(), np.repeat(np.eye(3)[None], len(self.at), axis=0))
 
 
 @dataclass(frozen=True, eq=False)
-class Pose:
+class SpatialPose:
     """Where all bodies are: positions T (n, 3) [mm] of the reference points and rotations R (n, 3, 3)."""
 
     T: Floats
     R: Floats
 
 
-def boxes_of(bodies: RigidBodies, pose: Pose) -> list[tuple[Floats, Floats]]:
+def boxes_of(bodies: RigidBodies, pose: SpatialPose) -> list[tuple[Floats, Floats]]:
     """Axis-aligned boxes of all pieces of each body: lower and upper corners (k, 3) [mm]."""
     found = []
     for pieces, T, R in zip(bodies.pieces, pose.T, pose.R, strict=True):
@@ -88,7 +88,7 @@ def near_bodies(low: Floats, high: Floats, bodies: RigidBodies, reach: float) ->
     return sorted(zip(i[keep].tolist(), j[keep].tolist(), strict=True))
 
 
-def near_pieces(bodies: RigidBodies, pose: Pose, reach: float) -> Ints:
+def near_pieces(bodies: RigidBodies, pose: SpatialPose, reach: float) -> Ints:
     """Pairs of pieces (k, 4) as body a, piece of a, body b, piece of b, whose boxes come within `reach` [mm]."""
     boxes = boxes_of(bodies, pose)
     low = np.array([lo.min(axis=0) for lo, _ in boxes])

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.statements import glue_groups
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
-from wiggleroom.spatial.rigid import Pose, RigidBodies
+from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.spatial_model import AXES, SpatialAssembly
 
@@ -34,18 +34,18 @@ class Grouping:
     body_of: Ints
     arm: Floats
 
-    def part_motion(self, pose: Pose) -> Floats:
+    def part_motion(self, pose: SpatialPose) -> Floats:
         """Motions (parts, 6) [mm, rad]: displacement of the reference point and rotation vector."""
         R, shift = pose.R[self.body_of], (pose.T - self.bodies.at)[self.body_of]
         move = shift + np.einsum("pij,pj->pi", R, self.arm) - self.arm
         return np.hstack([move, logarithm(R)])
 
-    def pose_of(self, motion: Floats) -> Pose:
+    def pose_of(self, motion: Floats) -> SpatialPose:
         """Pose of the bodies from motions (parts, 6) of the parts."""
         first = np.unique(self.body_of, return_index=True)[1]
         R = exponential(motion[first, 3:])
         arm = self.arm[first]
-        return Pose(self.bodies.at + motion[first, :3] - np.einsum("pij,pj->pi", R, arm) + arm, R)
+        return SpatialPose(self.bodies.at + motion[first, :3] - np.einsum("pij,pj->pi", R, arm) + arm, R)
 
 
 def grouped(assembly: SpatialAssembly) -> Grouping:

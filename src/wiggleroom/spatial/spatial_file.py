@@ -252,7 +252,7 @@ class _SpatialReader:
             known = ", ".join(f'"{part.name}"' for part in sheet.parts[:8])
             self._say(where, f'{file} has no part "{name[:40]}"; its parts are {known}')
             return None
-        from wiggleroom.assembly.model import place
+        from wiggleroom.assembly.assembly import place
 
         part = found[0]
         return tuple(

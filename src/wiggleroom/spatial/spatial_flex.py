@@ -13,7 +13,7 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.overlap_check import deepest_overlap
 from wiggleroom.spatial.plane_contacts import plane_contacts
 from wiggleroom.spatial.plane_solver import PlaneSolution
-from wiggleroom.spatial.rigid import Pose
+from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import goal_findings
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
@@ -165,7 +165,7 @@ def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: PlaneSolutio
     for angle in np.linspace(0, 2 * np.pi, 33):
         R = pose.R.copy()
         R[twist.body] = exponential(angle * np.sign(twist.weight) * twist.direction) @ R[twist.body]
-        steps.append(ready.grouping.part_motion(Pose(pose.T, R)))
+        steps.append(ready.grouping.part_motion(SpatialPose(pose.T, R)))
     if any(ready.checker.overlaps(a, b) for a, b in itertools.pairwise(steps)):
         return ()
     return tuple(n for n, b in zip(ready.assembly.names, ready.grouping.body_of, strict=True) if b == twist.body)

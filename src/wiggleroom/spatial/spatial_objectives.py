@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.spatial.rigid import Pose
+from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import quaternion
 
 Floats = NDArray[np.float64]
@@ -33,12 +33,12 @@ class Displacement:
     direction: Floats
     rest: Floats
 
-    def value(self, pose: Pose, before: float | None) -> float:  # noqa: ARG002
+    def value(self, pose: SpatialPose, before: float | None) -> float:  # noqa: ARG002
         """Displacement at a pose."""
         b = self.body
         return float(self.direction @ (pose.T[b] - self.rest + (pose.R[b] - np.eye(3)) @ self.arm))
 
-    def derivatives(self, pose: Pose) -> tuple[Floats, Floats]:
+    def derivatives(self, pose: SpatialPose) -> tuple[Floats, Floats]:
         """Gradient (6,) and Hessian (6, 6) by (dT, a)."""
         g = pose.R[self.body].T @ self.direction
         H = np.zeros((6, 6))
@@ -57,7 +57,7 @@ class Twist:
     direction: Floats
     weight: float
 
-    def value(self, pose: Pose, before: float | None) -> float:
+    def value(self, pose: SpatialPose, before: float | None) -> float:
         """Twist at a pose, the one of all that differ by whole turns that lies nearest to `before`."""
         q = quaternion(pose.R[self.body])
         angle = 2 * np.arctan2(q[1:] @ self.direction, q[0])
@@ -66,7 +66,7 @@ class Twist:
         turns = np.round((before / self.weight - angle) / (2 * np.pi))
         return float(self.weight * (angle + 2 * np.pi * turns))
 
-    def derivatives(self, pose: Pose) -> tuple[Floats, Floats]:
+    def derivatives(self, pose: SpatialPose) -> tuple[Floats, Floats]:
         """Gradient (6,) and Hessian (6, 6) by (dT, a)."""
         q = quaternion(pose.R[self.body])
         w, v, e = q[0], q[1:], self.direction
@@ -90,7 +90,7 @@ class SumOfTerms:
 
     terms: tuple[Displacement | Twist, ...]
 
-    def value(self, pose: Pose, before: float | None = None) -> float:
+    def value(self, pose: SpatialPose, before: float | None = None) -> float:
         """Value at a pose."""
         if len(self.terms) == 1:
             return self.terms[0].value(pose, before)
@@ -100,14 +100,14 @@ class SumOfTerms:
             return others + twists[0].value(pose, None if before is None else before - others)
         return others + sum(t.value(pose, None) for t in twists)
 
-    def gradient(self, pose: Pose) -> Floats:
+    def gradient(self, pose: SpatialPose) -> Floats:
         """Derivatives by (dT, a) of every body (n, 6)."""
         out = np.zeros((len(pose.T), 6))
         for term in self.terms:
             out[term.body] += term.derivatives(pose)[0]
         return out
 
-    def hessian(self, pose: Pose) -> Floats:
+    def hessian(self, pose: SpatialPose) -> Floats:
         """Second derivatives by (dT, a) of every body (n, 6, 6)."""
         out = np.zeros((len(pose.T), 6, 6))
         for term in self.terms:

@@ -12,7 +12,7 @@ from wiggleroom.errors import Stop
 from wiggleroom.spatial.plane_program import PlaneProgram, best_axis, build_planes
 from wiggleroom.spatial.plane_solver import PlaneSolution, PlaneSolver
 from wiggleroom.spatial.plane_way import refined
-from wiggleroom.spatial.rigid import Pose, near_pieces
+from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.spatial_objectives import SumOfTerms, Twist
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.verdict import SolverStatus
@@ -46,7 +46,7 @@ class SpatialSearch:
     solver: str
     stop: Stop | None
     tell: Callable[[int, float], None] | None
-    begin: Pose | None = None
+    begin: SpatialPose | None = None
     iterations: int = 0
     rounds: int = 0
     pieces: Ints = field(init=False)

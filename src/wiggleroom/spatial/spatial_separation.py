@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.convex import distinct_axes
-from wiggleroom.spatial.rigid import Pose
+from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
@@ -277,7 +277,7 @@ class _Stage:
                     self._add_place(whole, places)
         return None
 
-    def _largest(self, goal: SumOfTerms, begin: Pose) -> tuple[str, Floats] | None:
+    def _largest(self, goal: SumOfTerms, begin: SpatialPose) -> tuple[str, Floats] | None:
         """Way (k, n, 6) of a largest motion from a place, as far as it is checked."""
         search = SpatialSearch(self.ready, goal, "interior-point", self.stop, None, begin)
         self.questions += 1

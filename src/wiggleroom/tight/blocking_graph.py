@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse import csgraph
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.tight.point_contacts import ANGLE_TOLERANCE, TightContacts, tight_contacts
 
 Floats = NDArray[np.float64]

@@ -20,9 +20,9 @@ from scipy import sparse
 from scipy.sparse import csgraph
 from scipy.sparse.linalg import eigsh, splu
 
-from wiggleroom.assembly.model import Assembly
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.tight.point_contacts import TightContacts, tight_contacts
-from wiggleroom.tight.self_stress import Lock, holds
+from wiggleroom.tight.self_stress import SelfStress, holds
 from wiggleroom.verdict import Tightness
 
 Floats = NDArray[np.float64]
@@ -57,7 +57,7 @@ class TightVerdict:
     verdict: Tightness
     motion: Floats | None
     moving: tuple[str, ...]
-    locks: tuple[Lock, ...]
+    locks: tuple[SelfStress, ...]
     contacts: TightContacts
 
     def verify(self) -> bool:
@@ -103,7 +103,7 @@ def tight_verdict(assembly: Assembly, within: float | None = None) -> TightVerdi
     ground = label[contacts.ground]
     twist, force, rows = _together(contacts, label, ground)
     if twist is None:
-        return TightVerdict(Tightness.LOCKED, None, (), (*locks, Lock(rows, force)), contacts)
+        return TightVerdict(Tightness.LOCKED, None, (), (*locks, SelfStress(rows, force)), contacts)
     motion = _of_parts(contacts, twist)
     speed = np.hypot(*motion[:, :2].T) + np.abs(motion[:, 2]) * contacts.reach
     motion /= speed.max()
@@ -137,10 +137,10 @@ def _wrenches(contacts: TightContacts, rows: Ints, middle: Floats, length: float
     return np.column_stack([n, arm[:, 0] * n[:, 1] - arm[:, 1] * n[:, 0]])
 
 
-def _joined(contacts: TightContacts) -> tuple[Ints, tuple[Lock, ...]]:
+def _joined(contacts: TightContacts) -> tuple[Ints, tuple[SelfStress, ...]]:
     """Bodies that the contacts of pairs alone lock together, until no such pair is left, and the forces that prove it."""
     label = np.arange(contacts.count)
-    locks: list[Lock] = []
+    locks: list[SelfStress] = []
     known: dict[bytes, Floats | None] = {}
     while True:
         pairs, found = [], []
@@ -153,7 +153,7 @@ def _joined(contacts: TightContacts) -> tuple[Ints, tuple[Lock, ...]]:
             force = known[key]
             if force is not None:
                 pairs.append(np.sort(label[[contacts.a[rows[0]], contacts.b[rows[0]]]]))
-                found.append(Lock(rows, _balanced(sparse.csr_array(W), force)))
+                found.append(SelfStress(rows, _balanced(sparse.csr_array(W), force)))
         if not pairs:
             return label, tuple(locks)
         i, j = np.array(pairs).T

@@ -9,9 +9,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.gaps import make
 from wiggleroom.assembly.loops import Loops, chained, region_rings
-from wiggleroom.assembly.model import Assembly, place
 from wiggleroom.assembly.statements import glue_groups
 from wiggleroom.drawing.model import Part
 from wiggleroom.errors import InputError

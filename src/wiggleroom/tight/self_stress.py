@@ -18,7 +18,7 @@ Matrix = list[dict[int, Fraction]]
 
 
 @dataclass(frozen=True, eq=False)
-class Lock:
+class SelfStress:
     """Positive forces in balance that lock bodies against each other.
 
     Parameters
@@ -33,7 +33,7 @@ class Lock:
     force: Floats
 
 
-def holds(contacts: TightContacts, locks: Sequence[Lock]) -> bool:
+def holds(contacts: TightContacts, locks: Sequence[SelfStress]) -> bool:
     """Whether the locks prove, in exact rationals, that no body can move against any other to first order.
 
     Every lock is checked by itself. Let B be the rows of its contacts. With forces f >= s > 0 that leave r = B^T f

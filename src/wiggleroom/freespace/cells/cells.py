@@ -13,7 +13,7 @@ from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.grow import grow
 from wiggleroom.freespace.cells.pair_edges import outlines
 from wiggleroom.freespace.cells.separate_edges import SEED
-from wiggleroom.geometry.bodies import Bodies, Shapes
+from wiggleroom.geometry.bodies import Bodies, BodyShapes
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -42,7 +42,7 @@ class Cells:
     row : (P + 1,) int64
         Rows of pair p are row[p] .. row[p + 1].
     kind, edge, corner : (R,) int64
-        Edge and corner as rows of `Shapes`.
+        Edge and corner as rows of `BodyShapes`.
     ends : (P, 2) float64 [rad]
         Verified interval of psi.
     seed : (P, 3) float64 [mm, mm, rad]
@@ -145,7 +145,7 @@ def grow_cells(
     return _packed(a, b, seed, seeds["ends"].copy(), seeds["number"], walls), seeds["grown"] > 0
 
 
-def _rows_of_lines(shapes: Shapes, a: Ints, b: Ints, lines: Ints) -> Ints:
+def _rows_of_lines(shapes: BodyShapes, a: Ints, b: Ints, lines: Ints) -> Ints:
     """Edges given by kind and edge, as rows of their pair: those of shape a first, then those of b; kind -1 stays."""
     kind, edge = lines.T
     edges_of_a = shapes.first[a + 1] - shapes.first[a]

@@ -12,7 +12,7 @@ from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, grow_cells, joined, select
 from wiggleroom.freespace.cells.walls import clip
 from wiggleroom.freespace.slices import March, Slice
-from wiggleroom.geometry.bodies import Bodies, Shapes
+from wiggleroom.geometry.bodies import Bodies, BodyShapes
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import Relative, turn
 
@@ -202,7 +202,7 @@ def _roomy_point(piece: shapely.Polygon) -> tuple[Floats, float]:
 
 
 def half_planes(
-    shapes: Shapes, cells: Cells, c: int, relation: Relative, psi: Floats, phi: Floats
+    shapes: BodyShapes, cells: Cells, c: int, relation: Relative, psi: Floats, phi: Floats
 ) -> tuple[Floats, Floats]:
     """Walls of one cell at some angles: normal (k, R, 2) and offset (k, R) of n . shift >= offset."""
     rows = np.arange(cells.row[c], cells.row[c + 1])

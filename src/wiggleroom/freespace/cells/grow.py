@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells.pair_edges import Outlines, Pair, posed, put
+from wiggleroom.freespace.cells.pair_edges import EdgeTable, Pair, posed, put
 from wiggleroom.freespace.cells.separate_edges import hide_all
 from wiggleroom.freespace.cells.separating_lines import LINES, MAX_LINES, MAX_WALLS_PER_LINE, room_for
 from wiggleroom.freespace.cells.walls import joined, slice_middle
@@ -96,7 +96,7 @@ def grow_many(outlines, work, seeds, keeps, begin, walls):
     return len(seeds), total
 
 
-def grow(outlines: Outlines, seeds: np.ndarray, keeps: NDArray[np.float64]) -> NDArray[np.int64]:
+def grow(outlines: EdgeTable, seeds: np.ndarray, keeps: NDArray[np.float64]) -> NDArray[np.int64]:
     """Grow one cell per seed, with room to work in of its own: several threads may do so at once.
 
     Parameters

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.bodies import Shapes
+from wiggleroom.geometry.bodies import BodyShapes
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 EDGE = np.dtype(
@@ -25,7 +25,7 @@ RUN = np.dtype([("begin", "i8"), ("end", "i8"), ("x", "f8"), ("y", "f8"), ("radi
 """A run of consecutive edges and a disc round it [mm]."""
 
 
-class Outlines(NamedTuple):
+class EdgeTable(NamedTuple):
     """All shapes: edges (N,) EDGE and runs (C,) RUN; those of shape s are rows first[s] .. and run_first[s] .. ."""
 
     edges: np.ndarray
@@ -58,7 +58,7 @@ class Pose(NamedTuple):
     s: float
 
 
-def outlines(shapes: Shapes) -> Outlines:
+def outlines(shapes: BodyShapes) -> EdgeTable:
     """All shapes for compiled code."""
     edges, runs = np.zeros(len(shapes.corner), dtype=EDGE), np.zeros(len(shapes.run_disc), dtype=RUN)
     edges["x"], edges["y"] = shapes.corner.T
@@ -67,7 +67,7 @@ def outlines(shapes: Shapes) -> Outlines:
     edges["after"] = shapes.after
     runs["begin"], runs["end"] = shapes.run[:-1], shapes.run[1:]
     runs["x"], runs["y"], runs["radius"] = shapes.run_disc.T
-    return Outlines(edges, runs, shapes.first, shapes.run_first)
+    return EdgeTable(edges, runs, shapes.first, shapes.run_first)
 
 
 @njit(**COMPILED_CALLERS_ONLY)

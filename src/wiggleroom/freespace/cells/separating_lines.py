@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells.pair_edges import EDGE, RUN, Outlines, apart2, normal_seen, seen
+from wiggleroom.freespace.cells.pair_edges import EDGE, RUN, EdgeTable, apart2, normal_seen, seen
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 MAX_LINES = 400
@@ -66,7 +66,7 @@ class Work(NamedTuple):
     polygons: NDArray[np.float64]
 
 
-def room_for(outlines: Outlines) -> Work:
+def room_for(outlines: EdgeTable) -> Work:
     """Room for any pair of these shapes."""
     n, r = int(np.diff(outlines.first).max()), int(np.diff(outlines.run_first).max())
     return Work(

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.models.halfspaces import Faces
+from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import relative_rest
@@ -22,7 +22,7 @@ MAX_PENETRATION = 0.1
 """A corner that has come behind the nearest edge by less than this share of the reach is asked to come out again."""
 
 
-def half_planes(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: float) -> Faces:
+def half_planes(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: float) -> Halfspaces:
     """Rows of pairs of bodies at `motion` (n, 3) [mm, mm, rad], in relative motions from there.
 
     Parameters
@@ -50,7 +50,7 @@ def half_planes(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: float) 
     row = np.concatenate([[0], np.cumsum(count)])
     normal, offset = np.empty((row[-1], 3)), np.empty(row[-1])
     _rows(*arguments, count, row, normal, offset)
-    return Faces(a, b, row, normal, offset, np.zeros((len(a), 2)), pose)
+    return Halfspaces(a, b, row, normal, offset, np.zeros((len(a), 2)), pose)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

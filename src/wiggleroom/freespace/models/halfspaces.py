@@ -12,7 +12,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Faces:
+class Halfspaces:
     """One polyhedron for each of P pairs, in relative motions g = (tau, phi) of a point of B against A.
 
     Parameters

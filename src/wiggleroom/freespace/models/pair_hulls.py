@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.freespace.models.halfspaces import Faces, seen_point, spread
+from wiggleroom.freespace.models.halfspaces import Halfspaces, seen_point, spread
 from wiggleroom.freespace.models.hull import PairHull, pair_hull
 from wiggleroom.freespace.models.pair_models import Hull
 from wiggleroom.freespace.slices import meeting
@@ -25,7 +25,7 @@ Ints = NDArray[np.int64]
 class Hulls:
     """Hulls of P pairs: the faces of all, and the distinct hulls (C,) with the class (P,) of each pair."""
 
-    faces: Faces
+    faces: Halfspaces
     distinct: tuple[PairHull, ...]
     label: Ints
 
@@ -84,7 +84,7 @@ def hulls(
         found.append(hull)
     row, normal, offset = spread([(h.normal, h.offset) for h in found], label)
     point = points[label]
-    return Hulls(Faces(a, b, row, normal, offset, point, seen_point(pose, point)), tuple(found), label)
+    return Hulls(Halfspaces(a, b, row, normal, offset, point, seen_point(pose, point)), tuple(found), label)
 
 
 def joint_point(a: shapely.Geometry, b: shapely.Geometry) -> Floats:

@@ -40,7 +40,7 @@ NORMAL_SECTORS, WALLS_PER_SECTOR = 32, 6
 
 
 @dataclass(frozen=True, eq=False)
-class Pocket:
+class LocalOuterRegion:
     """All that B can reach, and some more, as convex polyhedra over intervals of turns; it takes the place of `Outer` in a program.
 
     Parameters
@@ -81,7 +81,7 @@ class _Window:
     half: Floats
 
 
-def pocket(facing: Facing) -> Pocket | None:
+def pocket(facing: Facing) -> LocalOuterRegion | None:
     """Walls round rest; None where they do not close in a window of a few clearances."""
     sides = _Sides(facing)
     most = facing.clearance * np.array([FIRST_WINDOW, FIRST_WINDOW, 2 * FIRST_WINDOW / sides.lever])
@@ -105,7 +105,7 @@ def pocket(facing: Facing) -> Pocket | None:
     return found
 
 
-def _closer(found: Pocket) -> _Window:
+def _closer(found: LocalOuterRegion) -> _Window:
     """As many intervals over the turns that are left, each with a box round what is left at its turns."""
     ends = np.linspace(*found.turns, ANGLE_INTERVALS + 1)
     boxes = []
@@ -142,7 +142,7 @@ class _Sides:
             shapely.prepare(material)
 
 
-def _left(facing: Facing, sides: _Sides, window: _Window) -> Pocket | None:
+def _left(facing: Facing, sides: _Sides, window: _Window) -> LocalOuterRegion | None:
     """What the walls that hold in a window leave of it; None where that is nothing at all, which only rounding can do."""
     half = (window.high - window.low) / 2 * (1 + 1e-9) + 1e-14
     middle = (window.low + window.high) / 2
@@ -159,7 +159,9 @@ def _left(facing: Facing, sides: _Sides, window: _Window) -> Pocket | None:
     count = [len(c) for c in corners]
     if not sum(count):
         return None
-    return Pocket(facing, window.low, window.high, np.vstack(corners), np.repeat(np.arange(len(count)), count))
+    return LocalOuterRegion(
+        facing, window.low, window.high, np.vstack(corners), np.repeat(np.arange(len(count)), count)
+    )
 
 
 def _sector(normal: Floats) -> Ints:

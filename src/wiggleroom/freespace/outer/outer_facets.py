@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.outer.outer_region import Outer
+from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.freespace.outer.skin import Skin
 
 Floats = NDArray[np.float64]
@@ -40,7 +40,7 @@ class Facets:
     high: float
 
 
-def facets(outer: Outer | Skin, low: float, high: float) -> Facets | None:
+def facets(outer: OuterRegion | Skin, low: float, high: float) -> Facets | None:
     """Few facets round all that can be reached at turns between `low` and `high`; None where nothing can.
 
     Normals are those of a convex hull of extreme corners, alike ones merged. Offsets are the largest values at all
@@ -93,7 +93,7 @@ def _unlike(normals: Floats) -> Floats:
     return np.array(kept)
 
 
-def holding(outer: Outer, found: Facets, which: Ints, accuracy: float) -> Ints:
+def holding(outer: OuterRegion, found: Facets, which: Ints, accuracy: float) -> Ints:
     """Intervals that keep some facets (k,) of `found` where they are, and blur by more than `accuracy` [mm]."""
     points, interval = outer.points(found.low, found.high)
     blur, width = outer.blur[interval], (outer.high - outer.low)[interval]

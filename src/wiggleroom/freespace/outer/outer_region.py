@@ -33,7 +33,7 @@ MAX_INTERVALS = 1100
 
 
 @dataclass(frozen=True, eq=False)
-class Outer:
+class OuterRegion:
     """Relative motions (tau, phi) of a pair that can be reached at all, and some more.
 
     tau [mm] is the motion of B's pivot in the axes of A's body, phi [rad] the turn.
@@ -103,7 +103,7 @@ def _cut(corner: Floats, low: float, high: float) -> Floats:
     return np.vstack(found)
 
 
-def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list[Pieces], known: Shapes) -> Outer:
+def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list[Pieces], known: Shapes) -> OuterRegion:
     """Region of these intervals; polyhedra of intervals that were there before are taken over."""
     corners = [
         known[one, other]
@@ -112,7 +112,7 @@ def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list
         for one, other, p in zip(low.tolist(), high.tolist(), pieces, strict=True)
     ]
     which = np.repeat(np.arange(len(corners)), [len(c) for c in corners])
-    return Outer(facing, lever, low, high, tuple(pieces), np.vstack(corners), which)
+    return OuterRegion(facing, lever, low, high, tuple(pieces), np.vstack(corners), which)
 
 
 def _window(pieces: Pieces) -> float:
@@ -125,7 +125,9 @@ def _apart(facing: Facing, low: float, high: float, window: float) -> float:
     return 3 * window + 2 * np.sin(min(max(-low, high), np.pi) / 2) * facing.radius
 
 
-def outer_region(facing: Facing, lever: float, limit: float, over: Callable[[], bool] | None = None) -> Outer | None:
+def outer_region(
+    facing: Facing, lever: float, limit: float, over: Callable[[], bool] | None = None
+) -> OuterRegion | None:
     """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm], or is cut short.
 
     Parameters
@@ -216,7 +218,7 @@ def leftover(facing: Facing, middle: float, half: float, window: float) -> Lefto
     return Leftover(uncovered(near.a, smaller, window), near.a, smaller, facing.margin)
 
 
-def refined(outer: Outer, wanted: Ints) -> Outer:
+def refined(outer: OuterRegion, wanted: Ints) -> OuterRegion:
     """The same region with some intervals cut into narrower ones, whose slices are smaller.
 
     Free pieces of a narrower interval lie each inside one of the interval that it was cut from.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.chords import chords
 from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, zipped
-from wiggleroom.freespace.outer.outer_region import Outer, leftover
+from wiggleroom.freespace.outer.outer_region import OuterRegion, leftover
 from wiggleroom.freespace.outer.outer_slices import Facing
 
 Floats = NDArray[np.float64]
@@ -42,7 +42,7 @@ MAX_LOOPS = 1200
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """Closed surface round all that a pair can reach; it takes the place of `Outer` where facets are asked for.
+    """Closed surface round all that a pair can reach; it takes the place of `OuterRegion` where facets are asked for.
 
     Parameters
     ----------
@@ -87,7 +87,7 @@ class Skin:
         return points, np.zeros(len(points), dtype=np.int64)
 
 
-def skin(outer: Outer, over: Callable[[], bool]) -> Skin | None:
+def skin(outer: OuterRegion, over: Callable[[], bool]) -> Skin | None:
     """Skin round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
     facing = outer.facing
     window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in outer.pieces)

@@ -12,7 +12,7 @@ import numpy as np
 
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 
-DEEPEST_TREE = 96
+STACK_SIZE = 96
 """Room for the nodes that wait while a tree is walked."""
 MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
 FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
@@ -119,8 +119,8 @@ def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_di
 @njit(**OPTIONS)
 def straight(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, least):
     """True where every motion on the straight line between two (3,) is free; halves it until boxes decide."""
-    stack = np.empty(DEEPEST_TREE, dtype=np.int64)
-    nodes = np.empty(DEEPEST_TREE, dtype=np.int64)
+    stack = np.empty(STACK_SIZE, dtype=np.int64)
+    nodes = np.empty(STACK_SIZE, dtype=np.int64)
     pieces = np.empty((128, 4))
     todo = np.empty((64, 2))
     todo[0, 0], todo[0, 1] = 0.0, 1.0
@@ -291,8 +291,8 @@ def cheapest(
 @njit(**OPTIONS)
 def split(n, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid):
     """Cut box n into eight and judge them; returns the new number of boxes."""
-    stack = np.empty(DEEPEST_TREE, dtype=np.int64)
-    nodes = np.empty(DEEPEST_TREE, dtype=np.int64)
+    stack = np.empty(STACK_SIZE, dtype=np.int64)
+    nodes = np.empty(STACK_SIZE, dtype=np.int64)
     pieces = np.empty((128, 4))
     first[n] = count
     half = 0.5 ** (level[n] + 1)

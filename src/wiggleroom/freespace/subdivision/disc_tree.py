@@ -13,7 +13,7 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
+class DiscTree:
     """Material, its boundary as a tree.
 
     Parameters
@@ -44,7 +44,7 @@ class Solid:
         return self.edge, self.normal, self.disc, self.kid
 
 
-def solid(material: shapely.Geometry, origin: Floats) -> Solid:
+def solid(material: shapely.Geometry, origin: Floats) -> DiscTree:
     """Solid of a polygon or of several that do not overlap, measured from `origin` (2,) [mm].
 
     Examples
@@ -70,7 +70,7 @@ def solid(material: shapely.Geometry, origin: Floats) -> Solid:
     discs: list[tuple[float, float, float]] = []
     kids: list[tuple[int, int]] = []
     _grow(edge, 0, len(edge), discs, kids)
-    return Solid(edge, np.concatenate(normals), np.array(discs), np.array(kids, dtype=np.int64))
+    return DiscTree(edge, np.concatenate(normals), np.array(discs), np.array(kids, dtype=np.int64))
 
 
 def _grow(edge: Floats, i: int, j: int, discs: list, kids: list) -> int:

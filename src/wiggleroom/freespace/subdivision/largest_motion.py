@@ -16,18 +16,18 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.classify_box import CLOSED, FOUND, PAUSED, best_corner, search
 from wiggleroom.freespace.subdivision.disc_tree import solid
-from wiggleroom.freespace.subdivision.passage import ASIDE, middle_of_contact, shorter, way_through
+from wiggleroom.freespace.subdivision.passage import WINDOW_OFFSET, middle_of_contact, shorter, way_through
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-DEEPEST = 30
+MAX_DEPTH = 30
 """Boxes are halved at most this often."""
-GOALS = 256
+GOALS_PER_PASS = 256
 """Ways looked at in every lap."""
-OFTEN = 2000
+STOP_CHECK_BOXES = 2000
 """After so many boxes, whether to stop is asked again."""
-LAPS = 2.2 * np.pi
+MAX_TURN = 2.2 * np.pi
 """Turns are followed so far [rad] both ways where turning itself is asked for."""
 
 
@@ -64,8 +64,8 @@ class MotionBoxes:
         one, other = solid(self.a, self.pivot), solid(self.b, self.pivot)
         self._pair = (*one.arrays, other.edge, other.disc, other.kid)
         self._wrap = self.turn == 0.0
-        self._scale = np.array([1.1 * (one.radius + other.radius), np.pi if self._wrap else LAPS])
-        self._origin = ASIDE * self._scale[[0, 0, 1]]
+        self._scale = np.array([1.1 * (one.radius + other.radius), np.pi if self._wrap else MAX_TURN])
+        self._origin = WINDOW_OFFSET * self._scale[[0, 0, 1]]
         self._middle, self._level = np.zeros((self.most, 3)), np.zeros(self.most, dtype=np.int64)
         self._state, self._first = np.zeros(self.most, dtype=np.int64), np.full(self.most, -1)
         self._way = np.zeros(self.most, dtype=np.int64)
@@ -90,8 +90,8 @@ class MotionBoxes:
         how = PAUSED
         while how == PAUSED and not (stop is not None and stop.is_set()):
             how, self.count, length = search(
-                self._middle, self._level, self._state, self._first, self.count, self.count + OFTEN, self._origin,
-                self._scale, DEEPEST, self._wrap, not self._wrap, self._asked, GOALS, *self._pair, self._way,
+                self._middle, self._level, self._state, self._first, self.count, self.count + STOP_CHECK_BOXES, self._origin,
+                self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._way,
             )  # fmt: skip
         if how != FOUND:
             return how == CLOSED, None

@@ -15,11 +15,11 @@ from wiggleroom.freespace.subdivision.disc_tree import solid
 
 Floats = NDArray[np.float64]
 
-DEEPEST = 22
+MAX_DEPTH = 22
 """Boxes are halved at most this often."""
-OFTEN = 0.2
+STOP_CHECK_SECONDS = 0.2
 """About so often the search is asked whether it should stop [s]; it goes on as if it had not been interrupted."""
-ASIDE = np.array([0.0371, 0.0213, 0.0157])
+WINDOW_OFFSET = np.array([0.0371, 0.0213, 0.0157])
 """The window's middle lies a little beside rest, as a share of its half sides: rest must not lie on the faces of boxes."""
 NOTHING_ASKED = np.array([0.0, 0.0, 0.0, 0.0, 0.0, np.inf, np.inf])
 """Only the rim is a goal."""
@@ -69,7 +69,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
     pivot = middle_of_contact(a, b)
     one, other = solid(a, pivot), solid(b, pivot)
     scale = np.array([1.1 * (one.radius + other.radius), np.pi])
-    origin = ASIDE * scale[[0, 0, 1]]
+    origin = WINDOW_OFFSET * scale[[0, 0, 1]]
     middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
     state, first = np.zeros(most, dtype=np.int64), np.full(most, -1)
     way, count = np.zeros(most, dtype=np.int64), 1
@@ -81,10 +81,10 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
                 return Passage(False, False, None, pivot)
             began, before = time.perf_counter(), count
             how, count, length = search(
-                middle, level, state, first, count, count + pace, origin, scale, DEEPEST, not turning, turning,
+                middle, level, state, first, count, count + pace, origin, scale, MAX_DEPTH, not turning, turning,
                 NOTHING_ASKED, 1, *pair, way,
             )  # fmt: skip
-            pace = max(100, int((count - before) * OFTEN / max(time.perf_counter() - began, 1e-9)))
+            pace = max(100, int((count - before) * STOP_CHECK_SECONDS / max(time.perf_counter() - began, 1e-9)))
         if how == CLOSED:
             return Passage(turning, True, None, pivot)
         if how == SPENT:

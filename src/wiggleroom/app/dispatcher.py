@@ -1,0 +1,91 @@
+"""Which function answers which request, and what is said where one cannot."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable
+from importlib import import_module
+
+from wiggleroom.app.document import Document
+from wiggleroom.app.messages import decode, kind_of
+from wiggleroom.app.open_requests import opened, told
+from wiggleroom.app.reporter import Reporter
+from wiggleroom.app.worker_protocol import StartOrder
+from wiggleroom.errors import InputError, StoppedError, WiggleroomError
+from wiggleroom.schema.requests import AnyRequest, FlexRequest, OpenRequest
+
+ANSWERS = {
+    "shape": "motion_requests",
+    "drag": "motion_requests",
+    "release": "motion_requests",
+    "wiggle": "motion_requests",
+    "rank": "study_requests",
+    "check": "study_requests",
+    "sweep": "study_requests",
+    "prove": "study_requests",
+    "space": "space_requests",
+    "save": "save_requests",
+}
+"""Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
+
+
+class Dispatcher:
+    """Where requests are answered, one after the other."""
+
+    def __init__(self) -> None:
+        self._sheet: Document | None = None
+
+    def open(self, request: OpenRequest, out: Reporter) -> None:
+        """Read a drawing and tell the page; where that fails the one before stays."""
+        sheet, design = Document(opened(request)), request.design
+        content = told(sheet.file, sheet.file.drawing if design is None else sheet.designs.drawing(design))
+        if design is not None:
+            content.design.extra = design.extra
+        out.check()
+        self._sheet = sheet
+        out.reply(content)
+
+    def work(self, order: StartOrder, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:
+        """Answer one request; whether that went well, and whether a full answer is still to come."""
+        request = decode(order.request)
+        out = Reporter(order.ticket, request.id, kind_of(request), stop, say, order.quiet)
+        try:
+            out.check()
+            return True, self._answered(request, order.settle, out)
+        except StoppedError:
+            pass
+        except InputError as problem:
+            if not stop.is_set():
+                out.failed(problem.findings)
+        except WiggleroomError as problem:
+            out.failed([str(problem)])
+        except MemoryError:
+            out.failed(["this needs more memory than a page may take; the command line may have it"])
+        except Exception as problem:
+            out.failed(
+                [f"this is a fault in wiggleroom, not in your drawing: {type(problem).__name__}: {_line(problem)}"]
+            )
+        return False, False
+
+    def _answered(self, request: AnyRequest, settle: bool, out: Reporter) -> bool:
+        if isinstance(request, OpenRequest):
+            self.open(request, out)
+            return False
+        if self._sheet is None:
+            raise InputError("nothing is open: open a drawing first")
+        if isinstance(request, FlexRequest):
+            from wiggleroom.app import motion_requests  # slow to import; a drawing is open before
+
+            return (motion_requests.settled if settle else motion_requests.flex)(self._sheet, request, out)
+        kind = kind_of(request)
+        getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._sheet, request, out)
+        return False
+
+
+def _line(problem: BaseException) -> str:
+    place, trace = "", problem.__traceback__
+    while trace is not None:
+        place = f" ({os.path.basename(trace.tb_frame.f_code.co_filename)}:{trace.tb_lineno})"
+        trace = trace.tb_next
+    return f"{problem}{place}"

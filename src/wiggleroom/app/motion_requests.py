@@ -1,0 +1,129 @@
+"""Shape, flex, drag and wiggle: what follows the hand."""
+
+from __future__ import annotations
+
+import math
+
+from msgspec import UNSET
+
+from wiggleroom.app.command import command
+from wiggleroom.app.document import Document
+from wiggleroom.app.reporter import Reporter
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.model import Goal
+from wiggleroom.live.live_result import LiveResult
+from wiggleroom.report.page_messages import answer_told, contacts_told, rings_told
+from wiggleroom.report.path_frames import way_frames
+from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, Released, ShapeReply
+from wiggleroom.schema.requests import DragRequest, FlexRequest, ReleaseRequest, ShapeRequest, WiggleRequest
+from wiggleroom.search.answer import Answer, witnessed
+from wiggleroom.verdict import Verdict
+
+QUICK_SECONDS = 0.1
+"""A quick answer takes about so long [s]."""
+MAX_QUICK_ANSWERS = 10
+"""So many quick answers are looked for before the full one."""
+MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
+"""So often a drag is gone on with, and so often in vain."""
+MIN_APPROACH = 1e-4
+"""A drag that gets nearer by less than this share is stuck."""
+MIN_IMPROVEMENT = 1e-3
+"""A quick answer that is better by less than this share is not told; the full one is looked for then."""
+
+
+def flex(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
+    """Answer quickly, and again while that brings more; True where the full answer is to come."""
+    design, display = request.design, sheet.display
+    if sheet.kept(design) is not None:
+        return settled(sheet, request, out)
+    goals = sheet.asked(design)
+    live = sheet.live(design)
+    last: float | None = None
+    for _ in range(MAX_QUICK_ANSWERS):
+        shot = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
+        out.check()
+        value = math.inf if shot.objective is None else shot.objective
+        if last is not None and not value > last + MIN_IMPROVEMENT * abs(last):
+            break
+        last = value
+        display.move(live.assembly, shot.motion)
+        content = answer_told(quick(live.assembly, goals, shot), command("flex", sheet.file, design))
+        content.rings, content.settled = display.new_rings(sheet.designs.shape(design), live.assembly, out.stop), False
+        out.reply(content, [shot.motion[None]])
+        if shot.settled:
+            break
+    return True
+
+
+def settled(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
+    """Answer fully."""
+    answer = sheet.answer(request.design, out)
+    sheet.display.move(answer.assembly, answer.motion)
+    content = answer_told(answer, command("flex", sheet.file, request.design))
+    content.rings = sheet.display.new_rings(sheet.designs.shape(request.design), answer.assembly, out.stop)
+    out.reply(content, [way_frames(answer.assembly, answer.waypoints)])
+    return False
+
+
+def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
+    """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
+    live = sheet.live(request.design)
+    rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
+    start, last = request.from_, math.inf
+    stuck = 0
+    for times in range(MAX_DRAG_STEPS):
+        shot = live.drag(request.part, request.grip, request.target, start=start, seconds=QUICK_SECONDS, stop=out.stop)
+        out.check()
+        assert shot.distance is not None
+        assert shot.reached is not None
+        stuck = stuck + 1 if shot.distance > last * (1 - MIN_APPROACH) else 0
+        settled = shot.settled or times == MAX_DRAG_STEPS - 1 or stuck == MAX_STALLED_STEPS
+        sheet.display.move(live.assembly, shot.motion)
+        content = DragReply(
+            part=request.part,
+            target=request.target,
+            reached=shot.reached,
+            distance=shot.distance,
+            held=contacts_told(shot.contacts),
+            blocking=list(shot.blocking),
+            settled=settled,
+            rings=rings,
+        )
+        out.reply(content, [shot.motion[None]])
+        if settled:
+            return
+        rings, start, last = UNSET, "here", min(last, shot.distance)
+
+
+def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:
+    """Show the freedoms that are left."""
+    modes = sheet.live(request.design).wiggle(request.part, stop=out.stop)
+    out.check()
+    told = [ModeEntry(mode.size, list(mode.parts), mode.ends) for mode in modes]
+    out.reply(Modes(modes=told), [mode.frames for mode in modes])
+
+
+def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:
+    """End a drag; the parts stay where they are shown."""
+    out.reply(Released())
+
+
+def shape(sheet: Document, request: ShapeRequest, out: Reporter) -> None:
+    """Outlines with the gap applied."""
+    out.reply(ShapeReply(rings=rings_told(sheet.assembly(request.design).parts)))
+
+
+def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: LiveResult) -> Answer:
+    """What was found in the time there was, as an answer."""
+    return witnessed(
+        assembly,
+        goals,
+        Verdict.UNBOUNDED if shot.objective is None else Verdict.STOPPED,
+        shot.objective,
+        shot.motion[None],
+        "not checked",
+        contacts=shot.contacts,
+        seconds={"total": shot.seconds},
+        leaves=shot.leaves,
+        turns=shot.turns,
+    )

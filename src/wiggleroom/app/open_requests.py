@@ -1,0 +1,158 @@
+"""Open: a drawing from the bytes of a file, and what the page is told about it."""
+
+from __future__ import annotations
+
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+import msgspec
+import numpy as np
+
+from wiggleroom.app.upload_limits import UPLOAD_MB
+from wiggleroom.assembly.assembly import place
+from wiggleroom.drawing.assembly_schema import PullEntry
+from wiggleroom.drawing.layers import ReadOptions
+from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.read import READERS, read_drawing
+from wiggleroom.errors import InputError
+from wiggleroom.report.page_messages import design_told, drawing_told
+from wiggleroom.schema.replies import Opened
+from wiggleroom.schema.requests import OpenRequest
+
+MAX_BYTES = UPLOAD_MB * 1_000_000
+CHORD_ERROR_SHARE = 1e-4
+"""Chord error of curves as a share of the median part size, where there is no gap to tell."""
+
+
+@dataclass(frozen=True, eq=False)
+class File:
+    """The drawing that is open.
+
+    Parameters
+    ----------
+    name : str
+        Without folders.
+    path : str
+        What commands call it.
+    drawing : Drawing
+        As the file says it.
+    unit : str or None
+        In place of the file's.
+    flatten : float or None [mm]
+        How finely curves were flattened; None where there are none.
+    """
+
+    name: str
+    path: str
+    drawing: Drawing
+    unit: str | None = None
+    flatten: float | None = None
+
+
+def opened(request: OpenRequest) -> File:
+    """Read what the page sent, in a folder that is gone afterwards.
+
+    Raises
+    ------
+    InputError
+        With one line per finding; names of folders are left out.
+    """
+    if len(request.data) > MAX_BYTES and not request.path:
+        finding = (
+            f"{len(request.data) / 1e6:.1f} MB: a drawing may have {MAX_BYTES / 1e6:g} MB here; use the command line"
+        )
+        raise InputError(finding)
+    name = plain_name(request.name)
+    with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
+        path = Path(folder) / name
+        try:
+            if path.suffix.lower() in READERS:
+                path.write_bytes(request.data)
+            drawing, flatten = _read(path, request)
+        except InputError as problem:
+            raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
+    return File(name, request.path or name, drawing, request.unit, flatten)
+
+
+def first_open(
+    path: Path,
+    drawing: Drawing,
+    unit: str | None,
+    flatten: float | None,
+    gap: float | None,
+    options: ReadOptions | None = None,
+) -> bytes:
+    """The request that opens a file of this machine with what the options of a command made of its drawing."""
+    design = design_told(drawing)
+    data = path.read_bytes()
+    how = options or ReadOptions()
+    return msgspec.json.encode(
+        OpenRequest(
+            id=0,
+            name=path.name,
+            path=str(path),
+            data=data,
+            unit=unit,  # type: ignore[arg-type]
+            flatten=flatten,
+            gap=gap,
+            only=how.only,
+            skip=how.skip,
+            join=how.join,
+            solid=how.solid,
+            design=design,
+        )
+    )
+
+
+def plain_name(name: str) -> str:
+    r"""Name of a file without folders and without what no name should hold.
+
+    >>> plain_name("../../etc/a b.svg"), plain_name("C:\\x\\y.dxf"), plain_name("..")
+    ('a b.svg', 'y.dxf', 'drawing')
+    """
+    last = PureWindowsPath(PurePosixPath(name).name).name
+    kept = "".join(c for c in last if c.isprintable() and c not in '<>:"|?*').strip()
+    if kept in ("", ".", ".."):
+        return "drawing"
+    stem, suffix = PurePosixPath(kept).stem, PurePosixPath(kept).suffix
+    return stem[:80] + suffix[:8]
+
+
+def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
+    """The drawing, and how finely its curves were flattened."""
+    unit, flatten, gap = request.unit, request.flatten, request.gap
+    options = ReadOptions(request.only, request.skip, request.join, request.solid)
+    if path.suffix.lower() == ".json":
+        return read_drawing(path, unit=unit, gap=gap), None
+    if flatten is None and gap:
+        flatten = gap / 50
+    if flatten is None:
+        rough = read_drawing(path, unit=unit, options=options)
+        sizes = [np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in rough.parts]
+        flatten = float(f"{CHORD_ERROR_SHARE * float(np.median(sizes)):.2g}")
+    return read_drawing(path, unit=unit, flatten=flatten, gap=gap, options=options), flatten
+
+
+def told(file: File, drawing: Drawing) -> Opened:
+    """Reply to `open`: parts as drawn, in world coordinates, and what is asked, as a design."""
+    reply = drawing_told(drawing, drawing.parts, file.name)
+    if not drawing.goals and len(drawing.parts) > 1:
+        reply.pulled = suggested(drawing)
+    return reply
+
+
+def suggested(drawing: Drawing) -> PullEntry:
+    """A pull for a drawing that asks for none: the part farthest from what is fixed, away from it."""
+    middle = np.array([np.vstack([r.outer for r in p.regions]).mean(axis=0) for p in drawing.parts])
+    centres = np.array([place(m[None], p.at)[0] for m, p in zip(middle, drawing.parts, strict=True)])
+    fixed = np.array([p.fixed for p in drawing.parts])
+    if not fixed.any():
+        reach = [np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in drawing.parts]
+        fixed[int(np.argmax(reach))] = True
+    away = centres - centres[fixed].mean(axis=0)
+    far = np.where(fixed, -1.0, np.hypot(*away.T))
+    k = int(far.argmax())
+    along = int(np.abs(away[k]).argmax())
+    sign = 1.0 if away[k, along] >= 0 else -1.0
+    return PullEntry(drawing.parts[k].name, direction=(sign, 0.0) if along == 0 else (0.0, sign))

@@ -1,0 +1,100 @@
+"""What a piece of work sends back while it runs."""
+
+from __future__ import annotations
+
+import math
+import re
+import threading
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.app.messages import encode, failed, frame
+from wiggleroom.app.worker_protocol import Outgoing
+from wiggleroom.errors import go_on
+from wiggleroom.schema.replies import ProgressReply, Reply
+
+PROGRESS_INTERVAL = 0.05
+"""Progress is told no more often than this [s]."""
+
+
+class Reporter:
+    """Replies of one request.
+
+    Parameters
+    ----------
+    ticket, number : int
+        Of this piece of work, and of the request.
+    kind : str
+    stop : threading.Event
+        Set when the work is to end.
+    say : callable
+        Takes messages to the server.
+    quiet : bool
+        True: nothing is sent.
+    """
+
+    def __init__(
+        self, ticket: int, number: int, kind: str, stop: threading.Event, say: Callable[[object], None], quiet: bool
+    ) -> None:
+        self.ticket, self.number, self.kind, self.stop = ticket, number, kind, stop
+        self._say, self._quiet, self._last = say, quiet, 0.0
+
+    def reply(self, content: Reply, motions: Sequence[NDArray[np.float64]] = ()) -> None:
+        """Send a reply, and before it motions, each (k, n, 3) [mm, mm, rad]."""
+        content.id = self.number
+        if not self._quiet:
+            self._say(Outgoing(self.ticket, encode(content), [frame(self.number, m) for m in motions]))
+
+    def failed(self, findings: Sequence[str]) -> None:
+        """Say what is wrong, one line each."""
+        if not self._quiet:
+            lines = [on_the_page(line) for line in findings]
+            self._say(Outgoing(self.ticket, encode(failed(self.number, self.kind, lines))))
+
+    def check(self) -> None:
+        """End here where the work is to stop."""
+        go_on(self.stop)
+
+    def progress(self, now: Any) -> None:
+        """Tell an analysis' `Progress`."""
+        value = now.objective
+        known = value is not None and math.isfinite(value)
+        self._progress(now.stage, now.round, now.iteration, value if known else None, None)
+
+    def counted(self, done: int, total: int) -> None:
+        """Tell how many of how many are done; ends the work where it is to stop."""
+        self.check()
+        self._progress("", 0, 0, None, done / total if total else None)
+
+    def _progress(self, stage: str, turn: int, iteration: int, objective: float | None, share: float | None) -> None:
+        now = time.monotonic()
+        if now - self._last < PROGRESS_INTERVAL:
+            return
+        self._last = now
+        self.reply(
+            ProgressReply(
+                kind_of=self.kind, stage=stage, round=turn, iteration=iteration, objective=objective, share=share
+            )
+        )
+
+
+def on_the_page(line: str) -> str:
+    """Finding without the options of commands.
+
+    >>> on_the_page("no room to move: give a gap, for example --gap 0.2")
+    'no room to move: give a gap, for example 0.2 mm'
+    """
+    for option, words in _WORDS:
+        line = re.sub(option, words, line)
+    return line
+
+
+_WORDS = (
+    (r"name the parts that stand with --fix NAME", "choose a part that stands"),
+    (r"say what moves with --pull NAME:\+y", "choose what is pulled, and which way"),
+    (r"--gap (\S+)", r"\1 mm"),
+)

@@ -1,0 +1,73 @@
+"""Save: what is on screen as a file, made by the same writers as the commands' and handed over as bytes."""
+
+from __future__ import annotations
+
+import base64
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wiggleroom.app.command import command, saved_name
+from wiggleroom.app.reporter import Reporter
+from wiggleroom.drawing import write_drawing
+from wiggleroom.report.json_results import flex_result, to_json
+from wiggleroom.report.pages import page_of_answer
+from wiggleroom.report.separability import check_result
+from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.write_picture import draw
+from wiggleroom.schema.replies import Saved
+from wiggleroom.schema.requests import SaveRequest
+
+if TYPE_CHECKING:
+    from wiggleroom.app.document import Document
+
+FILE_KINDS = {
+    "svg": ("-moved.svg", "image/svg+xml"),
+    "png": ("-moved.png", "image/png"),
+    "gif": ("-moved.gif", "image/gif"),
+    "mp4": ("-moved.mp4", "video/mp4"),
+    "html": ("-report.html", "text/html"),
+    "json": (".answer.json", "application/json"),
+    "assembly": ("-design.json", "application/json"),
+    "cut-svg": ("-cut.svg", "image/svg+xml"),
+    "cut-dxf": ("-cut.dxf", "image/vnd.dxf"),
+}
+"""What is added to the drawing's name, and what the browser is told it is."""
+
+
+def save(sheet: Document, request: SaveRequest, out: Reporter) -> None:
+    """One file, by name, kind and content."""
+    tail, mime = FILE_KINDS[request.what]
+    name = saved_name(sheet.file, tail.replace("-moved", "-apart") if request.of == "check" else tail)
+    with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
+        path = Path(folder) / name
+        _write(sheet, request, path, out)
+        content = path.read_bytes()
+    out.reply(Saved(name=name, mime=mime, data=base64.b64encode(content).decode()))
+
+
+def _write(sheet: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
+    design = request.design
+    if request.what in ("assembly", "cut-svg", "cut-dxf"):
+        assembly = sheet.assembly(design)
+        drawing = assembly.drawing
+        if request.what != "assembly":
+            drawing = replace(drawing, parts=assembly.parts, gap=0.0, gaps=())
+        write_drawing(drawing, path)
+        return
+    said = command(request.of, sheet.file, design, pulled=request.of == "flex")
+    if request.of == "check":
+        found = sheet.checked(design, out)
+        if request.what == "json":
+            path.write_text(to_json(check_result(found, None, said)), encoding="utf-8")
+        else:
+            draw(Checked(found), path, command=said, progress=out.counted)
+        return
+    answer = replace(sheet.answer(design, out), command=said)
+    if request.what == "json":
+        path.write_text(to_json(flex_result(answer)), encoding="utf-8")
+    elif request.what == "html":
+        path.write_text(page_of_answer(answer, sheet.kept_check(design)), encoding="utf-8")
+    else:
+        draw(answer, path, progress=out.counted)

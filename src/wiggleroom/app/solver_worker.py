@@ -1,0 +1,76 @@
+"""The solver process of one page: orders on stdin, results on stdout; it ends when stdin does, whatever it is doing."""
+
+from __future__ import annotations
+
+import os
+import queue
+import sys
+import threading
+from typing import BinaryIO
+
+from wiggleroom.app.worker_protocol import Done, Ready, StartOrder, StopOrder, block, read_order
+
+KEPT_TICKETS = 4
+"""So many pieces of work can still be told that they were stopped, also when they are done: nobody got their reply."""
+
+
+class Orders:
+    """Orders as they come, read by a thread of its own, so that a stop is heard in the midst of work."""
+
+    def __init__(self, source: BinaryIO) -> None:
+        self._source = source
+        self._waiting: queue.Queue[tuple[StartOrder, threading.Event]] = queue.Queue()
+        self._stops: dict[int, threading.Event] = {}
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self) -> None:
+        while (order := read_order(self._source)) is not None:
+            if isinstance(order, StopOrder):
+                if (stop := self._stops.get(order.ticket)) is not None:
+                    stop.set()
+            else:
+                stop = self._stops[order.ticket] = threading.Event()
+                self._waiting.put((order, stop))
+                for old in list(self._stops)[:-KEPT_TICKETS]:
+                    del self._stops[old]
+        os._exit(0)  # the server is gone, and nobody waits for an answer
+
+    def next(self) -> tuple[StartOrder, threading.Event]:
+        """The next piece of work, and what is set when it is to stop."""
+        return self._waiting.get()
+
+    @property
+    def waiting(self) -> bool:
+        """True where work has come already."""
+        return not self._waiting.empty()
+
+
+def main(source: BinaryIO, target: BinaryIO) -> None:
+    """Work off orders until there are no more."""
+    orders = Orders(source)
+
+    def say(message: object) -> None:
+        target.write(block(message))
+        target.flush()
+
+    from wiggleroom.app.dispatcher import Dispatcher
+    from wiggleroom.app.preload import steps
+    from wiggleroom.app.upload_limits import bound_memory
+
+    bound_memory()
+    desk, cold = Dispatcher(), steps()
+    while True:
+        if cold and not orders.waiting:  # work that has come goes first, and loads what it needs
+            cold.pop(0)()
+            if not cold:
+                say(Ready())
+            continue
+        order, stop = orders.next()
+        good, more = desk.work(order, stop, say)
+        say(Done(order.ticket, good, more))
+
+
+if __name__ == "__main__":
+    with os.fdopen(os.dup(1), "wb") as results:
+        os.dup2(2, 1)  # whatever a library prints must not end up among the results
+        main(sys.stdin.buffer, results)

@@ -1,0 +1,77 @@
+"""`wiggleroom check`."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import Outputs, tell, write_moved
+from wiggleroom.cli.running import TimeLimit
+from wiggleroom.verdict import Separability
+
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), Outputs(), TimeLimit()
+CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
+
+
+def check(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: Outputs = _NO_OUTPUTS,
+    limit: TimeLimit = _ENDLESS,
+    largest_gap: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Say whether it comes apart: whether some parts can be moved without limit away from the others.
+
+    Says which parts leave, alone or together, in which order and along which way, every step checked for overlap; or
+    that they interlock, proven or searched. Fixed parts stand; where none is fixed, the largest part stands. Turning in
+    place is not coming apart. Exit code: 0 interlocked, 1 comes apart, 3 unknown.
+
+    Example: wiggleroom check puzzle.svg --gap 0.2 --picture apart.gif
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json).
+    largest_gap
+        Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides; wiggleroom gap --holds
+        asks that alone.
+    """
+    import shlex
+
+    from wiggleroom.cli.running import unless_stopped
+    from wiggleroom.cli.watch import interruptible, progress
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
+
+    if is_spatial_file(file):
+        from wiggleroom.cli.in_space import check_in_space
+
+        if largest_gap or limit.time is not None:
+            message = f"--largest-gap and --time are for drawings; {file} is an assembly in space: leave them out"
+            raise InputError(message)
+        return check_in_space(file, asked, outputs)
+    outputs.check(file)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
+        assembly = read(file, asked)
+
+        from wiggleroom.separate.interlock import check as work_out
+        from wiggleroom.separate.largest_gap import largest_gap as search
+
+        found = work_out(assembly, stop=stop, progress=show)
+        border = search(assembly, stop=stop, progress=show) if largest_gap else None
+    from wiggleroom.report.separability import check_result, check_table
+    from wiggleroom.report.separability_picture import Checked
+
+    shown = Checked(found, border)
+    tell(outputs, lambda: check_result(found, border, command), lambda: check_table(found, border), shown, command)
+    if outputs.moved is not None:
+        from wiggleroom.report.separability import as_answer
+
+        write_moved(assembly, as_answer(found).motion, outputs.moved)
+    return CODES[found.verdict]

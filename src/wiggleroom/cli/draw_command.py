@@ -1,0 +1,92 @@
+"""`wiggleroom draw` and `wiggleroom parts`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wiggleroom.cli.options import Asked, look
+from wiggleroom.cli.outputs import Force, Text, check, write_picture, write_result
+from wiggleroom.report.file_endings import STILLS
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from wiggleroom.assembly.inventory import InventoryRow
+
+_NONE_ASKED = Asked()
+
+
+def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED, force: Force = False) -> int:
+    """Draw a file as it is read: parts at rest, gap applied, and what is wrong, left out or assumed.
+
+    It draws what there is, also where a file cannot be worked with: open ends, crossings and overlaps are marked, and
+    a table lists the parts.
+
+    Example: wiggleroom draw puzzle.svg parts.png --gap 0.2
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+    out
+        The picture: .svg or .png.
+    force
+        Write over a file that was not made by this program, or was changed since.
+    """
+    import shlex
+
+    from wiggleroom.cli.say import note, show
+    from wiggleroom.report.read_picture import picture_of_reading
+
+    check(file, {"OUT": (out, STILLS)}, force)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    seen = look(file, asked)
+    for line in (*seen.assembly.drawing.notes, *seen.findings):
+        note(line)
+    write_picture(picture_of_reading(seen.assembly, seen.rows, seen.remarks, seen.findings, command=command), out)
+    show(_table(seen.rows))
+    return 0
+
+
+def parts(file: str, /, *, asked: Asked = _NONE_ASKED, json: Text = None, force: Force = False) -> int:
+    """List the parts of a file: name, size, place, holes and layer.
+
+    Example: wiggleroom parts puzzle.svg
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+    json
+        Write the list as JSON to this file; - is stdout, which then holds nothing else.
+    force
+        Write over a file that was not made by this program, or was changed since.
+    """
+    import shlex
+
+    from wiggleroom.cli.say import note, show
+    from wiggleroom.report.listing import parts_result
+
+    check(file, {"--json": (json, ())}, force)
+    seen = look(file, asked)
+    for line in (*seen.assembly.drawing.notes, *seen.findings):
+        note(line)
+    if json is not None:
+        command = shlex.join(["wiggleroom", *sys.argv[1:]])
+        write_result(parts_result(seen.rows, seen.assembly.drawing.notes, seen.findings, command), json)
+    if json != "-":
+        show(_table(seen.rows))
+    return 2 if seen.findings else 0
+
+
+def _table(rows: tuple[InventoryRow, ...]) -> Table:
+    """Parts as a plain table."""
+    from wiggleroom.report.table import columns
+
+    found = columns("part", "width mm", "height mm", "x mm", "y mm", "holes", "layer")
+    for row in rows:
+        numbers = (f"{value:.2f}" for value in (row.width, row.height, row.x, row.y))
+        found.add_row(row.name + (" (fixed)" if row.fixed else ""), *numbers, str(row.holes), row.layer)
+    return found

@@ -1,0 +1,152 @@
+"""`wiggleroom flex`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import Outputs, tell, write_moved
+from wiggleroom.cli.running import TimeLimit
+
+if TYPE_CHECKING:
+    from wiggleroom.freespace.models.pair_models import PairModel
+    from wiggleroom.search.answer import Answer
+
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), Outputs(), TimeLimit()
+
+
+def flex(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: Outputs = _NO_OUTPUTS,
+    limit: TimeLimit = _ENDLESS,
+    model: Literal["walls", "hull", "halfplane"] = "walls",
+    about: Literal["reference", "joint"] | None = None,
+    slices: int | None = None,
+    rounds: int | None = None,
+    solver: Literal["interior-point", "ipopt"] = "interior-point",
+    search: int | None = None,
+    prove: float | None = None,
+    certificate: Path | None = None,
+) -> int:
+    """Find the largest motion of the pulled parts.
+
+    Parts are rigid and, with walls, never overlap. The answer is a motion that was found and checked by exact geometry,
+    with a verdict on how sure it is. Ctrl-C stops early and reports the best safe motion so far (exit 3).
+
+    Example: wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture moved.svg
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json), of the plane or of space.
+    model
+        How the free space of each pair is modelled: walls, the exact contacts; to compare with, hull, the convex hulls
+        of "Mind the Gap", or halfplane, the linear programs of PuzzleFlex. These two may overlap, which is told.
+    about
+        For hull: the point that a part turns about to find the angles of its slices. By default reference.
+    slices
+        For hull: number of slices. By default 3, as in the paper.
+    rounds
+        For hull: so often the hulls are worked out, from the second time on round the motion found. By default 1.
+    solver
+        interior-point is this program's own; ipopt needs the extra wiggleroom[ipopt].
+    search
+        So many starts beside the one from rest: each climbs with another objective for a while and then with the true
+        one; 0 for none. By default as many as a fixed amount of work allows, the same on every machine; none for more
+        than 50 free parts.
+    prove
+        Prove a bound: that no motion is worth more than this share above the answer; 0.01 is one per cent. Needs the
+        extra wiggleroom[prove]. The proof may take 60 seconds, or what --time leaves; then the best bound so far is given.
+    certificate
+        For --prove: file for the proof, which wiggleroom verify checks.
+    """
+    import shlex
+    from dataclasses import replace
+
+    from wiggleroom.errors import InputError
+    from wiggleroom.freespace.models.pair_models import Hull
+
+    settings: dict[str, Any] = {
+        k: v for k, v in (("about", about), ("slices", slices), ("rounds", rounds)) if v is not None
+    }
+    from wiggleroom.questions import is_spatial_file
+
+    if is_spatial_file(file):
+        for option, given in (
+            ("model", model != "walls"),
+            ("prove", prove is not None),
+            *((k, True) for k in settings),
+        ):
+            if given:
+                wrong = f"--{option} is for drawings; {file} is an assembly in space: leave it out"
+                raise InputError(wrong)
+        from wiggleroom.cli.in_space import flex_in_space
+
+        return flex_in_space(file, asked, outputs, solver)
+    if settings and model != "hull":
+        wrong = f"--{next(iter(settings))} is for --model hull only"
+        raise InputError(wrong)
+    if certificate is not None and prove is None:
+        raise InputError("--certificate is for --prove only")
+    if prove is not None:
+        from wiggleroom.cli.proving import check_proof
+
+        check_proof(prove, model)
+    outputs.check(file, **{"--certificate": (certificate, ())})
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    wanted = Hull(**settings) if model == "hull" else model
+    answer = replace(
+        _answer(file, asked, wanted, solver, search, prove, limit.time, certificate is not None), command=command
+    )
+    from wiggleroom.report.json_results import flex_result
+    from wiggleroom.report.table import table
+
+    if certificate is not None:
+        from wiggleroom.cli.proving import write_certificate
+
+        write_certificate(answer, certificate)
+    tell(outputs, lambda: flex_result(answer), lambda: table(answer), answer, command)
+    write_moved(answer.assembly, answer.motion, outputs.moved)
+    return 3 if answer.verdict == "stopped" else 0
+
+
+def _answer(
+    file: str,
+    asked: Asked,
+    model: str | PairModel,
+    solver: str,
+    search: int | None,
+    prove: float | None,
+    seconds: float | None,
+    certify: bool,
+) -> Answer:
+    """Read, solve and measure; Ctrl-C and progress are looked after."""
+    import time
+    from dataclasses import replace
+
+    from wiggleroom.assembly.findings import role_findings
+    from wiggleroom.cli.running import unless_stopped
+    from wiggleroom.cli.watch import interruptible, progress
+    from wiggleroom.errors import InputError
+
+    begin = time.perf_counter()
+    with interruptible(seconds) as stop, unless_stopped(stop), progress() as show:
+        assembly = read(file, asked)
+        lacking = role_findings(assembly.drawing)
+        if lacking:
+            raise InputError(lacking)
+        spent = time.perf_counter() - begin
+
+        from wiggleroom.maximise import flex as solve
+
+        answer = solve(assembly, model=model, solver=solver, search=search, stop=stop, progress=show)
+        if prove is not None and not stop.is_set():
+            from wiggleroom.cli.proving import proven
+
+            answer = proven(answer, prove, certify, stop, show)
+    return replace(answer, seconds={"read": spent} | answer.seconds | {"total": time.perf_counter() - begin})

@@ -1,0 +1,59 @@
+"""`wiggleroom rank`."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+
+_NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = Asked(), StudyOutputs(), Running(), TimeLimit()
+
+
+def rank(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: StudyOutputs = _NO_OUTPUTS,
+    running: Running = _HERE,
+    time: TimeLimit = _ENDLESS,
+    by: Literal["duals", "differences"] = "duals",
+    exact: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Say which parts' gaps, and which joints', matter most for the motion.
+
+    Importance is mm of motion for each mm of extra gap round one part: its outline alone moves inward by half of it.
+
+    Example: wiggleroom rank puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture blame.svg
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json).
+    by
+        duals: all parts from the forces of one solve. differences: solved again for every part, as a check.
+    exact
+        Solve again for the parts whose importance the forces leave open.
+    """
+    import shlex
+
+    from wiggleroom.cli.watch import bar, interruptible
+
+    outputs.check(file)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    options = running.options()
+    with interruptible(time.time) as stop, unless_stopped(stop), bar("differences") as show:
+        assembly = complete(read(file, asked))
+
+        from wiggleroom.sensitivity.rank import rank as work_out
+
+        ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
+    from wiggleroom.report.rank_results import rank_result, rank_table
+
+    tell(outputs, lambda: rank_result(ranking, command), lambda: rank_table(ranking), ranking, command)
+    return 0

@@ -1,0 +1,80 @@
+"""`wiggleroom sample`."""
+
+from __future__ import annotations
+
+import sys
+from typing import Literal
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+
+_NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = Asked(), StudyOutputs(), Running(), TimeLimit()
+
+
+def sample(
+    file: str,
+    /,
+    *,
+    spread: float,
+    asked: Asked = _NONE_ASKED,
+    outputs: StudyOutputs = _NO_OUTPUTS,
+    running: Running = _HERE,
+    time: TimeLimit = _ENDLESS,
+    kind: Literal["normal", "uniform", "truncated"] = "normal",
+    sheet: float = 0.0,
+    bias: float = 0.0,
+    draws: int = 1000,
+    seed: int = 0,
+    limit: float | None = None,
+) -> int:
+    """Find the motion when the gap round every part varies at random.
+
+    Says mean, quantiles, worst case, which parts contribute, and how many keep a limit.
+
+    Example: wiggleroom sample puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --spread 0.02 --limit 5
+        --picture draws.svg
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json).
+    spread
+        How much the gap round one part varies [mm]: standard deviation; half of the range where it is uniform.
+    kind
+        Distribution: normal, uniform, or truncated (normal, cut at two standard deviations).
+    sheet
+        Correlation of all parts, as when the kerf of a sheet drifts: 0 each by itself, 1 all alike.
+    bias
+        Mean of the extra gap [mm].
+    draws
+        Assemblies drawn by lot.
+    seed
+        Same seed, same draws.
+    limit
+        Largest motion that is wanted [mm, turns in rad].
+    """
+    import shlex
+
+    from wiggleroom.cli.watch import bar, interruptible
+    from wiggleroom.errors import InputError
+
+    outputs.check(file)
+    if seed < 0:
+        wrong = f"--seed {seed}: it must be 0 or more"
+        raise InputError(wrong)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    options = running.options()
+    with interruptible(time.time) as stop, unless_stopped(stop), bar("draws") as show:
+        from wiggleroom.sensitivity.gap_distribution import Spread
+
+        lot = Spread(spread, kind, sheet, bias)
+        assembly = complete(read(file, asked))
+
+        from wiggleroom.sensitivity.sample import sample as work_out
+
+        found = work_out(assembly, lot, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options)
+    from wiggleroom.report.study_results import sample_result, sample_table
+
+    tell(outputs, lambda: sample_result(found, command), lambda: sample_table(found), found, command)
+    return 3 if len(found.value) < draws else 0

@@ -1,0 +1,73 @@
+"""`wiggleroom serve`."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wiggleroom.cli.options import Asked, asked_drawing, read_options
+
+_NONE_ASKED = Asked()
+
+
+def serve(
+    file: str | None = None,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    port: int = 0,
+    browser: bool = True,
+) -> int:
+    """Open the live page: move the gap, drag a part, see where it stops and why.
+
+    The page is for this machine alone, and what is opened in it does not leave the machine. Without a file, drop one on
+    the page. Ctrl-C ends it.
+
+    Example: wiggleroom serve puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json).
+    port
+        Port on this machine. By default one that is free.
+    browser
+        Open the page in the browser; --no-browser prints its address only.
+    """
+    import secrets
+
+    from wiggleroom.errors import InputError, see_extra
+
+    first = None if file is None else first_request(file, asked)
+    if file is None and asked != _NONE_ASKED:
+        raise InputError("serve: --gap, --fix and the like are about a FILE; name it, or leave them out")
+    see_extra("page", "the page needs starlette, uvicorn and websockets", "starlette", "uvicorn", "websockets")
+    from wiggleroom.app.server import Page, listen
+    from wiggleroom.app.server import serve as answer
+
+    try:
+        listening = listen(port)
+    except (OSError, OverflowError):
+        finding = f"--port {port}: it is taken or cannot be had; leave it out, and a free one is found"
+        raise InputError(finding) from None
+    number, token = listening.getsockname()[1], secrets.token_urlsafe(32)
+    address = f"http://127.0.0.1:{number}/?token={token}"
+
+    def started() -> None:
+        print(address, flush=True)  # noqa: T201
+        if browser:
+            import threading
+            import webbrowser
+
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()  # some run in the terminal
+
+    with listening:
+        answer(Page(number, token, first), listening, started)
+    return 0
+
+
+def first_request(file: str, asked: Asked) -> bytes:
+    """The request that opens a file; raises InputError where it cannot be read or the options do not fit it."""
+    from wiggleroom.app.open_requests import first_open
+
+    drawing = asked_drawing(file, asked)
+    return first_open(Path(file), drawing, asked.unit, asked.flatten, asked.gap, read_options(asked))

@@ -1,0 +1,87 @@
+"""`wiggleroom space`."""
+
+from __future__ import annotations
+
+import sys
+from typing import TYPE_CHECKING
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import PictureOutputs
+from wiggleroom.report.file_endings import PAGE, ending
+
+if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.compare.monte_carlo import Audit
+    from wiggleroom.freespace.free_space import FreeSpace
+
+_NONE_ASKED, _NO_OUTPUTS = Asked(), PictureOutputs()
+
+
+def space(
+    file: str,
+    a: str,
+    b: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: PictureOutputs = _NO_OUTPUTS,
+    samples: int = 0,
+    seed: int = 0,
+) -> int:
+    """Show how one part can move against another, all others left out: the free space of the pair.
+
+    Example: wiggleroom space puzzle.svg p1 p2 --gap 0.2 --samples 20000 --picture space.svg
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json).
+    a
+        Name of the part that stands.
+    b
+        Name of the part that moves against it.
+    samples
+        Random motions that are judged by polygon intersection too, to see how far the cells can be trusted.
+    seed
+        Of these random motions.
+    """
+    import shlex
+
+    from wiggleroom.errors import InputError
+
+    if samples < 0 or seed < 0:
+        wrong = f"--samples {samples} --seed {seed}: they must be 0 or more"
+        raise InputError(wrong)
+    outputs.check(file)
+    assembly = read(file, asked)
+
+    from wiggleroom.freespace.free_space import free_space
+
+    found = free_space(assembly, a, b)
+    judged = None
+    if samples:
+        from wiggleroom.compare.monte_carlo import audit
+
+        judged = audit(found, assembly, samples, seed=seed)
+    if outputs.json != "-":
+        from wiggleroom.cli.say import show
+        from wiggleroom.report.space_report import space_table
+
+        show(space_table(found, judged))
+    _write(found, assembly, judged, outputs, shlex.join(["wiggleroom", *sys.argv[1:]]))
+    return 0
+
+
+def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: PictureOutputs, command: str) -> None:
+    """JSON and picture, where they are asked for."""
+    from wiggleroom.cli.outputs import write_picture, write_result
+    from wiggleroom.report.space_report import space_result
+
+    if outputs.json is not None:
+        write_result(space_result(found, judged, command), outputs.json)
+    if outputs.picture is not None:
+        if ending(outputs.picture) == PAGE:
+            from wiggleroom.report.pages import page_of_space as show
+        else:
+            from wiggleroom.report.space_report import space_picture as show
+        write_picture(show(found, assembly, judged, command=command), outputs.picture)

@@ -1,0 +1,88 @@
+"""`wiggleroom sweep`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.running import TimeLimit, complete
+
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), StudyOutputs(), TimeLimit()
+
+
+def sweep(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: StudyOutputs = _NO_OUTPUTS,
+    time: TimeLimit = _ENDLESS,
+    gaps: str | None = None,
+    html: Path | None = None,
+) -> int:
+    """Find the motion for several gaps, and the gap from which on nothing stops it.
+
+    Example: wiggleroom sweep puzzle.svg --gaps 0.1:1:10 --fix p1 --pull p20:+x --picture curve.svg
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json).
+    gaps
+        Gaps in mm: a list 0.1,0.2,0.5, or from, to and how many as 0.1:1:10. By default nine, from a quarter of the
+        gap to twice it.
+    html
+        Make the page too, where the picture is to be something else: the answer at every gap, with its film: .html.
+    """
+    import shlex
+    from dataclasses import replace
+
+    from wiggleroom.cli.running import unless_stopped
+    from wiggleroom.cli.say import note
+    from wiggleroom.cli.watch import bar, interruptible
+
+    outputs.check(file, **{"--html": (html, (".html",))})
+    wanted = None if gaps is None else _gaps(gaps)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
+        assembly = complete(read(file, asked))
+
+        from wiggleroom.sensitivity.sweep import sweep as work_out
+
+        found = work_out(assembly, wanted, stop=stop, progress=show)
+        cut = stop.is_set()
+    from wiggleroom.report.study_results import sweep_result, sweep_table
+
+    shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
+    tell(shown, lambda: sweep_result(found, command), lambda: sweep_table(found), found, command)
+    if html is not None and any(step.answer is not None for step in found.steps):
+        from wiggleroom.report.write_picture import draw
+
+        draw(found, html, command=command)
+        note(f"page: {html}")
+    return 3 if cut else 0
+
+
+def _gaps(text: str) -> list[float]:
+    """Gaps from "0.1,0.2" or "0.1:1:10".
+
+    >>> _gaps("0.1,0.2"), _gaps("1:2:3")
+    ([0.1, 0.2], [1.0, 1.5, 2.0])
+    """
+    import math
+
+    from wiggleroom.errors import InputError
+
+    try:
+        if ":" in text:
+            low, high, count = text.split(":")
+            first, last, many = float(low), float(high), int(count)
+            if many < 2 or not (math.isfinite(first) and math.isfinite(last)):
+                raise ValueError
+            return [first + (last - first) * k / (many - 1) for k in range(many)]
+        return [float(piece) for piece in text.split(",")]
+    except ValueError:
+        wrong = f"--gaps {text}: write gaps in mm as 0.1,0.2,0.5, or from, to and how many as 0.1:1:10"
+        raise InputError(wrong) from None

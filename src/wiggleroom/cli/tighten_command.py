@@ -1,0 +1,74 @@
+"""`wiggleroom tighten`."""
+
+from __future__ import annotations
+
+import sys
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+
+_NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = Asked(), StudyOutputs(), Running(), TimeLimit()
+
+
+def tighten(
+    file: str,
+    /,
+    *,
+    asked: Asked = _NONE_ASKED,
+    outputs: StudyOutputs = _NO_OUTPUTS,
+    running: Running = _HERE,
+    time: TimeLimit = _ENDLESS,
+    parts: Annotated[int | None, Parameter(name=("--parts", "-k"))] = None,
+    limit: float | None = None,
+    to: float | None = None,
+    draws: int = 50,
+    seed: int = 0,
+) -> int:
+    """Say which parts to make tighter for the least motion, or the fewest that keep it below a limit.
+
+    Example: wiggleroom tighten frame.json --parts 11 --picture tighter.svg
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf) or an assembly file (.json).
+    parts
+        How many parts to choose.
+    limit
+        Or: choose as few as keep the motion below this [mm, turns in rad].
+    to
+        Gap that a tightened part aims at [mm]: its own half of every joint shrinks to half of this. By default a tenth
+        of the gap.
+    draws
+        Choices at random to compare with.
+    seed
+        Same seed, same choices at random.
+    """
+    import shlex
+
+    from wiggleroom.cli.watch import bar, interruptible
+    from wiggleroom.errors import InputError
+
+    outputs.check(file)
+    if draws < 0 or seed < 0:
+        wrong = f"--draws {draws} --seed {seed}: both must be 0 or more"
+        raise InputError(wrong)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    options = running.options()
+    with interruptible(time.time) as stop, unless_stopped(stop), bar("choices at random") as show:
+        assembly = complete(read(file, asked))
+
+        from wiggleroom.sensitivity.tighten import tighten as work_out
+
+        found = work_out(
+            assembly, parts=parts, limit=limit, gap=to, draws=draws, seed=seed, stop=stop, progress=show, **options
+        )
+        cut = stop.is_set()
+    from wiggleroom.report.study_results import tighten_result, tighten_table
+
+    tell(outputs, lambda: tighten_result(found, command), lambda: tighten_table(found), found, command)
+    return 0 if found.reached and not cut else 3

@@ -1,0 +1,323 @@
+"""A cutting sheet put together: bodies of panels, their joints, what is left over, and how sure that is."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.mating.beam_search import BeamState, Effort, Placement, extent, grow
+from wiggleroom.mating.closed_search import closed_placements
+from wiggleroom.mating.cutting_sheet import CuttingSheet
+from wiggleroom.mating.flanks import SheetPlate, plates_of
+from wiggleroom.mating.hints import Hints
+from wiggleroom.mating.known import joined_start, with_fixed_plates
+from wiggleroom.mating.refinement import pressed_panel, refined, relief_needed
+
+Floats = NDArray[np.float64]
+
+EFFORTS = (Effort(8, 0.5), Effort(6, 1.0), Effort(20, 0.5))
+"""Beams that are tried one after the other while needed flanks stay open."""
+_LOOSE = 0.5
+"""A panel of which less than this share of the flanks meet belongs elsewhere, if there is more than one body."""
+_RELIEF = 0.12
+"""Outlines are relieved by at most this share of the thickness; what still overlaps then is taken out again."""
+_APART = 20.0
+_SECONDS = 3.0
+"""Processor time of the exhaustive search for one body."""
+
+
+@dataclass(frozen=True, eq=False)
+class FoundJoint:
+    """Two panels that hold each other.
+
+    Parameters
+    ----------
+    panels : (int, int)
+        Rows of the panels.
+    flanks : (n, 2) int
+        Rows of the flanks that meet, of the one and the other.
+    """
+
+    panels: tuple[int, int]
+    flanks: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class AssembledSheet:
+    """What became of a sheet.
+
+    Parameters
+    ----------
+    plates : tuple of Plate
+        All panels, outlines as cut and relieved.
+    thickness : tuple of float [mm]
+        Real thickness of every panel.
+    bodies : tuple of Placement
+        Panels placed in space, body beside body.
+    joints : tuple of FoundJoint
+    open : dict of int to (n,) int
+        By row of a placed panel, needed flanks that meet nothing.
+    unplaced : tuple of int
+    burn, relief : float [mm]
+        Taken off every outline: as the cut does, and so that nothing presses at rest.
+    doubts : tuple of str
+        Why the assembly is not sure; empty where it is.
+    notes : tuple of str
+    source : str
+        The sheet's file name.
+    """
+
+    plates: tuple[SheetPlate, ...]
+    thickness: tuple[float, ...]
+    bodies: tuple[Placement, ...]
+    joints: tuple[FoundJoint, ...]
+    open: dict[int, NDArray[np.int64]]
+    unplaced: tuple[int, ...]
+    burn: float
+    relief: float
+    doubts: tuple[str, ...]
+    notes: tuple[str, ...]
+    source: str
+
+    @property
+    def sure(self) -> bool:
+        """Whether every needed flank meets another and no other assembly does as well."""
+        return not self.doubts
+
+
+def assemble_sheet(
+    sheet: CuttingSheet,
+    thickness: float,
+    *,
+    burn: float | None = None,
+    hints: Hints | None = None,
+    seconds: float = 60.0,
+    stop: Stop | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> AssembledSheet:
+    """Panels of a cutting sheet put together in space by the joints that their outlines show.
+
+    Parameters
+    ----------
+    sheet : CuttingSheet
+    thickness : float [mm]
+        For which slots and fingers are drawn.
+    burn : float [mm], optional
+        By how much outlines were drawn larger; by default what the sheet says, else 0.
+    hints : Hints, optional
+    seconds : float
+        Processor time after which no wider search is begun.
+
+    Raises
+    ------
+    InputError
+        If a hint names a panel that is not there.
+
+    Notes
+    -----
+    The mirror image of an assembly of flat plates has the same plates, each turned over, and fits as well. Of the two
+    the one is chosen in which the sides drawn face outward.
+    """
+    hints = hints or Hints()
+    _see_names(sheet, hints)
+    taken = burn if burn is not None else hints.burn if hints.burn is not None else sheet.burn or 0.0
+    names = [panel.name for panel in sheet.panels]
+    real = [hints.thicknesses.get(name, thickness) for name in names]
+    # A panel a little thinner than its slots is a real sheet; one far off has slots of its own.
+    drawn = [size if abs(size - thickness) > 0.15 * thickness else thickness for size in real]
+    plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
+    bench = BeamState(plates)
+    found, doubts = _bodies(bench, hints, time.process_time() + seconds, stop, progress)
+    bodies, unplaced = with_fixed_plates(bench, [refined(bench, body) for body in found], hints)
+    notes = [*sheet.notes]
+    bodies, relief, pressed = _relieved(bench, bodies, real, thickness)
+    unplaced = sorted({*unplaced, *pressed})
+    doubts += [f'panel "{names[row]}" overlaps others where its flanks meet, and is left out' for row in pressed]
+    if relief > 1e-3:
+        notes.append(
+            f"{sheet.source}: outlines pressed on each other at rest and are moved inward by {relief:.3g} mm more"
+        )
+    joints: list[FoundJoint] = []
+    left: dict[int, NDArray[np.int64]] = {}
+    for body in bodies:
+        joints += [FoundJoint((a, b), pairs) for a, b, pairs in bench.met(body)[0]]
+        left |= {row: rows for row, rows in bench.open(body).items() if len(rows)}
+    if left:
+        doubts.append(
+            f"{sum(len(rows) for rows in left.values())} flanks meet nothing, of {_listed(names, list(left))}"
+        )
+    if unplaced:
+        doubts.append(f"not placed: {_listed(names, unplaced)}")
+    placed = _side_by_side(bench, [_upright(bench, body) for body in bodies])
+    return AssembledSheet(
+        plates, tuple(real), tuple(placed), tuple(joints), left, tuple(unplaced), taken, relief,
+        tuple(dict.fromkeys(doubts)), tuple(notes), sheet.source,
+    )  # fmt: skip
+
+
+def _listed(names: Sequence[str], rows: Sequence[int]) -> str:
+    shown = ", ".join(names[row] for row in rows[:6])
+    return shown + (f" and {len(rows) - 6} more" if len(rows) > 6 else "")
+
+
+def _see_names(sheet: CuttingSheet, hints: Hints) -> None:
+    """Raise InputError for every name in the hints that no panel has."""
+    import difflib
+
+    known = [panel.name for panel in sheet.panels]
+    said = [*hints.thicknesses, *(name for group in hints.groups for name in group)]
+    said += [name for join in hints.joins for name in join.panels]
+    said += [name for plate in hints.plates for name in (plate.panel, plate.frame)]
+    findings = []
+    for name in dict.fromkeys(said):
+        if name not in known:
+            near = difflib.get_close_matches(name, known, 1)
+            meant = f'did you mean "{near[0]}"?' if near else f"it must be one of {', '.join(known[:8])}"
+            findings.append(f'{sheet.source}: there is no panel "{name}"; {meant}')
+    if findings:
+        raise InputError(findings)
+
+
+def _bodies(
+    bench: BeamState, hints: Hints, deadline: float, stop: Stop | None, progress: Callable[[int], None] | None
+) -> tuple[list[Placement], list[str]]:
+    """Bodies, largest first as they are found, and what makes them doubtful."""
+    names = [plate.name for plate in bench.plates]
+    said = {names.index(plate.panel) for plate in hints.plates}
+    groups = [frozenset(names.index(name) for name in group) - said for group in hints.groups]
+    rest = frozenset(range(len(names))) - said - frozenset().union(*groups)
+    bodies: list[Placement] = []
+    doubts: list[str] = []
+    for group in [*groups, rest]:
+        left = {row for row in group if len(bench.flanks[row])}
+        while len(left) > 1:
+            body, doubt = _body(bench, hints, frozenset(left), deadline, stop, progress)
+            doubts += doubt
+            if len(body.rows) < 2:
+                left -= set(body.rows)
+                continue
+            bodies.append(body)
+            left -= set(body.rows)
+    return bodies, doubts
+
+
+def _body(
+    bench: BeamState,
+    hints: Hints,
+    left: frozenset[int],
+    deadline: float,
+    stop: Stop | None,
+    progress: Callable[[int], None] | None,
+) -> tuple[Placement, list[str]]:
+    """One body of some of the panels, and why it may be wrong."""
+    root = max(left, key=lambda row: (len(bench.flanks[row]), bench.plates[row].polygon.area))
+    start = joined_start(bench, hints, left) or bench.start(root)
+    closed = closed_placements(bench, start, left, seconds=_SECONDS, stop=stop)
+    if closed.placements:
+        body = min(closed.placements, key=lambda placed: extent(bench, placed))
+        doubts = []
+        if len(closed.placements) > 1:
+            doubts.append(f"panels fit together in more than one way, round {bench.plates[root].name}")
+        elif not closed.exhausted:
+            doubts.append(f"not every other way to put panels round {bench.plates[root].name} was tried")
+        return body, doubts
+    best: tuple[float, Placement] | None = None
+    for effort in EFFORTS:  # the first one is always brought to its end: half a body helps nobody
+        until = np.inf if best is None else deadline
+        found = grow(bench, start, left, effort, deadline=until, stop=stop, progress=progress)[0]
+        met = sum(len(pairs) for *_, pairs in bench.met(found)[0])
+        if best is None or met > best[0]:
+            best = met, found
+        still = sum(len(rows) for rows in bench.open(best[1]).values())
+        if time.process_time() > deadline or (len(best[1].rows) == len(left) and still == 0):
+            break
+    if best is None:
+        return start, []
+    body = _trimmed(bench, best[1]) if len(best[1].rows) > 2 else best[1]
+    return body, ["found by a search that does not look at every way"] if len(body.rows) > 1 else []
+
+
+def _trimmed(bench: BeamState, body: Placement) -> Placement:
+    """Body without the panels that hardly meet the others, worst first."""
+    while len(body.rows) > 2:
+        _, flags = bench.met(body)
+        share = {row: flags[row].mean() for row in body.rows[1:]}
+        worst = min(share, key=lambda row: share[row])
+        if share[worst] >= _LOOSE:
+            return body
+        body = without(body, worst)
+    return body
+
+
+def without(body: Placement, row: int) -> Placement:
+    """Placement without one of its panels."""
+    keep = [k for k, other in enumerate(body.rows) if other != row]
+    return Placement(tuple(body.rows[k] for k in keep), body.turns[keep], body.moves[keep], body.met, {})
+
+
+def _relieved(
+    bench: BeamState, bodies: list[Placement], real: list[float], thickness: float
+) -> tuple[list[Placement], float, list[int]]:
+    """Bodies in which no plates overlap, the relief that takes [mm], and panels that had to be left out."""
+    result: list[Placement] = []
+    relief = 0.0
+    pressed: list[int] = []
+    for body in bodies:
+        while len(body.rows) > 1:
+            needed = relief_needed(bench, body, real, _RELIEF * thickness)
+            if np.isfinite(needed):
+                relief = max(relief, needed)
+                break
+            row = pressed_panel(bench, body, real, _RELIEF * thickness)
+            pressed.append(row)
+            body = refined(bench, without(body, row))
+        if len(body.rows) > 1:
+            result.append(body)
+        else:
+            pressed += body.rows
+    return result, relief, pressed
+
+
+def _upright(bench: BeamState, body: Placement) -> Placement:
+    """Body whose panels show their drawn side outward, standing on the panel called bottom or on the one that suits it."""
+    turns, moves = body.turns, body.moves
+    areas = np.array([bench.plates[row].polygon.area for row in body.rows])
+    centre = areas @ moves / areas.sum()
+    outward = areas @ np.einsum("ki,ki->k", turns[:, :, 2], moves - centre)
+    if outward < 0:
+        flip = np.diag([1.0, 1.0, -1.0])
+        turns, moves = flip @ turns @ flip, moves @ flip
+    calling = ("bottom", "floor", "base", "boden")
+    said = [k for k, row in enumerate(body.rows) if bench.plates[row].name.lower().startswith(calling)]
+    points = np.vstack(bench.places(Placement(body.rows, turns, moves, 0.0, {})))
+
+    def tilted(i: int) -> tuple[int, float]:
+        """How many panels stand askew in the frame of one, then the size of the box round everything."""
+        askew = (np.abs(turns[:, :, 2] @ turns[i]).max(axis=1) < 0.999).sum()
+        return int(askew), round(float(np.prod(np.ptp(points @ turns[i], axis=0) + 1.0)), 3)
+
+    k = said[0] if said else min(range(len(body.rows)), key=tilted)
+    frame, origin = turns[k], moves[k]
+    turns, moves = frame.T @ turns, (moves - origin) @ frame
+    if areas @ moves[:, 2] < 0:  # the others stand on it, not below
+        half = np.diag([1.0, -1.0, -1.0])
+        turns, moves = half @ turns, moves @ half
+    return Placement(body.rows, np.round(turns, 12) + 0.0, moves, body.met, {})
+
+
+def _side_by_side(bench: BeamState, bodies: list[Placement]) -> list[Placement]:
+    """Bodies moved apart along x."""
+    result: list[Placement] = []
+    reach = 0.0
+    for body in bodies:
+        thick = max(plate.thickness for plate in bench.plates)
+        points = np.vstack(bench.places(body))
+        shift = np.array([reach - points[:, 0].min() + thick, 0.0, 0.0]) if result else np.zeros(3)
+        reach = float((points + shift)[:, 0].max() + thick + _APART)
+        result.append(Placement(body.rows, body.turns, body.moves + shift, body.met, {}))
+    return result

@@ -1,0 +1,53 @@
+"""What the ending of a file's name says about a picture, and which endings show what."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import PurePath
+
+from wiggleroom.errors import InputError
+
+FILM_SVG = ".film.svg"
+"""An SVG of this name plays; any other is a still picture."""
+STILLS = (".svg", ".png")
+FILMS = (".gif", ".mp4", FILM_SVG)
+PAGE = ".html"
+ANSWERS = (*STILLS, *FILMS, PAGE)
+STUDIES = (*STILLS, PAGE)
+"""Endings of pictures of an answer, and of everything that has no way to make a film of."""
+
+
+def ending(path: PurePath) -> str:
+    """Ending of a name in small letters.
+
+    >>> ending(PurePath("a.b/Moved.film.SVG")), ending(PurePath("film.svg")), ending(PurePath("moved"))
+    ('.film.svg', '.svg', '')
+    """
+    return FILM_SVG if path.name.lower().endswith(FILM_SVG) else path.suffix.lower()
+
+
+def unlike(path: PurePath, endings: Sequence[str]) -> str:
+    """Say what is wrong with the ending of a name, or nothing.
+
+    >>> unlike(PurePath("a.gif"), STUDIES)
+    'the name must end in .svg, .png or .html; films come from flex and check'
+    """
+    found = ending(path)
+    if not endings or found in endings:
+        return ""
+    listed = " or ".join(p for p in (", ".join(endings[:-1]), endings[-1]) if p)
+    return f"the name must end in {listed}" + ("; films come from flex and check" if found in FILMS else "")
+
+
+def see(path: PurePath, endings: Sequence[str]) -> None:
+    """See that the ending of a picture's name is one of `endings`.
+
+    Raises
+    ------
+    InputError
+        If it is not.
+    """
+    problem = unlike(path, endings)
+    if problem:
+        finding = f"picture {path}: {problem}"
+        raise InputError(finding)

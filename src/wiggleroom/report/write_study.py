@@ -1,0 +1,90 @@
+"""Studies and checks into files; apart from answers, because they need all that works them out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.files import write_whole
+from wiggleroom.report import importance_picture as blame
+from wiggleroom.report import pages, study_plots
+from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
+from wiggleroom.report.gap_limit import picture_of_gap
+from wiggleroom.report.separability_picture import Checked, film_of_check, picture_of_check
+from wiggleroom.report.stills import write_svg
+from wiggleroom.report.tolerance_results import picture_of_tolerances
+from wiggleroom.search.answer import Answer
+from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.rank import Ranking
+from wiggleroom.sensitivity.sample import Sample
+from wiggleroom.sensitivity.sweep import Sweep
+from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.sensitivity.worst_case import WorstCase
+from wiggleroom.separate.interlock import Interlock
+
+Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase
+
+
+def draw_study(
+    found: Interlock | Study, path: Path, command: str, progress: Callable[[int, int], None] | None = None
+) -> None:
+    """Write what was found, as `wiggleroom.report.write_picture.draw` does."""
+    if isinstance(found, Interlock):
+        found = Checked(found)
+    see(path, ANSWERS if isinstance(found, Checked) else STUDIES)
+    kind = ending(path)
+    if kind in FILMS and isinstance(found, Checked):
+        film_of_check(found, path, command=command, progress=progress)
+    elif kind == PAGE:
+        write_whole(path, _page(found, command))
+    else:
+        write_svg(_picture(found, command), path)
+
+
+def _picture(found: Study, command: str) -> str:
+    match found:
+        case Checked():
+            return picture_of_check(found, command=command)
+        case Ranking():
+            return blame.picture_of_ranking(found, command=command)
+        case Tightening():
+            return blame.picture_of_tightening(found, command=command)
+        case Sweep():
+            return study_plots.picture_of_sweep(found, command=command)
+        case Sample():
+            return study_plots.picture_of_sample(found, command=command)
+        case AllowableGap():
+            return picture_of_gap(found, command=command)
+        case WorstCase():
+            return picture_of_tolerances(found, command=command)
+
+
+def _page(found: Study, command: str) -> str:
+    match found:
+        case Checked():
+            return pages.page_of_check(found, command=command)
+        case Ranking():
+            return pages.page_of_ranking(found, command=command)
+        case Tightening():
+            return pages.page_of_tightening(found, command=command)
+        case Sweep():
+            return pages.page_of_sweep(found, command=command)
+        case Sample():
+            return pages.page_of_sample(found, command=command)
+        case AllowableGap():
+            return pages.page_of_gap(found, command=command)
+        case WorstCase():
+            return pages.page_of_tolerances(found, command=command)
+
+
+def assembly_of(found: Answer | Interlock | Study) -> Assembly:
+    """The assembly that was asked about."""
+    match found:
+        case Ranking() | Sample():
+            return found.answer.assembly
+        case Tightening():
+            return found.before.assembly
+        case Checked():
+            return found.found.assembly
+    return found.assembly
