@@ -246,8 +246,8 @@ def test_a_method_that_refuses_is_not_right(monkeypatch: pytest.MonkeyPatch) -> 
 @needs_ipopt
 def test_small_assemblies_are_timed_in_processes_of_their_own() -> None:
     found = speed.speed(40)
-    walls, hull, planes = (figures(found, method=name) for name in one.METHODS)
-    for row in (walls, hull, planes):
+    walls, mixed, hull, planes = (figures(found, method=name) for name in one.METHODS)
+    for row in (walls, mixed, hull, planes):
         assert row["preprocess_seconds"] + row["solve_seconds"] == pytest.approx(row["total_seconds"], abs=0.01)
         assert row["ended"] in ("proven", "optimal", "stationary")
         assert 50 < row["peak_mb"] < 2000
@@ -255,6 +255,8 @@ def test_small_assemblies_are_timed_in_processes_of_their_own() -> None:
     assert walls["moves_mm"] == pytest.approx(0.35597, abs=1e-4)  # bracketed by an outer model: 0.3551 to 0.3566
     assert hull["moves_mm"] < walls["moves_mm"]
     assert hull["solver"] == "ipopt"
+    assert mixed["moves_mm"] == pytest.approx(hull["moves_mm"], rel=1e-4)
+    assert mixed["processor_seconds"] > 0
     assert [r["total_seconds"] for r in found.records if r["published"]] == [1.21, 0.38]
 
 
