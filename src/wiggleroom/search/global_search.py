@@ -72,6 +72,9 @@ def search_on(first: LocalSearch, starts: int | None = None) -> tuple[LocalSearc
     Source: a tree of states grown by random steps, after LaValle, "Rapidly-exploring random trees" (1998), with climbs as steps.
     """
     whole = _GlobalSearch(first)
+    if not whole.goes_on(starts):
+        return whole.result()
+    whole.plant()
     random, sides = np.random.default_rng(0), _turns(first.ready)
     while whole.goes_on(starts):
         if whole.made < len(sides):
@@ -85,13 +88,19 @@ class _GlobalSearch:
     """State of a search: the tree of states, the ends of all climbs, and the search that found the best of them."""
 
     def __init__(self, first: LocalSearch) -> None:
-        ready = first.ready
-        self.first, self.best, self.made, self.work = first, first, 0, 0.0
-        self.tree = StateTree(_rest_of_all_pairs(ready), ready.bodies.radius, ready.clearance)
+        self.first, self.best, self.made = first, first, 0
+        self.work = _work(first.rounds, first.iterations, len(first.ready.cells.kind))
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
         self.value, self.free = first.certain_value()
         self.values = [self.value]
         self.hills = {0: self.value}  # values to which the states climbed
+
+    def plant(self) -> None:
+        """Begin the tree of states: rest, and the end of the first search."""
+        first = self.first
+        rest = _rest_of_all_pairs(first.ready)
+        self.work += GROWTH_WORK * len(rest.cells.kind)
+        self.tree = StateTree(rest, first.ready.bodies.radius, first.ready.clearance)
         if first.best is not None and not self.free and first.way(first.best).sure:
             self.hills[self.tree.add(first.best, 0)] = self.value
 
@@ -174,9 +183,13 @@ class _GlobalSearch:
         rounds, self.rounds = search.rounds - self.rounds, search.rounds
         self.iterations += search.iterations
         self.seconds = {stage: spent + search.seconds[stage] for stage, spent in self.seconds.items()}
-        rows = len(start.cells.kind)
-        self.work += rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
+        self.work += _work(rounds, search.iterations, len(start.cells.kind))
         return found
+
+
+def _work(rounds: int, iterations: int, rows: int) -> float:
+    """Work of some rounds and iterations with so many rows, in iterations of a small program."""
+    return rounds * (ROUND_WORK + GROWTH_WORK * rows) + iterations * (1 + ROW_WORK * rows)
 
 
 def _rest_of_all_pairs(ready: Prepared) -> Start:
