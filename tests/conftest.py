@@ -31,6 +31,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker(pytest.mark.xfail(reason=reason, raises=AssertionError, strict=True))
 
 
+@pytest.fixture(autouse=True)
+def from_rest_only(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Climb from rest alone, in tests that are not marked `searches`: going on beyond the nearest hill would take most of their time."""
+    if "searches" in request.keywords:
+        return
+    from wiggleroom import maximise
+
+    monkeypatch.setattr(maximise, "beyond_the_nearest_hill", lambda climb, starts: (climb, None, None))
+
+
 @pytest.fixture
 def command(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
     """The command line: its words, and its exit code."""

@@ -62,3 +62,12 @@ print(source_key(Path(grow.__file__)))
     edges = package / "wiggleroom" / "freespace" / "cells" / "pair_edges.py"
     edges.write_text(edges.read_text() + "\n# another line\n")
     assert run(package, code) != before
+
+
+def test_what_was_kept_of_other_sources_is_not_even_opened(package: Path) -> None:
+    assert run(package, ASK).split() == ["21.0", "0"]
+    for index in (package / "wiggleroom" / "geometry" / "__pycache__").glob("*.nbi"):
+        index.write_bytes(b"not an index")
+    inner = package / "wiggleroom" / "geometry" / "inner.py"
+    inner.write_text(inner.read_text().replace("2.0", "4.0"))
+    assert run(package, ASK).split() == ["41.0", "0"]

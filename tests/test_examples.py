@@ -15,6 +15,8 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.cli import main
 
+pytestmark = pytest.mark.searches
+
 TOP = Path(__file__).parents[1]
 EXAMPLES = sorted(path.parent for path in (TOP / "examples").glob("*/command.txt"))
 PAGES = [TOP / "README.md", TOP / "CHANGELOG.md", *sorted((TOP / "docs").glob("*.md"))]

@@ -22,6 +22,8 @@ from wiggleroom.search.prepare import prepare
 from wiggleroom.search.state_tree import StateTree
 from wiggleroom.verdict import Verdict
 
+pytestmark = pytest.mark.searches
+
 BENT = [(0, 0), (3, 0), (3, 1), (1, 1), (1, 3), (0, 3)]
 """Room of a corridor with one bend, one unit wide."""
 

@@ -41,9 +41,14 @@ class Deadline:
             raise InputError(wrong)
 
     @property
+    def spent(self) -> float:
+        """Time since it began [s]."""
+        return time.monotonic() - self.begin
+
+    @property
     def left(self) -> float:
         """Time left [s]; infinite without a limit."""
-        return math.inf if self.seconds is None else self.seconds - (time.monotonic() - self.begin)
+        return math.inf if self.seconds is None else self.seconds - self.spent
 
     @property
     def over(self) -> bool:

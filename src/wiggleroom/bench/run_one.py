@@ -7,14 +7,13 @@ Before the clock starts a tiny assembly is solved the same way: what is loaded a
 from __future__ import annotations
 
 import json
-import math
 import sys
 import time
 
 from wiggleroom.assembly import patterns
 from wiggleroom.bench.large_assemblies import CASES, assembly_of
 from wiggleroom.bench.result import Record
-from wiggleroom.bound.branch_and_bound import Deadline
+from wiggleroom.deadline import Deadline
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.maximise import prepare, witness
 
@@ -34,7 +33,7 @@ def main() -> None:
     (case,) = [c for c in CASES if c.name == job["case"]]
     witness(patterns.chain(2), model=model, solver=solver)
     assembly = assembly_of(case)
-    clock = Deadline(math.inf if job["limit"] is None else job["limit"])
+    clock = Deadline(job["limit"])
     began, worked = time.perf_counter(), time.process_time()
     ready = prepare(assembly, model)
     prepared = time.perf_counter()

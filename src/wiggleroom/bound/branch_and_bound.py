@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import heapq
 import itertools
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -26,7 +25,7 @@ from wiggleroom.bound.linear_relaxation import (
     relaxation,
 )
 from wiggleroom.bound.proof_steps import ProofNode
-from wiggleroom.errors import Stop
+from wiggleroom.deadline import Deadline
 from wiggleroom.freespace.outer.outer_facets import holding
 from wiggleroom.freespace.outer.outer_region import OuterRegion, refined
 from wiggleroom.freespace.outer.skin import Skin
@@ -47,26 +46,6 @@ MIN_REDUCTION = 0.1
 """A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to a split."""
 MAX_PROOF_DEPTH = 200
 """So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
-
-
-@dataclass(eq=False)
-class Deadline:
-    """When to end; itself something that can be asked to stop."""
-
-    seconds: float
-    stop: Stop | None = None
-    began: float = field(default_factory=time.perf_counter)
-
-    @property
-    def spent(self) -> float:
-        """Seconds since it began."""
-        return time.perf_counter() - self.began
-
-    def over(self) -> bool:
-        """True where the time is up or somebody asked to stop."""
-        return self.spent > self.seconds or (self.stop is not None and self.stop.is_set())
-
-    is_set = over
 
 
 @dataclass(eq=False)
@@ -91,7 +70,7 @@ class BranchAndBound:
             value = min(best, -todo[0][0])
             best = max(value, self.cut)
             self.tell(best)
-            if best <= enough or self.clock.over():
+            if best <= enough or self.clock.is_set():
                 return best
             _, _, ranges, before, step = heapq.heappop(todo)
             if step is not None and step.depth > MAX_PROOF_DEPTH:
@@ -109,7 +88,7 @@ class BranchAndBound:
             if step is not None:
                 step.empty = nothing.pair
             return []
-        solver, scale = _asked(linear, self.clock.seconds - self.clock.spent)
+        solver, scale = _asked(linear, self.clock.left)
         most = solver.most_of(linear.cost)
         value = min(before, most)
         if step is not None:
@@ -124,7 +103,7 @@ class BranchAndBound:
                 step.nothing_left = True
             return []
         gain = (before - value) / (before - self.cut) if np.isfinite(before) else np.inf
-        if max(gain, gained) > MIN_REDUCTION or self.clock.over() or self._sharpen(linear, y):
+        if max(gain, gained) > MIN_REDUCTION or self.clock.is_set() or self._sharpen(linear, y):
             return [(cut, value)]
         body, middle, halves = self._halves(linear, x, cut)
         if step is not None:
@@ -138,7 +117,7 @@ class BranchAndBound:
         low, high = ranges.low.copy(), ranges.high.copy()
         held = np.flatnonzero(linear.turn >= 0)
         for body in held:
-            if self.clock.over():
+            if self.clock.is_set():
                 break
             cost = np.zeros(len(linear.cost))
             for sign, end in ((1.0, high), (-1.0, low)):
@@ -168,7 +147,7 @@ class BranchAndBound:
         for kind, found in wanted.items():
             these = np.unique(np.concatenate(found))
             region = self.regions[kind]
-            if len(these) and isinstance(region, OuterRegion) and not self.clock.over():
+            if len(these) and isinstance(region, OuterRegion) and not self.clock.is_set():
                 self.regions[kind] = refined(region, these)
                 done = True
         return done

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.bound.linear_relaxation import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
+from wiggleroom.deadline import Deadline
 from wiggleroom.errors import Stop
 from wiggleroom.search.prepare import survey
 
@@ -26,7 +26,7 @@ def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> fl
     """
     clock = Deadline(seconds, stop)
     ground = survey(assembly)
-    links, regions = outer_regions(ground, clock.over)
+    links, regions = outer_regions(ground, clock.is_set)
     ranges = first_ranges(ground.bodies, links, regions)
     if not np.isfinite(ranges.far).all():
         return None

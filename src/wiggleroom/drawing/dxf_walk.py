@@ -29,7 +29,7 @@ _FLAT = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class _State:
+class _DxfState:
     """What an entity inherits from the blocks that it is in."""
 
     matrix: Any
@@ -67,9 +67,9 @@ class DxfWalk:
             group = Group("" if name.startswith("*") else name, name.lower().startswith("glue"))
             self._grouped |= dict.fromkeys(members.handles(), group)
         s = self.scale
-        self._entities(self.document.modelspace(), _State(Matrix44.scale(s, s, s)))
+        self._entities(self.document.modelspace(), _DxfState(Matrix44.scale(s, s, s)))
 
-    def _entities(self, layout: Any, state: _State) -> None:
+    def _entities(self, layout: Any, state: _DxfState) -> None:
         for entity in layout:
             self._count()
             if not entity.dxf.is_supported("layer"):
@@ -84,7 +84,7 @@ class DxfWalk:
                 continue
             self._guarded(entity, replace(state, layer=layer))
 
-    def _guarded(self, entity: Any, state: _State) -> None:
+    def _guarded(self, entity: Any, state: _DxfState) -> None:
         """Damaged entities fail in as many ways as ezdxf has lines; each becomes one finding."""
         try:
             self._entity(entity, state)
@@ -102,7 +102,7 @@ class DxfWalk:
             message = f"{self.file}: draws more than {MOST} elements, copies counted; split the drawing"
             raise InputError(message)
 
-    def _entity(self, entity: Any, state: _State) -> None:
+    def _entity(self, entity: Any, state: _DxfState) -> None:
         kind = entity.dxftype()
         if kind in _SILENT:
             return
@@ -117,7 +117,7 @@ class DxfWalk:
         else:
             self._stroke(entity, state)
 
-    def _stroke(self, entity: Any, state: _State) -> None:
+    def _stroke(self, entity: Any, state: _DxfState) -> None:
         handle = "#" + (entity.dxf.get("handle") or "?")
         named = f'{entity.dxftype()} {handle} on layer "{state.layer}"'
         path = stroke_of(entity)
@@ -150,7 +150,7 @@ class DxfWalk:
             )
         )
 
-    def _colour(self, entity: Any, state: _State) -> str:
+    def _colour(self, entity: Any, state: _DxfState) -> str:
         """Colour of an entity, of its layer or of its block, as `#rrggbb`."""
         from ezdxf.colors import aci2rgb, int2rgb
 
@@ -168,7 +168,7 @@ class DxfWalk:
             return "#000000"  # white on a black screen, black on paper
         return _hex(aci2rgb(code))
 
-    def _groups_of(self, entity: Any, state: _State) -> tuple[Group, ...]:
+    def _groups_of(self, entity: Any, state: _DxfState) -> tuple[Group, ...]:
         key = state.layer.lower()
         plain = key == "0" or is_hole_layer(key)
         layer = self._layers.setdefault(
@@ -177,7 +177,7 @@ class DxfWalk:
         grouped = self._grouped.get(entity.dxf.get("handle"))
         return (layer, *((grouped,) if grouped else ()), *state.groups)
 
-    def _insert(self, insert: Any, state: _State) -> None:
+    def _insert(self, insert: Any, state: _DxfState) -> None:
         name = text_of(insert.dxf.get("name", ""))
         named = f'block "{name}" on layer "{state.layer}"'
         block = insert.block()
@@ -196,7 +196,7 @@ class DxfWalk:
             self._count()
             self._copies += 1
             group = Group("" if name.startswith("*") else name, name.lower().startswith("glue"))
-            inner = _State(
+            inner = _DxfState(
                 matrix=copy.matrix44() @ state.matrix,
                 layer=state.layer,
                 colour=self._colour(insert, state),
@@ -206,7 +206,7 @@ class DxfWalk:
             )
             self._entities(block, inner)
 
-    def _text(self, entity: Any, state: _State) -> None:
+    def _text(self, entity: Any, state: _DxfState) -> None:
         """Keep a short text and the point it stands at: it may name a part."""
         if entity.dxftype() == "TEXT":
             _, first, second = entity.get_placement()

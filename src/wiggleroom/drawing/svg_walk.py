@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
-class _State:
+class _SvgState:
     """What an element inherits."""
 
     matrix: Affine
@@ -68,11 +68,11 @@ class Walk:
 
     def run(self, matrix: Affine, port: Box) -> None:
         """Collect everything below the root, which `matrix` maps to the page."""
-        state = self._inherit(self.root, _State(matrix, port))
+        state = self._inherit(self.root, _SvgState(matrix, port))
         if state.style.get("display") != "none":
             self._children(self.root, state)
 
-    def _inherit(self, element: Element, state: _State) -> _State:
+    def _inherit(self, element: Element, state: _SvgState) -> _SvgState:
         own = properties(element.tag, element.attributes, self._rules)
         matrix = state.matrix
         if "transform" in own:
@@ -83,14 +83,14 @@ class Walk:
         fixed = state.fixed or (not state.copies and "fixed" in _marks(element))
         return replace(state, matrix=matrix, style=style, fixed=fixed)
 
-    def _children(self, element: Element, state: _State) -> None:
+    def _children(self, element: Element, state: _SvgState) -> None:
         if state.depth > _DEEPEST:
             message = f"{self.file}: line {element.line}: groups are nested deeper than {_DEEPEST}; ungroup them"
             raise InputError(message)
         for child in element.children:
             self._visit(child, replace(state, depth=state.depth + 1))
 
-    def _visit(self, element: Element, outer: _State) -> None:
+    def _visit(self, element: Element, outer: _SvgState) -> None:
         tag = element.tag
         if tag not in (*SHAPES, *_GROUPS, *_LEFT_OUT, "text", "use", "svg"):
             if tag and tag not in _NOT_DRAWN:
@@ -130,7 +130,7 @@ class Walk:
         else:
             self._children(element, state)
 
-    def _shape(self, element: Element, state: _State) -> None:
+    def _shape(self, element: Element, state: _SvgState) -> None:
         if state.style.get("visibility") in ("hidden", "collapse"):
             return
         fill = self._colour("fill", state, "black")
@@ -160,7 +160,7 @@ class Walk:
             return
         self.strokes.append(replace(stroke, paths=tuple(mapped(path, state.matrix) for path in subpaths)))
 
-    def _colour(self, key: str, state: _State, otherwise: str) -> str:
+    def _colour(self, key: str, state: _SvgState, otherwise: str) -> str:
         """Colour of the fill or the line, or nothing where it does not show."""
         value = state.style.get(key, otherwise)
         if value.lower() == "currentcolor":
@@ -171,7 +171,7 @@ class Walk:
             hidden = False
         return "" if hidden else colour_of(value)
 
-    def _text(self, element: Element, state: _State) -> None:
+    def _text(self, element: Element, state: _SvgState) -> None:
         """Keep a text and a point within its first letters."""
         words = " ".join(" ".join(child.text for child in _everything(element)).split())
         if not words:
@@ -190,7 +190,7 @@ class Walk:
         up = 0.3 if below else 0.0 if middle else -0.3
         self.texts.append(Lettering(words, state.matrix.point(complex(x + side * size, y + up * size))))
 
-    def _use(self, element: Element, state: _State) -> None:
+    def _use(self, element: Element, state: _SvgState) -> None:
         link = element.attributes.get("href") or element.attributes.get("xlink:href") or ""
         target = self._by_id.get(link[1:]) if link.startswith("#") else None
         if target is None or target in state.copies:
@@ -206,7 +206,7 @@ class Walk:
         else:
             self._visit(target, replace(state, depth=state.depth + 1))
 
-    def _inside(self, element: Element, sized: Element, corner: complex, state: _State) -> _State:
+    def _inside(self, element: Element, sized: Element, corner: complex, state: _SvgState) -> _SvgState:
         """Coordinates inside a nested svg or a used symbol; `sized` carries the width and height."""
         width, height = (self._length(sized, key, state, "100%") for key in ("width", "height"))
         port = Box(corner.real, corner.imag, width, height)
@@ -216,7 +216,7 @@ class Walk:
             inner = fit(view, port, element.attributes.get("preserveAspectRatio", ""))
         return replace(state, matrix=state.matrix.after(inner), port=view)
 
-    def _length(self, element: Element, key: str, state: _State, default: str = "0") -> float:
+    def _length(self, element: Element, key: str, state: _SvgState, default: str = "0") -> float:
         whole = state.port.width if key in ("x", "width") else state.port.height
         return self._try(element, lambda text: parse_length(text, whole), element.attributes.get(key, default), 0.0)
 

@@ -1,7 +1,8 @@
 """How functions are compiled, and when what was compiled is stale.
 
-What was compiled is kept beside the package. numba looks whether the file of a function has changed; what the function calls in other files
-is compiled into it unseen. So here its key also holds the sources of all modules that its own module imports, and theirs.
+What was compiled is kept beside the package. numba looks whether the file of a function has changed; what the function calls in
+other files is compiled into it unseen. So here the name of its cache holds a hash of the sources of all modules that its own
+module imports, and theirs.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+from numba.core.caching import IndexDataCacheFile
 
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
 """For functions that make arrays."""
@@ -33,8 +35,12 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
 
     def compiled(function: Callable) -> Any:
         made = numba.njit(**options)(function)
-        index = made._cache._cache_file  # numba has no public way to say what the key of a cached function depends on
-        index._source_stamp = (index._source_stamp, source_key(Path(function.__code__.co_filename)))
+        # numba has no public way to say what a cached function depends on; an index of other sources must not even be opened, because
+        # it names types that may be gone
+        cache = made._cache
+        old = cache._cache_file
+        name = f"{old._index_name.removesuffix('.nbi')}.{source_key(Path(function.__code__.co_filename))[:16]}"
+        cache._cache_file = IndexDataCacheFile(old._cache_path, name, old._source_stamp)
         return made
 
     return compiled

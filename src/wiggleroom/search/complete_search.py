@@ -56,9 +56,9 @@ def complete(first: LocalSearch) -> tuple[LocalSearch, float | None]:
         start = None if way is None else _start(ready, boxes, way)
         if start is None:
             break
-        climb = LocalSearch(ready, first.objective, first.solve, THOROUGH, first.stop, first.tell)
+        climb = LocalSearch(ready, first.objective, first.solve, THOROUGH, first.stop, first.tell, rounds=best.rounds)
         climb.improve(start)
-        climb.rounds, climb.iterations = climb.rounds + best.rounds, climb.iterations + best.iterations
+        climb.iterations += best.iterations
         climb.seconds = {stage: spent + best.seconds[stage] for stage, spent in climb.seconds.items()}
         further, free = climb.certain_value()
         if not climb.ended or not (free or further > value):

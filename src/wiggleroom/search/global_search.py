@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 MAX_BODIES = 50
 """Assemblies of more free bodies are climbed once."""
-WORK_BUDGET = 2000.0
+WORK_BUDGET = 4000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
@@ -166,15 +166,16 @@ class _GlobalSearch:
 
     def _search(self, objective: Objective, policy: Policy) -> LocalSearch:
         first = self.first
-        return LocalSearch(first.ready, objective, first.solve, policy, first.stop, first.tell)
+        return LocalSearch(first.ready, objective, first.solve, policy, first.stop, first.tell, rounds=self.rounds)
 
     def _run(self, search: LocalSearch, start: Start) -> Incumbent | None:
         """Improve, and count the work."""
         found = search.improve(start)
-        self.rounds, self.iterations = self.rounds + search.rounds, self.iterations + search.iterations
+        rounds, self.rounds = search.rounds - self.rounds, search.rounds
+        self.iterations += search.iterations
         self.seconds = {stage: spent + search.seconds[stage] for stage, spent in self.seconds.items()}
         rows = len(start.cells.kind)
-        self.work += search.rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
+        self.work += rounds * (ROUND_WORK + GROWTH_WORK * rows) + search.iterations * (1 + ROW_WORK * rows)
         return found
 
 

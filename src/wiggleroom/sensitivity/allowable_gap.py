@@ -46,6 +46,9 @@ PROOF_STEPS = (0.004, 0.02, 0.08, 0.3)
 MIN_PROOF_SHARE = 2e-3
 """No proof is tried that would have to come nearer to the motion than this share of it."""
 
+MAX_CONFIRMATIONS = 4
+"""Searches beyond the nearest hill, each at an answer that the one before has lowered."""
+
 
 @dataclass(frozen=True, eq=False)
 class Trial:
@@ -211,6 +214,7 @@ class _MotionBorder:
         low = max(t.gap for t in self.trials.values() if self._keeps(t) and (high is None or t.gap < high))
         if high is not None:
             low, high = self._narrow(low, high)
+        low, high = self._confirmed(low, high)
         proven = self._proven(low)
         return self._answer(low, why, high, proven)
 
@@ -279,6 +283,18 @@ class _MotionBorder:
             halve = high - low > 0.5 * wide
         return low, high
 
+    def _confirmed(self, low: float, high: float | None) -> tuple[float, float | None]:
+        """Search beyond the nearest hill at the answer, which trials do not; where that finds a larger motion the border lies below."""
+        for _ in range(MAX_CONFIRMATIONS):
+            if self.deadline.is_set():
+                break
+            self.trials[low] = self._solved(low, None)
+            smaller = [t.gap for t in self.trials.values() if self._keeps(t) and t.gap < low]
+            if not self._fails(self.trials[low]) or not smaller:
+                break
+            low, high = self._narrow(max(smaller), low)
+        return low, high
+
     def _proven(self, low: float) -> float | None:
         """Largest gap at which no motion above the limit is possible, by a bound."""
         limit = Deadline(min(self.deadline.left, PROOF_SECONDS), self.deadline)
@@ -309,14 +325,14 @@ class _MotionBorder:
             self.trials[gap] = self._solved(gap)
         return self.trials[gap]
 
-    def _solved(self, gap: float) -> Trial:
+    def _solved(self, gap: float, search: int | None = 0) -> Trial:
         try:
             made = assemble(self.assembly.drawing, gap=gap)
         except InputError:
             overlapping = gap < max((t.gap for t in self.trials.values() if t.value is not None), default=0.0)
             return Trial(gap, None, Verdict.TOUCHING if overlapping or gap == 0 else Verdict.NOT_MAKEABLE, False)
         try:
-            answer = flex(made, self.goals, stop=self.deadline, progress=self.progress)
+            answer = flex(made, self.goals, search=search, stop=self.deadline, progress=self.progress)
         except StoppedError:
             return Trial(gap, None, Verdict.STOPPED, False)
         except InputError:

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.bound.branch_and_bound import Deadline
 from wiggleroom.bound.displacement_bound import furthest
+from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, WiggleroomError
 from wiggleroom.geometry.rigid_motions import of_parts

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.bound.branch_and_bound import Deadline
+from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.loop import Progress
 from wiggleroom.separate.interlock import Interlock, check
