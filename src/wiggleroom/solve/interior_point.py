@@ -30,6 +30,8 @@ WARM_START_GAP = 3e-2
 """The next program starts at the last feasible iterate whose complementarity was still this share of the objective."""
 SLACK_TOLERANCE = 1e-12
 """Slacks that are right to this share of `program.length` are exact."""
+MAX_PULLS = 60
+"""Most points tried between a feasible point and an end that violates rows."""
 
 
 @dataclass(frozen=True)
@@ -219,6 +221,8 @@ def solve(
     settled = (
         _restore_feasibility(state, matrix, retraction, shared, exact) if status is SolverStatus.CONVERGED else state
     )
+    if status is SolverStatus.CONVERGED and watch.feasible is not None:
+        settled = _pulled_inside(settled, watch.feasible[0])
     inner = watch.feasible if status is SolverStatus.FAILED and watch.feasible else watch.inner
     return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
 
@@ -413,3 +417,21 @@ def _restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction,
             retraction,
         )
     return state
+
+
+def _pulled_inside(state: Iterate, inside: Floats) -> Iterate:
+    """The state, or where rows are still violated there the last point of the segment from a feasible point to it that is feasible."""
+    if state.at.h.min(initial=np.inf) >= 0:
+        return state
+    program, room = state.at.program, state.at.program.values(inside)
+    below = state.at.h < 0
+    share = float((room[below] / (room[below] - state.at.h[below])).min())
+    for _ in range(MAX_PULLS):
+        at = program.linearise(inside + share * (state.u - inside))
+        if at.h.min() >= 0:
+            break
+        share *= 0.9
+    else:
+        return state
+    u = inside + share * (state.u - inside)
+    return replace(state, u=u, at=at, s=np.maximum(at.h, SETTINGS.min_slack))
