@@ -10,34 +10,31 @@ import sys
 from pathlib import Path
 from xml.sax.saxutils import escape
 
-from tests.test_imports import ORDER, ROOT, imported
+from tests.test_imports import KNOWN, ORDER, imported
 
 LANES = (
     (
         "the path of a question",
         ["drawing", "assembly", "geometry", "freespace", "program", "solve", "search", "maximise"],
     ),
-    ("other questions", ["bound", "compare", "tight", "separate", "sensitivity", "live"]),
-    ("what people and programs get", ["schema", "report", "verify", "bench", "app", "cli"]),
+    ("other questions", ["bound", "compare", "tight", "separate", "sensitivity", "live", "mating", "spatial"]),
+    ("what people and programs get", ["questions", "schema", "report", "audit", "verify", "bench", "app", "cli"]),
 )
+EVERYWHERE = ("errors", "deadline", "provenance", "files", "verdict")  # not drawn: anyone may import them
 WIDTH, HEIGHT, GAP, LEFT = 176.0, 104.0, 14.0, 24.0
 
 
 def summary(name: str) -> str:
     """First sentence of a package or module."""
-    path = ROOT / f"{name}.py" if (ROOT / f"{name}.py").exists() else ROOT / name / "__init__.py"
-    said = ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))) or ""
+    said = ast.get_docstring(ast.parse(KNOWN[f"wiggleroom.{name}"].read_text(encoding="utf-8"))) or ""
     return said.split("\n", 1)[0].split(": ", 1)[0].rstrip(".")
 
 
 def imports_of(name: str) -> list[str]:
     """Packages that one imports from, in order."""
-    paths = [ROOT / f"{name}.py"] if (ROOT / f"{name}.py").exists() else sorted((ROOT / name).rglob("*.py"))
-    found: set[str] = set()
-    for path in paths:
-        package = ".".join(["wiggleroom", *path.relative_to(ROOT).parts[:-1]])
-        found |= imported(ast.parse(path.read_text(encoding="utf-8")), package)
-    return [one for one in ORDER if one in found - {name, "errors", "files", "verdict"}]
+    own = [module for module in KNOWN if module.split(".")[1:2] == [name]]
+    found = {one.split(".")[1] for module in own for one in imported(module, KNOWN[module], KNOWN) if "." in one}
+    return [one for one in ORDER if one in found - {name, *EVERYWHERE}]
 
 
 def wrapped(text: str, width: int, most: int) -> list[str]:
