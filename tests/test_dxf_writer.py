@@ -185,5 +185,5 @@ def test_without_ezdxf(tmp_path):
         [sys.executable, "-c", code, "convert", file, "x.dxf"], cwd=tmp_path, capture_output=True, text=True
     )
     assert done.returncode == 2
-    assert done.stderr.splitlines()[-1].endswith("pip install 'wiggleroom[dxf]'")
+    assert done.stderr.splitlines()[-1].endswith("pip install '.[dxf]'")
     assert not (tmp_path / "x.dxf").exists()

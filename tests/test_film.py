@@ -225,7 +225,7 @@ def test_a_missing_library_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
     monkeypatch.setattr(errors, "find_spec", lambda name: None)
     for kind in ("gif", "mp4"):
-        with pytest.raises(wr.MissingExtraError, match=r"wiggleroom\[film\]"):
+        with pytest.raises(wr.MissingExtraError, match=r"'\.\[film\]'"):
             film_of_answer(row(2), tmp_path / f"a.{kind}")
 
 

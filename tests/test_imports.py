@@ -1,4 +1,4 @@
-"""Data flows one way: a package imports only from packages to its left, errors and files stand left of all."""
+"""Data flows one way: a package imports only from those before it in `ORDER`, and no modules import each other in a circle."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def see_extra(extra: str, what: str, *libraries: str) -> None:
     Parameters
     ----------
     extra : str
-        Name of the extra in `pip install 'wiggleroom[extra]'`.
+        Name of the extra in `pip install '.[extra]'`.
     what : str
         What needs it, such as "the solver ipopt needs CasADi".
 
@@ -71,5 +71,5 @@ def see_extra(extra: str, what: str, *libraries: str) -> None:
         If one of them is not.
     """
     if any(find_spec(name) is None for name in libraries):
-        message = f"{what}: pip install 'wiggleroom[{extra}]'"
+        message = f"{what}: in the folder of wiggleroom's sources, pip install '.[{extra}]'"
         raise MissingExtraError(message)

@@ -28,7 +28,7 @@ def read(
     Parameters
     ----------
     path : str or path
-        Assembly file (.json) or drawing (.svg, .dxf).
+        Assembly file (.json) or drawing (.svg, .dxf, .lbrn2).
     gap : float, optional [mm]
         In place of the file's.
     unit : str, optional

@@ -26,7 +26,7 @@ from wiggleroom.cli.tighten_command import tighten
 from wiggleroom.cli.tolerances_command import tolerances
 from wiggleroom.cli.verify_command import verify
 
-_HELP = """How far loose interlocking flat parts can move.
+_HELP = """How far loose interlocking parts can move, whether they come apart, and whose gap is to blame.
 
 Say what is fixed and where it is pulled, and get the largest motion as a number and a picture:
 
@@ -34,7 +34,8 @@ Say what is fixed and where it is pulled, and get the largest motion as a number
 
 wiggleroom COMMAND --help says what a command takes; with --picture most of them draw their answer.
 
-Lengths are in mm, angles in degrees. Exit codes: 0 answered, 1 check says it comes apart, 2 bad input or usage, 3 no verdict.
+Lengths are in mm, angles in degrees. Exit codes: 0 answered, 1 check says it comes apart or verify
+that a proof is not verified, 2 bad input or usage, 3 no verdict.
 """
 
 

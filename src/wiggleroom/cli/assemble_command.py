@@ -39,7 +39,7 @@ def assemble(
     Parameters
     ----------
     file
-        The sheet (.svg, .dxf).
+        The sheet (.svg, .dxf, .lbrn2).
     output
         The assembly file to write (.json): plates as cut, in space.
     thickness

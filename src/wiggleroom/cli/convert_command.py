@@ -18,7 +18,7 @@ def convert(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED, force: Force
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     out
         .json: curves flattened for the gap, which the file carries, so that flex on it equals flex on the drawing.
         .svg, .dxf: the outlines as they are cut, gap and offsets applied, and the names in a layer of their own,

@@ -40,7 +40,7 @@ def coupon(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json) with a joint of your own.
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json) with a joint of your own.
     holder
         The part that is made once for every gap. May be left out, with the next, where the file has two parts.
     key

@@ -43,7 +43,7 @@ def flex(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json), of the plane or of space.
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space.
     model
         How the free space of each pair is modelled: walls, the exact contacts; to compare with, hull, the convex hulls
         of "Mind the Gap", or halfplane, the linear programs of PuzzleFlex. These two may overlap, which is told.
@@ -54,14 +54,14 @@ def flex(
     rounds
         For hull: so often the hulls are worked out, from the second time on round the motion found. By default 1.
     solver
-        interior-point is this program's own; ipopt needs the extra wiggleroom[ipopt].
+        interior-point is this program's own; ipopt needs the extra ipopt.
     search
         So many starts beside the one from rest: each climbs with another objective for a while and then with the true
         one; 0 for none. By default as many as a fixed amount of work allows, the same on every machine; none for more
         than 50 free parts.
     prove
         Prove a bound: that no motion is worth more than this share above the answer; 0.01 is one per cent. Needs the
-        extra wiggleroom[prove]. The proof may take 60 seconds, or what --time leaves; then the best bound so far is given.
+        extra prove. The proof may take 60 seconds, or what --time leaves; then the best bound so far is given.
     certificate
         For --prove: file for the proof, which wiggleroom verify checks.
     """

@@ -41,7 +41,7 @@ def gap(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json). Its own gap is where the search begins.
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json). Its own gap is where the search begins.
     at_most
         The largest gap at which the motion asked for is no more than this [mm, turns in rad].
     holds

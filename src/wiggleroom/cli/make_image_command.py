@@ -37,7 +37,7 @@ def image(
     Parameters
     ----------
     file
-        The picture: PNG, JPEG, ... Needs the extra wiggleroom[image].
+        The picture: PNG, JPEG, ... Needs the extra image.
     output
         The assembly file that is written: .json.
     blocks

@@ -34,7 +34,7 @@ def rank(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     by
         duals: all parts from the forces of one solve. differences: solved again for every part, as a check.
     exact

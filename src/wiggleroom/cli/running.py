@@ -41,7 +41,7 @@ class Running:
     workers
         Processes on this machine. By default one for each processor.
     cluster
-        Dask scheduler that gets the work instead: tcp://host:port. Needs the extra wiggleroom[cluster].
+        Dask scheduler that gets the work instead: tcp://host:port. Needs the extra cluster.
     """
 
     workers: int | None = None

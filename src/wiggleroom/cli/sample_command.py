@@ -38,7 +38,7 @@ def sample(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     spread
         How much the gap round one part varies [mm]: standard deviation; half of the range where it is uniform.
     kind

@@ -27,7 +27,7 @@ def serve(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     port
         Port on this machine. By default one that is free.
     browser

@@ -35,7 +35,7 @@ def space(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     a
         Name of the part that stands.
     b

@@ -29,7 +29,7 @@ def sweep(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     gaps
         Gaps in mm: a list 0.1,0.2,0.5, or from, to and how many as 0.1:1:10. By default nine, from a quarter of the
         gap to twice it.

@@ -35,7 +35,7 @@ def tighten(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     parts
         How many parts to choose.
     limit

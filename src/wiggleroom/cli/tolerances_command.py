@@ -34,7 +34,7 @@ def tolerances(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf) or an assembly file (.json), which may hold tolerances of its own.
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), which may hold tolerances of its own.
     tolerances
         Table with the columns part, other, outline, nominal, plus, minus [mm]: .csv. In place of the file's.
     limit

@@ -22,7 +22,7 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: Asked = _NON
     Every region, every range of turns and every bound is worked out again in ball arithmetic. Give the drawing too, and
     the options that flex had: outlines, glue, fixed parts, gap and pulls must be those of the certificate. What neither
     the drawing nor an option states is printed as stated by the certificate only. Exit code: 0 verified, 1 not
-    verified, 2 bad input. Needs the extra wiggleroom[verify].
+    verified, 2 bad input. Needs the extra verify.
 
     Example: wiggleroom verify proof.json puzzle.svg --gap 0.2 --fix p1 --pull p20:+x
 

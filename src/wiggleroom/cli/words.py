@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from itertools import zip_longest
 
-DRAWINGS = (".svg", ".dxf")
+DRAWINGS = (".svg", ".dxf", ".lbrn2", ".lbrn")
 
 
 def with_json_alone(argv: Sequence[str]) -> list[str]:

@@ -230,7 +230,9 @@ class Live:
         stop: Stop | None = None,
         progress: Callable[[Progress], None] | None = None,
     ) -> Answer:
-        """Return the answer of `wiggleroom.flex` for the present design; later quick ones begin near it.
+        """Return the answer of `wiggleroom.flex` with `search=0` for the present design, without a bound; later quick ones begin near it.
+
+        The climb begins at rest alone: no search beyond the nearest hill, no quick bound.
 
         Raises
         ------

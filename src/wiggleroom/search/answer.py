@@ -93,7 +93,7 @@ class Answer(Drawable):
     at_most : float or None
         A value that no motion can exceed, where one was worked out.
     bound : Bound or None
-        How that was proven, or why not; None where nobody asked.
+        How that was proven, or why not; None where none was worked out.
     search : SearchEffort or None
         What the search beyond the nearest hill came to; None where there was none.
     warm_start : Incumbent or None

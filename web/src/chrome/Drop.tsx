@@ -38,7 +38,7 @@ export function Drop() {
     <div class="drop">
       <div>
         <p class="big">Drop a drawing here</p>
-        <p>SVG, DXF or an assembly file (JSON). Or <label class="link" for="file">choose one</label>.</p>
+        <p>SVG, DXF, LightBurn or an assembly file (JSON). Or <label class="link" for="file">choose one</label>.</p>
         <p class="quiet">It stays on this machine.</p>
       </div>
     </div>

@@ -66,7 +66,7 @@ export function SaveMenu() {
             return (
               <button
                 key={what} type="button" role="menuitem" disabled={missing || (asked && !answer.value && !escape)} onClick={() => pick(what)}
-                title={missing ? `needs the extra ${needs}: pip install 'wiggleroom[${needs}]'` : undefined}
+                title={missing ? `needs the extra ${needs}: pip install '.[${needs}]'` : undefined}
               >
                 <span>{words}</span><kbd>{ending}</kbd>
               </button>

@@ -25,7 +25,7 @@ export function TopBar() {
       <span class="spring" />
       {!baked.value && (
         <>
-          <input ref={box} class="unseen" type="file" accept=".svg,.dxf,.json" tabIndex={-1} aria-label="drawing" onChange={take} id="file" />
+          <input ref={box} class="unseen" type="file" accept=".svg,.dxf,.lbrn2,.lbrn,.json" tabIndex={-1} aria-label="drawing" onChange={take} id="file" />
           <Button icon="open" label="Open a drawing" keyName="O" onClick={() => box.current?.click()}>Open</Button>
           <SaveMenu />
           <span class="rule" />

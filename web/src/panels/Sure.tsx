@@ -35,7 +35,7 @@ function Prove() {
         <label>for at most <NumberBox value={seconds.value} min={1} step={5} unit="s" label="time for the proof" onChange={(v) => (seconds.value = v)} /></label>
         <Run kind="prove" label="Prove a bound" onClick={start} disabled={missing}>Prove</Run>
       </div>
-      {missing && <p class="quiet">Needs the extra <code>prove</code>: pip install 'wiggleroom[prove]'</p>}
+      {missing && <p class="quiet">Needs the extra <code>prove</code>: pip install '.[prove]'</p>}
       {proof.value && (
         <div class={current(proof.value) ? "result" : "result old"}>
           <p class="strong">{proof.value.reply.words}</p>

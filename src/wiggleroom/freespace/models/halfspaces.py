@@ -1,4 +1,4 @@
-"""Faces: the region of each pair as a convex polyhedron, N g + D <= 0, as the paper and half-plane methods have it."""
+"""Half-spaces: the region of each pair as a convex polyhedron, N g + D <= 0, as the paper and half-plane methods have it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Pockets: what B can reach against A, from walls that hold as long as it stays within a window; far cheaper than outer slices.
+"""Local outer regions: what B can reach against A, from walls that hold as long as it stays within a window; far cheaper than outer slices.
 
 Take a window of motions round rest. If a point of B, wherever the window carries it, can get behind an edge of A only into
 A's material, then the wall of that point and edge holds at every free motion of the window; the same with A and B exchanged.
