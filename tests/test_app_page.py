@@ -289,7 +289,7 @@ def test_a_bound_lies_above_the_answer(page: Visit) -> None:
         ("json", b'{\n  "format": "wiggleroom.flex/1"'),
         ("assembly", b'{\n"format": "wiggleroom/1"'),
         ("cut-svg", b"<svg"),
-        ("cut-dxf", b"  0\nSECTION"),
+        ("cut-dxf", b"999\nMade with wiggleroom "),
     ],
 )
 def test_what_is_saved_is_what_it_says(page: Visit, what: str, begins: bytes) -> None:

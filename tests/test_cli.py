@@ -193,7 +193,7 @@ def test_a_stopped_question_reports_what_it_has(run, monkeypatch: pytest.MonkeyP
 
     class Fake:
         @staticmethod
-        def flex(assembly, *, model, solver, stop, progress):
+        def flex(assembly, *, model, solver, search, stop, progress):
             os.kill(os.getpid(), signal.SIGINT)
             assert next((True for _ in range(500) if stop.is_set() or time.sleep(0.01)), False)
             return dataclasses.replace(row(2), verdict=Verdict.STOPPED, assembly=assembly)
@@ -358,6 +358,7 @@ def test_a_missing_extra_is_said_before_the_long_work(
     assert not (folder / "a.mp4").exists()
 
 
+@pytest.mark.searches
 def test_flex_says_what_other_starts_came_to(run, folder: Path) -> None:
     code, out, _ = run("flex", "peg.json", "--pull", "peg:+y", "--search", "3")
     assert code == 0

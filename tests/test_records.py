@@ -19,7 +19,7 @@ from wiggleroom.verdict import Verdict
 
 KEYS = [
     "format", "verdict", "objective", "at_most", "parts", "collision_free", "deepest_overlap", "path", "contacts",
-    "model", "solver", "rounds", "seconds", "command",
+    "model", "solver", "rounds", "seconds", "notes", "command",
 ]  # fmt: skip
 
 

@@ -76,7 +76,7 @@ def assemble(
 def with_notes(assembly: Assembly) -> Assembly:
     """The same with notes on what looks odd: parts drawn into each other that the gap opens, a gap or a size that may not be meant."""
     drawing = assembly.drawing
-    if not drawing.source:
+    if not drawing.source or not drawing.parts:
         return assembly
     drawn = not drawing.source.lower().endswith(".json")  # outlines in an assembly file are meant
     lines = [f"{drawing.source}: {line}" for line in doubts(drawing, drawn=drawn)]
