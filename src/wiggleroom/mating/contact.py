@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from wiggleroom.geometry.jit_options import njit
 
 _OPPOSED = -0.98
 _UPRIGHT = 0.98

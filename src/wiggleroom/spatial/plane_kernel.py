@@ -16,9 +16,8 @@ first `own[k]` of them belong to A's corners.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import NO_ALLOCATION
+from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 
 
 @njit(**NO_ALLOCATION)

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from wiggleroom.geometry.jit_options import OPTIONS
+from wiggleroom.geometry.jit_options import OPTIONS, njit
 
 
 @njit(**OPTIONS)

@@ -9,10 +9,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from wiggleroom.geometry.jit_options import OPTIONS
+from wiggleroom.geometry.jit_options import OPTIONS, njit
 from wiggleroom.spatial.convex import ConvexPiece
 from wiggleroom.spatial.overlap_check import free_pairs
 from wiggleroom.spatial.rotations import exponential, logarithm
