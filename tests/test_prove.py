@@ -39,7 +39,7 @@ def bound_of(assembly, goals, cut, seconds):
     ground = survey(assembly)
     goal = objective(assembly, ground.bodies, goals)
     assert isinstance(goal, PointMotion)
-    links, regions = outer_regions(ground, clock.over)
+    links, regions = outer_regions(ground, clock.is_set)
     ranges = first_ranges(ground.bodies, links, regions)
     held = ground.bodies.fixed[goal.body] | np.isfinite(ranges.far[goal.body])
     if not held.all():

@@ -26,7 +26,7 @@ from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.complete_search import PROVEN_GAP, complete
-from wiggleroom.search.global_search import SearchEffort, search_on
+from wiggleroom.search.global_search import search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
@@ -221,18 +221,13 @@ def witness(
     climb.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
     if search == 0:
         return answer_of(climb, asked, solver, began)
-    climb, effort, most = beyond_the_nearest_hill(climb, search)
+    climb, effort = search_on(climb, search)
+    answer = replace(answer_of(climb, asked, solver, began), search=effort)
+    if search is None and with_quick_bound(answer).verdict is Verdict.PROVEN:
+        return answer  # there is nothing more to find
+    climb, most = complete(climb)
     answer = replace(answer_of(climb, asked, solver, began), search=effort)
     return answer if most is None else with_bound(answer, Bound(most, PROVEN_GAP, 0.0))
-
-
-def beyond_the_nearest_hill(
-    climb: LocalSearch, starts: int | None
-) -> tuple[LocalSearch, SearchEffort | None, float | None]:
-    """Go on after a climb from rest: the best search, what was done, and a value that no motion exceeds where one body alone is free."""
-    climb, effort = search_on(climb, starts)
-    climb, most = complete(climb)
-    return climb, effort, most
 
 
 def _from_several(

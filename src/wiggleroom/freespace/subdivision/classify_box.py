@@ -320,7 +320,7 @@ def leaf_at(x, y, z, middle, first):
 @njit(**OPTIONS)
 def search(
     middle, level, state, first, count, pause, origin, scale, deepest, wrap, turning, asked, goals,
-    a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way,
+    a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way, visits,
 ):  # fmt: skip
     """Cut the mixed boxes on the cheapest ways from rest to goals, again and again, until one way is free or none is left.
 
@@ -328,7 +328,7 @@ def search(
     more than asked[6]. `goals` ways are looked at in every lap.
 
     Returns how it ended, the number of boxes, and how many boxes of `way` are filled, from rest to the goal. Above `pause` boxes it
-    returns too; called again, it goes on.
+    returns too; called again, it goes on. visits[0] counts the boxes gone over and what cutting them takes; above visits[1] it gives up.
     """
     most = len(level)
     cost, before = np.empty(most), np.empty(most, dtype=np.int64)
@@ -348,6 +348,9 @@ def search(
     while True:
         if count > pause:
             return PAUSED, count, 0
+        if visits[0] > visits[1]:
+            return SPENT, count, 0
+        visits[0] += count
         found = cheapest(
             start, middle, level, state, first, count, origin, scale, wrap, turning, asked, cost, before, heap_cost, heap,
             out, ends,
@@ -387,6 +390,9 @@ def search(
                         continue
                     if count + 8 > most:
                         return SPENT, count, 0
+                    visits[0] += 8 << min(
+                        max(level[m] - 6, 0), 10
+                    )  # along a flush contact, smaller boxes need more pieces
                     count = split(
                         m, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
                         b_kid,

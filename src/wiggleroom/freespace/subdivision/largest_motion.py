@@ -27,6 +27,8 @@ GOALS_PER_PASS = 256
 """Ways looked at in every lap."""
 STOP_CHECK_BOXES = 2000
 """After so many boxes, whether to stop is asked again."""
+MAX_VISITS = 2_500_000
+"""Boxes that all searches for ways go over at most: where many motions are nearly the best, each of many searches brings little."""
 MAX_TURN = 2.2 * np.pi
 """Turns are followed so far [rad] both ways where turning itself is asked for."""
 
@@ -69,6 +71,7 @@ class MotionBoxes:
         self._middle, self._level = np.zeros((self.most, 3)), np.zeros(self.most, dtype=np.int64)
         self._state, self._first = np.zeros(self.most, dtype=np.int64), np.full(self.most, -1)
         self._way = np.zeros(self.most, dtype=np.int64)
+        self._visits = np.array([0, MAX_VISITS])
         x, y = self.pivot
         dx, dy = self.pull
         # arms are measured from the pivot
@@ -91,7 +94,7 @@ class MotionBoxes:
         while how == PAUSED and not (stop is not None and stop.is_set()):
             how, self.count, length = search(
                 self._middle, self._level, self._state, self._first, self.count, self.count + STOP_CHECK_BOXES, self._origin,
-                self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._way,
+                self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._way, self._visits,
             )  # fmt: skip
         if how != FOUND:
             return how == CLOSED, None

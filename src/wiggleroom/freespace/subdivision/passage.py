@@ -73,6 +73,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
     middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
     state, first = np.zeros(most, dtype=np.int64), np.full(most, -1)
     way, count = np.zeros(most, dtype=np.int64), 1
+    unlimited = np.array([0, np.iinfo(np.int64).max])
     pair = (*one.arrays, other.edge, other.disc, other.kid)
     for turning in (True, False):  # first without going round, which is the smaller question
         how, pace = PAUSED, 1000
@@ -82,7 +83,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
             began, before = time.perf_counter(), count
             how, count, length = search(
                 middle, level, state, first, count, count + pace, origin, scale, MAX_DEPTH, not turning, turning,
-                NOTHING_ASKED, 1, *pair, way,
+                NOTHING_ASKED, 1, *pair, way, unlimited,
             )  # fmt: skip
             pace = max(100, int((count - before) * STOP_CHECK_SECONDS / max(time.perf_counter() - began, 1e-9)))
         if how == CLOSED:
