@@ -33,7 +33,7 @@ class TimedPath:
     --------
     >>> import numpy as np
     >>> import wiggleroom as wr
-    >>> way = Way(wr.patterns.chain(2), np.array([[[0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 3.0, 0]]]))
+    >>> way = TimedPath(wr.patterns.chain(2), np.array([[[0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 3.0, 0]]]))
     >>> way.length, float(way.at(np.array([1.5]))[0, 1, 1])
     (3.0, 1.5)
     """
