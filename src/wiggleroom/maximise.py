@@ -223,8 +223,9 @@ def witness(
         return answer_of(climb, asked, solver, began)
     climb, effort = search_on(climb, search)
     answer = replace(answer_of(climb, asked, solver, began), search=effort)
-    if search is None and with_quick_bound(answer).verdict is Verdict.PROVEN:
-        return answer  # there is nothing more to find
+    several = int((~ready.bodies.fixed).sum()) > 1
+    if several or (search is None and with_quick_bound(answer).verdict is Verdict.PROVEN):
+        return answer  # only one body alone is searched completely, where there is anything left to find
     climb, most = complete(climb)
     answer = replace(answer_of(climb, asked, solver, began), search=effort)
     return answer if most is None else with_bound(answer, Bound(most, PROVEN_GAP, 0.0))

@@ -25,6 +25,7 @@ from wiggleroom.drawing.assembly_schema import (
 )
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
 from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Tolerance, Turn, W
+from wiggleroom.drawing.name_checks import NameChecks
 from wiggleroom.drawing.rings import clean_ring, signed_area
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.tolerances import tolerance_findings
@@ -65,7 +66,7 @@ def read_assembly(source: str | Path) -> Drawing:
     return _Reader(text.name, entry, findings).drawing()
 
 
-class _Reader:
+class _Reader(NameChecks):
     """Goes through one file and collects what is wrong with it."""
 
     def __init__(self, file: str, entry: FileEntry, findings: list[str]) -> None:
@@ -96,9 +97,6 @@ class _Reader:
         if self._findings:
             raise InputError(self._findings)
         return Drawing(tuple(parts), gap, glue, ignore, gaps, goals, self._file, tolerances=tolerances)
-
-    def _say(self, where: str, what: str) -> None:
-        self._findings.append(f"{self._file}: {where}: {what}" if where else f"{self._file}: {what}")
 
     def _head(self) -> None:
         entry = self._entry
@@ -207,29 +205,6 @@ class _Reader:
         elif len(ring) < 3:
             self._say(where, f"{label} has all corners on one line or in one place; it must enclose an area")
         return ring
-
-    def _known(self, where: str, names: Iterable[str]) -> None:
-        for name in names:
-            if name not in self._names:
-                self._say(where, f'there is no part "{name}"; it must be the name of a part')
-
-    def _together(self, where: str, value: Any) -> tuple[str, ...]:
-        names = convert(value, list[str], f"{self._file}: {where}", self._findings)
-        if names is None:
-            return ()
-        self._known(where, names)
-        if len(set(names)) < max(2, len(names)):
-            self._say(where, "must name at least two different parts, each once")
-        return tuple(names)
-
-    def _pair(self, where: str, value: Any) -> tuple[str, str]:
-        names = convert(value, tuple[str, str], f"{self._file}: {where}", self._findings)
-        if names is None:
-            return ("", "")
-        self._known(where, names)
-        if names[0] == names[1]:
-            self._say(where, "must name two different parts")
-        return names
 
     def _gap(self, i: int, value: Any) -> JointGap | None:
         where = f"gaps[{i}]"

@@ -19,8 +19,8 @@ from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
 
-MAX_BOXES, BOX_WORK = 120_000, 1_500_000
-"""Boxes judged at most, and boxes times corners: a box takes longer where there are more corners."""
+MAX_BOXES = 120_000
+"""Boxes judged at most."""
 MIN_IMPROVEMENT, PROVEN_GAP = 1e-4, 9e-4
 """Motions better by the first share are looked for, until none better by the second is left."""
 MAX_CLIMBS = 30

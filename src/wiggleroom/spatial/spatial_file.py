@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.assembly_schema import convert, decode
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import Region
+from wiggleroom.drawing.name_checks import NameChecks
 from wiggleroom.drawing.rings import clean_ring
 from wiggleroom.drawing.source import Source, load
 from wiggleroom.drawing.units import UNITS
@@ -83,7 +84,7 @@ def read_spatial(source: str | Path) -> SpatialDrawing:
     return _SpatialReader(text.name, folder, entry, findings).drawing()
 
 
-class _SpatialReader:
+class _SpatialReader(NameChecks):
     """Goes through one file and collects what is wrong with it."""
 
     def __init__(self, file: str, folder: Path | None, entry: SpatialFileEntry, findings: list[str]) -> None:
@@ -120,9 +121,6 @@ class _SpatialReader:
         if self._findings:
             raise InputError(self._findings)
         return SpatialDrawing(parts, gap, glue, ignore, goals, self._file, tuple(dict.fromkeys(self._notes)))
-
-    def _say(self, where: str, what: str) -> None:
-        self._findings.append(f"{self._file}: {where}: {what}" if where else f"{self._file}: {what}")
 
     def _all_names(self) -> None:
         found = [value["name"] for value in self._entry.parts if isinstance(value, dict) and "name" in value]
@@ -284,29 +282,6 @@ class _SpatialReader:
             return None
         self._notes += notes
         return surface
-
-    def _known(self, where: str, names: Iterable[str]) -> None:
-        for name in names:
-            if name not in self._names:
-                self._say(where, f'there is no part "{name}"; it must be the name of a part')
-
-    def _together(self, where: str, value: Any) -> tuple[str, ...]:
-        names = convert(value, list[str], f"{self._file}: {where}", self._findings)
-        if names is None:
-            return ()
-        self._known(where, names)
-        if len(set(names)) < max(2, len(names)):
-            self._say(where, "must name at least two different parts, each once")
-        return tuple(names)
-
-    def _pair(self, where: str, value: Any) -> tuple[str, str]:
-        names = convert(value, tuple[str, str], f"{self._file}: {where}", self._findings)
-        if names is None:
-            return ("", "")
-        self._known(where, names)
-        if names[0] == names[1]:
-            self._say(where, "must name two different parts")
-        return names
 
     def _goal(self, i: int, value: Any) -> SpatialGoal | None:
         where = f"pull[{i}]"
