@@ -1,0 +1,243 @@
+"""Motions that repeat: a path to a state congruent to an earlier one, with the objective further on, can be gone again for ever.
+
+Turn a body about its centroid by a symmetry of its outline, and the same material lies there. So let a path lead from a state to another
+one that differs from it by such turns alone. Turned in the same way, the path leads on from there: every body is where a body of the
+same outline was on the path before, and nothing overlaps. What turns gain in one period they gain in every one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, StoppedError, TouchingError
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
+from wiggleroom.geometry.rotational_symmetry import symmetry_orders
+from wiggleroom.program.objectives import Approach, Objective, PointMotion, Points, Sum
+from wiggleroom.search.incumbent import Leg, Start, at_rest
+from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.moves import CLIMB
+from wiggleroom.search.path_check import CheckedPath, whole_way
+from wiggleroom.search.prepare import prepare
+from wiggleroom.search.symmetric_cover import symmetric_cover
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SYMMETRY_TOLERANCE = 1e-10
+"""Corners agree where they do to this share of the drawing's size: half of what the audit moves outlines inward by."""
+MAX_FREE_BODIES = 50
+"""In larger assemblies no period is looked for."""
+MAX_STATES = 6
+"""So many congruent states are steered to at most, the nearest to the path first."""
+STEPS_BETWEEN = 8
+"""Places between two points of the path at which congruent states are looked for."""
+MAX_STEERING = 25.0
+"""Congruent states further from the path than this multiple of the clearance are left alone."""
+ARRIVAL = 0.3
+"""A state this share of the clearance away is reached by a straight piece; the audit judges it."""
+MIN_TURN = 0.8
+"""Gears are looked at more closely where one that is asked for turns by this share of its pitch."""
+PLACES_IN_A_TURN = 64
+"""Way-points of a turn in place."""
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicMotion:
+    """A path from rest whose last stretch can be repeated for ever.
+
+    Parameters
+    ----------
+    motions : (k, n, 3) float64 [mm, mm, rad]
+        Way-points of the bodies, from rest to one period on.
+    waypoints : (k, parts, 3) float64 [mm, mm, rad]
+        The same of the parts.
+    first : int
+        The way-point at which the period begins.
+    turn : (n,) float64 [rad]
+        How far each body is turned in a period.
+    gain : float
+        Of the objective in a period.
+    """
+
+    motions: Floats
+    waypoints: Floats
+    first: int
+    turn: Floats
+    gain: float
+
+
+def periodic_motion(search: LocalSearch, asked: tuple[Goal, ...]) -> PeriodicMotion | None:
+    """A path that repeats and gains, near the one that was found; None where none was found.
+
+    Parameters
+    ----------
+    search : LocalSearch
+        Ended; of the path to its best motion, what is certain is used.
+    asked : tuple of goals
+        What its objective is made of.
+    """
+    ready = search.ready
+    free = ~ready.bodies.fixed
+    weights = _turn_weights(search.objective, len(free))
+    if search.best is None or not (weights[free] != 0).any() or free.sum() > MAX_FREE_BODIES:
+        return None
+    exact = SYMMETRY_TOLERANCE * ready.size
+    orders = symmetry_orders(ready.bodies.shapes, exact)[ready.bodies.shape]
+    found = _repeats(search, weights, orders)
+    if found is not None:
+        return found
+    cover = symmetric_cover(ready.assembly, ready.clearance, exact)
+    if cover is None:
+        return None
+    order = np.array([cover[1][members[0]] for members in ready.bodies.members])
+    if (np.abs(search.best.motion[:, 2]) < MIN_TURN * 2 * np.pi / np.maximum(orders, order))[weights != 0].all():
+        return None
+    try:
+        wider = prepare(cover[0], stop=search.stop)
+    except (InputError, TouchingError, StoppedError):
+        return None
+    climb = LocalSearch(wider, wider.objective(asked), search.solve, search.policy, search.stop, search.tell)
+    climb.rounds = search.rounds
+    climb.improve(at_rest(wider))
+    found = _repeats(climb, weights, np.maximum(orders, order))
+    search.rounds, search.iterations = climb.rounds, search.iterations + climb.iterations
+    if found is None or not audit_path(ready.assembly, found.waypoints).free:
+        return None
+    return replace(found, motions=of_bodies(ready.assembly, ready.bodies, found.waypoints))
+
+
+def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMotion | None:
+    """A path that repeats, of bodies with symmetries of some orders (n,)."""
+    if search.best is None:
+        return None
+    way = search.way(search.best)
+    if not way.certain:
+        return None
+    step = 2 * np.pi / orders
+    found = _in_place(search, way, weights, step)
+    if found is not None:
+        return found
+    for target in _congruent_states(search, way, weights, step):
+        if search.stopped:
+            return None
+        path = _steered(search, target)
+        if path is not None:
+            turn = target.motion[:, 2]
+            return PeriodicMotion(path.motions, path.waypoints, 0, turn, float(weights @ turn))
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class _CongruentState:
+    """Rest, every body turned by a symmetry: its motion (n, 3), and where on the path steering towards it begins."""
+
+    motion: Floats
+    legs: tuple[Leg, ...]
+    distance: float
+
+
+def _turn_weights(objective: Objective, n: int) -> Floats:
+    """What an objective gains (n,) per turn [rad] of each body, in the long run."""
+    out = np.zeros(n)
+    for term in objective.terms if isinstance(objective, Sum) else (objective,):
+        if isinstance(term, PointMotion):
+            np.add.at(out, term.body, term.turn)
+    return out
+
+
+def _in_place(search: LocalSearch, way: CheckedPath, weights: Floats, step: Floats) -> PeriodicMotion | None:
+    """Bodies that turn where they are, at rest or at the end: each by one step of its symmetry."""
+    ready = search.ready
+    asked = np.flatnonzero((weights != 0) & ~ready.bodies.fixed)
+    last = way.certain - 1
+    for first in dict.fromkeys((0, last)):
+        for body in asked:
+            sense = np.sign(weights[body])
+            count = max(4, int(np.ceil(PLACES_IN_A_TURN * step[body] / (2 * np.pi))))
+            turning = np.repeat(way.motions[first : first + 1], count, axis=0)
+            turning[:, body, 2] += sense * step[body] * np.arange(1, count + 1) / count
+            motions = np.concatenate([way.motions[: first + 1], turning])
+            waypoints = of_parts(ready.assembly, ready.bodies, motions)
+            if audit_path(ready.assembly, waypoints[first:]).free:
+                turn = np.zeros(len(weights))
+                turn[body] = sense * step[body]
+                return PeriodicMotion(motions, waypoints, first, turn, float(weights @ turn))
+    return None
+
+
+def _congruent_states(
+    search: LocalSearch, way: CheckedPath, weights: Floats, step: Floats
+) -> Iterator[_CongruentState]:
+    """States congruent to rest that the path comes near to, with the objective further on.
+
+    Of those that are nearly as near as the nearest, the one of the shortest period comes first.
+    """
+    bodies = search.ready.bodies
+    points = [(k, i) for k, leg in enumerate(way.kept) for i in range(len(leg.points))]
+    motions = np.array([way.kept[k].program.motion(way.kept[k].points[i]) for k, i in points])
+    share = np.arange(STEPS_BETWEEN)[:, None, None] / STEPS_BETWEEN
+    free = ~bodies.fixed
+    found: dict[tuple[int, ...], _CongruentState] = {}
+    for at, (before, after) in enumerate(zip(motions[:-1], motions[1:], strict=True)):
+        between = before + share * (after - before)
+        count = np.round(between[:, :, 2] / step)
+        aside = between.copy()
+        aside[:, :, 2] -= count * step
+        away = np.hypot(aside[..., 0], aside[..., 1]) + bodies.radius * np.abs(aside[..., 2])
+        distance = away[:, free].max(axis=1)
+        for j in range(STEPS_BETWEEN):
+            gain = float(weights @ (count[j] * step))
+            key = tuple(count[j, free].astype(int).tolist())
+            if gain <= 0 or distance[j] > MAX_STEERING * search.ready.clearance:
+                continue
+            if key in found and found[key].distance <= distance[j]:
+                continue
+            target = np.zeros_like(before)
+            target[:, 2] = np.where(free, count[j] * step, 0.0)
+            k, i = points[at if 2 * j < STEPS_BETWEEN else at + 1]
+            leg = way.kept[k]
+            legs = (*way.kept[:k], Leg(leg.program, leg.points[: i + 1]))
+            found[key] = _CongruentState(target, legs, float(distance[j]))
+    if found:
+        near = max(2 * min(state.distance for state in found.values()), 4 * search.ready.clearance)
+        order = sorted(found.values(), key=lambda s: (max(s.distance, near), float(weights @ s.motion[:, 2])))
+        yield from order[:MAX_STATES]
+
+
+def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None:
+    """The path to a state congruent to rest; None where it is not reached."""
+    ready, bodies = search.ready, search.ready.bodies
+    goal = _approach(search, target.motion)
+    leg = target.legs[-1]
+    begin = leg.program.motion(leg.points[-1])
+    goal = replace(goal, zero=goal.value(begin))
+    climb = LocalSearch(ready, goal, search.solve, CLIMB, search.stop, search.tell, rounds=search.rounds)
+    found = climb.improve(Start(leg.program.cells, begin, target.legs))
+    search.rounds, search.iterations = climb.rounds, search.iterations + climb.iterations
+    for stage, spent in climb.seconds.items():
+        search.seconds[stage] += spent
+    if found is None:
+        return None
+    left = found.motion - target.motion
+    away = np.hypot(left[:, 0], left[:, 1]) + bodies.radius * np.abs(left[:, 2])
+    if away.max() > ARRIVAL * ready.clearance:
+        return None
+    arrival = Leg(found.program, (found.solution.u, found.program.variables(target.motion)))
+    path = whole_way(ready, (*found.path, arrival), search.stop)
+    return path if path.sure else None
+
+
+def _approach(search: LocalSearch, target: Floats) -> Approach:
+    """Squared distances from a state: of two points of every free body, at its radius."""
+    bodies = search.ready.bodies
+    body = np.repeat(np.flatnonzero(~bodies.fixed), 2)
+    arm = np.zeros((len(body), 2))
+    arm[::2, 0] = arm[1::2, 1] = bodies.radius[body[::2]]
+    points = Points(body, arm)
+    return Approach(points, -points.moved(target), np.ones(len(body)))
