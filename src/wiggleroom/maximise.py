@@ -220,13 +220,13 @@ def witness(
     if first:
         return _from_several(climb, first, asked, solver, began)
     climb.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
-    repeats = periodic_motion(climb, asked)
+    climb, repeats = periodic_motion(climb, asked)
     if search == 0 or repeats is not None:
         return answer_of(climb, asked, solver, began, repeats)
     first_climb = climb
     climb, effort = search_on(climb, search)
     if climb is not first_climb:
-        repeats = periodic_motion(climb, asked)
+        climb, repeats = periodic_motion(climb, asked)
     answer = replace(answer_of(climb, asked, solver, began, repeats), search=effort)
     if answer.objective is None:
         return answer

@@ -29,6 +29,7 @@ from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.recession import recession_direction
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -217,10 +218,11 @@ class Live:
         settled = settled and state.linked
         self._remember(_End(asked, self._design, state))
         motion = of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
-        if search.search.unlimited:
+        if search.search.unlimited and recession_direction(ready, term, state.motion) is not None:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return LiveResult(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
         held = _held(ready, search, 1.0)
+        settled = settled and not search.search.unlimited  # whether a turn repeats for ever is for the full answer to say
         return LiveResult(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
 
     def settle(

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, StoppedError, TouchingError
+from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.geometry.rotational_symmetry import symmetry_orders
 from wiggleroom.program.objectives import Approach, Objective, PointMotion, Points, Sum
@@ -25,6 +25,7 @@ from wiggleroom.search.moves import CLIMB
 from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import prepare
 from wiggleroom.search.symmetric_cover import symmetric_cover
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -33,10 +34,14 @@ SYMMETRY_TOLERANCE = 1e-10
 """Corners agree where they do to this share of the drawing's size: half of what the audit moves outlines inward by."""
 MAX_FREE_BODIES = 50
 """In larger assemblies no period is looked for."""
+MAX_TURNS = 4.2
+"""Where a first turn leads to no congruent state, so many are looked at."""
 MAX_STATES = 6
 """So many congruent states are steered to at most, the nearest to the path first."""
 STEPS_BETWEEN = 8
 """Places between two points of the path at which congruent states are looked for."""
+FIRST_STATES = 6
+"""So many points of the path are tried as the beginning of a period, rest first."""
 MAX_STEERING = 25.0
 """Congruent states further from the path than this multiple of the clearance are left alone."""
 ARRIVAL = 0.3
@@ -72,8 +77,8 @@ class PeriodicMotion:
     gain: float
 
 
-def periodic_motion(search: LocalSearch, asked: tuple[Goal, ...]) -> PeriodicMotion | None:
-    """A path that repeats and gains, near the one that was found; None where none was found.
+def periodic_motion(search: LocalSearch, asked: tuple[Goal, ...]) -> tuple[LocalSearch, PeriodicMotion | None]:
+    """A path that repeats and gains, near the one that was found; where a full turn brings none, some more turns are made.
 
     Parameters
     ----------
@@ -81,35 +86,60 @@ def periodic_motion(search: LocalSearch, asked: tuple[Goal, ...]) -> PeriodicMot
         Ended; of the path to its best motion, what is certain is used.
     asked : tuple of goals
         What its objective is made of.
+
+    Returns
+    -------
+    LocalSearch
+        The same, or that which made more turns.
+    PeriodicMotion or None
+        None where none was found.
     """
     ready = search.ready
     free = ~ready.bodies.fixed
     weights = _turn_weights(search.objective, len(free))
     if search.best is None or not (weights[free] != 0).any() or free.sum() > MAX_FREE_BODIES:
-        return None
+        return search, None
     exact = SYMMETRY_TOLERANCE * ready.size
     orders = symmetry_orders(ready.bodies.shapes, exact)[ready.bodies.shape]
-    found = _repeats(search, weights, orders)
-    if found is not None:
-        return found
+    found = _repeats(search, weights, orders) or _cover_repeats(search, asked, weights, orders, exact)
+    if found is None and search.unlimited and search.best.solution.status is not SolverStatus.ESCAPING:
+        search = _gone_on(search)
+        found = _repeats(search, weights, orders)
+    return search, found
+
+
+def _cover_repeats(
+    search: LocalSearch, asked: tuple[Goal, ...], weights: Floats, orders: Ints, exact: float
+) -> PeriodicMotion | None:
+    """A path that repeats of parts that are a little larger and more symmetric."""
+    ready, best = search.ready, search.best
     cover = symmetric_cover(ready.assembly, ready.clearance, exact)
-    if cover is None:
+    if cover is None or best is None:
         return None
-    order = np.array([cover[1][members[0]] for members in ready.bodies.members])
-    if (np.abs(search.best.motion[:, 2]) < MIN_TURN * 2 * np.pi / np.maximum(orders, order))[weights != 0].all():
+    orders = np.maximum(orders, [cover[1][members[0]] for members in ready.bodies.members])
+    if (np.abs(best.motion[:, 2]) < MIN_TURN * 2 * np.pi / orders)[weights != 0].all():
         return None
     try:
         wider = prepare(cover[0], stop=search.stop)
-    except (InputError, TouchingError, StoppedError):
+    except (InputError, StoppedError):  # the cover touches
         return None
     climb = LocalSearch(wider, wider.objective(asked), search.solve, search.policy, search.stop, search.tell)
     climb.rounds = search.rounds
     climb.improve(at_rest(wider))
-    found = _repeats(climb, weights, np.maximum(orders, order))
+    found = _repeats(climb, weights, orders)
     search.rounds, search.iterations = climb.rounds, search.iterations + climb.iterations
     if found is None or not audit_path(ready.assembly, found.waypoints).free:
         return None
     return replace(found, motions=of_bodies(ready.assembly, ready.bodies, found.waypoints))
+
+
+def _gone_on(search: LocalSearch) -> LocalSearch:
+    """The search gone on with for more turns; the same where that brings nothing."""
+    further = replace(search, turn_limit=MAX_TURNS * 2 * np.pi, best=None, last=None, coming=None, checked=None)
+    found = None if search.best is None else further.improve(search.best.start())
+    search.rounds, search.iterations = further.rounds, further.iterations
+    better = found is not None and found.value > search.certain_value()[0] and further.way(found).sure
+    return further if better else search
 
 
 def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMotion | None:
@@ -123,23 +153,34 @@ def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMoti
     found = _in_place(search, way, weights, step)
     if found is not None:
         return found
-    for target in _congruent_states(search, way, weights, step):
-        if search.stopped:
-            return None
-        path = _steered(search, target)
-        if path is not None:
-            turn = target.motion[:, 2]
-            return PeriodicMotion(path.motions, path.waypoints, 0, turn, float(weights @ turn))
+    count = sum(len(leg.points) for leg in way.kept)
+    for first in dict.fromkeys(np.linspace(0, count - 1, FIRST_STATES + 1).astype(int)[:-1].tolist()):
+        for target in _congruent_states(search, way, weights, step, first):
+            if search.stopped:
+                return None
+            path = _steered(search, target)
+            if path is not None:
+                begin = int(np.abs(path.motions - target.base).max(axis=(1, 2)).argmin())
+                return PeriodicMotion(path.motions, path.waypoints, begin, target.turn, float(weights @ target.turn))
     return None
 
 
 @dataclass(frozen=True, eq=False)
 class _CongruentState:
-    """Rest, every body turned by a symmetry: its motion (n, 3), and where on the path steering towards it begins."""
+    """A state of the path with every body turned by a symmetry.
 
-    motion: Floats
+    Its motion is that of `base` (n, 3) with `turn` (n,) added; steering towards it begins at the end of `legs`, at some `distance`.
+    """
+
+    base: Floats
+    turn: Floats
     legs: tuple[Leg, ...]
     distance: float
+
+    @property
+    def motion(self) -> Floats:
+        """Motion (n, 3) [mm, mm, rad]."""
+        return self.base + np.column_stack([np.zeros((len(self.turn), 2)), self.turn])
 
 
 def _turn_weights(objective: Objective, n: int) -> Floats:
@@ -172,46 +213,39 @@ def _in_place(search: LocalSearch, way: CheckedPath, weights: Floats, step: Floa
 
 
 def _congruent_states(
-    search: LocalSearch, way: CheckedPath, weights: Floats, step: Floats
+    search: LocalSearch, way: CheckedPath, weights: Floats, step: Floats, first: int
 ) -> Iterator[_CongruentState]:
-    """States congruent to rest that the path comes near to, with the objective further on.
+    """States congruent to point `first` of the path that it comes near to later, with the objective further on.
 
     Of those that are nearly as near as the nearest, the one of the shortest period comes first.
     """
-    bodies = search.ready.bodies
+    bodies, clearance = search.ready.bodies, search.ready.clearance
     points = [(k, i) for k, leg in enumerate(way.kept) for i in range(len(leg.points))]
     motions = np.array([way.kept[k].program.motion(way.kept[k].points[i]) for k, i in points])
+    free, base = ~bodies.fixed, motions[first]
     share = np.arange(STEPS_BETWEEN)[:, None, None] / STEPS_BETWEEN
-    free = ~bodies.fixed
     found: dict[tuple[int, ...], _CongruentState] = {}
-    for at, (before, after) in enumerate(zip(motions[:-1], motions[1:], strict=True)):
-        between = before + share * (after - before)
-        count = np.round(between[:, :, 2] / step)
-        aside = between.copy()
-        aside[:, :, 2] -= count * step
-        away = np.hypot(aside[..., 0], aside[..., 1]) + bodies.radius * np.abs(aside[..., 2])
+    for at in range(first, len(motions) - 1):
+        change = motions[at] + share * (motions[at + 1] - motions[at]) - base
+        count = np.where(free, np.round(change[:, :, 2] / step), 0.0)
+        change[:, :, 2] -= count * step
+        away = np.hypot(change[..., 0], change[..., 1]) + bodies.radius * np.abs(change[..., 2])
         distance = away[:, free].max(axis=1)
-        for j in range(STEPS_BETWEEN):
-            gain = float(weights @ (count[j] * step))
-            key = tuple(count[j, free].astype(int).tolist())
-            if gain <= 0 or distance[j] > MAX_STEERING * search.ready.clearance:
-                continue
+        for j in np.flatnonzero((count * step @ weights > 0) & (distance < MAX_STEERING * clearance)):
+            key = tuple(count[j].astype(int).tolist())
             if key in found and found[key].distance <= distance[j]:
                 continue
-            target = np.zeros_like(before)
-            target[:, 2] = np.where(free, count[j] * step, 0.0)
             k, i = points[at if 2 * j < STEPS_BETWEEN else at + 1]
-            leg = way.kept[k]
-            legs = (*way.kept[:k], Leg(leg.program, leg.points[: i + 1]))
-            found[key] = _CongruentState(target, legs, float(distance[j]))
+            legs = (*way.kept[:k], Leg(way.kept[k].program, way.kept[k].points[: i + 1]))
+            found[key] = _CongruentState(base, count[j] * step, legs, float(distance[j]))
     if found:
-        near = max(2 * min(state.distance for state in found.values()), 4 * search.ready.clearance)
-        order = sorted(found.values(), key=lambda s: (max(s.distance, near), float(weights @ s.motion[:, 2])))
+        near = max(2 * min(state.distance for state in found.values()), 4 * clearance)
+        order = sorted(found.values(), key=lambda s: (max(s.distance, near), float(weights @ s.turn)))
         yield from order[:MAX_STATES]
 
 
 def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None:
-    """The path to a state congruent to rest; None where it is not reached."""
+    """The path to a congruent state; None where it is not reached."""
     ready, bodies = search.ready, search.ready.bodies
     goal = _approach(search, target.motion)
     leg = target.legs[-1]
@@ -230,7 +264,11 @@ def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None
         return None
     arrival = Leg(found.program, (found.solution.u, found.program.variables(target.motion)))
     path = whole_way(ready, (*found.path, arrival), search.stop)
-    return path if path.sure else None
+    if not path.sure:
+        return None
+    end = of_parts(ready.assembly, bodies, target.motion[None])  # without the rounding of the program's units
+    waypoints = np.concatenate([path.waypoints[:-1], end])
+    return replace(path, motions=np.concatenate([path.motions[:-1], target.motion[None]]), waypoints=waypoints)
 
 
 def _approach(search: LocalSearch, target: Floats) -> Approach:
