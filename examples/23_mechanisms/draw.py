@@ -83,7 +83,9 @@ def geneva(slots: int = 6, apart: float = 60.0, pin: float = 3.0) -> dict[str, s
         wheel = shapely.difference(wheel, affinity.rotate(rest, 2 * k * half, (0, 0), use_radians=True))
     relief = affinity.translate(disc(outer + 0.2 * pin), -apart)
     driver = shapely.difference(disc(lock), affinity.rotate(relief, np.pi, (0, 0), use_radians=True))
-    driver = shapely.union_all([driver, disc(pin, crank), disc(AXLE + 1.5)])  # the arm that bears the pin runs in another layer
+    driver = shapely.union_all(
+        [driver, disc(pin, crank), disc(AXLE + 1.5)]
+    )  # the arm that bears the pin runs in another layer
     return {
         "axle1": disc(AXLE),
         "driver": shapely.difference(driver, disc(AXLE)),

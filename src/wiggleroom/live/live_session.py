@@ -222,7 +222,9 @@ class Live:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return LiveResult(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
         held = _held(ready, search, 1.0)
-        settled = settled and not search.search.unlimited  # whether a turn repeats for ever is for the full answer to say
+        settled = (
+            settled and not search.search.unlimited
+        )  # whether a turn repeats for ever is for the full answer to say
         return LiveResult(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
 
     def settle(

@@ -50,7 +50,8 @@ def _period(answer: Answer) -> PeriodEntry | msgspec.UnsetType:
     if period is None:
         return UNSET
     turned = {name: math.degrees(turn) for name, turn in zip(names, period.turn.tolist(), strict=True) if turn}
-    moving = {name for name, moves in zip(names, answer.waypoints.any(axis=(0, 2)), strict=True) if moves}
+    moves = np.abs(answer.waypoints).max(axis=(0, 2)).tolist()
+    moving = {name for name, far in zip(names, moves, strict=True) if far}
     path = [_motions(answer, motion, moving) for motion in answer.waypoints]
     return PeriodEntry(float(period.objective), turned, period.first, path)
 

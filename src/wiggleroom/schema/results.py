@@ -52,7 +52,9 @@ class PeriodEntry(Struct):
     """One period of a motion that repeats for ever: every part ends turned by a symmetry of its outline, so all lies as it began."""
 
     objective: Annotated[float, Meta(description="what the objective gains in it [rad]")]
-    turns_deg: Annotated[dict[str, float], Meta(description="how far each part turns in it [deg]; those that do not are left out")]
+    turns_deg: Annotated[
+        dict[str, float], Meta(description="how far each part turns in it [deg]; those that do not are left out")
+    ]
     first: Annotated[int, Meta(description="index of the way-point in `path` at which it begins; it ends at the last")]
     path: Annotated[
         list[dict[str, PartMotion]],

@@ -42,11 +42,13 @@ STEPS_BETWEEN = 8
 """Places between two points of the path at which congruent states are looked for."""
 FIRST_STATES = 6
 """So many points of the path are tried as the beginning of a period, rest first."""
+FURTHER = 3.0
+"""The turns of a path that ends early are looked at up to this multiple of them."""
 MAX_STEERING = 25.0
 """Congruent states further from the path than this multiple of the clearance are left alone."""
 ARRIVAL = 0.3
 """A state this share of the clearance away is reached by a straight piece; the audit judges it."""
-MIN_TURN = 0.8
+MIN_TURN = 0.3
 """Gears are looked at more closely where one that is asked for turns by this share of its pitch."""
 PLACES_IN_A_TURN = 64
 """Way-points of a turn in place."""
@@ -225,8 +227,11 @@ def _congruent_states(
     free, base = ~bodies.fixed, motions[first]
     share = np.arange(STEPS_BETWEEN)[:, None, None] / STEPS_BETWEEN
     found: dict[tuple[int, ...], _CongruentState] = {}
-    for at in range(first, len(motions) - 1):
-        change = motions[at] + share * (motions[at + 1] - motions[at]) - base
+    for at in range(first, len(motions)):
+        if at < len(motions) - 1:
+            change = motions[at] + share * (motions[at + 1] - motions[at]) - base
+        else:  # the path gone on with, middles as at its beginning
+            change = (1 + (FURTHER - 1) * share) * (motions[at] - base) * (0, 0, 1)
         count = np.where(free, np.round(change[:, :, 2] / step), 0.0)
         change[:, :, 2] -= count * step
         away = np.hypot(change[..., 0], change[..., 1]) + bodies.radius * np.abs(change[..., 2])
@@ -235,7 +240,7 @@ def _congruent_states(
             key = tuple(count[j].astype(int).tolist())
             if key in found and found[key].distance <= distance[j]:
                 continue
-            k, i = points[at if 2 * j < STEPS_BETWEEN else at + 1]
+            k, i = points[min(at + int(2 * j >= STEPS_BETWEEN), len(points) - 2)]  # the last one touches
             legs = (*way.kept[:k], Leg(way.kept[k].program, way.kept[k].points[: i + 1]))
             found[key] = _CongruentState(base, count[j] * step, legs, float(distance[j]))
     if found:
