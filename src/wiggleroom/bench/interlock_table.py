@@ -15,16 +15,16 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
+from wiggleroom.disassembly.interlock import check
+from wiggleroom.disassembly.translation import translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.form_closure.blocking_graph import blocking
+from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import ApproximateModel, PreparedModel, prepare
 from wiggleroom.search.answer import Answer
-from wiggleroom.separate.interlock import check
-from wiggleroom.separate.translation import straight_exit
-from wiggleroom.tight.blocking_graph import blocking
-from wiggleroom.tight.mobility import tight_verdict
 from wiggleroom.verdict import Verdict
 
 SHORT = {LOCKED: "locked", APART: "apart"}
@@ -137,7 +137,7 @@ def _gets_out(ready: PreparedModel | ApproximateModel, answer: Answer) -> bool:
     them = ready.bodies
     motion = of_bodies(answer.assembly, them, answer.motion[None])[0]
     ground = int(np.flatnonzero(them.fixed)[0])
-    return straight_exit(them, motion, ground, ready.barred, ready.size, np.arange(len(motion))) is not None
+    return translation_escape(them, motion, ground, ready.ignored, ready.size, np.arange(len(motion))) is not None
 
 
 def _goals(assembly: Assembly) -> Iterator[Goal]:

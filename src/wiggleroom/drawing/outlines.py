@@ -13,10 +13,10 @@ from wiggleroom.drawing.elements import Artwork, Stroke
 from wiggleroom.drawing.flatten import Curved
 from wiggleroom.drawing.joining import JOIN, JOIN_SHARE, join_ends, loops, outline_of
 from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST
-from wiggleroom.drawing.mend import mend
 from wiggleroom.drawing.model import Points, Region
 from wiggleroom.drawing.nesting import regions_by_fill_rule
 from wiggleroom.drawing.net import net_of
+from wiggleroom.drawing.outline_repair import mend
 from wiggleroom.drawing.pathdata import Subpath
 from wiggleroom.drawing.rings import REPEATED, clean_ring
 from wiggleroom.drawing.strokes import extent

@@ -11,13 +11,13 @@ import shapely
 from msgspec import UNSET
 
 from wiggleroom.assembly.assembly import place
+from wiggleroom.disassembly.interlock import Escape, Interlock
+from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.search.answer import Answer, witnessed
-from wiggleroom.separate.interlock import Escape, Interlock
-from wiggleroom.separate.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:

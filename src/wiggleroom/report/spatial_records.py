@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_separation import SpatialSeparation
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.verdict import Verdict
 
 Record = dict[str, Any]
@@ -49,7 +49,7 @@ def spatial_flex_record(answer: SpatialAnswer) -> Record:
     }
 
 
-def spatial_check_record(found: SpatialSeparation, command: str = "") -> Record:
+def spatial_check_record(found: SpatialDisassembly, command: str = "") -> Record:
     """Everything `check --json` says; lengths in mm, angles in degrees."""
     names = found.assembly.names
     escapes = []

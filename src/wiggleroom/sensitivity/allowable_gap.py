@@ -17,14 +17,14 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import asked_goals, overlap_depth
 from wiggleroom.bound.prove import prove
 from wiggleroom.deadline import Deadline
+from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.disassembly.largest_gap import largest_gap
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
 from wiggleroom.maximise import flex
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress
-from wiggleroom.separate.interlock import Interlock
-from wiggleroom.separate.largest_gap import largest_gap
 from wiggleroom.verdict import Certainty, Verdict
 
 Question = Literal["at most", "holds", "fits"]
