@@ -1,8 +1,8 @@
 """Step 1: caging surfaces. No way from rest leaves a caging surface, because everywhere on it a chord of A crosses a chord of B.
 
 A caging surface is a stack of closed loops of translations (x, y), each at one turn. Two neighbouring loops are joined by tracks, straight
-lines from a corner of one to a corner of the other. At every turn in between, tracks that follow each other bound a side of a loop. If two chords
-cross at both of its ends, they cross all along it, because where two segments cross is a parallelogram of translations. Along a
+lines from a corner of one to a corner of the other. At every turn in between, tracks that follow each other bound a side of a loop. If
+two chords cross at both of its ends, they cross all along it, because where two segments cross is a parallelogram of translations. Along a
 track each of the four conditions f > 0 of that parallelogram is a function of the turn whose second derivative is bounded:
 
     f(s) >= min(f at both ends) - (largest |f''|) width^2 / 8.

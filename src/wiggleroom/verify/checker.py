@@ -1,8 +1,8 @@
 """Whether a certificate proves what it says.
 
 Read this file, then `certificate_structure`, `caging_check`, `ball_bounds`, `claim` and `ball_arithmetic`: that is all. What they rest on:
-python-flint (ball arithmetic), numpy, that coordinates are as given in the file, and that parts are rigid. Nothing is shared with the code that found
-the proof.
+python-flint (ball arithmetic), numpy, that coordinates are as given in the file, and that parts are rigid. Nothing is shared with
+the code that found the proof.
 """
 
 from __future__ import annotations
