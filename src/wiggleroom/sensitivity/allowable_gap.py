@@ -228,7 +228,7 @@ class _MotionBorder:
             if trial.verdict == Verdict.TOUCHING:
                 break
             value, first = trial.value, len(self.trials) == 1
-            gap *= 0.95 * self.limit / value if first and value is not None and value < math.inf else 0.5
+            gap *= 0.95 * self.limit / value if first and value and value < math.inf else 0.5
         if self._keeps(self._at(0.0)):
             return 0.0
         return None
