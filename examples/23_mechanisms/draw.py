@@ -96,7 +96,7 @@ def geneva(slots: int = 6, apart: float = 60.0, pin: float = 3.0) -> dict[str, s
 
 def svg(parts: Mapping[str, shapely.Geometry]) -> str:
     """Drawing in mm; axles stand."""
-    x0, y0, x1, y1 = shapely.total_bounds(list(parts.values())) + (-MARGIN, -MARGIN, MARGIN, MARGIN)
+    x0, y0, x1, y1 = shapely.total_bounds(list(parts.values())) + np.array([-MARGIN, -MARGIN, MARGIN, MARGIN])
     size = f'width="{x1 - x0:.3f}mm" height="{y1 - y0:.3f}mm" viewBox="0 0 {x1 - x0:.3f} {y1 - y0:.3f}"'
     lines = [f'<svg xmlns="http://www.w3.org/2000/svg" {size} fill="#e7eaef" fill-rule="evenodd">']
     for name, shape in parts.items():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -33,7 +35,7 @@ def symmetry_orders(shapes: BodyShapes, tolerance: float) -> Ints:
     np.int64(1)
     """
     first = shapes.first
-    pairs = [slice(int(begin), int(end)) for begin, end in zip(first[:-1], first[1:], strict=True)]
+    pairs = [slice(int(begin), int(end)) for begin, end in pairwise(first)]
     return np.array([symmetry_order(shapes.corner[k], shapes.after[k] - k.start, tolerance) for k in pairs])
 
 
@@ -48,9 +50,8 @@ def symmetry_order(corner: Floats, after: Ints, tolerance: float) -> int:
         if outermost % n or len(corner) % n:
             continue
         far, image = tree.query(_turned(corner, 2 * np.pi / n), distance_upper_bound=tolerance)
-        if (far <= tolerance).all() and (after[image] == image[after]).all():
-            if _spread(corner, image, n) <= tolerance:
-                return n
+        if (far <= tolerance).all() and (after[image] == image[after]).all() and _spread(corner, image, n) <= tolerance:
+            return n
     return 1
 
 

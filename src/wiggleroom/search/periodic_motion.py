@@ -19,7 +19,7 @@ from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.geometry.rotational_symmetry import symmetry_orders
 from wiggleroom.program.objectives import Approach, Objective, PointMotion, Points, Sum
-from wiggleroom.search.incumbent import Leg, Start, at_rest
+from wiggleroom.search.incumbent import PathSegment, Start, at_rest
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import CLIMB
 from wiggleroom.search.path_check import CheckedPath, whole_way
@@ -155,7 +155,7 @@ def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMoti
     found = _in_place(search, way, weights, step)
     if found is not None:
         return found
-    count = sum(len(leg.points) for leg in way.kept)
+    count = sum(len(segment.points) for segment in way.kept)
     for first in dict.fromkeys(np.linspace(0, count - 1, FIRST_STATES + 1).astype(int)[:-1].tolist()):
         for target in _congruent_states(search, way, weights, step, first):
             if search.stopped:
@@ -171,12 +171,12 @@ def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMoti
 class _CongruentState:
     """A state of the path with every body turned by a symmetry.
 
-    Its motion is that of `base` (n, 3) with `turn` (n,) added; steering towards it begins at the end of `legs`, at some `distance`.
+    Its motion is that of `base` (n, 3) with `turn` (n,) added; steering towards it begins at the end of `segments`, at some `distance`.
     """
 
     base: Floats
     turn: Floats
-    legs: tuple[Leg, ...]
+    segments: tuple[PathSegment, ...]
     distance: float
 
     @property
@@ -222,7 +222,7 @@ def _congruent_states(
     Of those that are nearly as near as the nearest, the one of the shortest period comes first.
     """
     bodies, clearance = search.ready.bodies, search.ready.clearance
-    points = [(k, i) for k, leg in enumerate(way.kept) for i in range(len(leg.points))]
+    points = [(k, i) for k, segment in enumerate(way.kept) for i in range(len(segment.points))]
     motions = np.array([way.kept[k].program.motion(way.kept[k].points[i]) for k, i in points])
     free, base = ~bodies.fixed, motions[first]
     share = np.arange(STEPS_BETWEEN)[:, None, None] / STEPS_BETWEEN
@@ -241,8 +241,8 @@ def _congruent_states(
             if key in found and found[key].distance <= distance[j]:
                 continue
             k, i = points[min(at + int(2 * j >= STEPS_BETWEEN), len(points) - 2)]  # the last one touches
-            legs = (*way.kept[:k], Leg(way.kept[k].program, way.kept[k].points[: i + 1]))
-            found[key] = _CongruentState(base, count[j] * step, legs, float(distance[j]))
+            segments = (*way.kept[:k], PathSegment(way.kept[k].program, way.kept[k].points[: i + 1]))
+            found[key] = _CongruentState(base, count[j] * step, segments, float(distance[j]))
     if found:
         near = max(2 * min(state.distance for state in found.values()), 4 * clearance)
         order = sorted(found.values(), key=lambda s: (max(s.distance, near), float(weights @ s.turn)))
@@ -253,11 +253,11 @@ def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None
     """The path to a congruent state; None where it is not reached."""
     ready, bodies = search.ready, search.ready.bodies
     goal = _approach(search, target.motion)
-    leg = target.legs[-1]
-    begin = leg.program.motion(leg.points[-1])
+    segment = target.segments[-1]
+    begin = segment.program.motion(segment.points[-1])
     goal = replace(goal, zero=goal.value(begin))
     climb = LocalSearch(ready, goal, search.solve, CLIMB, search.stop, search.tell, rounds=search.rounds)
-    found = climb.improve(Start(leg.program.cells, begin, target.legs))
+    found = climb.improve(Start(segment.program.cells, begin, target.segments))
     search.rounds, search.iterations = climb.rounds, search.iterations + climb.iterations
     for stage, spent in climb.seconds.items():
         search.seconds[stage] += spent
@@ -267,7 +267,7 @@ def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None
     away = np.hypot(left[:, 0], left[:, 1]) + bodies.radius * np.abs(left[:, 2])
     if away.max() > ARRIVAL * ready.clearance:
         return None
-    arrival = Leg(found.program, (found.solution.u, found.program.variables(target.motion)))
+    arrival = PathSegment(found.program, (found.solution.u, found.program.variables(target.motion)))
     path = whole_way(ready, (*found.path, arrival), search.stop)
     if not path.sure:
         return None

@@ -45,7 +45,7 @@ def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -
 def _taken_along(ready: Prepared, shapes: NDArray[np.object_], body: int, way: Floats) -> NDArray[np.bool_] | None:
     """Bodies (n,) that move along with one that goes straight; None where one of them stands."""
     n = len(shapes)
-    low, high = np.divmod(ready.barred, n)
+    low, high = np.divmod(ready.ignored, n)
     passes = np.zeros((n, n), dtype=bool)
     passes[low, high] = passes[high, low] = True
     box = shapely.total_bounds(shapes)
