@@ -1,0 +1,146 @@
+"""The search over states for what leaves by slides: breadth first, so that the fewest moves are found first."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import Stop
+from wiggleroom.search.loop import Progress
+from wiggleroom.search.state_tree import StateTree
+from wiggleroom.separate.slide_space import Slide, SlideSpace
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+WORK_BUDGET = 4e9
+"""Pairs of edges that are compared at most; some ten seconds."""
+MAX_STATES = 200_000
+STATE_WORK = 30_000
+"""Work of a state besides its edges, in pairs of edges."""
+ROUNDING = 0.5
+"""States in which every body lies in the same cell of this share of the clearance are the same."""
+ROUNDING_OFFSET = 0.382
+"""Cells lie a little beside whole units: states on a lattice would else fall on their borders."""
+TELL_EVERY = 50
+
+
+@dataclass(frozen=True, eq=False)
+class SlideWay:
+    """What leaves by slides, and the way to there.
+
+    Parameters
+    ----------
+    slides : tuple of Slide
+        One after the other; with the last, which has no end, they leave.
+    states : (k, n, 3) float64 [mm, mm, rad]
+        Motions of all bodies before each of them.
+    """
+
+    slides: tuple[Slide, ...]
+    states: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class SlideSearch:
+    """How a search over slides ended.
+
+    Parameters
+    ----------
+    way : SlideWay or None
+    states : int
+        Different states that were visited.
+    whole : bool
+        True where no state is left to go on from.
+    """
+
+    way: SlideWay | None
+    states: int
+    whole: bool
+
+
+def slide_search(
+    space: SlideSpace,
+    motion: Floats,
+    *,
+    wanted: Callable[[Slide, Floats], bool],
+    named: Iterable[int] = (),
+    stop: Stop | None = None,
+    tell: Callable[[Progress], None],
+    budget: float = WORK_BUDGET,
+) -> SlideSearch:
+    """Visit all states that slides lead to, those of the fewest slides first, until something `wanted` leaves.
+
+    Parameters
+    ----------
+    space : SlideSpace
+    motion : (n, 3) float64 [mm, mm, rad]
+        Where all bodies are to begin with.
+    wanted : callable
+        Whether a slide without end, from a state, is what is looked for.
+    named : iterable of int
+        Bodies that are told from others of the same shape.
+    stop, tell
+        As for `flex`.
+    budget : float
+        Work at most.
+    """
+    canonical = _Canonical(space, named)
+    tree: StateTree[Slide | None] = StateTree(space.bodies.radius, space.clearance)
+    tree.append(motion, -1, None)
+    seen = {canonical.key(motion)}
+    waiting = deque([0])
+    begin = space.work
+    while waiting:
+        if len(tree.states) % TELL_EVERY == 0:
+            tell(Progress("slides", len(tree.states)))
+        spent = space.work - begin + STATE_WORK * len(tree.states)
+        if spent > budget or len(tree.states) >= MAX_STATES or (stop is not None and stop.is_set()):
+            return SlideSearch(None, len(tree.states), False)
+        here = waiting.popleft()
+        state = tree.states[here].motion
+        found = space.slides(state)
+        leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
+        for last in leaving:
+            if wanted(last, state):
+                line = tree.line(here)
+                done = [s for s in (tree.states[k].step for k in line) if s is not None]
+                return SlideSearch(
+                    SlideWay((*done, last), np.array([tree.states[k].motion for k in line])), len(tree.states), True
+                )
+        gone = {int(b) for s in leaving for b in s.who}
+        for slide in found:
+            if np.isinf(slide.length) or gone.intersection(slide.who.tolist()):
+                continue  # what can leave needs no other slide
+            after = state.copy()
+            after[slide.who, :2] += slide.length * slide.direction
+            key = canonical.key(after)
+            if key not in seen:
+                seen.add(key)
+                waiting.append(tree.append(after, here, slide))
+    return SlideSearch(None, len(tree.states), True)
+
+
+class _Canonical:
+    """Keys of states: the same for states that differ by rounding, or by an exchange of bodies of the same shape."""
+
+    def __init__(self, space: SlideSpace, named: Iterable[int]) -> None:
+        bodies = space.bodies
+        self._rest, self._free = bodies.rest, np.flatnonzero(~bodies.fixed & space.there)
+        cell = ROUNDING * space.clearance
+        self._cell = np.array([cell, cell, cell / max(1e-12, float(bodies.radius.max()))])
+        kind = bodies.shape.copy()
+        for k, b in enumerate(named):
+            kind[b] = kind.max() + 1 + k
+        self._kind = kind[self._free]
+
+    def key(self, motion: Floats) -> bytes:
+        pose = (self._rest + motion)[self._free]
+        pose[:, 2] %= 2 * np.pi
+        cells = np.floor(pose / self._cell + ROUNDING_OFFSET).astype(np.int64)
+        order = np.lexsort((cells[:, 2], cells[:, 1], cells[:, 0], self._kind))
+        return cells[order].tobytes()
