@@ -220,7 +220,7 @@ def alignments(
                 for i in range(level_first[b], level_first[b + 1]):
                     for j in range(level_first[c], level_first[c + 1]):
                         t = level[j] - level[i]
-                        if t < clearance or t > furthest or stop_count[k, b] == MAX_STOPS:
+                        if t < 2.0 * clearance or t > furthest or stop_count[k, b] == MAX_STOPS:
                             continue
                         new = True
                         for s in range(stop_count[k, b]):

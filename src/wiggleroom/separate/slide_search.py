@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,9 +17,8 @@ from wiggleroom.separate.slide_space import Slide, SlideSpace
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-WORK_BUDGET = 4e9
+WORK_BUDGET = 2e9
 """Pairs of edges that are compared at most; some ten seconds."""
-MAX_STATES = 200_000
 STATE_WORK = 30_000
 """Work of a state besides its edges, in pairs of edges."""
 ROUNDING = 0.5
@@ -56,85 +55,87 @@ class SlideSearch:
         Different states that were visited.
     whole : bool
         True where no state is left to go on from.
+    on_lattice : bool
+        True where every stop lies on a lattice: then these are all states, while off it others lie between.
     """
 
     way: SlideWay | None
     states: int
     whole: bool
+    on_lattice: bool
 
 
 def slide_search(
     space: SlideSpace,
     motion: Floats,
+    targets: Ints,
     *,
-    wanted: Callable[[Slide, Floats], bool],
-    named: Iterable[int] = (),
     stop: Stop | None = None,
     tell: Callable[[Progress], None],
     budget: float = WORK_BUDGET,
 ) -> SlideSearch:
-    """Visit all states that slides lead to, those of the fewest slides first, until something `wanted` leaves.
+    """Visit all states that slides lead to, those of the fewest slides first, until something leaves.
 
     Parameters
     ----------
     space : SlideSpace
     motion : (n, 3) float64 [mm, mm, rad]
         Where all bodies are to begin with.
-    wanted : callable
-        Whether a slide without end, from a state, is what is looked for.
-    named : iterable of int
-        Bodies that are told from others of the same shape.
+    targets : (k,) int64
+        Bodies one of which is to leave; what else leaves is taken only where these do not. None: whatever leaves first.
     stop, tell
         As for `flex`.
     budget : float
         Work at most.
     """
-    canonical = _Canonical(space, named)
+    key = _Canonical(space, targets).key
     tree: StateTree[Slide | None] = StateTree(space.bodies.radius, space.clearance)
     tree.append(motion, -1, None)
-    seen = {canonical.key(motion)}
-    waiting = deque([0])
-    begin = space.work
+    seen, waiting = {key(motion)}, deque([0])
+    begin, other = space.work, None
     while waiting:
         if len(tree.states) % TELL_EVERY == 0:
             tell(Progress("slides", len(tree.states)))
         spent = space.work - begin + STATE_WORK * len(tree.states)
-        if spent > budget or len(tree.states) >= MAX_STATES or (stop is not None and stop.is_set()):
-            return SlideSearch(None, len(tree.states), False)
+        if spent > budget or (stop is not None and stop.is_set()):
+            return SlideSearch(other, len(tree.states), False, space.on_lattice)
         here = waiting.popleft()
         state = tree.states[here].motion
         found = space.slides(state)
         leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
         for last in leaving:
-            if wanted(last, state):
-                line = tree.line(here)
-                done = [s for s in (tree.states[k].step for k in line) if s is not None]
-                return SlideSearch(
-                    SlideWay((*done, last), np.array([tree.states[k].motion for k in line])), len(tree.states), True
-                )
-        gone = {int(b) for s in leaving for b in s.who}
+            if not len(targets) or np.isin(targets, last.who).any():
+                return SlideSearch(_way(tree, here, last), len(tree.states), True, space.on_lattice)
+        if other is None and leaving:
+            other = _way(tree, here, leaving[0])
         for slide in found:
-            if np.isinf(slide.length) or gone.intersection(slide.who.tolist()):
-                continue  # what can leave needs no other slide
+            if np.isinf(slide.length):
+                continue
             after = state.copy()
             after[slide.who, :2] += slide.length * slide.direction
-            key = canonical.key(after)
-            if key not in seen:
-                seen.add(key)
+            named = key(after)
+            if named not in seen:
+                seen.add(named)
                 waiting.append(tree.append(after, here, slide))
-    return SlideSearch(None, len(tree.states), True)
+    return SlideSearch(other, len(tree.states), True, space.on_lattice)
+
+
+def _way(tree: StateTree[Slide | None], state: int, last: Slide) -> SlideWay:
+    line = [tree.states[k] for k in tree.line(state)]
+    slides = (*(s.step for s in line if s.step is not None), last)
+    return SlideWay(slides, np.array([s.motion for s in line]))
 
 
 class _Canonical:
     """Keys of states: the same for states that differ by rounding, or by an exchange of bodies of the same shape."""
 
-    def __init__(self, space: SlideSpace, named: Iterable[int]) -> None:
+    def __init__(self, space: SlideSpace, named: Ints) -> None:
         bodies = space.bodies
         self._rest, self._free = bodies.rest, np.flatnonzero(~bodies.fixed & space.there)
         cell = ROUNDING * space.clearance
         self._cell = np.array([cell, cell, cell / max(1e-12, float(bodies.radius.max()))])
         kind = bodies.shape.copy()
-        for k, b in enumerate(named):
+        for k, b in enumerate(named.tolist()):
             kind[b] = kind.max() + 1 + k
         self._kind = kind[self._free]
 
