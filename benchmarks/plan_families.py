@@ -90,7 +90,9 @@ def random_tray(seed: int, side: int = 4, free: int = 3) -> tuple[dict[str, Cell
 
 def tray(pieces: dict[str, Cells], wall: Cells, gap: float = GAP, turn: float = 0.0) -> Assembly:
     """The assembly of a tray."""
-    return assembled({"tray": squares(wall), **{name: squares(cells) for name, cells in pieces.items()}}, "tray", gap, turn)
+    return assembled(
+        {"tray": squares(wall), **{name: squares(cells) for name, cells in pieces.items()}}, "tray", gap, turn
+    )
 
 
 def grid_search(pieces: dict[str, Cells], wall: Cells, most: int = 400_000) -> tuple[set[str], bool]:

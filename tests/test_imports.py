@@ -31,6 +31,7 @@ ORDER = [
     "tight",
     "separate",
     "sensitivity",
+    "planning",
     "live",
     "spatial",
     "questions",

@@ -82,6 +82,21 @@ class StudyOutputs(PictureOutputs):
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
+class FilmOutputs(PictureOutputs):
+    """The same of what has ways, and so films.
+
+    Parameters
+    ----------
+    picture
+        Show what was found in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
+    """
+
+    ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
+    picture: Path | None = None
+
+
+@Parameter(name="*", group=RESULTS)
+@dataclass(frozen=True, kw_only=True)
 class Outputs(StudyOutputs):
     """The same of an answer that has moved parts, and so a film.
 
@@ -158,7 +173,7 @@ def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> 
 
 
 def tell(
-    outputs: StudyOutputs,
+    outputs: PictureOutputs,
     result: Callable[[], Struct],
     page: Callable[[], RenderableType],
     found: Answer | Study,
@@ -171,7 +186,7 @@ def tell(
         from wiggleroom.cli.say import show
 
         show(page())
-    if outputs.csv is not None:
+    if isinstance(outputs, StudyOutputs) and outputs.csv is not None:
         from wiggleroom.report.tables import csv_of
 
         write_table(csv_of(found), outputs.csv)

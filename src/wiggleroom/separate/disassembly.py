@@ -153,6 +153,4 @@ def disassemble(
 
 
 def _ended(so_far: _Progress, stage: Stage, around: Enclosed | None) -> Disassembly:
-    return Disassembly(
-        tuple(so_far.departures), stage, so_far.left, around, so_far.questions, so_far.states
-    )
+    return Disassembly(tuple(so_far.departures), stage, so_far.left, around, so_far.questions, so_far.states)

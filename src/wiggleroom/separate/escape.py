@@ -127,7 +127,6 @@ def next_stage(
     """
     bodies, n = ground.bodies, len(ground.bodies.fixed)
     stands = int(np.flatnonzero(bodies.fixed)[0])
-    none = np.zeros(0, dtype=np.int64)
     rest = np.zeros((1, n, 3))
     tell(Progress("straight ways"))
     found = straight_exits(bodies, rest[0], stands, ground.barred, ground.size, begin.group, stop=stop)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
-from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.deadline import Deadline
@@ -166,7 +165,9 @@ def check(
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
     at_most = None
     if verdict is Separability.INTERLOCKED and every and done.around is not None:
-        whole = done.around.far.max()  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
+        whole = (
+            done.around.far.max()
+        )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
         spent = max(time.perf_counter() - began, MIN_BOUND_SECONDS if np.isinf(whole) else MIN_REFINED_SECONDS)
         found = furthest(done.left, spent, stop)
         at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
@@ -187,14 +188,14 @@ def check(
 
 def _escapes(assembly: Assembly, done: Disassembly) -> tuple[Escape, ...]:
     """The departures, each as a way from rest after which all that did not leave are at rest again."""
-    names, parts = assembly.names, outlines(assembly)
+    names = assembly.names
     return tuple(
-        Escape(tuple(names[k] for k in departure.parts), _from_rest(assembly, parts, done.departures[: k + 1]))
+        Escape(tuple(names[k] for k in departure.parts), _from_rest(assembly, done.departures[: k + 1]))
         for k, departure in enumerate(done.departures)
     )
 
 
-def _from_rest(assembly: Assembly, parts: AuditOutlines, departures: tuple[Departure, ...]) -> Floats:
+def _from_rest(assembly: Assembly, departures: tuple[Departure, ...]) -> Floats:
     """The way of the last of some departures, from rest and back to rest, without what is not needed for it."""
     last = departures[-1]
     who, stay = last.parts, last.there.copy()

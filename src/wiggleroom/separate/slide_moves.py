@@ -87,9 +87,7 @@ def slide_distances(corner, after, first, shape, pose, there, directions, barred
                             continue
                         least = min(
                             least,
-                            front_distance(
-                                bx, by, cx, cy, back[f, 0], back[f, 1], back[f, 2], back[f, 3], margin
-                            ),
+                            front_distance(bx, by, cx, cy, back[f, 0], back[f, 1], back[f, 2], back[f, 3], margin),
                         )
                 distance[k, b, a] = least
     return work
