@@ -64,7 +64,10 @@ def latches(count: int, turn: float = 0.0, gap: float = GAP) -> Assembly:
     return assembled(parts, "frame", gap, turn)
 
 
-SHAPES = [{(0, 0)}, {(0, 0), (1, 0)}, {(0, 0), (0, 1)}, {(0, 0), (1, 0), (0, 1)}, {(0, 0), (1, 0), (1, 1)}, {(0, 0), (1, 0), (0, 1), (1, 1)}]  # fmt: skip
+SHAPES = [
+    {(0, 0)}, {(0, 0), (1, 0)}, {(0, 0), (0, 1)}, {(0, 0), (1, 0), (0, 1)}, {(0, 0), (1, 0), (1, 1)},
+    {(0, 0), (1, 0), (0, 1), (1, 1)},
+]  # fmt: skip
 
 
 def random_tray(seed: int, side: int = 4, free: int = 3) -> tuple[dict[str, Cells], Cells]:

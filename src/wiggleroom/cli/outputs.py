@@ -82,13 +82,13 @@ class StudyOutputs(PictureOutputs):
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
-class FilmOutputs(PictureOutputs):
+class FilmOutputs(StudyOutputs):
     """The same of what has ways, and so films.
 
     Parameters
     ----------
     picture
-        Show what was found in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
+        Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
@@ -97,19 +97,15 @@ class FilmOutputs(PictureOutputs):
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
-class Outputs(StudyOutputs):
-    """The same of an answer that has moved parts, and so a film.
+class Outputs(FilmOutputs):
+    """The same of an answer that has moved parts.
 
     Parameters
     ----------
-    picture
-        Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
     moved
         Write the outlines of the parts where they ended: .dxf or .svg to draw on, .json an assembly file.
     """
 
-    ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
-    picture: Path | None = None
     moved: Path | None = None
 
     def places(self) -> Places:
@@ -173,7 +169,7 @@ def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> 
 
 
 def tell(
-    outputs: PictureOutputs,
+    outputs: StudyOutputs,
     result: Callable[[], Struct],
     page: Callable[[], RenderableType],
     found: Answer | Study,
@@ -186,7 +182,7 @@ def tell(
         from wiggleroom.cli.say import show
 
         show(page())
-    if isinstance(outputs, StudyOutputs) and outputs.csv is not None:
+    if outputs.csv is not None:
         from wiggleroom.report.tables import csv_of
 
         write_table(csv_of(found), outputs.csv)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -35,7 +37,7 @@ def distances(bodies: Bodies, way: Floats, there: Bools, barred: Ints, most: flo
     never = np.zeros((n, n), dtype=np.bool_)
     never[barred // n, barred % n] = True
     poses = np.ascontiguousarray(bodies.rest + way)
-    for begin, end in zip(poses[:-1], poses[1:], strict=True):
+    for begin, end in pairwise(poses):
         moving = (begin != end).any(axis=1)
         change = end - begin
         low, high = np.minimum(begin, end)[:, :2] - radius[:, None], np.maximum(begin, end)[:, :2] + radius[:, None]

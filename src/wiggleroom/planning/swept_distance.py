@@ -40,7 +40,7 @@ def segment_distance(ax, ay, bx, by, cx, cy, dx, dy):
 
 @njit(**COMPILED_CALLERS_ONLY)
 def carried_distance(corner, after, first, carried, standing, p, q, least):
-    """Least distance of the outline of shape `standing` from the corners of shape `carried`, carried from pose p to q; `least` if not less."""
+    """Least distance of an outline from the corners of another shape that are carried from pose p to q; `least` where it is not less."""
     cp, sp, cq, sq = np.cos(p[2]), np.sin(p[2]), np.cos(q[2]), np.sin(q[2])
     for v in range(first[carried], first[carried + 1]):
         x, y = corner[v, 0], corner[v, 1]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.files import write_whole
+from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture as blame
 from wiggleroom.report import pages, study_plots
 from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
@@ -15,7 +16,6 @@ from wiggleroom.report.plan_pictures import film_of_plan, page_of_plan, picture_
 from wiggleroom.report.separability_picture import Checked, film_of_check, picture_of_check
 from wiggleroom.report.stills import write_svg
 from wiggleroom.report.tolerance_results import picture_of_tolerances
-from wiggleroom.planning.plan import Plan
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.allowable_gap import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking

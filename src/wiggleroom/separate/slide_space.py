@@ -20,10 +20,14 @@ MIN_AXIS_SHARE = 0.05
 """Edges along an axis are together at least so long, as a share of those along the first."""
 MARGIN = 0.02
 """A slide leaves at least this share of the clearance beside what slides."""
-UNIT_TOLERANCE = 0.3
+UNIT_TOLERANCE = 0.1
 """Edges lie on a lattice where they do so to this share of the clearance."""
 MIN_UNIT = 4.0
 """A lattice's unit is at least this multiple of the clearance."""
+MAX_UNIT_PARTS = 8
+"""The shortest distance of two edges is at most so many units."""
+MIN_LEVELS, EXACT = 6, 1e-3
+"""Of fewer distances some unit fits by chance: then edges must lie on the lattice to this share of the tolerance."""
 MAX_UNITS = 60
 """A lattice spans at most so many units."""
 MAX_SLIDES = 4000
@@ -144,14 +148,14 @@ def lattice_unit(levels: Floats, tolerance: float, least: float) -> float:
     gaps = gaps[gaps > 2 * tolerance]
     if not len(gaps):
         return 0.0
-    for parts in range(1, 9):
+    for parts in range(1, MAX_UNIT_PARTS + 1):
         unit = gaps.min() / parts
         if unit < least or (levels[-1] - levels[0]) / unit > MAX_UNITS:
             break
         multiples = np.round((levels - levels[0]) / unit)
         unit = float((multiples @ (levels - levels[0])) / (multiples @ multiples))  # least squares
-        shift = levels - multiples * unit
-        if np.ptp(shift) <= 2 * tolerance:
+        off = np.ptp(levels - multiples * unit)
+        if off <= (2 * tolerance if len(gaps) >= MIN_LEVELS else EXACT * tolerance):
             return unit
     return 0.0
 
