@@ -8,18 +8,18 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.options import RESULTS, Asked, read
+from wiggleroom.cli.options import RESULTS, QuestionOptions, read
 from wiggleroom.cli.outputs import FilmOutputs, tell
 from wiggleroom.cli.running import TimeLimit
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), FilmOutputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), FilmOutputs(), TimeLimit()
 
 
 def plan(
     file: str,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     outputs: FilmOutputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
     target: tuple[str, ...] = (),

@@ -18,7 +18,7 @@ TURN_STEP = 0.01
 """Turns are cut into steps of at most this [rad]."""
 
 
-def distances(bodies: Bodies, way: Floats, there: Bools, barred: Ints, most: float) -> Floats:
+def distances(bodies: Bodies, way: Floats, there: Bools, ignored: Ints, most: float) -> Floats:
     """Least distances (n, n) of bodies on a way [mm], of which only those below `most` are worked out; others are `most`.
 
     Parameters
@@ -28,14 +28,14 @@ def distances(bodies: Bodies, way: Floats, there: Bools, barred: Ints, most: flo
         Motions of the bodies, straight in between. What moves on no piece of it against another body is not looked at.
     there : (n,) bool
         Bodies that count.
-    barred : (k,) int64
+    ignored : (k,) int64
         Keys a * n + b of pairs that never collide.
     most : float [mm]
     """
     n, shapes, radius = len(there), bodies.shapes, bodies.radius
     found = np.full((n, n), most)
     never = np.zeros((n, n), dtype=np.bool_)
-    never[barred // n, barred % n] = True
+    never[ignored // n, ignored % n] = True
     poses = np.ascontiguousarray(bodies.rest + way)
     for begin, end in pairwise(poses):
         moving = (begin != end).any(axis=1)

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.deadline import Deadline
+from wiggleroom.disassembly.departures import disassemble
+from wiggleroom.disassembly.interlock import with_ground
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.planning.steps import Step, steps_of
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import survey
-from wiggleroom.separate.disassembly import disassemble
-from wiggleroom.separate.interlock import with_ground
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.departures import Departure
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.planning.clearance import distances
 from wiggleroom.search.prepare import Survey
-from wiggleroom.separate.disassembly import Departure
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -100,7 +100,7 @@ def measured(assembly: Assembly, ground: Survey, step: Step) -> Step:
     way = of_bodies(assembly, bodies, step.way)
     there = np.array([step.there[list(m)].all() for m in bodies.members])
     most = MOST_CLEARANCE * ground.size
-    apart = distances(bodies, way, there, ground.barred, most)
+    apart = distances(bodies, way, there, ground.ignored, most)
     moving = np.unique(bodies.body_of[np.isin(names, step.parts)])
     clearance = float(apart[moving].min(initial=most))
     resting = np.setdiff1d(np.flatnonzero(~bodies.fixed & there), moving)

@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.remaining import displaced, only
 from wiggleroom.drawing.model import Pull
 from wiggleroom.files import write_whole
 from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.steps import STILL, Step
-from wiggleroom.report.baked import baked, opened, way
 from wiggleroom.report.film import film
 from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
 from wiggleroom.report.picture import picture
 from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
-from wiggleroom.schema.baked_page import BakedCheck, Title
+from wiggleroom.report.standalone_page import opened, standalone_page, way
 from wiggleroom.schema.replies import CheckReply, LeavingEntry
+from wiggleroom.schema.standalone_schema import StandaloneCheck, Title
 from wiggleroom.search.answer import witnessed
-from wiggleroom.separate.remaining import displaced, only
 from wiggleroom.verdict import Verdict
 
 
@@ -70,12 +70,12 @@ def page_of_plan(found: Plan, *, command: str = "") -> str:
         command=command,
     )
     ways = [way(found.assembly, step.way) for step in found.steps]
-    return baked(
+    return standalone_page(
         title,
         opened=opened(found.assembly),
         said=Title(title, plan_facts(found)),
         tab="apart",
-        check=BakedCheck(reply, ways),
+        check=StandaloneCheck(reply, ways),
     )
 
 

@@ -8,18 +8,18 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.search.incumbent import Incumbent, Leg, Start
+from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
 
 Floats = NDArray[np.float64]
 
 NOVELTY_DISTANCE = 0.5
 """A state is new where a body lies otherwise than in every state before by more than this share of the clearance."""
 
-Step = TypeVar("Step")
+Transition = TypeVar("Transition")
 
 
 @dataclass(frozen=True, eq=False)
-class VisitedState(Generic[Step]):
+class VisitedState(Generic[Transition]):
     """A state, and how it was reached.
 
     Parameters
@@ -28,17 +28,17 @@ class VisitedState(Generic[Step]):
         Of the bodies.
     parent : int
         State from which it was reached; -1 for the first.
-    step : Step
+    step : Transition
         What leads from the parent to it.
     """
 
     motion: Floats
     parent: int
-    step: Step
+    step: Transition
 
 
 @dataclass(eq=False)
-class StateTree(Generic[Step]):
+class StateTree(Generic[Transition]):
     """States that were reached from the first of them.
 
     Parameters
@@ -50,9 +50,9 @@ class StateTree(Generic[Step]):
 
     radius: Floats
     clearance: float
-    states: list[VisitedState[Step]] = field(default_factory=list, init=False)
+    states: list[VisitedState[Transition]] = field(default_factory=list, init=False)
 
-    def append(self, motion: Floats, parent: int, step: Step) -> int:
+    def append(self, motion: Floats, parent: int, step: Transition) -> int:
         """Keep a state; its number."""
         self.states.append(VisitedState(motion, parent, step))
         return len(self.states) - 1
@@ -79,13 +79,13 @@ class Climbed:
     Parameters
     ----------
     start : Start
-        Where a search from the state begins; its only leg is the point where it does.
-    legs : tuple of Leg
+        Where a search from the state begins; its only segment is the point where it does.
+    segments : tuple of PathSegment
         The path from where the search from the parent begins to where that from the state does.
     """
 
     start: Start
-    legs: tuple[Leg, ...] = ()
+    segments: tuple[PathSegment, ...] = ()
 
 
 class ClimbTree(StateTree[Climbed]):
@@ -107,13 +107,13 @@ class ClimbTree(StateTree[Climbed]):
     def add(self, end: Incumbent, parent: int) -> int:
         """Keep the end of a search from a state; its number."""
         start = end.start()
-        here = Leg(start.legs[-1].program, start.legs[-1].points[-1:])
+        here = PathSegment(start.segments[-1].program, start.segments[-1].points[-1:])
         self.visits.append(0)
-        return self.append(end.motion, parent, Climbed(replace(start, legs=(here,)), start.legs))
+        return self.append(end.motion, parent, Climbed(replace(start, segments=(here,)), start.segments))
 
-    def legs_to(self, state: int) -> tuple[Leg, ...]:
+    def segments_to(self, state: int) -> tuple[PathSegment, ...]:
         """The path from rest to where the search from a state begins."""
-        return tuple(leg for k in self.line(state) for leg in self.states[k].step.legs)
+        return tuple(segment for k in self.line(state) for segment in self.states[k].step.segments)
 
     def pick(self, random: np.random.Generator) -> int:
         """A state to go on from: at random, those that were seldom chosen rather than others."""
