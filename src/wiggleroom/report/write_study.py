@@ -1,4 +1,4 @@
-"""Studies and checks into files; apart from answers, because they need all that works them out."""
+"""Studies and checks into files; a module of its own, because it imports all that works them out."""
 
 from __future__ import annotations
 
