@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.closed_pairs import enclosed_links
 from wiggleroom.disassembly.enclosure import Enclosed, enclosed
-from wiggleroom.disassembly.escape import Effort, Stage, next_stage
+from wiggleroom.disassembly.escape import EscapeEffort, Stage, next_stage
 from wiggleroom.disassembly.remaining import displaced, without
 from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.geometry.rigid_motions import of_parts
@@ -88,7 +88,7 @@ def disassemble(
     assembly: Assembly,
     *,
     targets: tuple[str, ...] = (),
-    effort: Effort | None = None,
+    effort: EscapeEffort | None = None,
     every: bool = True,
     stop: Stop | None,
     tell: Callable[[Progress], None],
@@ -101,7 +101,7 @@ def disassemble(
         Something in it stands.
     targets : tuple of names
         It ends once these have left; what else leaves is taken away only where they cannot leave before.
-    effort : Effort, optional
+    effort : EscapeEffort, optional
     every : bool
         False: it ends once anything has left.
     stop, tell
@@ -127,7 +127,7 @@ def disassemble(
                 stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
                 return _ended(so_far, stage, around)
             aims = np.unique([ground.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
-            stage = next_stage(left, ground, begin, effort or Effort(), aims.astype(np.int64), stop, tell)
+            stage = next_stage(left, ground, begin, effort or EscapeEffort(), aims.astype(np.int64), stop, tell)
         except StoppedError:
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
         so_far.questions += stage.questions

@@ -82,7 +82,7 @@ class Stage:
 
 
 @dataclass(frozen=True, eq=False)
-class Effort:
+class EscapeEffort:
     """How long is looked for the next parts that leave.
 
     Parameters
@@ -104,7 +104,7 @@ def next_stage(
     assembly: Assembly,
     ground: Survey,
     begin: ClosedPairs,
-    effort: Effort,
+    effort: EscapeEffort,
     targets: Ints,
     stop: Stop | None,
     tell: Callable[[Progress], None],
@@ -119,7 +119,7 @@ def next_stage(
         Of the assembly.
     begin : ClosedPairs
         What is tied already.
-    effort : Effort
+    effort : EscapeEffort
     targets : (k,) int64
         Bodies that are to leave, rather than others; none where all are to.
     stop, tell
@@ -165,7 +165,7 @@ def _beyond_slides(
     assembly: Assembly,
     ground: Survey,
     begin: ClosedPairs,
-    effort: Effort,
+    effort: EscapeEffort,
     slid: SlideSearch,
     stop: Stop | None,
     tell: Callable[[Progress], None],

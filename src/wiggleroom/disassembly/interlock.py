@@ -17,7 +17,7 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.departures import Departure, Disassembly, disassemble
-from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, Effort
+from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.explore import MAX_QUESTIONS
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Turn
@@ -155,7 +155,7 @@ def check(
         stop = Deadline(seconds, stop)
     tell = progress or silent
     standing = with_ground(assembly)
-    effort = Effort(boxes, questions)
+    effort = EscapeEffort(boxes, questions)
     try:
         done = disassemble(standing, effort=effort, every=every, stop=stop, tell=tell)
     except TouchingError:
