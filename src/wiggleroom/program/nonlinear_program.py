@@ -220,7 +220,9 @@ def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float
     n, (i, j) = len(slot), objective.couples
     own, other = cells.a * n + cells.b, i * n + j
     extra = np.setdiff1d(other, own)
-    whole = pattern(np.concatenate([cells.a, extra // n]), np.concatenate([cells.b, extra % n]), slot, len(free))
+    whole = pattern(
+        np.concatenate([cells.a, extra // n]), np.concatenate([cells.b, extra % n]), slot, bodies.rest[free, :2]
+    )
     key = np.concatenate([own, extra])
     order = np.argsort(key)
     at = order[np.searchsorted(key, other, sorter=order)] if len(other) else other
