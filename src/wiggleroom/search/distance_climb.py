@@ -17,7 +17,7 @@ from wiggleroom.geometry.neighbours import relative_rest
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.distance_program import DistanceProgram, build_distances
-from wiggleroom.search.incumbent import Leg, Start
+from wiggleroom.search.incumbent import PathSegment, Start
 from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
 from wiggleroom.solve import interior_point
 from wiggleroom.solve.interior_point import Solution
@@ -82,8 +82,8 @@ def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, so
     if cells is None:
         return start
     mu = solution.inner_mu * program.rows / max(len(cells.kind), 1)
-    leg = Leg(program, tuple(points[: inner + 1]))
-    return replace(start, cells=cells, inner=program.motion(points[inner]), legs=(leg,), mu=mu)
+    segment = PathSegment(program, tuple(points[: inner + 1]))
+    return replace(start, cells=cells, inner=program.motion(points[inner]), segments=(segment,), mu=mu)
 
 
 def _last_free(search: LocalSearch, motions: list[Floats]) -> int:
