@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
-from wiggleroom.geometry.neighbours import classes, relative_rest
+from wiggleroom.geometry.neighbours import classes, relative_pose
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -52,7 +52,7 @@ def near_vertices(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: Float
 
     Corners further than `behind` [mm] behind the line of an edge do not count: material may lie between.
     """
-    shapes, seed = bodies.shapes, relative_rest(bodies, a, b, motion)
+    shapes, seed = bodies.shapes, relative_pose(bodies, a, b, motion)
     _, congruent = classes(bodies, a, b, seed)
     _, first, label = np.unique(np.column_stack([congruent, reach]), axis=0, return_index=True, return_inverse=True)
     label = label.ravel()

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, replaced, select
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.distance_program import DistanceProgram, build_distances
@@ -91,7 +91,7 @@ def _last_free(search: LocalSearch, motions: list[Floats]) -> int:
     ready = search.ready
 
     def free(k: int) -> bool:
-        return overlaps(ready.bodies, motions[k], ready.barred).deepest <= OVERLAP_TOLERANCE * ready.size
+        return overlaps(ready.bodies, motions[k], ready.ignored).deepest <= OVERLAP_TOLERANCE * ready.size
 
     low, high = 0, len(motions) - 1
     if free(high):
@@ -105,12 +105,12 @@ def _last_free(search: LocalSearch, motions: list[Floats]) -> int:
 def _cells(search: LocalSearch, program: DistanceProgram, inner: Floats, end: Floats) -> Cells | None:
     """Cells of all pairs of a program round an inner motion, with the end inside where that is possible; None where there are none."""
     bodies, a, b = search.ready.bodies, program.cells.a, program.cells.b
-    seed, keep = relative_rest(bodies, a, b, inner), relative_rest(bodies, a, b, end)
+    seed, keep = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, end)
     room = np.full(len(a), search.ready.clearance)
     cells, grown = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :])
     rest = np.flatnonzero(~grown)
     if len(rest):
-        others, grown = grow_cells(bodies, a[rest], b[rest], seed[rest], room[rest], wish=keep[rest])
+        others, grown = grow_cells(bodies, a[rest], b[rest], seed[rest], room[rest], target=keep[rest])
         if not grown.all():
             return None
         cells = replaced(cells, rest, select(others, np.arange(len(rest))))
