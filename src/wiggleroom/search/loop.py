@@ -304,16 +304,16 @@ class LocalSearch:
         """Pairs that overlap at a motion (n, 3), apart from those with known keys a * n + b."""
         return overlaps(self.ready.bodies, motion, np.concatenate([self.ready.barred, known]))
 
-    def _begun_with(self, start: Start, found: Incumbent, a: Ints, b: Ints) -> Start:
-        """The start with all pairs of a round and some more, those that are new with room towards the round's end."""
+    def _begun_with(self, start: Start, found: Incumbent, a: Ints, b: Ints) -> Start | None:
+        """The start with all pairs of a round and some more, with room towards the round's end; None where not all have cells there."""
         n, cells = len(found.motion), found.program.cells
         known = np.concatenate([cells.a * n + cells.b, a * n + b])
         extra = np.setdiff1d(known, start.cells.a * n + start.cells.b)
-        grown, _ = self._grown(extra // n, extra % n, start.inner, found.motion)
-        return replace(start, cells=joined(start.cells, grown))
+        grown, good = self._grown(extra // n, extra % n, start.inner, found.motion)
+        return replace(start, cells=joined(start.cells, grown)) if good.all() else None
 
-    def _gone_back(self, start: Start, best: Incumbent, a: Ints, b: Ints) -> Start:
-        """Where the path to the best motion is certain for the last time, with the pairs that it meets then."""
+    def _gone_back(self, start: Start, best: Incumbent, a: Ints, b: Ints) -> Start | None:
+        """Where the path to the best motion is certain for the last time, with the pairs that it meets then; None without cells there."""
         kept = self.way(best).kept
         leg = kept[-1]
         inner = leg.program.motion(leg.points[-1])
