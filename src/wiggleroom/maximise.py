@@ -223,11 +223,15 @@ def witness(
         return answer_of(climb, asked, solver, began)
     climb, effort = search_on(climb, search)
     answer = replace(answer_of(climb, asked, solver, began), search=effort)
-    several = int((~ready.bodies.fixed).sum()) > 1
-    if several or (search is None and with_quick_bound(answer).verdict is Verdict.PROVEN):
-        return answer  # only one body alone is searched completely, where there is anything left to find
-    climb, most = complete(climb)
-    answer = replace(answer_of(climb, asked, solver, began), search=effort)
+    if int((~ready.bodies.fixed).sum()) > 1:
+        return answer
+    if search is None:
+        answer = with_quick_bound(answer)
+        if answer.verdict is Verdict.PROVEN:
+            return answer  # nothing is left to find
+    further, most = complete(climb)
+    if further is not climb:
+        answer = replace(answer_of(further, asked, solver, began), search=effort)
     return answer if most is None else with_bound(answer, Bound(most, PROVEN_GAP, 0.0))
 
 
