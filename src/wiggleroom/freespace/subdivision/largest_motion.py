@@ -70,7 +70,7 @@ class MotionBoxes:
         self._origin = WINDOW_OFFSET * self._scale[[0, 0, 1]]
         self._middle, self._level = np.zeros((self.most, 3)), np.zeros(self.most, dtype=np.int64)
         self._state, self._first = np.zeros(self.most, dtype=np.int64), np.full(self.most, -1)
-        self._way = np.zeros(self.most, dtype=np.int64)
+        self._upper, self._way = np.full(self.most, np.inf), np.zeros(self.most, dtype=np.int64)
         self._visits = np.array([0, MAX_VISITS])
         x, y = self.pivot
         dx, dy = self.pull
@@ -93,7 +93,7 @@ class MotionBoxes:
         how = PAUSED
         while how == PAUSED and not (stop is not None and stop.is_set()):
             how, self.count, length = search(
-                self._middle, self._level, self._state, self._first, self.count, self.count + STOP_CHECK_BOXES, self._origin,
+                self._middle, self._level, self._state, self._first, self._upper, self.count, self.count + STOP_CHECK_BOXES, self._origin,
                 self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._way, self._visits,
             )  # fmt: skip
         if how != FOUND:
