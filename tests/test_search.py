@@ -110,10 +110,10 @@ def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
     peg = shapely.box(-half, -half, half, half)
     boxes = MotionBoxes(room, peg, d, np.zeros(2), 0.0, 100_000)
     truth = (0.5 - half) * np.abs(d).sum()
-    closed, way = boxes.beyond(truth * 1.0001, truth * 1.0009)
+    closed, way = boxes.beyond(truth * 1.0001, truth * 1.0009, 5_000_000)
     assert closed
     assert way is None
-    closed, way = boxes.beyond(truth * 0.5, truth * 0.6)
+    closed, way = boxes.beyond(truth * 0.5, truth * 0.6, 5_000_000)
     assert not closed
     assert d @ way[-1, :2] > truth * 0.5
 

@@ -25,8 +25,8 @@ from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.complete_search import PROVEN_GAP, complete
-from wiggleroom.search.global_search import search_on
+from wiggleroom.search.complete_search import complete
+from wiggleroom.search.global_search import effort, search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
@@ -221,18 +221,35 @@ def witness(
     climb.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
     if search == 0:
         return answer_of(climb, asked, solver, began)
-    climb, effort = search_on(climb, search)
-    answer = replace(answer_of(climb, asked, solver, began), search=effort)
-    if int((~ready.bodies.fixed).sum()) > 1:
+    return _searched(climb, search, asked, solver, began)
+
+
+def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
+    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do."""
+    ends: tuple[float, ...] = ()
+    at_most = None
+    if int((~climb.ready.bodies.fixed).sum()) == 1:
+        if search is None:
+            ends = (climb.certain_value()[0],)
+            answer = with_quick_bound(answer_of(climb, asked, solver, began))
+            if answer.verdict is Verdict.PROVEN:
+                return replace(answer, search=effort(ends, ends[0]))
+        found = complete(climb)
+        climb, at_most = found.best, found.at_most
+        if search is None:
+            ends = found.ends
+            answer = _bounded(answer_of(climb, asked, solver, began), at_most)
+            if answer.verdict is Verdict.PROVEN:
+                return replace(answer, search=effort(ends, climb.certain_value()[0]))
+    climb, done = search_on(climb, search, ends)
+    return _bounded(replace(answer_of(climb, asked, solver, began), search=done), at_most)
+
+
+def _bounded(answer: Answer, at_most: float | None) -> Answer:
+    """The answer with what a complete search found that no motion exceeds."""
+    if at_most is None or not answer.objective:
         return answer
-    if search is None:
-        answer = with_quick_bound(answer)
-        if answer.verdict is Verdict.PROVEN:
-            return answer  # nothing is left to find
-    further, most = complete(climb)
-    if further is not climb:
-        answer = replace(answer_of(further, asked, solver, began), search=effort)
-    return answer if most is None else with_bound(answer, Bound(most, PROVEN_GAP, 0.0))
+    return with_bound(answer, Bound(at_most, at_most / answer.objective - 1, 0.0))
 
 
 def _from_several(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -19,53 +21,97 @@ from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
 
-MAX_BOXES = 120_000
+MAX_BOXES = 160_000
 """Boxes judged at most."""
 MIN_IMPROVEMENT, PROVEN_GAP = 1e-4, 9e-4
-"""Motions better by the first share are looked for, until none better by the second is left."""
-MAX_CLIMBS = 30
+"""Motions better by the first share are looked for in the end, until none better by the second is left."""
+LEAST_SHARE, MOST_SHARE, LAST_RATIO = 0.3, 0.4, 1.003
+"""Once a better motion was found, one between the best value and the bound is asked for, at these shares of their ratio's logarithm."""
+MAX_VISITS, VISITS_OF_A_QUESTION = 5_000_000, 800_000
+"""Boxes that all searches for paths go over at most, and those of one question about such a value."""
+MAX_CLIMBS = 40
 
 
-def complete(first: LocalSearch) -> tuple[LocalSearch, float | None]:
+@dataclass(frozen=True, eq=False)
+class CompleteSearch:
+    """What a complete search came to.
+
+    Parameters
+    ----------
+    best : LocalSearch
+        That which found the best motion.
+    at_most : float or None
+        A value that no motion exceeds, where one was found.
+    ends : tuple of float
+        Values at which the climbs ended, the first search's among them.
+    """
+
+    best: LocalSearch
+    at_most: float | None
+    ends: tuple[float, ...]
+
+    @property
+    def proven(self) -> bool:
+        """True where no motion is worth noticeably more than the best."""
+        return self.at_most is not None and self.at_most <= self.best.certain_value()[0] * (1 + PROVEN_GAP)
+
+
+def complete(first: LocalSearch) -> CompleteSearch:
     """Look for better motions of the only free body wherever it gets, until there certainly is none.
+
+    First it is asked whether anything is better at all. If so, a value between the best and the bound is asked about, again and again:
+    either one is found and climbed from, or the bound falls. So the many low hills of a motion that ripples are not climbed one by one.
 
     Parameters
     ----------
     first : LocalSearch
         Ended.
-
-    Returns
-    -------
-    LocalSearch
-        That which found the best.
-    float or None
-        A value that no motion exceeds; None where there are more free bodies, or the boxes did not suffice.
     """
-    ready, best = first.ready, first
     boxes = _boxes(first)
-    if boxes is None:
-        return first, None
-    for _ in range(MAX_CLIMBS):
+    best, at_most, ends = first, None, [first.certain_value()[0]]
+    most = reach = np.inf if boxes is None else boxes.largest_value
+    while boxes is not None and len(ends) <= MAX_CLIMBS:
         value, free = best.certain_value()
-        if free or value <= 0:
+        if free or value <= 0 or most <= value * (1 + PROVEN_GAP):
             break
-        most = value * (1 + PROVEN_GAP)
-        closed, way = boxes.beyond(value * (1 + MIN_IMPROVEMENT), most, first.stop)
+        last = len(ends) == 1 or reach <= LAST_RATIO * value
+        if last:
+            asked = value * (1 + MIN_IMPROVEMENT), value * (1 + PROVEN_GAP)
+        else:
+            asked = value * (reach / value) ** LEAST_SHARE, value * (reach / value) ** MOST_SHARE
+        closed, way = boxes.beyond(
+            *asked, MAX_VISITS if last else min(boxes.visits + VISITS_OF_A_QUESTION, MAX_VISITS), first.stop
+        )
         if closed:
-            return best, most
-        start = None if way is None else _start(ready, boxes, way)
-        if start is None:
+            at_most = most = reach = asked[1]
+            continue
+        if way is None:
+            if last:
+                break
+            reach = asked[0]  # too much is asked for
+            continue
+        climb = _climbed(best, boxes, way)
+        if climb is None:
             break
-        climb = LocalSearch(ready, first.objective, first.solve, THOROUGH, first.stop, first.tell, rounds=best.rounds)
-        climb.improve(start)
-        climb.iterations += best.iterations
-        climb.seconds = {stage: spent + best.seconds[stage] for stage, spent in climb.seconds.items()}
         further, free = climb.certain_value()
-        if not climb.ended or not (free or further > value):
+        ends.append(further)
+        if not (free or further > value):
             break
         best = climb
     best.ended = best.ended and not first.stopped
-    return best, None
+    return CompleteSearch(best, at_most, tuple(ends))
+
+
+def _climbed(best: LocalSearch, boxes: MotionBoxes, way: Floats) -> LocalSearch | None:
+    """A search that has climbed from the end of a path of boxes, its work that of all; None where no cells grow there."""
+    start = _start(best.ready, boxes, way)
+    if start is None:
+        return None
+    climb = LocalSearch(best.ready, best.objective, best.solve, THOROUGH, best.stop, best.tell, rounds=best.rounds)
+    climb.improve(start)
+    climb.iterations += best.iterations
+    climb.seconds = {stage: spent + best.seconds[stage] for stage, spent in climb.seconds.items()}
+    return climb if climb.ended else None
 
 
 def _boxes(search: LocalSearch) -> MotionBoxes | None:
@@ -96,8 +142,10 @@ def _start(ready: Prepared, boxes: MotionBoxes, way: Floats) -> Start | None:
     """Where a search begins at the end of a path of boxes; None where no cells grow there."""
     bodies, cells = ready.bodies, ready.cells
     body = int(np.flatnonzero(~bodies.fixed)[0])
+    spot = ready.assembly.rest[bodies.members[body][0], :2]  # a path is straight about the reference points of parts
+    way = boxes.straightened(way, spot)
     motions = np.zeros((len(way), len(bodies.fixed), 3))
-    motions[:, body] = about(way[:, None], (bodies.rest[body, :2] - boxes.pivot)[None])[:, 0]
+    motions[:, body] = about(way[:, None], (bodies.rest[body, :2] - spot)[None])[:, 0]
     n = len(bodies.fixed)
     keys = np.union1d(cells.a * n + cells.b, ready.corners)
     a, b = keys // n, keys % n

@@ -198,7 +198,9 @@ def hidden_piecewise(pair, work, cut, other, p, q, tiny):
         least = work.ahead[k, other] - tiny
         px, py = normal_seen(pair, line.edge, p if cut < pair.na else q)
         qx, qy = normal_seen(pair, line.edge, q if cut < pair.na else p)
-        for w in range(line.count):  # in between a point stays in front by at least the mean of both ends, a minimum being concave
+        for w in range(
+            line.count
+        ):  # in between a point stays in front by at least the mean of both ends, a minimum being concave
             v = pair.edges[line.walls[w]]
             low = least_in_front(px, py, qx, qy, begin.x - v.x, begin.y - v.y) - least
             high = least_in_front(px, py, qx, qy, end.x - v.x, end.y - v.y) - least

@@ -68,7 +68,10 @@ def free_side_is_convex(edge, some, count, tiny):
     for i in range(count):
         for j in range(count):
             e, f = some[i], some[j]
-            if i != j and min(in_front(edge, e, edge[f, 0], edge[f, 1]), in_front(edge, e, edge[f, 2], edge[f, 3])) < -tiny:
+            if (
+                i != j
+                and min(in_front(edge, e, edge[f, 0], edge[f, 1]), in_front(edge, e, edge[f, 2], edge[f, 3])) < -tiny
+            ):
                 return False
     return True
 
@@ -175,7 +178,13 @@ def most_of(c0, c1, c2, rows, m, active, inverse):
             behind = rows[k, 0] * z0 + rows[k, 1] * z1 + rows[k, 2] * z2 - rows[k, 3]
             norm = abs(rows[k, 0]) + abs(rows[k, 1]) + abs(rows[k, 2])
             if behind > TOLERANCE * (norm + abs(rows[k, 3])) and behind > worst * norm:
-                worst, r0, r1, r2, r3 = behind / norm if norm > 0.0 else np.inf, rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3]
+                worst, r0, r1, r2, r3 = (
+                    behind / norm if norm > 0.0 else np.inf,
+                    rows[k, 0],
+                    rows[k, 1],
+                    rows[k, 2],
+                    rows[k, 3],
+                )
         z = (z0, z1, z2)
         for k in range(3):
             if abs(z[k]) - 1.0 > max(worst, TOLERANCE):

@@ -119,7 +119,9 @@ def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_di
                 continue
             most = shift + spread * (far + w)
             px, py = c * mx - s * my + x, s * mx + c * my + y
-            if edges_within(px, py, w + most, a_edge, a_disc, a_kid, stack, some) == 1:  # along one line both ends decide
+            if (
+                edges_within(px, py, w + most, a_edge, a_disc, a_kid, stack, some) == 1
+            ):  # along one line both ends decide
                 qx, qy = c * (x1 - mx) - s * (y1 - my), s * (x1 - mx) + c * (y1 - my)
                 one = in_front(a_edge, some[0], px - qx, py - qy)
                 other = in_front(a_edge, some[0], px + qx, py + qy)
@@ -337,10 +339,44 @@ def split(
         if state[m] != MIXED or upper[m] <= asked[5]:
             continue
         found = add_rows(
-            x, y, turn, half, swing, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, rows, 0
+            x,
+            y,
+            turn,
+            half,
+            swing,
+            True,
+            b_edge,
+            b_disc,
+            b_kid,
+            a_edge,
+            a_disc,
+            a_kid,
+            stack,
+            nodes,
+            some,
+            one,
+            rows,
+            0,
         )
         found = add_rows(
-            x, y, turn, half, swing, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, rows, found
+            x,
+            y,
+            turn,
+            half,
+            swing,
+            False,
+            a_edge,
+            a_disc,
+            a_kid,
+            b_edge,
+            b_disc,
+            b_kid,
+            stack,
+            nodes,
+            some,
+            one,
+            rows,
+            found,
         )
         slope, bend = slope_and_bend(asked, turn)
         most = most_of(half * asked[0], half * asked[1], swing * slope, rows, found, active, inverse)
@@ -424,7 +460,7 @@ def search(
                     state[n] = TINY
                     continue
                 # mixed boxes beside it that are as large will be asked next
-                near = beside(n, middle, level, first, wrap, out) if goals == 1 else 0
+                near = beside(n, middle, level, first, wrap, out) if e == 0 else 0
                 out[near] = n
                 for i in range(near + 1):
                     m = out[i]
