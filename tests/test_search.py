@@ -125,4 +125,4 @@ def test_tree_keeps_new_states_only():
     assert tree.known(still) == 0
     aside = np.array([[0, 0, 0], [ready.clearance, 0, 0]])
     assert tree.known(aside) is None
-    assert tree.legs_to(0) == ()
+    assert tree.segments_to(0) == ()

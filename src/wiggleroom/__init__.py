@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.assembly.build import assemble
     from wiggleroom.bound.prove import prove
+    from wiggleroom.disassembly.interlock import Escape, Interlock
+    from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap
     from wiggleroom.drawing.model import (
         Closer,
         Drawing,
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
     )
     from wiggleroom.drawing.tolerances import read_tolerances
     from wiggleroom.errors import InputError, MissingExtraError, StoppedError, TouchingError, WiggleroomError
+    from wiggleroom.form_closure.blocking_graph import Blocking, blocking
+    from wiggleroom.form_closure.mobility import TightVerdict, tight_verdict
     from wiggleroom.freespace.free_space import FreeSpace, free_space
     from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
     from wiggleroom.freespace.models.polyhedron import Polyhedron
@@ -51,29 +55,25 @@ if TYPE_CHECKING:
     from wiggleroom.sensitivity.sweep import Sweep, sweep
     from wiggleroom.sensitivity.tighten import Tightening, tighten
     from wiggleroom.sensitivity.worst_case import WorstCase, worst_case
-    from wiggleroom.separate.interlock import Escape, Interlock
-    from wiggleroom.separate.largest_gap import LargestGap, largest_gap
-    from wiggleroom.tight.blocking_graph import Blocking, blocking
-    from wiggleroom.tight.mobility import TightVerdict, tight_verdict
     from wiggleroom.verdict import Verdict
 
 _HOME = {
     "AllowableGap": "sensitivity.allowable_gap",
     "Answer": "search.answer",
     "Assembly": "assembly.assembly",
-    "Blocking": "tight.blocking_graph",
+    "Blocking": "form_closure.blocking_graph",
     "Bound": "search.answer",
     "Closer": "drawing.model",
     "Contact": "search.answer",
     "Drawing": "drawing.model",
-    "Escape": "separate.interlock",
+    "Escape": "disassembly.interlock",
     "FreeSpace": "freespace.free_space",
     "HalfPlane": "freespace.models.pair_models",
     "Hull": "freespace.models.pair_models",
     "InputError": "errors",
-    "Interlock": "separate.interlock",
+    "Interlock": "disassembly.interlock",
     "JointGap": "drawing.model",
-    "LargestGap": "separate.largest_gap",
+    "LargestGap": "disassembly.largest_gap",
     "Live": "live.live_session",
     "MissingExtraError": "errors",
     "Mode": "live.live_result",
@@ -89,7 +89,7 @@ _HOME = {
     "StoppedError": "errors",
     "Sweep": "sensitivity.sweep",
     "Tightening": "sensitivity.tighten",
-    "TightVerdict": "tight.mobility",
+    "TightVerdict": "form_closure.mobility",
     "TouchingError": "errors",
     "Tolerance": "drawing.model",
     "Towards": "drawing.model",
@@ -101,13 +101,13 @@ _HOME = {
     "WorstCase": "sensitivity.worst_case",
     "allowable_gap": "sensitivity.allowable_gap",
     "assemble": "assembly.build",
-    "blocking": "tight.blocking_graph",
+    "blocking": "form_closure.blocking_graph",
     "check": "questions",
     "coupon": "assembly",
     "film": "report.film",
     "flex": "questions",
     "free_space": "freespace.free_space",
-    "largest_gap": "separate.largest_gap",
+    "largest_gap": "disassembly.largest_gap",
     "patterns": "assembly",
     "prepare": "maximise",
     "prove": "bound.prove",
@@ -116,7 +116,7 @@ _HOME = {
     "sample": "sensitivity.sample",
     "sweep": "sensitivity.sweep",
     "tighten": "sensitivity.tighten",
-    "tight_verdict": "tight.mobility",
+    "tight_verdict": "form_closure.mobility",
     "read_tolerances": "drawing.tolerances",
     "worst_case": "sensitivity.worst_case",
 }

@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.film import film
 from wiggleroom.report.picture import picture
 from wiggleroom.report.separability import as_answer, check_facts, check_title
-from wiggleroom.separate.interlock import Interlock
-from wiggleroom.separate.largest_gap import LargestGap
 
 
 @dataclass(frozen=True, eq=False)

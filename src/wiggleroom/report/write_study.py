@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.files import write_whole
 from wiggleroom.report import importance_picture as blame
 from wiggleroom.report import pages, study_plots
@@ -21,7 +22,6 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
-from wiggleroom.separate.interlock import Interlock
 
 Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import grow_cells, joined, select
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.program.objectives import Objective, PointMotion
 from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.loop import LocalSearch, Policy
@@ -160,7 +160,7 @@ class _GlobalSearch:
             self.hills[self.tree.add(found, between)] = found.value
         least = MIN_IMPROVEMENT * max(abs(found.value), self.first.ready.clearance)
         if climb.unlimited or found.value > self.value + least:
-            self._follow(replace(found, legs=(*self.tree.legs_to(between), *found.legs[1:])))
+            self._follow(replace(found, segments=(*self.tree.segments_to(between), *found.segments[1:])))
 
     def _follow(self, incumbent: Incumbent) -> None:
         """Follow a better end to its own end; it becomes the best where its path is certain."""
@@ -209,11 +209,11 @@ def _rest_of_all_pairs(ready: Prepared) -> Start:
     n = len(bodies.fixed)
     a, b = np.triu_indices(n, 1)
     key = a * n + b
-    new = ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(key, np.concatenate([ready.barred, cells.a * n + cells.b]))
+    new = ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(key, np.concatenate([ready.ignored, cells.a * n + cells.b]))
     if new.sum() > MAX_KNOWN_PAIRS:
         return rest
     a, b = a[new], b[new]
-    grown, good = grow_cells(bodies, a, b, relative_rest(bodies, a, b), np.full(len(a), ready.clearance))
+    grown, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b), np.full(len(a), ready.clearance))
     return replace(rest, cells=joined(cells, select(grown, np.flatnonzero(good))))
 
 

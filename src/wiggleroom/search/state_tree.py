@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.search.incumbent import Incumbent, Leg, Start
+from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
 
 Floats = NDArray[np.float64]
 
@@ -27,14 +27,14 @@ class VisitedState:
         Where a search from here begins; its only leg is the point where it does.
     parent : int
         State from which it was reached; -1 for rest.
-    legs : tuple of Leg
+    segments : tuple of PathSegment
         The path from where the search from the parent begins to where that from here does.
     """
 
     motion: Floats
     start: Start
     parent: int = -1
-    legs: tuple[Leg, ...] = ()
+    segments: tuple[PathSegment, ...] = ()
 
 
 @dataclass(eq=False)
@@ -63,16 +63,16 @@ class StateTree:
     def add(self, end: Incumbent, parent: int) -> int:
         """Keep the end of a search from a state; its number."""
         start = end.start()
-        here = Leg(start.legs[-1].program, start.legs[-1].points[-1:])
-        self._append(VisitedState(end.motion, replace(start, legs=(here,)), parent, start.legs))
+        here = PathSegment(start.segments[-1].program, start.segments[-1].points[-1:])
+        self._append(VisitedState(end.motion, replace(start, segments=(here,)), parent, start.segments))
         return len(self.states) - 1
 
-    def legs_to(self, state: int) -> tuple[Leg, ...]:
+    def segments_to(self, state: int) -> tuple[PathSegment, ...]:
         """The path from rest to where the search from a state begins."""
-        legs: tuple[Leg, ...] = ()
+        segments: tuple[PathSegment, ...] = ()
         while state >= 0:
-            legs, state = (*self.states[state].legs, *legs), self.states[state].parent
-        return legs
+            segments, state = (*self.states[state].segments, *segments), self.states[state].parent
+        return segments
 
     def known(self, motion: Floats) -> int | None:
         """The state at which no body lies otherwise by more than a share of the clearance; None where the motion is new."""

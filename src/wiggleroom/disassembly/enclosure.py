@@ -56,10 +56,10 @@ class Enclosed:
 
 
 class Wall:
-    """Bodies of `group` that count as one obstacle, each time but for those that another body passes through (`barred`)."""
+    """Bodies of `group` that count as one obstacle, each time but for those that another body passes through (`ignored`)."""
 
-    def __init__(self, geometry: NDArray[np.object_], group: Ints, barred: Ints) -> None:
-        self._geometry, self._group, self._barred = geometry, group, barred
+    def __init__(self, geometry: NDArray[np.object_], group: Ints, ignored: Ints) -> None:
+        self._geometry, self._group, self._ignored = geometry, group, ignored
         self._made: dict[tuple[bytes, float], shapely.Geometry] = {}
 
     def hole(self, b: int, disc: Disc, radius: float) -> shapely.Polygon | None:
@@ -67,7 +67,7 @@ class Wall:
         if disc.radius <= 0:  # its middle need not lie in the body
             return None
         n, group = len(self._geometry), self._group
-        passed = np.isin(np.minimum(group, b) * n + np.maximum(group, b), self._barred)
+        passed = np.isin(np.minimum(group, b) * n + np.maximum(group, b), self._ignored)
         thicker = RADIUS_RATIO ** np.floor(np.log(radius) / np.log(RADIUS_RATIO)) if radius > 0 else 0.0
         key = passed.tobytes(), thicker
         if key not in self._made:
@@ -76,7 +76,7 @@ class Wall:
         return hole_round(self._made[key], disc.middle)
 
 
-def enclosed(bodies: Bodies, geometry: NDArray[np.object_], barred: Ints, stop: Stop | None = None) -> Enclosed:
+def enclosed(bodies: Bodies, geometry: NDArray[np.object_], ignored: Ints, stop: Stop | None = None) -> Enclosed:
     """Find the bodies that lie in closed holes of what stands, or of any other body.
 
     Parameters
@@ -84,14 +84,14 @@ def enclosed(bodies: Bodies, geometry: NDArray[np.object_], barred: Ints, stop: 
     bodies : Bodies
     geometry : (n,) shapely geometries
         Material at rest; no two overlap.
-    barred : (k,) int64
+    ignored : (k,) int64
         Keys a * n + b of pairs that pass through each other.
     stop : optional
         Asked before every body.
     """
     stands, movers = np.flatnonzero(bodies.fixed), np.flatnonzero(~bodies.fixed)
     far, held = np.where(bodies.fixed, 0.0, np.inf), bodies.fixed.copy()
-    wall, pairs, discs = Wall(geometry, stands, barred), [], {}
+    wall, pairs, discs = Wall(geometry, stands, ignored), [], {}
     for b in movers.tolist():
         if stop is not None and stop.is_set():
             break
@@ -112,14 +112,14 @@ def enclosed(bodies: Bodies, geometry: NDArray[np.object_], barred: Ints, stop: 
         if stop is not None and stop.is_set():
             break
         disc = discs[loose[k]]
-        around = Wall(geometry, np.array([a]), barred)
+        around = Wall(geometry, np.array([a]), ignored)
         if a != loose[k] and around.hole(loose[k], disc, DISC_MARGIN * disc.radius) is not None:
             pairs.append((a, loose[k]))
     return Enclosed(np.array(pairs, dtype=np.int64).reshape(-1, 2), far, held)
 
 
 def enclosed_by_held(
-    geometry: NDArray[np.object_], group: Ints, barred: Ints, far: float, stop: Stop | None = None
+    geometry: NDArray[np.object_], group: Ints, ignored: Ints, far: float, stop: Stop | None = None
 ) -> Ints:
     """Bodies that bodies held together enclose, though these can move a little.
 
@@ -135,7 +135,7 @@ def enclosed_by_held(
     barred, stop
         As for `enclosed`.
     """
-    wall, found = Wall(geometry, group, barred), []
+    wall, found = Wall(geometry, group, ignored), []
     for b in np.setdiff1d(np.arange(len(geometry)), group).tolist():
         if stop is not None and stop.is_set():
             break

@@ -26,7 +26,7 @@ ANGLE_TOLERANCE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class TightContacts:
+class PointContacts:
     """Point contacts between bodies: no point of `b` at `point` may move against `normal` as seen from `a`.
 
     A stretch along which two edges lie on each other is two contacts, at its ends; a corner in a corner is one contact for
@@ -85,7 +85,7 @@ class TightContacts:
         return tuple(map(tuple, found))
 
 
-def tight_contacts(assembly: Assembly, within: float | None = None) -> TightContacts:
+def point_contacts(assembly: Assembly, within: float | None = None) -> PointContacts:
     """Contacts of the parts as drawn tight.
 
     An assembly with a gap is taken as it was drawn, before gap and offsets; one without as it is.
@@ -105,7 +105,7 @@ def tight_contacts(assembly: Assembly, within: float | None = None) -> TightCont
     Examples
     --------
     >>> from wiggleroom.assembly.patterns import chain
-    >>> found = tight_contacts(chain(2, "swallowtail"))
+    >>> found = point_contacts(chain(2, "swallowtail"))
     >>> len(found.a), found.normal[1].round(3).tolist()
     (10, [-0.371, 0.928])
     """
@@ -118,14 +118,14 @@ def tight_contacts(assembly: Assembly, within: float | None = None) -> TightCont
     size = float(np.ptp(loops.points, axis=0).max())
     tolerance = CONTACT_TOLERANCE * size if within is None else within
     body = body_of[owner]
-    found = _Edges(loops, body, _barred(assembly), owner)
+    found = _Edges(loops, body, _ignored(assembly), owner)
     rows = [_flush(found, tolerance), _corners(found, tolerance)]
     a, b, point, edge = (np.concatenate([r[i] for r in rows]) for i in range(4))
     keep = _once(a, b, point / tolerance / 10, edge)
     reference = np.array([p.at[:2] for p in parts]).reshape(-1, 2)
     reach = np.zeros(len(parts))
     np.maximum.at(reach, owner, np.hypot(*(loops.points - reference[owner]).T))
-    return TightContacts(
+    return PointContacts(
         assembly.names, body_of, ground, a[keep], b[keep], point[keep], edge[keep], reference, size, reach
     )
 
@@ -136,7 +136,7 @@ class _Edges:
 
     loops: Loops
     body: Ints
-    barred: NDArray[np.int64]
+    ignored: NDArray[np.int64]
     part: Ints
 
     @property
@@ -162,7 +162,7 @@ class _Edges:
         """Pairs of edges whose bodies differ and are not told to ignore each other."""
         n = int(self.part.max()) + 1
         low, high = np.minimum(self.part[i], self.part[j]), np.maximum(self.part[i], self.part[j])
-        return (self.body[i] != self.body[j]) & ~np.isin(low * n + high, self.barred)
+        return (self.body[i] != self.body[j]) & ~np.isin(low * n + high, self.ignored)
 
 
 Rows = tuple[Ints, Ints, Floats, Floats]
@@ -270,7 +270,7 @@ def _outlines(parts: tuple[Part, ...]) -> tuple[Loops, Ints]:
     return loops, np.repeat(owner, loops.counts)
 
 
-def _barred(assembly: Assembly) -> Ints:
+def _ignored(assembly: Assembly) -> Ints:
     """Pairs of parts that never collide, as numbers low * n + high."""
     index = {name: k for k, name in enumerate(assembly.names)}
     pairs = [sorted((index[one], index[other])) for one, other in assembly.drawing.ignore]

@@ -15,19 +15,19 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.deadline import Deadline
+from wiggleroom.disassembly.closed_pairs import enclosed_links
+from wiggleroom.disassembly.enclosure import enclosed
+from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, Stage, next_stage
+from wiggleroom.disassembly.explore import MAX_QUESTIONS
+from wiggleroom.disassembly.remaining import without
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, WiggleroomError
+from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.maximise import witness
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import Survey, prepare, survey
-from wiggleroom.separate.closed_pairs import enclosed_links
-from wiggleroom.separate.enclosure import enclosed
-from wiggleroom.separate.escape import BOXES_FOR_ONE_BODY, Stage, next_stage
-from wiggleroom.separate.explore import MAX_QUESTIONS
-from wiggleroom.separate.remaining import without
-from wiggleroom.tight.mobility import tight_verdict
 from wiggleroom.verdict import Certainty, Separability, Tightness
 
 Floats = NDArray[np.float64]
@@ -162,7 +162,7 @@ def check(
     while True:
         try:
             ground = survey(left)
-            around = enclosed(ground.bodies, ground.geometry, ground.barred, stop)
+            around = enclosed(ground.bodies, ground.geometry, ground.ignored, stop)
             begin = enclosed_links(ground.bodies.fixed, around)
             if begin.all_tied:
                 stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held, 0)

@@ -1,14 +1,14 @@
-"""Step 1: skins. No way from rest leaves a skin, because everywhere on it a chord of A crosses a chord of B.
+"""Step 1: caging surfaces. No way from rest leaves a caging surface, because everywhere on it a chord of A crosses a chord of B.
 
-A skin is a stack of closed loops of translations (x, y), each at one turn; two neighbouring ones are joined by tracks, straight lines
-from a corner of one to a corner of the other. At every turn in between, tracks that follow each other bound a side of a loop. If two chords
-cross at both of its ends, they cross all along it, because where two segments cross is a parallelogram of translations. Along a
+A caging surface is a stack of closed loops of translations (x, y), each at one turn. Two neighbouring loops are joined by tracks, straight
+lines from a corner of one to a corner of the other. At every turn in between, tracks that follow each other bound a side of a loop. If
+two chords cross at both of its ends, they cross all along it, because where two segments cross is a parallelogram of translations. Along a
 track each of the four conditions f > 0 of that parallelogram is a function of the turn whose second derivative is bounded:
 
     f(s) >= min(f at both ends) - (largest |f''|) width^2 / 8.
 
-The first and the last loop enclose nothing (one corner, or two: there and back). So the skin is a closed surface, and as rest lies within
-its loop at turn 0, all that can be reached does: its corners bound every motion of the pair.
+The first and the last loop enclose nothing (one corner, or two: there and back). So the surface is closed, and as rest lies within its
+loop at turn 0, all that can be reached does: its corners bound every motion of the pair.
 """
 
 from __future__ import annotations
@@ -35,13 +35,13 @@ from wiggleroom.verify.ball_arithmetic import (
 from wiggleroom.verify.work_limit import EXACT, FLOAT, WorkLimit
 
 
-def check_skin(region: dict[str, Any]) -> None:
-    """Refuse a region whose skin is not closed, lets something through or does not go round rest."""
+def check_caging_surface(region: dict[str, Any]) -> None:
+    """Refuse a region whose caging surface is not closed, lets something through or does not go round rest."""
     a, b = ([(point(c[0]), point(c[1])) for c in region[k]] for k in ("a", "b"))
     loops = [(exact(angle), [point(p) for p in at]) for angle, at in region["loops"]]
     seams = region["seams"]
     need(len(loops) >= 3 and len(seams) == len(loops) - 1, "loops and seams do not fit together")
-    need(all(1 <= len(loops[k][1]) <= 2 for k in (0, -1)), "a skin does not end in a point or a line")
+    need(all(1 <= len(loops[k][1]) <= 2 for k in (0, -1)), "a caging surface does not end in a point or a line")
     rest = [at for angle, at in loops if angle == 0]
     need(len(rest) == 1 and _round(rest[0]), "no loop goes round rest")
     for one, two, (tracks, chords) in zip(loops, loops[1:], seams, strict=False):

@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from wiggleroom.disassembly.enclosure import Enclosed, holds
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
-from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_rest
+from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_pose
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
-from wiggleroom.separate.enclosure import Enclosed, holds
 
 Ints = NDArray[np.int64]
 
@@ -85,11 +85,11 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) 
     if stop is not None and stop.is_set():
         return begin
     geometry = placed(bodies)
-    near = neighbours(bodies, geometry, NEIGHBOUR_REACH * ready.clearance, barred=ready.barred)
+    near = neighbours(bodies, geometry, NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
     tied, held = _ties(begin.group), _ties(begin.held)
     undecided: list[tuple[int, int]] = []
     if len(near.a):
-        first, label = classes(bodies, near.a, near.b, relative_rest(bodies, near.a, near.b))
+        first, label = classes(bodies, near.a, near.b, relative_pose(bodies, near.a, near.b))
         along = _along(geometry[near.a[first]], geometry[near.b[first]], ready.clearance, stop)[label]
         known: dict[int, Passage] = {}
         for k in np.argsort(-along, kind="stable"):
@@ -119,7 +119,7 @@ def surer(ready: Prepared, known: ClosedPairs, stop: Stop | None = None) -> Clos
     """
     bodies, geometry = ready.bodies, placed(ready.bodies)
     a, b = known.undecided.T
-    _, label = classes(bodies, a, b, relative_rest(bodies, a, b))
+    _, label = classes(bodies, a, b, relative_pose(bodies, a, b))
     seen: dict[int, Passage] = {}
     group, held = known.group, known.held
     while True:

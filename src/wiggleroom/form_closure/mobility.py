@@ -3,7 +3,7 @@
 A motion gives every body a twist y = (vx, vy, w) about one origin; a contact at p with normal n, from a into b, allows it where
 n . (velocity of b at p - velocity of a at p) >= 0: together B y >= 0 with the standing body at rest. Only y = 0 is allowed exactly
 where B has full rank and B^T f = 0 has a solution with every force f > 0 (Stiemke). Such forces are a proof that anyone can check, see
-`wiggleroom.tight.self_stress`.
+`wiggleroom.form_closure.self_stress`.
 
 Sources: Wilson and Latombe 1994 for first-order motions of assemblies; Wang, Song, Isvoranu and Pauly 2019 for the rows. Their
 linear program looks for contacts that open and takes sliding and spinning parts for locked; here the rank is tested too.
@@ -21,8 +21,8 @@ from scipy.sparse import csgraph
 from scipy.sparse.linalg import eigsh, splu
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.tight.point_contacts import TightContacts, tight_contacts
-from wiggleroom.tight.self_stress import SelfStress, holds
+from wiggleroom.form_closure.point_contacts import PointContacts, point_contacts
+from wiggleroom.form_closure.self_stress import SelfStress, holds
 from wiggleroom.verdict import Tightness
 
 Floats = NDArray[np.float64]
@@ -51,14 +51,14 @@ class TightVerdict:
         Parts that move in it.
     locks : tuple of Lock
         Forces that prove which bodies are locked together, one step after the other; all of them where the verdict is "locked".
-    contacts : TightContacts
+    contacts : PointContacts
     """
 
     verdict: Tightness
     motion: Floats | None
     moving: tuple[str, ...]
     locks: tuple[SelfStress, ...]
-    contacts: TightContacts
+    contacts: PointContacts
 
     def verify(self) -> bool:
         """Check the proof of "locked", or that `motion` keeps all contacts, apart from how they were found.
@@ -96,7 +96,7 @@ def tight_verdict(assembly: Assembly, within: float | None = None) -> TightVerdi
     >>> wr.tight_verdict(wr.patterns.chain(2, "finger")).moving
     ('b2',)
     """
-    contacts = tight_contacts(assembly, within)
+    contacts = point_contacts(assembly, within)
     label, locks = _joined(contacts)
     if label.max() == 0:
         return TightVerdict(Tightness.LOCKED, None, (), locks, contacts)
@@ -111,7 +111,7 @@ def tight_verdict(assembly: Assembly, within: float | None = None) -> TightVerdi
     return TightVerdict(Tightness.MOVES, motion, moving, locks, contacts)
 
 
-def opening(contacts: TightContacts, motion: Floats) -> Floats:
+def opening(contacts: PointContacts, motion: Floats) -> Floats:
     """How fast contacts open (k,) [mm] under a first-order motion (parts, 3) of parts about their reference points."""
     first = np.unique(contacts.body_of, return_index=True)[1]
     body = motion[first]
@@ -123,21 +123,21 @@ def opening(contacts: TightContacts, motion: Floats) -> Floats:
     return np.asarray(((vb - va) * contacts.normal).sum(1))
 
 
-def wrenches(contacts: TightContacts, rows: Ints) -> Floats:
+def wrenches(contacts: PointContacts, rows: Ints) -> Floats:
     """Rows (k, 3) of contacts for relative twists about the middle of them all, lengths in units of their spread."""
     point = contacts.point[rows]
     middle = point.mean(0)
     return _wrenches(contacts, rows, middle, max(np.abs(point - middle).max(), 1e-300))
 
 
-def _wrenches(contacts: TightContacts, rows: Ints, middle: Floats, length: float) -> Floats:
+def _wrenches(contacts: PointContacts, rows: Ints, middle: Floats, length: float) -> Floats:
     """Rows (k, 3) of contacts for relative twists about `middle`, in units of `length`."""
     arm = (contacts.point[rows] - middle) / length
     n = contacts.normal[rows]
     return np.column_stack([n, arm[:, 0] * n[:, 1] - arm[:, 1] * n[:, 0]])
 
 
-def _joined(contacts: TightContacts) -> tuple[Ints, tuple[SelfStress, ...]]:
+def _joined(contacts: PointContacts) -> tuple[Ints, tuple[SelfStress, ...]]:
     """Bodies that the contacts of pairs alone lock together, until no such pair is left, and the forces that prove it."""
     label = np.arange(contacts.count)
     locks: list[SelfStress] = []
@@ -172,7 +172,7 @@ def _pairs(a: Ints, b: Ints) -> Iterator[Ints]:
     return (piece for piece in np.split(order, cut) if len(piece))
 
 
-def _together(contacts: TightContacts, label: Ints, ground: int) -> tuple[Floats | None, Floats, Ints]:
+def _together(contacts: PointContacts, label: Ints, ground: int) -> tuple[Floats | None, Floats, Ints]:
     """First-order motion of all bodies (n, 3) about the origin, or the forces that rule it out, and the contacts they act at."""
     a, b = label[contacts.a], label[contacts.b]
     rows = np.flatnonzero(a != b)
@@ -196,7 +196,7 @@ def _together(contacts: TightContacts, label: Ints, ground: int) -> tuple[Floats
     return twist[label], np.zeros(0), rows
 
 
-def _of_parts(contacts: TightContacts, twist: Floats) -> Floats:
+def _of_parts(contacts: PointContacts, twist: Floats) -> Floats:
     """Motions of parts about their reference points from twists of bodies about the origin."""
     motion = twist[contacts.body_of]
     x, y = contacts.reference.T

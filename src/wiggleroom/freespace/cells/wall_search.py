@@ -25,8 +25,8 @@ SEED = np.dtype(
     [
         ("a", "i8"), ("b", "i8"),  # shapes
         ("x", "f8"), ("y", "f8"), ("psi", "f8"),  # the seed [mm, mm, rad]
-        ("wish_x", "f8"), ("wish_y", "f8"), ("wish_psi", "f8"),  # where the pair would like to be, nan for nowhere
-        ("bar", "i8"),  # the edge, as a row of the pair, whose line is avoided where there is a choice, -1 for none
+        ("target_x", "f8"), ("target_y", "f8"), ("target_psi", "f8"),  # where the pair would like to be, nan for nowhere
+        ("excluded_edge", "i8"),  # the edge, as a row of the pair, whose line is avoided where there is a choice, -1 for none
         ("half", "f8"),  # half the side of the square round the seed that slices are clipped to [mm]
         ("step", "f8"), ("least", "f8"), ("span", "f8"),  # first and least step of the march, and its end [rad]
         ("margin", "f8"), ("tiny", "f8"),  # room that walls leave round the poses to keep, and what counts as nothing [mm]
@@ -67,10 +67,10 @@ def line_between(pair, i, j, pose, tiny):
 @njit(**COMPILED_CALLERS_ONLY)
 def a_first(pair, i, j, pose, seed):
     """Which line is tried first: the one further away, or that leaves more room at the wish, unless it is the barred one."""
-    if seed.bar == i or seed.bar == j:
-        return seed.bar == j
-    if not np.isnan(seed.wish_x):
-        pose = posed(seed.wish_x, seed.wish_y, seed.wish_psi)
+    if seed.excluded_edge == i or seed.excluded_edge == j:
+        return seed.excluded_edge == j
+    if not np.isnan(seed.target_x):
+        pose = posed(seed.target_x, seed.target_y, seed.target_psi)
     return edge_in_front(pair, i, j, pose) >= edge_in_front(pair, j, i, pose)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import qr
 
-from wiggleroom.tight.point_contacts import TightContacts
+from wiggleroom.form_closure.point_contacts import PointContacts
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -33,7 +33,7 @@ class SelfStress:
     force: Floats
 
 
-def holds(contacts: TightContacts, locks: Sequence[SelfStress]) -> bool:
+def holds(contacts: PointContacts, locks: Sequence[SelfStress]) -> bool:
     """Whether the locks prove, in exact rationals, that no body can move against any other to first order.
 
     Every lock is checked by itself. Let B be the rows of its contacts. With forces f >= s > 0 that leave r = B^T f
@@ -44,7 +44,7 @@ def holds(contacts: TightContacts, locks: Sequence[SelfStress]) -> bool:
 
     Examples
     --------
-    >>> from wiggleroom.tight.mobility import tight_verdict
+    >>> from wiggleroom.form_closure.mobility import tight_verdict
     >>> from wiggleroom.assembly.patterns import chain
     >>> found = tight_verdict(chain(4, "tee"))
     >>> holds(found.contacts, found.locks), holds(found.contacts, found.locks[:-1])
@@ -67,7 +67,7 @@ def holds(contacts: TightContacts, locks: Sequence[SelfStress]) -> bool:
     return bool((label == label[0]).all())
 
 
-def _rows(contacts: TightContacts, which: Ints, a: Ints, b: Ints) -> Matrix:
+def _rows(contacts: PointContacts, which: Ints, a: Ints, b: Ints) -> Matrix:
     """Rows of B without body 0, scaled by powers of 2, as columns and entries."""
     point, edge = contacts.point[which], contacts.edge[which]
     middle = [Fraction(x) for x in point.mean(0).tolist()]

@@ -1,9 +1,9 @@
-"""Skins: closed surfaces in (tau, phi) round rest, every point of which is forbidden, with the edges that show it.
+"""Caging surfaces: closed surfaces in (tau, phi) round rest, every point of which is forbidden, with the edges that show it.
 
-A skin is a stack of closed loops of translations, each at its own angle, that ends in a point (or a line there and back) on either side.
-Neighbouring loops are joined by tracks, straight lines from a corner of one to a corner of the other; between two tracks that follow each
-other one edge of A crosses one edge of B at every angle. So no way from rest leaves the skin, and what lies inside is bounded by the
-corners of its loops. Nobody has to believe how it was found.
+A caging surface is a stack of closed loops of translations, each at its own angle. It ends in a point (or a line there and back) on
+either side. Neighbouring loops are joined by tracks, straight lines from a corner of one to a corner of the other; between two tracks
+that follow each other one edge of A crosses one edge of B at every angle. So no path from rest leaves the surface, B is caged in it,
+and the corners of its loops bound what lies inside. The proof rests on the surface alone, not on how it was found.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.outer.chords import chords
 from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, zipped
 from wiggleroom.freespace.outer.outer_region import OuterRegion, leftover
-from wiggleroom.freespace.outer.outer_slices import Facing
+from wiggleroom.freespace.outer.outer_slices import PairMaterial
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -35,18 +35,18 @@ MAX_MITRE = 10.0
 CLOSING_ANGLES = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 """A loop may shrink to a point this share of the whole turn further, where walls have closed well over it."""
 CHORD_SETTINGS = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2, False), (0.1, False))
-"""Chords lie so far inside their part, as shares of the least outset, and loops have few corners or many; the first that a skin is
-found with. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
+"""Chords lie so far inside their part, as shares of the least outset, and loops have few corners or many; the first with which a
+caging surface is found. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
 MAX_LOOPS = 1200
 
 
 @dataclass(frozen=True, eq=False)
-class Skin:
+class CagingSurface:
     """Closed surface round all that a pair can reach; it takes the place of `OuterRegion` where facets are asked for.
 
     Parameters
     ----------
-    facing : Facing
+    material : PairMaterial
     crossings : Crossings
         The chords that the seams name.
     loops : tuple of Loop
@@ -55,7 +55,7 @@ class Skin:
         Between each loop and the next.
     """
 
-    facing: Facing
+    material: PairMaterial
     crossings: Crossings
     loops: tuple[Loop, ...]
     seams: tuple[Seam, ...]
@@ -72,7 +72,7 @@ class Skin:
     @property
     def far(self) -> float:
         """Largest motion of the pivot [mm]."""
-        return float(np.hypot(*self._corners[:, :2].T).max()) + 4 * self.facing.margin
+        return float(np.hypot(*self._corners[:, :2].T).max()) + 4 * self.material.margin
 
     def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
         """Corners (M, 3) of the loops between two turns and where tracks pass these; none has an interval of its own (M,)."""
@@ -87,28 +87,36 @@ class Skin:
         return points, np.zeros(len(points), dtype=np.int64)
 
 
-def skin(outer: OuterRegion, over: Callable[[], bool]) -> Skin | None:
-    """Skin round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
-    facing = outer.facing
+def caging_surface(outer: OuterRegion, over: Callable[[], bool]) -> CagingSurface | None:
+    """Caging surface round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
+    material = outer.material
     window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in outer.pieces)
     for inset, few in CHORD_SETTINGS:
-        depth = inset * LOOP_OUTSETS[0][0] * facing.clearance
-        crossings = Crossings(*(chords(g, depth, facing.clearance) for g in (facing.a, facing.b)))
+        depth = inset * LOOP_OUTSETS[0][0] * material.clearance
+        crossings = Crossings(*(chords(g, depth, material.clearance) for g in (material.a, material.b)))
         start = _loop(
-            facing, crossings, _pieces(facing, 0.0, window, shapely.Point(0, 0)), 0.0, LOOP_OUTSETS[0][0], few
+            material, crossings, _pieces(material, 0.0, window, shapely.Point(0, 0)), 0.0, LOOP_OUTSETS[0][0], few
         )
         if start is None or over():
             continue
-        up = _half(facing, crossings, start, window, outer.turns[1], few, over)
-        down = None if up is None else _half(facing, crossings, start, window, outer.turns[0], few, over)
+        up = _half(material, crossings, start, window, outer.turns[1], few, over)
+        down = None if up is None else _half(material, crossings, start, window, outer.turns[0], few, over)
         if up is not None and down is not None:
             loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
-            return Skin(facing, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up)))
+            return CagingSurface(
+                material, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up))
+            )
     return None
 
 
 def _half(
-    facing: Facing, crossings: Crossings, start: Loop, window: float, end: float, few: bool, over: Callable[[], bool]
+    material: PairMaterial,
+    crossings: Crossings,
+    start: Loop,
+    window: float,
+    end: float,
+    few: bool,
+    over: Callable[[], bool],
 ) -> list[tuple[Loop, Seam]] | None:
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
@@ -119,7 +127,7 @@ def _half(
         and abs(step) > MIN_ANGLE_STEP * abs(end)
         and abs(here.angle) < 2 * abs(end) + 0.1
     ):
-        found = _next(facing, crossings, here, here.angle + step, window, abs(step / end), end, few)
+        found = _next(material, crossings, here, here.angle + step, window, abs(step / end), end, few)
         if found is None:
             step /= 2
             continue
@@ -131,7 +139,7 @@ def _half(
 
 
 def _next(
-    facing: Facing,
+    material: PairMaterial,
     crossings: Crossings,
     here: Loop,
     angle: float,
@@ -141,13 +149,13 @@ def _next(
     few: bool,
 ) -> tuple[Loop, Seam] | None:
     """Loop at `angle` that can be joined to the one `here`; further behind the walls only where the step is a small `share`."""
-    pieces = _pieces(facing, angle, window, shapely.Polygon(here.at))
+    pieces = _pieces(material, angle, window, shapely.Polygon(here.at))
     some: Iterable[Loop | None]
     if not len(pieces):
         some = (p for k in CLOSING_ANGLES for p in _ends(crossings, here, angle + k * whole))
     else:
         some = (
-            _loop(facing, crossings, pieces, angle, o, seldom)
+            _loop(material, crossings, pieces, angle, o, seldom)
             for o, most in LOOP_OUTSETS
             if share <= most
             for seldom in ((True, False) if few else (False,))
@@ -159,18 +167,18 @@ def _next(
     return None
 
 
-def _pieces(facing: Facing, angle: float, window: float, met: shapely.Geometry) -> NDArray[np.object_]:
+def _pieces(material: PairMaterial, angle: float, window: float, met: shapely.Geometry) -> NDArray[np.object_]:
     """What is free at an angle and meets `met`."""
-    left = leftover(facing, angle, 0.0, window)
-    which = shapely.dwithin(left.pieces, met, facing.margin)
+    left = leftover(material, angle, 0.0, window)
+    which = shapely.dwithin(left.pieces, met, material.margin)
     return left.pieces[which][left.open(which)]
 
 
 def _loop(
-    facing: Facing, crossings: Crossings, pieces: NDArray[np.object_], angle: float, outset: float, few: bool
+    material: PairMaterial, crossings: Crossings, pieces: NDArray[np.object_], angle: float, outset: float, few: bool
 ) -> Loop | None:
     """Loop a little behind the walls of some free pieces; None where they lie apart or no edges cross somewhere along it."""
-    off = outset * facing.clearance
+    off = outset * material.clearance
     grown = shapely.buffer(shapely.union_all(pieces).simplify(off / 4), off, join_style="mitre", mitre_limit=MAX_MITRE)
     if grown.geom_type != "Polygon":
         return None

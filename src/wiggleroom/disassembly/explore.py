@@ -9,15 +9,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.disassembly.translation import TranslationEscape, translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import Stop, WiggleroomError
-from wiggleroom.geometry.neighbours import neighbours, placed, relative_rest
+from wiggleroom.geometry.neighbours import neighbours, placed, relative_pose
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import witness
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
-from wiggleroom.separate.translation import Exit, straight_exit
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
@@ -50,7 +50,7 @@ class Explored:
     """
 
     way: Floats | None
-    exit: Exit | None
+    exit: TranslationEscape | None
     whole: bool
     questions: int
 
@@ -59,7 +59,7 @@ def explore(
     ready: Prepared,
     ground: int,
     group: Ints,
-    nearly: list[Exit],
+    nearly: list[TranslationEscape],
     stop: Stop | None,
     tell: Callable[[Progress], None],
     most: int = MAX_QUESTIONS,
@@ -83,8 +83,8 @@ def explore(
     bodies = ready.bodies
     if stop is not None and stop.is_set():
         return Explored(None, None, False, 0)
-    near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, barred=ready.barred)
-    places = [relative_rest(bodies, near.a, near.b)]
+    near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
+    places = [relative_pose(bodies, near.a, near.b)]
     waiting: deque[Answer | None] = deque([None])
     questions, open_questions = 0, 0
     while waiting:
@@ -103,7 +103,7 @@ def explore(
             found = way_out(ready, ground, group, motions, EXIT_TESTS, stop)
             if found is not None:
                 return Explored(*found, True, questions)
-            place = relative_rest(bodies, near.a, near.b, motions[-1])
+            place = relative_pose(bodies, near.a, near.b, motions[-1])
             if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
                 places.append(place)
                 waiting.append(answer)
@@ -125,11 +125,11 @@ def way_out(
     motions: Floats,
     looks: int | None = None,
     stop: Stop | None = None,
-) -> tuple[Floats, Exit] | None:
+) -> tuple[Floats, TranslationEscape] | None:
     """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its way-points are looked at, or all."""
     last = len(motions) - 1
     for k in np.unique(np.linspace(last, 1, min(looks or last, last)).round().astype(int)):
-        found = straight_exit(ready.bodies, motions[k], ground, ready.barred, ready.size, group, stop)
+        found = translation_escape(ready.bodies, motions[k], ground, ready.ignored, ready.size, group, stop)
         if found is not None:
             return motions[: k + 1], found
     return None
@@ -142,7 +142,9 @@ def _differ(ready: Prepared, b: Ints, one: Floats, other: Floats) -> bool:
     return bool(moved.max(initial=0.0) > NOVELTY_DISTANCE * ready.clearance)
 
 
-def _questions(ready: Prepared, ground: int, group: Ints, nearly: list[Exit]) -> Iterator[tuple[Goal, ...]]:
+def _questions(
+    ready: Prepared, ground: int, group: Ints, nearly: list[TranslationEscape]
+) -> Iterator[tuple[Goal, ...]]:
     """Sets that nearly leave, then all at once, then every group: outwards first, then the other ways and turns."""
     bodies, rest = ready.bodies, ready.bodies.rest
     middle = rest[ground, :2]

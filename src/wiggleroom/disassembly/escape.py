@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
+from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
+from wiggleroom.disassembly.enclosure import enclosed_by_held
+from wiggleroom.disassembly.explore import explore, way_out
+from wiggleroom.disassembly.remaining import without
+from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
+from wiggleroom.disassembly.translation import TranslationEscape, translation_escape, translation_escapes
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.separate.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
-from wiggleroom.separate.enclosure import enclosed_by_held
-from wiggleroom.separate.explore import explore, way_out
-from wiggleroom.separate.remaining import without
-from wiggleroom.separate.rigid_subassembly import Rigid, leaves_as_one
-from wiggleroom.separate.translation import Exit, straight_exit, straight_exits
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -77,7 +77,7 @@ def next_stage(
     none = np.zeros(0, dtype=np.int64)
     rest = np.zeros((1, n, 3))
     tell(Progress("straight ways"))
-    found = straight_exit(bodies, rest[0], ground, ready.barred, ready.size, begin.group, stop)
+    found = translation_escape(bodies, rest[0], ground, ready.ignored, ready.size, begin.group, stop)
     if found is not None:
         return _leave(ready, rest, found)
     tell(Progress("free spaces"))
@@ -104,7 +104,9 @@ def next_stage(
     return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
 
 
-def _rigid(ready: Prepared, begin: ClosedPairs, boxes: int, stop: Stop | None) -> tuple[ClosedPairs, Iterator[Rigid]]:
+def _rigid(
+    ready: Prepared, begin: ClosedPairs, boxes: int, stop: Stop | None
+) -> tuple[ClosedPairs, Iterator[RigidEscape]]:
     """What is tied to what, and for each group that may leave what is known about its leaving as one."""
     free = np.flatnonzero(~ready.bodies.fixed)
     if len(free) == 1:
@@ -128,30 +130,30 @@ def _walled_in(ready: Prepared, known: ClosedPairs, stop: Stop | None) -> Closed
     frame = np.flatnonzero(known.group == ground)
     if stop is not None and stop.is_set():
         return known
-    if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.barred, 0.0, stop)):
+    if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.ignored, 0.0, stop)):
         return known
     others = np.flatnonzero(known.group[bodies.body_of] != ground)
     far = furthest(without(ready.assembly, others), FRAME_SECONDS, stop)
-    inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.barred, far, stop)
+    inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.ignored, far, stop)
     return replace(known, group=np.where(np.isin(known.group, known.group[inside]), ground, known.group))
 
 
-def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> list[Exit]:
+def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> list[TranslationEscape]:
     """Sets of bodies that would leave straight if there were a little more room: the first to look at."""
     if len(np.unique(group)) < 3:
         return []
     rest = np.zeros((len(group), 3))
-    found: dict[tuple[int, ...], Exit] = {}
+    found: dict[tuple[int, ...], TranslationEscape] = {}
     for share in EXTRA_CLEARANCES:
         thinner = share * ready.clearance
-        for e in straight_exits(ready.bodies, rest, ground, ready.barred, ready.size, group, thinner, stop):
+        for e in translation_escapes(ready.bodies, rest, ground, ready.ignored, ready.size, group, thinner, stop):
             found.setdefault(tuple(e.who.tolist()), e)
         if len(found) >= MAX_NEAR_EXITS or (stop is not None and stop.is_set()):
             break
     return list(found.values())[:MAX_NEAR_EXITS]
 
 
-def _leave(ready: Prepared, way: Floats, found: Exit) -> Stage:
+def _leave(ready: Prepared, way: Floats, found: TranslationEscape) -> Stage:
     """The way continued straight until those who leave are beyond all others, which then go back to rest."""
     bodies, who = ready.bodies, found.who
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.deadline import Deadline
+from wiggleroom.disassembly.interlock import Interlock, check
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.loop import Progress
-from wiggleroom.separate.interlock import Interlock, check
 
 RELATIVE_TOLERANCE = 1e-3
 """Both sides end no further apart than this share of the gap."""

@@ -61,7 +61,7 @@ def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return found
 
 
-def check_form(content: Any) -> int:
+def check_structure(content: Any) -> int:
     """Refuse what is not made as a certificate is; otherwise how many numbers there are.
 
     Parameters
@@ -69,10 +69,10 @@ def check_form(content: Any) -> int:
     content : dict
         As read from JSON.
     """
-    return _Form().whole(content)
+    return _StructureCheck().whole(content)
 
 
-class _Form:
+class _StructureCheck:
     """Goes once through a certificate and counts its numbers."""
 
     def __init__(self) -> None:

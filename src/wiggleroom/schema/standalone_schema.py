@@ -37,7 +37,7 @@ class PlacedPart(Struct):
     at: Pose
 
 
-class BakedDrawing(Struct, kw_only=True):
+class StandaloneDrawing(Struct, kw_only=True):
     """The drawing as it is shown at rest, and what is asked of it."""
 
     kind: Literal["opened"] = "opened"
@@ -52,7 +52,7 @@ class BakedDrawing(Struct, kw_only=True):
     outlines: SharedOutlines
 
 
-class BakedAnswer(Struct):
+class StandaloneAnswer(Struct):
     """The answer at one gap."""
 
     gap: float
@@ -61,7 +61,7 @@ class BakedAnswer(Struct):
     outlines: Annotated[SharedOutlines | UnsetType, Meta(description="where they are not those of the drawing")] = UNSET
 
 
-class BakedCheck(Struct):
+class StandaloneCheck(Struct):
     """Whether it comes apart, with a path for each escape."""
 
     reply: CheckReply
@@ -100,17 +100,17 @@ class Title(Struct):
     facts: list[str]
 
 
-class BakedPage(Struct, kw_only=True, omit_defaults=True):
+class StandalonePage(Struct, kw_only=True, omit_defaults=True):
     """Everything in the file; all but the drawing may be missing."""
 
-    opened: BakedDrawing
+    opened: StandaloneDrawing
     begin: Annotated[float | UnsetType, Meta(description="the gap that is shown first [mm]")] = UNSET
     tab: Literal["answer", "gaps", "apart", "space", "study", "sure"] | UnsetType = UNSET
-    answers: Annotated[list[BakedAnswer] | UnsetType, Meta(description="one for each gap of the slider")] = UNSET
+    answers: Annotated[list[StandaloneAnswer] | UnsetType, Meta(description="one for each gap of the slider")] = UNSET
     steps: list[StepReply] | UnsetType = UNSET
     lost: tuple[float, float] | UnsetType | None = UNSET
     rank: RankReply | UnsetType = UNSET
-    check: BakedCheck | UnsetType = UNSET
+    check: StandaloneCheck | UnsetType = UNSET
     space: SpaceReply | UnsetType = UNSET
     study: StudyTab | UnsetType = UNSET
     tints: Tints | UnsetType = UNSET

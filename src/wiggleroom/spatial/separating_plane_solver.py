@@ -16,15 +16,15 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.solve.factorisation import Factor, factor
 from wiggleroom.solve.newton_step import dot, max_step
-from wiggleroom.spatial.plane_program import (
+from wiggleroom.spatial.rotations import logarithm
+from wiggleroom.spatial.separating_plane_program import (
     GraphRetraction,
-    LinearisedPlanes,
-    PlanePoint,
-    PlaneProgram,
+    LinearisedSeparatingPlanes,
+    SeparatingPlanePoint,
+    SeparatingPlaneProgram,
     beside_rest,
     parted,
 )
-from wiggleroom.spatial.rotations import logarithm
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -66,18 +66,18 @@ HEAVIEST = 1e12
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneSolution:
+class SeparatingPlaneSolution:
     """Where the method ended.
 
     Parameters
     ----------
-    point : PlanePoint
+    point : SeparatingPlanePoint
         The last point inside all rows.
     lam : (R,) float64
         Multipliers: objective per mm of each row.
     status : SolverStatus
     iterations : int
-    way : tuple of PlanePoint
+    way : tuple of SeparatingPlanePoint
         Points inside all rows, from the start.
     error : float
         Largest of complementarity, violation and imbalance, in units of the objective.
@@ -87,22 +87,22 @@ class PlaneSolution:
         How many of the way-points lie well inside all rows, and the mean complementarity at the last of these.
     """
 
-    point: PlanePoint
+    point: SeparatingPlanePoint
     lam: Floats
     value: float
     status: SolverStatus
     iterations: int
-    way: tuple[PlanePoint, ...]
+    way: tuple[SeparatingPlanePoint, ...]
     error: float
     curved_down: bool
     inner: tuple[int, float]
 
 
 @dataclass(eq=False)
-class PlaneState:
+class SeparatingPlaneState:
     """Iterate of the method; `s` are slacks of the rows, `at` the program at the point."""
 
-    at: LinearisedPlanes
+    at: LinearisedSeparatingPlanes
     s: Floats
     lam: Floats
     unit: float
@@ -132,7 +132,7 @@ class _System:
     def __init__(self, matrix: Factor, retraction: GraphRetraction) -> None:
         self._matrix, self._retraction = matrix, retraction
 
-    def set(self, state: PlaneState, dual: Floats) -> None:
+    def set(self, state: SeparatingPlaneState, dual: Floats) -> None:
         """Work the matrix out."""
         at = state.at
         self._at = at
@@ -144,10 +144,10 @@ class _System:
         return bool(np.isfinite(self._data).all()) and self._matrix.update(self._data, shift)
 
     def newton(
-        self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, goal: Floats
+        self, state: SeparatingPlaneState, primal: Floats, dual: Floats, dual_planes: Floats, goal: Floats
     ) -> tuple[Floats, Floats, Floats, Floats]:
         """Directions (du, dy, ds, dlam) that change s * lam by `goal` and remove the residuals, to first order."""
-        from wiggleroom.spatial import plane_kernel as kernel
+        from wiggleroom.spatial import separating_plane_constraints as kernel
 
         at, P, s, lam = self._at, self._at.program, state.s, state.lam
         x, y = at.against((lam * primal + goal) / s)
@@ -179,18 +179,18 @@ class _Best:
     """The iterate inside all rows at which the conditions held best, and how many way-points there were."""
 
     error: float
-    at: LinearisedPlanes
+    at: LinearisedSeparatingPlanes
     lam: Floats
     way: int
 
 
 @dataclass(eq=False)
-class PlaneSolver:
+class SeparatingPlaneSolver:
     """Largest objective of a program from rest.
 
     Parameters
     ----------
-    program : PlaneProgram
+    program : SeparatingPlaneProgram
     inside : bool
         True: every iterate stays inside all rows, so that nothing can pass through anything.
     tolerance : float
@@ -205,7 +205,7 @@ class PlaneSolver:
         Asked and told (iteration, objective) every iteration.
     """
 
-    program: PlaneProgram
+    program: SeparatingPlaneProgram
     inside: bool = False
     tolerance: float = 1e-8
     most: int = 150
@@ -214,10 +214,10 @@ class PlaneSolver:
     stop: Stop | None = None
     progress: Callable[[int, float], None] | None = None
     iterations: int = 0
-    way: list[PlanePoint] = field(default_factory=list)
+    way: list[SeparatingPlanePoint] = field(default_factory=list)
     inner: tuple[int, float] = (1, FIRST_MU)
 
-    def solve(self, start: PlanePoint | None = None, mu: float = FIRST_MU) -> PlaneSolution:
+    def solve(self, start: SeparatingPlanePoint | None = None, mu: float = FIRST_MU) -> SeparatingPlaneSolution:
         """Run the method from a point inside all rows."""
         P = self.program
         self._retraction = GraphRetraction(P)
@@ -225,7 +225,7 @@ class PlaneSolver:
         at = P.linearise(beside_rest(P) if start is None else start)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
         s = np.maximum(at.h, 0.0 if self.inside else FIRST_SLACK)
-        state = PlaneState(at, s, mu / s, unit, self.tolerance)
+        state = SeparatingPlaneState(at, s, mu / s, unit, self.tolerance)
         self._barrier = mu
         self._floor = ROUNDING * P.bodies.size / P.length
         self.way = [P.start]
@@ -234,7 +234,7 @@ class PlaneSolver:
         if self.way and last.point is not self.way[-1]:
             last = P.linearise(self.way[-1], last.value)
         curved = status is SolverStatus.CONVERGED and self._curved_down(state)
-        return PlaneSolution(
+        return SeparatingPlaneSolution(
             last.point,
             state.lam * unit / P.length,
             last.value,
@@ -246,13 +246,13 @@ class PlaneSolver:
             self.inner,
         )
 
-    def _curved_down(self, state: PlaneState) -> bool:
+    def _curved_down(self, state: SeparatingPlaneState) -> bool:
         """True where the condensed matrix is positive definite up to a small share."""
         _, dual, _, _ = state.residuals()
         self._system.set(state, dual)
         return self._system.factorise(LEAST_CURVATURE + state.home)
 
-    def _follow(self, state: PlaneState) -> tuple[SolverStatus, float]:
+    def _follow(self, state: SeparatingPlaneState) -> tuple[SolverStatus, float]:
         """Advance the state until it is converged, stopped or escaping; where it gets no further, back to the best iterate."""
         before, least, since, most = np.inf, np.inf, 0, -np.inf
         best, inner = _Best(np.inf, state.at, state.lam, 0), (1, FIRST_MU)
@@ -305,21 +305,25 @@ class PlaneSolver:
             return SolverStatus.CONVERGED, best.error
         return SolverStatus.FAILED, error
 
-    def _legal(self, at: LinearisedPlanes) -> PlanePoint | None:
+    def _legal(self, at: LinearisedSeparatingPlanes) -> SeparatingPlanePoint | None:
         """The point, inside all rows once planes that lag behind are set anew; None where pieces overlap."""
         if at.h.min(initial=np.inf) > 0:
             return at.point
         found = parted(self.program, at.point, at.h)
         return found if self.program.values(found).min(initial=np.inf) > 0 else None
 
-    def _advance(self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, size: float) -> bool:
+    def _advance(
+        self, state: SeparatingPlaneState, primal: Floats, dual: Floats, dual_planes: Floats, size: float
+    ) -> bool:
         least = max(0.2 * self.tolerance * size / max(len(primal), 1), self._floor)
         if self.inside:
             return self._descend(state, primal, dual, dual_planes, least)
         step = self._direction(state, primal, dual, dual_planes, least)
         return step is not None and self._take(state, step)
 
-    def _descend(self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, least: float) -> bool:
+    def _descend(
+        self, state: SeparatingPlaneState, primal: Floats, dual: Floats, dual_planes: Floats, least: float
+    ) -> bool:
         """One step that makes the barrier function smaller, all rows kept; mu only falls.
 
         Source: the monotone mode of Wachter and Biegler 2006 (IPOPT), with slacks that are the rows themselves.
@@ -359,8 +363,8 @@ class PlaneSolver:
         return True
 
     def _stride(
-        self, state: PlaneState, ahead: LinearisedPlanes, du: Floats, dy: Floats, mu: float
-    ) -> LinearisedPlanes:
+        self, state: SeparatingPlaneState, ahead: LinearisedSeparatingPlanes, du: Floats, dy: Floats, mu: float
+    ) -> LinearisedSeparatingPlanes:
         """Longer steps along a direction that a strengthened diagonal kept short, as long as they pay."""
         at, best, share = state.at, _barrier_function(state, ahead, mu), 4.0
         while share <= min(1024.0, self._longest_share(du)):
@@ -380,7 +384,7 @@ class PlaneSolver:
         return min(LARGEST_TURN / max(turn, 1e-300), LONGEST * self.horizon / max(move, 1e-300))
 
     def _direction(
-        self, state: PlaneState, primal: Floats, dual: Floats, dual_planes: Floats, least: float
+        self, state: SeparatingPlaneState, primal: Floats, dual: Floats, dual_planes: Floats, least: float
     ) -> _SpatialStep | None:
         """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step no stub."""
         s, lam, mu, system = state.s, state.lam, self._mu, self._system
@@ -407,7 +411,7 @@ class PlaneSolver:
             shift = max(10 * shift, 1e-6)
         return found
 
-    def _take(self, state: PlaneState, step: _SpatialStep) -> bool:
+    def _take(self, state: SeparatingPlaneState, step: _SpatialStep) -> bool:
         """Take the step; halve it while rows fall behind the foreseen ones by more than half of the complementarity."""
         P, at = state.at.program, state.at
         longest_share = self._longest_share(step.u)
@@ -440,7 +444,7 @@ class PlaneSolver:
         return True
 
 
-def _barrier_function(state: PlaneState, at: LinearisedPlanes, mu: float) -> float:
+def _barrier_function(state: SeparatingPlaneState, at: LinearisedSeparatingPlanes, mu: float) -> float:
     """Barrier function at a point, infinite outside the rows."""
     if at.h.min(initial=np.inf) <= 0:
         return np.inf

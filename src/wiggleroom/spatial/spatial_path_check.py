@@ -9,10 +9,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.spatial import plane_kernel as kernel
-from wiggleroom.spatial.plane_program import GraphRetraction, PlanePoint, PlaneProgram, parted
+from wiggleroom.spatial import separating_plane_constraints as kernel
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.separating_plane_program import (
+    GraphRetraction,
+    SeparatingPlanePoint,
+    SeparatingPlaneProgram,
+    parted,
+)
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_prepare import SpatialPrepared
@@ -22,7 +27,9 @@ Floats = NDArray[np.float64]
 MOST_HALVINGS = 7
 
 
-def refined(ready: SpatialPrepared, program: PlaneProgram, points: Sequence[PlanePoint]) -> tuple[Floats, bool]:
+def refined(
+    ready: SpatialPrepared, program: SeparatingPlaneProgram, points: Sequence[SeparatingPlanePoint]
+) -> tuple[Floats, bool]:
     """Motions (k, n, 6) of the parts along a way through legal points, as far as every piece of it is free.
 
     Returns
@@ -43,9 +50,9 @@ def refined(ready: SpatialPrepared, program: PlaneProgram, points: Sequence[Plan
 def _join(
     ready: SpatialPrepared,
     retraction: GraphRetraction,
-    program: PlaneProgram,
-    one: PlanePoint,
-    other: PlanePoint,
+    program: SeparatingPlaneProgram,
+    one: SeparatingPlanePoint,
+    other: SeparatingPlanePoint,
     motions: list[Floats],
     left: int,
 ) -> bool:
@@ -66,8 +73,8 @@ def _join(
 
 
 def halfway(
-    retraction: GraphRetraction, program: PlaneProgram, one: PlanePoint, other: PlanePoint
-) -> PlanePoint | None:
+    retraction: GraphRetraction, program: SeparatingPlaneProgram, one: SeparatingPlanePoint, other: SeparatingPlanePoint
+) -> SeparatingPlanePoint | None:
     """A legal point half way between two: middle turns, every pair seen half way between; None where none is found."""
     P = program
     R = one.pose.R @ exponential(logarithm(np.einsum("nji,njk->nik", one.pose.R, other.pose.R)) / 2)
@@ -81,7 +88,7 @@ def halfway(
     q, Psi = P.frames(pose)
     weight = 1 / np.maximum(goal, 1e-14) ** 2
     kernel.fit_planes(q, Psi, P.plane, P.row, P.own, P.V, P.c, P.lever, goal, weight, 5, np.empty((8, 12, 12)), n, d)
-    point = PlanePoint(pose, n, d)
+    point = SeparatingPlanePoint(pose, n, d)
     h = P.values(point)
     if h.min(initial=np.inf) <= 0:
         point = parted(P, point, h)

@@ -10,10 +10,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.spatial import plane_kernel as kernel
+from wiggleroom.spatial import separating_plane_constraints as kernel
 from wiggleroom.spatial.rigid import RigidBodies, SpatialPose
 from wiggleroom.spatial.rotations import exponential
-from wiggleroom.spatial.separation import separation, turned
+from wiggleroom.spatial.separating_axis import separation, turned
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -36,7 +36,7 @@ class SpatialObjective(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class PlanePoint:
+class SeparatingPlanePoint:
     """A point of the program: pose of the bodies, and planes by unit normals n (K, 3) and offsets d (K,) [mm]."""
 
     pose: SpatialPose
@@ -67,7 +67,7 @@ class BlockPattern:
 
 
 @dataclass(frozen=True, eq=False)
-class PlaneProgram:
+class SeparatingPlaneProgram:
     """max objective(pose) subject to rows h >= 0 of planes between pieces.
 
     Parameters
@@ -78,7 +78,7 @@ class PlaneProgram:
         Body a, piece of a, body b, piece of b of every plane; pairs of bodies in order.
     a, b : (P,) int64
         Bodies of every pair.
-    plane, row, own : see `plane_kernel`
+    plane, row, own : see `separating_plane_constraints`
     V : (R, 3) float64 [mm]
         Corners in the frames of their bodies.
     c : (K, 3) float64 [mm]
@@ -91,7 +91,7 @@ class PlaneProgram:
         Unit of each variable of the bodies.
     length : float [mm]
         Unit of lengths: the typical clearance.
-    start : PlanePoint
+    start : SeparatingPlanePoint
         Rest, with the planes that part the pieces best.
     clearance : (K,) float64 [mm]
         Separation of the pieces at rest.
@@ -111,7 +111,7 @@ class PlaneProgram:
     slot: Ints
     scale: Floats
     length: float
-    start: PlanePoint
+    start: SeparatingPlanePoint
     clearance: Floats
     pattern: BlockPattern
 
@@ -131,14 +131,14 @@ class PlaneProgram:
         kernel.relative_frames(pose.T, pose.R, self.a, self.b, q, Psi)
         return q, Psi
 
-    def values(self, point: PlanePoint) -> Floats:
+    def values(self, point: SeparatingPlanePoint) -> Floats:
         """Rows h (R,) in units of `length`."""
         q, Psi = self.frames(point.pose)
         h = np.empty(self.rows)
         kernel.row_values(q, Psi, self.plane, self.row, self.own, self.V, self.c, point.n, point.d, h)
         return h / self.length
 
-    def linearise(self, point: PlanePoint, before: float | None = None) -> LinearisedPlanes:
+    def linearise(self, point: SeparatingPlanePoint, before: float | None = None) -> LinearisedSeparatingPlanes:
         """Rows, their derivatives, and products with them; turns are counted on from the objective `before`."""
         q, Psi = self.frames(point.pose)
         h, G = np.empty(self.rows), np.empty((self.rows, 12))
@@ -149,7 +149,7 @@ class PlaneProgram:
         G[:, :9] /= self.length  # planes are counted in units of `length` themselves
         gradient = self.packed(self.objective.gradient(point.pose) * self.scale)
         value = self.objective.value(point.pose, before)
-        return LinearisedPlanes(self, point, q, Psi, h / self.length, G, value, gradient)
+        return LinearisedSeparatingPlanes(self, point, q, Psi, h / self.length, G, value, gradient)
 
     def packed(self, x: Floats) -> Floats:
         """Variables (V,) from entries (n, 6) of the bodies."""
@@ -163,11 +163,11 @@ class PlaneProgram:
 
 
 @dataclass(frozen=True, eq=False)
-class LinearisedPlanes:
+class LinearisedSeparatingPlanes:
     """The program at one point: rows `h`, derivatives `G` (R, 12), objective `value` and `gradient` (V,)."""
 
-    program: PlaneProgram
-    point: PlanePoint
+    program: SeparatingPlaneProgram
+    point: SeparatingPlanePoint
     q: Floats
     Psi: Floats
     h: Floats
@@ -212,7 +212,7 @@ class LinearisedPlanes:
 
 def build_planes(
     bodies: RigidBodies, objective: SpatialObjective, pieces: Ints, *, length: float, rest: SpatialPose | None = None
-) -> PlaneProgram:
+) -> SeparatingPlaneProgram:
     """Planes between pairs of pieces (K, 4), each at rest where it parts them best, put into one program."""
     pieces = _framed(bodies, pieces)
     keys, pair = np.unique(pieces[:, [0, 2]], axis=0, return_inverse=True)
@@ -240,10 +240,10 @@ def build_planes(
     slot[bodies.free] = np.arange(int(bodies.free.sum()))
     scale = np.full(slot.shape, length)
     scale[:, 3:] /= bodies.radius[:, None]
-    return PlaneProgram(
+    return SeparatingPlaneProgram(
         bodies, objective, pieces, a, b, plane, np.concatenate([[0], np.cumsum(count)]).astype(np.int64), own,
         np.ascontiguousarray(np.vstack([*corners, np.zeros((0, 3))])), c, lever, slot, scale, length,
-        PlanePoint(pose, n, d), clearance, _pattern(a, b, slot),
+        SeparatingPlanePoint(pose, n, d), clearance, _pattern(a, b, slot),
     )  # fmt: skip
 
 
@@ -257,7 +257,7 @@ def best_axis(bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: 
     return separation(P.corners, P.normals, P.edges, other, normals, edges, axis), other
 
 
-def beside_rest(program: PlaneProgram, share: float = 1e-2) -> PlanePoint:
+def beside_rest(program: SeparatingPlaneProgram, share: float = 1e-2) -> SeparatingPlanePoint:
     """A point inside all rows, up to `share` clearances beside rest.
 
     A symmetric assembly would stay on the ridge between two equal ways. The point is the same each time.
@@ -267,14 +267,14 @@ def beside_rest(program: PlaneProgram, share: float = 1e-2) -> PlanePoint:
     room = P.values(rest)
     while share > 1e-9:
         pose = SpatialPose(rest.pose.T + share * step[:, :3], rest.pose.R @ exponential(share * step[:, 3:]))
-        point = PlanePoint(pose, rest.n, rest.d)
+        point = SeparatingPlanePoint(pose, rest.n, rest.d)
         if (P.values(point) > 0.5 * room).all():
             return point
         share /= 2
     return rest
 
 
-def parted(program: PlaneProgram, point: PlanePoint, h: Floats) -> PlanePoint:
+def parted(program: SeparatingPlaneProgram, point: SeparatingPlanePoint, h: Floats) -> SeparatingPlanePoint:
     """The point with every plane that a corner lies beyond set anew, where it parts its pieces best."""
     P = program
     worst = np.minimum.reduceat(h, P.row[:-1])
@@ -284,7 +284,7 @@ def parted(program: PlaneProgram, point: PlanePoint, h: Floats) -> PlanePoint:
         apart, other = best_axis(P.bodies, point.pose, P.pieces[k].tolist(), axis)
         if apart > 0:
             n[k], d[k] = axis, float((other @ axis).min()) - apart / 2 - axis @ P.c[k]
-    return PlanePoint(point.pose, n, d)
+    return SeparatingPlanePoint(point.pose, n, d)
 
 
 def _framed(bodies: RigidBodies, pieces: Ints) -> Ints:
@@ -324,7 +324,7 @@ class GraphRetraction:
 
     ANCHOR = 1e-9
 
-    def __init__(self, program: PlaneProgram) -> None:
+    def __init__(self, program: SeparatingPlaneProgram) -> None:
         import qdldl
 
         P = program
@@ -368,7 +368,7 @@ class GraphRetraction:
         T[self._moving] += self._solve(self._ends @ wanted) * self._open
         return T
 
-    def bodies(self, at: LinearisedPlanes, u: Floats, share: float) -> SpatialPose:
+    def bodies(self, at: LinearisedSeparatingPlanes, u: Floats, share: float) -> SpatialPose:
         """Pose after `share` of the step u (V,)."""
         P, pose = self._program, at.point.pose
         change = P.unpacked(share * u) * P.scale
@@ -379,13 +379,13 @@ class GraphRetraction:
 
     def step(
         self,
-        at: LinearisedPlanes,
+        at: LinearisedSeparatingPlanes,
         u: Floats,
         y: Floats,
         share: float,
         goal: Floats | None = None,
         weight: Floats | None = None,
-    ) -> PlanePoint:
+    ) -> SeparatingPlanePoint:
         """Point after `share` of the step (u, y); with `goal` (R,) and `weight` (R,) the planes follow."""
         P = self._program
         pose = self.bodies(at, u, share)
@@ -409,9 +409,9 @@ class GraphRetraction:
                 n,
                 d,
             )
-        return PlanePoint(pose, n, d)
+        return SeparatingPlanePoint(pose, n, d)
 
-    def balance(self, residual: Floats, at: LinearisedPlanes) -> Floats:
+    def balance(self, residual: Floats, at: LinearisedSeparatingPlanes) -> Floats:
         """Forces on B (P, 3), in A's frame, that bring the forces of the rows into balance with the objective."""
         P = self._program
         if self._laplacian is None:

@@ -49,7 +49,7 @@ class SpatialEscape:
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialSeparation:
+class SpatialDisassembly:
     """Whether an assembly in space comes apart, and how sure that is.
 
     Parameters
@@ -75,7 +75,7 @@ class SpatialSeparation:
     seconds: float = 0.0
 
 
-def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> SpatialSeparation:
+def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> SpatialDisassembly:
     """Whether some parts can be moved without limit away from the others.
 
     Fixed parts stand; where none is fixed, the part of the largest volume stands.
@@ -119,7 +119,7 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> Spa
     else:
         verdict, sure = (Separability.UNKNOWN if cut else Separability.INTERLOCKED), Certainty.SEARCHED
     remains = tuple(names[k] for k in alive)
-    return SpatialSeparation(assembly, verdict, sure, tuple(escapes), remains, asked, time.perf_counter() - began)
+    return SpatialDisassembly(assembly, verdict, sure, tuple(escapes), remains, asked, time.perf_counter() - began)
 
 
 @dataclass(eq=False)

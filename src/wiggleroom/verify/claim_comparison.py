@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wiggleroom.verify.claim import Claim, Term, told_parts, told_terms
+from wiggleroom.verify.claim import Claim, Term, describe_parts, describe_terms
 
 ALIKE = 1e-12
 """Corners and points agree where they differ by no more than this share of the drawing's size, and the rounding of their coordinates."""
@@ -16,7 +16,7 @@ Rings = list[np.ndarray]
 
 
 @dataclass(frozen=True, eq=False)
-class Drawn:
+class Specification:
     """What a drawing and the options beside it say; None for what neither says.
 
     Parameters
@@ -30,7 +30,7 @@ class Drawn:
         Pulls and turns, each of one part.
     bodies : tuple of (names, polygons) or None
         Parts that move as one, and their polygons at rest: each an outer ring and holes (n, 2) [mm], material left of every edge.
-    barred : frozenset of pairs of str
+    ignored : frozenset of pairs of str
         Parts that never collide.
     """
 
@@ -39,10 +39,10 @@ class Drawn:
     fixed: frozenset[str] | None = None
     terms: tuple[Term, ...] | None = None
     bodies: tuple[tuple[frozenset[str], list[Rings]], ...] | None = None
-    barred: frozenset[frozenset[str]] = frozenset()
+    ignored: frozenset[frozenset[str]] = frozenset()
 
 
-def difference(claim: Claim, drawn: Drawn) -> str:
+def difference(claim: Claim, drawn: Specification) -> str:
     """The first thing in which a certificate differs from a drawing and options, in one line; empty where there is none."""
     where = drawn.source or "the command"
     size = _size(drawn)
@@ -52,39 +52,41 @@ def difference(claim: Claim, drawn: Drawn) -> str:
         or _outlines(claim, drawn, where, size)
         or _gap(claim, drawn, where)
         or _goal(claim, drawn, where, size)
-        or _barred(claim, drawn, where)
+        or _ignored(claim, drawn, where)
     )
 
 
-def unstated(claim: Claim, drawn: Drawn) -> list[str]:
+def unstated(claim: Claim, drawn: Specification) -> list[str]:
     """What a certificate alone states."""
     found = []
     if drawn.gap is None:
         found.append(f"that the gap is {claim.gap:.9g} mm")
     if drawn.fixed is None:
         names = [name for parts in claim.fixed for name in parts]
-        found.append(f"that {told_parts(names)} {'is' if len(names) == 1 else 'are'} fixed")
+        found.append(f"that {describe_parts(names)} {'is' if len(names) == 1 else 'are'} fixed")
     if drawn.terms is None:
-        found.append(f"what is asked ({told_terms(claim.terms)})")
+        found.append(f"what is asked ({describe_terms(claim.terms)})")
     elif any(term.point is None and any(term.direction) for term in drawn.terms):
-        found.append(f"which point is meant ({told_terms(claim.terms)})")
+        found.append(f"which point is meant ({describe_terms(claim.terms)})")
     return found
 
 
-def _size(drawn: Drawn) -> float:
+def _size(drawn: Specification) -> float:
     if drawn.bodies is None:
         return 0.0
     corners = np.vstack([ring for _, polygons in drawn.bodies for rings in polygons for ring in rings])
     return float(np.ptp(corners, axis=0).max()) * ALIKE + float(np.abs(corners).max()) * 2.0**-49
 
 
-def _bodies(claim: Claim, drawn: Drawn, where: str) -> str:
+def _bodies(claim: Claim, drawn: Specification, where: str) -> str:
     if drawn.bodies is None:
         return ""
     mine, own = {n for parts in claim.bodies for n in parts}, {n for parts, _ in drawn.bodies for n in parts}
     if mine != own:
         more, less = sorted(mine - own), sorted(own - mine)
-        said = [f"it has {told_parts(more)}" for _ in more[:1]] + [f"it lacks {told_parts(less)}" for _ in less[:1]]
+        said = [f"it has {describe_parts(more)}" for _ in more[:1]] + [
+            f"it lacks {describe_parts(less)}" for _ in less[:1]
+        ]
         return f"{where} has other parts than the certificate: {' and '.join(said)}"
     groups = {parts for parts, _ in drawn.bodies}
     for parts in claim.bodies:
@@ -95,26 +97,26 @@ def _bodies(claim: Claim, drawn: Drawn, where: str) -> str:
 
 
 def _body(parts: Sequence[str]) -> str:
-    return f"{told_parts(parts)} glued together" if len(parts) > 1 else f"{told_parts(parts)} by itself"
+    return f"{describe_parts(parts)} glued together" if len(parts) > 1 else f"{describe_parts(parts)} by itself"
 
 
-def _fixed(claim: Claim, drawn: Drawn, where: str) -> str:
+def _fixed(claim: Claim, drawn: Specification, where: str) -> str:
     """Bodies stand where one of their parts does."""
     if drawn.fixed is None:
         return ""
     names = {n for parts in claim.bodies for n in parts}
     lost = sorted(drawn.fixed - names)
     if lost:
-        return f"{where} fixes {told_parts(lost)}, which the certificate does not have"
+        return f"{where} fixes {describe_parts(lost)}, which the certificate does not have"
     stands = {parts for parts in claim.bodies if drawn.fixed & set(parts)}
     for parts in claim.bodies:
         if (parts in claim.fixed) != (parts in stands):
             one, two = ("the certificate", where) if parts in claim.fixed else (where, "the certificate")
-            return f"{one} fixes {told_parts(parts)}, {two} does not"
+            return f"{one} fixes {describe_parts(parts)}, {two} does not"
     return ""
 
 
-def _outlines(claim: Claim, drawn: Drawn, where: str, near: float) -> str:
+def _outlines(claim: Claim, drawn: Specification, where: str, near: float) -> str:
     if drawn.bodies is None:
         return ""
     own = dict(drawn.bodies)
@@ -122,7 +124,7 @@ def _outlines(claim: Claim, drawn: Drawn, where: str, near: float) -> str:
         why = _polygons(polygons, own[frozenset(parts)], near)
         if why:
             gaps = _gap(claim, drawn, where)
-            return f"{told_parts(parts)} has other outlines in {where}: {why}" + (f"; {gaps}" if gaps else "")
+            return f"{describe_parts(parts)} has other outlines in {where}: {why}" + (f"; {gaps}" if gaps else "")
     return ""
 
 
@@ -168,13 +170,13 @@ def _apart(ring: np.ndarray, other: np.ndarray) -> float:
     return float(np.hypot(*(ring - np.roll(other, -start, 0)).T).max())
 
 
-def _gap(claim: Claim, drawn: Drawn, where: str) -> str:
+def _gap(claim: Claim, drawn: Specification, where: str) -> str:
     if drawn.gap is None or abs(drawn.gap - claim.gap) <= ALIKE * drawn.gap:
         return ""
     return f"the gap is {claim.gap:.9g} mm in the certificate, {drawn.gap:.9g} mm in {where}"
 
 
-def _goal(claim: Claim, drawn: Drawn, where: str, near: float) -> str:
+def _goal(claim: Claim, drawn: Specification, where: str, near: float) -> str:
     if drawn.terms is None:
         return ""
     body = {name: parts for parts in claim.bodies for name in parts}
@@ -182,10 +184,10 @@ def _goal(claim: Claim, drawn: Drawn, where: str, near: float) -> str:
     for term in drawn.terms:
         match = next((t for t in left if body.get(term.parts[0]) == t.parts and _same(t, term, near)), None)
         if match is None:
-            return f"the certificate is about {told_terms(claim.terms)}; {where} asks for {told_terms(drawn.terms)}"
+            return f"the certificate is about {describe_terms(claim.terms)}; {where} asks for {describe_terms(drawn.terms)}"
         left.remove(match)
     if left:
-        return f"the certificate adds {told_terms(left)}, which {where} does not ask"
+        return f"the certificate adds {describe_terms(left)}, which {where} does not ask"
     return ""
 
 
@@ -199,10 +201,11 @@ def _same(mine: Term, asked: Term, near: float) -> bool:
     return bool(turned and abs(mine.spin - asked.spin) <= exact and placed)
 
 
-def _barred(claim: Claim, drawn: Drawn, where: str) -> str:
+def _ignored(claim: Claim, drawn: Specification, where: str) -> str:
     for a, b in claim.pairs:
         for one in claim.bodies[a]:
             for two in claim.bodies[b]:
-                if frozenset((one, two)) in drawn.barred:
-                    return f"{where} says that {told_parts([one])} and {told_parts([two])} never collide, and the proof uses that they do"
+                if frozenset((one, two)) in drawn.ignored:
+                    pair = f"{describe_parts([one])} and {describe_parts([two])}"
+                    return f"{where} says that {pair} never collide, and the proof uses that they do"
     return ""

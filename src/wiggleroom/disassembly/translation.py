@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from wiggleroom.disassembly.translation_blocking import block
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.slices import edges_of
+from wiggleroom.geometry.blocking import unblocked
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.separate.translation_blocking import block
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -33,37 +34,37 @@ OVERLAP_NOISE = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class Exit:
+class TranslationEscape:
     """Bodies `who` (k,) that leave together, without limit, along `direction` (2,), a unit vector."""
 
     who: Ints
     direction: Floats
 
 
-def straight_exit(
+def translation_escape(
     bodies: Bodies,
     motion: Floats,
     ground: int,
-    barred: Ints,
+    ignored: Ints,
     size: float,
     group: Ints,
     stop: Stop | None = None,
-) -> Exit | None:
-    """The smallest set of bodies that leaves straight from where all are now, or None; parameters as for `straight_exits`."""
-    found = straight_exits(bodies, motion, ground, barred, size, group, stop=stop)
+) -> TranslationEscape | None:
+    """The smallest set of bodies that leaves straight from where all are now, or None; parameters as for `translation_escapes`."""
+    found = translation_escapes(bodies, motion, ground, ignored, size, group, stop=stop)
     return min(found, key=lambda e: len(e.who), default=None)
 
 
-def straight_exits(
+def translation_escapes(
     bodies: Bodies,
     motion: Floats,
     ground: int,
-    barred: Ints,
+    ignored: Ints,
     size: float,
     group: Ints,
     thinner: float = 0.0,
     stop: Stop | None = None,
-) -> list[Exit]:
+) -> list[TranslationEscape]:
     """Sets of bodies that leave straight from where all are now, the smallest one of every direction.
 
     Parameters
@@ -73,7 +74,7 @@ def straight_exits(
         Where they are.
     ground : int
         The body that stands; all fixed bodies stand with it.
-    barred : (k,) int64
+    ignored : (k,) int64
         Keys a * n + b of pairs that never collide.
     size : float [mm]
         Of the drawing.
@@ -93,14 +94,14 @@ def straight_exits(
     unit = size * OVERLAP_NOISE
     group = np.unique(group, return_inverse=True)[1].ravel()
     groups = int(group.max()) + 1
-    found: list[Exit] = []
+    found: list[TranslationEscape] = []
     for d in _directions(edges):
         if stop is not None and stop.is_set():
             break
         turned = _upwards(edges, first, d)
         boxes = _boxes(turned, first)
         done = np.zeros((n, n), dtype=np.bool_)
-        done[barred // n, barred % n] = done[barred % n, barred // n] = True
+        done[ignored // n, ignored % n] = done[ignored % n, ignored // n] = True
         arcs = np.zeros((groups, groups), dtype=np.bool_)
         for mask in (near, np.ones((n, n), dtype=np.bool_)):
             block(turned, first, boxes, mask & ~done, group, arcs, unit)
@@ -111,17 +112,14 @@ def straight_exits(
         if count > 1:
             who = _leaving(arcs, count, label, int(group[ground]))
             if len(who):
-                found.append(Exit(np.flatnonzero(np.isin(group, who)), d))
+                found.append(TranslationEscape(np.flatnonzero(np.isin(group, who)), d))
     return found
 
 
 def _leaving(arcs: NDArray[np.bool_], count: int, label: Ints, ground: int) -> Ints:
     """Nodes of the smallest component that no arc leads out of and that does not hold the ground."""
-    i, j = np.nonzero(arcs)
-    out = np.zeros(count, dtype=bool)
-    out[label[i[label[i] != label[j]]]] = True
-    out[label[ground]] = True
-    sinks = np.flatnonzero(~out)
+    tail, head = np.nonzero(arcs)
+    sinks = unblocked(tail, head, label, ground)
     if not len(sinks):
         return np.zeros(0, dtype=np.int64)
     sizes = np.bincount(label, minlength=count)

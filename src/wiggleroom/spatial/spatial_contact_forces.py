@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.spatial.plane_program import PlaneProgram
-from wiggleroom.spatial.plane_solver import PlaneSolution
+from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
+from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.spatial_answer import SpatialContact
 from wiggleroom.spatial.spatial_bodies import Grouping
 from wiggleroom.spatial.spatial_model import SpatialAssembly
@@ -14,8 +14,8 @@ WEAK = 1e-5
 """Contacts with less than this share of the largest force are not reported."""
 
 
-def plane_contacts(
-    assembly: SpatialAssembly, grouping: Grouping, program: PlaneProgram, found: PlaneSolution
+def spatial_contacts(
+    assembly: SpatialAssembly, grouping: Grouping, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
 ) -> tuple[SpatialContact, ...]:
     """Contacts in assembly coordinates, strongest first.
 

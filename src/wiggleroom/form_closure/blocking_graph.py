@@ -7,7 +7,7 @@ directions decide (the non-directional blocking graph); d and -d have the same g
 
 Sources: Wilson and Latombe 1994; the test for interlocking with a key: Wang, Song and Pauly 2018 (DESIA). It sees sets that
 move as one in a single direction: two parts that must move in different directions at once, and turns, are beyond it; see
-`wiggleroom.tight.mobility`.
+`wiggleroom.form_closure.mobility`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.tight.point_contacts import ANGLE_TOLERANCE, TightContacts, tight_contacts
+from wiggleroom.form_closure.point_contacts import ANGLE_TOLERANCE, PointContacts, point_contacts
+from wiggleroom.geometry.blocking import unblocked
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -46,7 +47,7 @@ class Blocking:
         Unit directions that decide, within half a circle.
     components : (m, bodies) int64
         Strongly connected component of every body in the graph of each direction.
-    contacts : TightContacts
+    contacts : PointContacts
     """
 
     verdict: str
@@ -54,7 +55,7 @@ class Blocking:
     moves: tuple[Move, ...]
     directions: Floats
     components: Ints
-    contacts: TightContacts
+    contacts: PointContacts
 
 
 def blocking(assembly: Assembly, within: float | None = None) -> Blocking:
@@ -79,7 +80,7 @@ def blocking(assembly: Assembly, within: float | None = None) -> Blocking:
     >>> blocking(wr.patterns.chain(2, "finger")).moves
     ((('b2',), (1.0, 0.0)),)
     """
-    contacts = tight_contacts(assembly, within)
+    contacts = point_contacts(assembly, within)
     directions = _deciding(contacts)
     graphs = [blocking_graph(contacts, d) for d in directions]
     components = np.array([csgraph.connected_components(g, connection="strong")[1] for g in graphs], dtype=np.int64)
@@ -92,7 +93,7 @@ def blocking(assembly: Assembly, within: float | None = None) -> Blocking:
     return Blocking(verdict, members[key][0] if key >= 0 else "", moves, directions, components, contacts)
 
 
-def blocking_graph(contacts: TightContacts, direction: Floats) -> sparse.csr_array:
+def blocking_graph(contacts: PointContacts, direction: Floats) -> sparse.csr_array:
     """Arcs (n, n) from each body to those it would run into if it began to move along `direction` (2,)."""
     share = contacts.normal @ np.asarray(direction, dtype=float)
     ahead, behind = share > ANGLE_TOLERANCE, share < -ANGLE_TOLERANCE
@@ -101,7 +102,7 @@ def blocking_graph(contacts: TightContacts, direction: Floats) -> sparse.csr_arr
     return sparse.csr_array((np.ones(len(i), dtype=np.int8), (i, j)), shape=(contacts.count,) * 2)
 
 
-def _deciding(contacts: TightContacts) -> Floats:
+def _deciding(contacts: PointContacts) -> Floats:
     """Directions in which some contact slides, each once, within half a circle."""
     nx, ny = contacts.normal.T
     angle = np.sort(np.arctan2(nx, -ny) % np.pi)
@@ -115,16 +116,14 @@ def _deciding(contacts: TightContacts) -> Floats:
 
 
 def _movable(
-    contacts: TightContacts, directions: Floats, graphs: list[sparse.csr_array], components: Ints
+    contacts: PointContacts, directions: Floats, graphs: list[sparse.csr_array], components: Ints
 ) -> list[tuple[tuple[int, ...], tuple[float, float]]]:
     """Smallest sets from which no arc leads out, along each direction and against it; the standing body stands."""
     found: dict[tuple[int, ...], tuple[float, float]] = {}
     for way, graph, label in zip(directions, graphs, components, strict=True):
         i, j = graph.nonzero()
-        between = label[i] != label[j]
-        stands = label[contacts.ground]
-        for sign, leaves in ((1.0, label[i[between]]), (-1.0, label[j[between]])):
-            for k in np.setdiff1d(label, np.append(leaves, stands)):
+        for sign, tail, head in ((1.0, i, j), (-1.0, j, i)):
+            for k in unblocked(tail, head, label, contacts.ground):
                 found.setdefault(tuple(np.flatnonzero(label == k).tolist()), _pair(sign * way))
     return list(found.items())
 

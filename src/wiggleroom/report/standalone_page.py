@@ -18,22 +18,22 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.drawing.plain import json_bytes
-from wiggleroom.report.page_messages import answer_told, digits_of, drawing_told
+from wiggleroom.report.page_messages import answer_message, digits_of, drawing_message
 from wiggleroom.report.path_frames import way_frames
 from wiggleroom.report.text import escape
-from wiggleroom.schema.baked_page import (
-    BakedAnswer,
-    BakedDrawing,
-    BakedPage,
+from wiggleroom.schema.standalone_schema import (
     PackedFrames,
     Piece,
     PlacedPart,
     SharedOutlines,
+    StandaloneAnswer,
+    StandaloneDrawing,
+    StandalonePage,
 )
 from wiggleroom.search.answer import Answer
 
 
-def baked(title: str, **found: Any) -> str:
+def standalone_page(title: str, **found: Any) -> str:
     """One HTML page that carries what was found; what users name is only ever data.
 
     Parameters
@@ -41,9 +41,9 @@ def baked(title: str, **found: Any) -> str:
     title : str
         Name of the page.
     found
-        Fields of `BakedPage`.
+        Fields of `StandalonePage`.
     """
-    data = json_bytes(BakedPage(**found)).decode().replace("<", "\\u003c")
+    data = json_bytes(StandalonePage(**found)).decode().replace("<", "\\u003c")
     scripts = [_shipped("page.js")]
     if "space" in found:
         scripts.insert(0, _shipped("space-view.js"))
@@ -62,11 +62,11 @@ def baked(title: str, **found: Any) -> str:
     )
 
 
-def opened(assembly: Assembly, goals: tuple[Goal, ...] = ()) -> BakedDrawing:
+def opened(assembly: Assembly, goals: tuple[Goal, ...] = ()) -> StandaloneDrawing:
     """The drawing as it is shown at rest, and what is asked of it."""
     drawing = replace(assembly.drawing, goals=goals)
-    told = drawing_told(drawing, assembly.parts, PurePath(drawing.source).name)
-    return BakedDrawing(
+    told = drawing_message(drawing, assembly.parts, PurePath(drawing.source).name)
+    return StandaloneDrawing(
         name=told.name,
         gap=told.gap,
         unit=told.unit,
@@ -94,15 +94,15 @@ def outlines(assembly: Assembly) -> SharedOutlines:
     return SharedOutlines(shapes, of)  # type: ignore[arg-type]
 
 
-def answered(answers: Mapping[float, Answer], command: str) -> list[BakedAnswer]:
+def answered(answers: Mapping[float, Answer], command: str) -> list[StandaloneAnswer]:
     """Answers by gap [mm], each with the frames of its way, and with its outlines where they are not those of the first."""
-    found: list[BakedAnswer] = []
+    found: list[StandaloneAnswer] = []
     first = None
     for gap, answer in answers.items():
         made = outlines(answer.assembly)
         first = first or made
         frames = way(answer.assembly, answer.waypoints)
-        found.append(BakedAnswer(gap, answer_told(answer, command), frames, UNSET if made == first else made))
+        found.append(StandaloneAnswer(gap, answer_message(answer, command), frames, UNSET if made == first else made))
     return found
 
 

@@ -10,16 +10,16 @@ import shapely
 from wiggleroom.drawing.model import Points
 from wiggleroom.drawing.rings import clean_ring, signed_area
 
-LOOP = 1.0
+MAX_FAULT_SIZE = 1.0
 """Loops and pieces no larger than this [mm] are faults, ..."""
-LOOP_SHARE = 0.02
+MAX_FAULT_SHARE = 0.02
 """... and no larger than this share of their outline."""
-_SPIKE = 1e-6
+SPIKE_WIDTH = 1e-6
 """A spike narrower than this share of its outline has no width."""
 
 
 @dataclass(frozen=True, eq=False)
-class Mended:
+class RepairedOutline:
     """What became of one outline.
 
     Parameters
@@ -34,7 +34,7 @@ class Mended:
     faults: tuple[tuple[str, tuple[float, float]], ...] = ()
 
 
-def mend(ring: Points) -> Mended:
+def mend(ring: Points) -> RepairedOutline:
     """Outline without tiny faults; one that crosses itself in earnest comes back as it is.
 
     Parameters
@@ -50,18 +50,18 @@ def mend(ring: Points) -> Mended:
     (4, (('spike', (12.0, 4.0)),))
     """
     if len(ring) < 3 or not np.isfinite(ring).all():
-        return Mended((ring,))
+        return RepairedOutline((ring,))
     polygon = shapely.Polygon(ring)
     if polygon.is_valid:
-        return Mended((ring,))
+        return RepairedOutline((ring,))
     size = float(np.ptp(ring, axis=0).max())
-    bare, tips = _without_spikes(clean_ring(ring, clockwise=signed_area(ring) < 0), _SPIKE * size)
+    bare, tips = _without_spikes(clean_ring(ring, clockwise=signed_area(ring) < 0), SPIKE_WIDTH * size)
     if len(bare) < 3:
-        return Mended((ring,))
+        return RepairedOutline((ring,))
     spikes = tuple(("spike", (float(x), float(y))) for x, y in tips)
     if shapely.Polygon(bare).is_valid:
-        return Mended((bare,), spikes)
-    return _from_faces(ring, bare, min(LOOP, LOOP_SHARE * size), spikes)
+        return RepairedOutline((bare,), spikes)
+    return _from_faces(ring, bare, min(MAX_FAULT_SIZE, MAX_FAULT_SHARE * size), spikes)
 
 
 def _without_spikes(ring: Points, width: float) -> tuple[Points, list[Points]]:
@@ -85,7 +85,7 @@ def _without_spikes(ring: Points, width: float) -> tuple[Points, list[Points]]:
 
 def _from_faces(
     drawn: Points, ring: Points, tiny: float, spikes: tuple[tuple[str, tuple[float, float]], ...]
-) -> Mended:
+) -> RepairedOutline:
     """Outline of the faces that a ring runs round once, without tiny ones."""
     noded = shapely.unary_union(shapely.LinearRing(ring))
     faces = [face for face in shapely.get_parts(shapely.polygonize(shapely.get_parts(noded))) if face.area > 0]
@@ -93,7 +93,7 @@ def _from_faces(
     small = [_extent(face) <= tiny for face in faces]
     senses = {turn for turn, minor in zip(turns, small, strict=True) if not minor and turn}
     if senses not in ({1}, {-1}):
-        return Mended((drawn,))
+        return RepairedOutline((drawn,))
     sense = senses.pop()
     body = shapely.union_all(
         [f for f, turn, minor in zip(faces, turns, small, strict=True) if turn and (not minor or turn * sense > 0)]
@@ -112,7 +112,7 @@ def _from_faces(
         faults.append(("touch", _touching(ring)))
     if not faults:
         faults.append(("touch", _touching(ring)))
-    return Mended(tuple(rings), tuple(faults)) if rings else Mended((drawn,))
+    return RepairedOutline(tuple(rings), tuple(faults)) if rings else RepairedOutline((drawn,))
 
 
 def _winding(ring: Points, face: shapely.Polygon) -> int:

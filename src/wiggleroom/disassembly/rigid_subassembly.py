@@ -25,7 +25,7 @@ MAX_SPLITS = 4
 
 
 @dataclass(frozen=True, eq=False)
-class Rigid:
+class RigidEscape:
     """What is known about some bodies leaving as one.
 
     Parameters
@@ -43,7 +43,7 @@ class Rigid:
     way: Floats | None
 
 
-def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = None) -> Rigid:
+def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = None) -> RigidEscape:
     """Look for a way on which the bodies `who` leave as one, the others staying where they are.
 
     Parameters
@@ -58,21 +58,21 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = Non
     bodies, n = ready.bodies, len(ready.bodies.fixed)
     geometry = placed(bodies)
     others = np.setdiff1d(np.arange(n), who)
-    a, b = ready.barred // n, ready.barred % n
+    a, b = ready.ignored // n, ready.ignored % n
     if (np.isin(a, who) != np.isin(b, who)).any():  # pairs that pass through each other are not one solid
-        return Rigid(False, False, None)
+        return RigidEscape(False, False, None)
     found = passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most, stop=stop)
     if found.way is None:
-        return Rigid(found.held, found.closed, None)
+        return RigidEscape(found.held, found.closed, None)
     points = _finer(found.way)
     parts = outlines(ready.assembly)
     for _ in range(MAX_SPLITS):
         motions = np.zeros((len(points), n, 3))
         motions[:, who] = about(np.repeat(points[:, None], len(who), 1), bodies.rest[who, :2] - found.pivot)
         if audit_path(parts, of_parts(ready.assembly, bodies, motions)).free:
-            return Rigid(False, False, motions)
+            return RigidEscape(False, False, motions)
         points = np.insert(points, np.arange(1, len(points)), (points[1:] + points[:-1]) / 2, axis=0)
-    return Rigid(False, False, None)
+    return RigidEscape(False, False, None)
 
 
 def _finer(points: Floats) -> Floats:
