@@ -12,7 +12,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.cells.cells import grow_cells, select
 from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.neighbours import placed, relative_rest
+from wiggleroom.geometry.neighbours import placed, relative_pose
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import ZERO_MOTION
 
@@ -33,7 +33,7 @@ def test_a_tip_over_a_notch_of_its_angle_has_a_cell_that_holds_no_overlap(depth,
     clearance = 0.02
     them = tip_over_notch(depth, 0.12, clearance, tilt)
     a, b = np.array([0]), np.array([1])
-    cells, good = grow_cells(them, a, b, relative_rest(them, a, b), np.full(1, clearance))
+    cells, good = grow_cells(them, a, b, relative_pose(them, a, b), np.full(1, clearance))
     assert good.all()
     program = build(them, select(cells, a), ZERO_MOTION, length=clearance)
     rng, inside = np.random.default_rng(1), 0
