@@ -336,7 +336,7 @@ def split(
             x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
         )
         upper[m] = worth_at_most(asked, x, y, turn, half, swing)
-        if state[m] != MIXED or upper[m] <= asked[5]:
+        if state[m] != MIXED or asked[5] == np.inf:
             continue
         found = add_rows(
             x,
