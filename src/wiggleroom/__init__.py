@@ -44,12 +44,15 @@ if TYPE_CHECKING:
     from wiggleroom.live.live_result import LiveResult, Mode
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
+    from wiggleroom.planning.plan import Plan, plan
+    from wiggleroom.planning.steps import Step
     from wiggleroom.questions import check, flex, read
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
-    from wiggleroom.sensitivity.allowable_gap import AllowableGap, allowable_gap
+    from wiggleroom.sensitivity.allowable_gap import allowable_gap
     from wiggleroom.sensitivity.gap_distribution import Spread
+    from wiggleroom.sensitivity.gap_trials import AllowableGap
     from wiggleroom.sensitivity.rank import Ranking, rank
     from wiggleroom.sensitivity.sample import Sample, sample
     from wiggleroom.sensitivity.sweep import Sweep, sweep
@@ -58,7 +61,7 @@ if TYPE_CHECKING:
     from wiggleroom.verdict import Verdict
 
 _HOME = {
-    "AllowableGap": "sensitivity.allowable_gap",
+    "AllowableGap": "sensitivity.gap_trials",
     "Answer": "search.answer",
     "Assembly": "assembly.assembly",
     "Blocking": "form_closure.blocking_graph",
@@ -78,6 +81,7 @@ _HOME = {
     "MissingExtraError": "errors",
     "Mode": "live.live_result",
     "Part": "drawing.model",
+    "Plan": "planning.plan",
     "Polyhedron": "freespace.models.polyhedron",
     "Prepared": "search.prepare",
     "Pull": "drawing.model",
@@ -86,6 +90,7 @@ _HOME = {
     "Sample": "sensitivity.sample",
     "LiveResult": "live.live_result",
     "Spread": "sensitivity.gap_distribution",
+    "Step": "planning.steps",
     "StoppedError": "errors",
     "Sweep": "sensitivity.sweep",
     "Tightening": "sensitivity.tighten",
@@ -109,6 +114,7 @@ _HOME = {
     "free_space": "freespace.free_space",
     "largest_gap": "disassembly.largest_gap",
     "patterns": "assembly",
+    "plan": "planning.plan",
     "prepare": "maximise",
     "prove": "bound.prove",
     "rank": "sensitivity.rank",
@@ -143,6 +149,7 @@ __all__ = [
     "MissingExtraError",
     "Mode",
     "Part",
+    "Plan",
     "Polyhedron",
     "Prepared",
     "Pull",
@@ -150,6 +157,7 @@ __all__ = [
     "Region",
     "Sample",
     "Spread",
+    "Step",
     "StoppedError",
     "Sweep",
     "TightVerdict",
@@ -173,6 +181,7 @@ __all__ = [
     "free_space",
     "largest_gap",
     "patterns",
+    "plan",
     "prepare",
     "prove",
     "rank",

@@ -14,6 +14,7 @@ import numpy as np
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, answer_from, approximate
 from wiggleroom.compare.flex_halfplane import flex_half_planes
@@ -21,18 +22,24 @@ from wiggleroom.compare.flex_hull import flex_hull
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.freespace.models.pair_models import HalfPlane, PairModel, Walls, model_named
+from wiggleroom.geometry.overlap import overlaps
+from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
+from wiggleroom.search.canonical_frame import canonical_frame
+from wiggleroom.search.carried_incumbent import carried_incumbent
 from wiggleroom.search.complete_search import complete
-from wiggleroom.search.global_search import effort, search_on
+from wiggleroom.search.distance_climb import climbed
+from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import solver_named
+from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.linear_programming import linear_solver
 from wiggleroom.verdict import Verdict
 
@@ -212,16 +219,72 @@ def witness(
         if start is not None:
             raise InputError("start: only the model walls begins at an earlier answer; leave it out")
         return _approximately(ready, asked, solver, stop, tell, time.perf_counter() - began)
+    if search != 0 and start is None:
+        answer = _in_own_frame(ready, asked, solve, solver, search, stop, tell, began)
+        if answer is not None:
+            return answer
+    return _climbed(ready, asked, solve, solver, search, start, stop, tell, began)
+
+
+def _climbed(
+    ready: Prepared,
+    asked: tuple[Goal, ...],
+    solve: Callable[..., Solution],
+    solver: str,
+    search: int | None,
+    start: Answer | None,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+    began: float,
+) -> Answer:
+    """The answer, searched for in the frame of the assembly that was prepared."""
     goal = ready.objective(asked)
     climb = LocalSearch(ready, goal, solve, THOROUGH, stop, tell)
     climb.seconds["freespace"] += time.perf_counter() - began
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
         return _from_several(climb, first, asked, solver, began)
-    climb.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
+    climb.improve(climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start())
     if search == 0:
         return answer_of(climb, asked, solver, began)
     return _searched(climb, search, asked, solver, began)
+
+
+def _in_own_frame(
+    ready: Prepared,
+    asked: tuple[Goal, ...],
+    solve: Callable[..., Solution],
+    solver: str,
+    search: int | None,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+    began: float,
+) -> Answer | None:
+    """The answer, searched for in the frame that an assembly of few bodies has of its own; None where it must be searched for as it is."""
+    if int((~ready.bodies.fixed).sum()) > MAX_BODIES:
+        return None
+    frame = canonical_frame(ready.assembly, asked)
+
+    def told(progress: Progress) -> None:
+        tell(replace(progress, objective=progress.objective / frame.scale))
+
+    try:
+        own = problem.prepare(frame.assembly, stop=stop)
+    except (InputError, StoppedError):
+        return None
+    found = with_quick_bound(_climbed(own, frame.goals, solve, solver, search, None, stop, told, began))
+    answer = frame.answer(found, ready.assembly, asked)
+    if not audit_path(ready.assembly, answer.waypoints).free:
+        return None  # rounding has moved a part too far
+    motion = of_bodies(ready.assembly, ready.bodies, answer.waypoints[-1:])[0]
+    goal = ready.objective(asked)
+    answer = replace(
+        answer,
+        objective=None if answer.objective is None else goal.value(motion),
+        deepest_overlap=overlaps(ready.bodies, motion, ready.ignored).deepest,
+        seconds=answer.seconds | {"total": time.perf_counter() - began},
+    )
+    return replace(answer, warm_start=carried_incumbent(ready, goal, solve, found, frame, answer.waypoints))
 
 
 def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
