@@ -31,6 +31,8 @@ MIN_IMPROVEMENT = 1e-4
 """An end better by this share is followed to its own end."""
 SINGLE_BODY_SHARE = 0.5
 """Share of the random objectives that are about one body."""
+HILLS_LEFT = 0.2
+"""The search ends where fewer hills than this, by an estimate, were not met yet."""
 VALUE_TOLERANCE = 1e-3
 """Ends that differ by less than this share count as equal."""
 
@@ -132,7 +134,7 @@ class _GlobalSearch:
         ends = np.sort(self.values)
         n = len(ends)
         met = 1 + int((np.diff(ends) > VALUE_TOLERANCE * np.abs(ends[1:])).sum())
-        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + 0.5
+        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + HILLS_LEFT
 
     def result(self) -> tuple[LocalSearch, SearchEffort]:
         """The search that found the best end, with the work of all, and how the ends compare with it."""

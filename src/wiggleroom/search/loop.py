@@ -205,12 +205,17 @@ class LocalSearch:
 
     @property
     def unlimited(self) -> bool:
-        """True where a body that the objective is about has moved or turned so far that nothing stops it."""
+        """True where a body that the objective is about has moved so far, or turned so far and gains by turning, that nothing stops it."""
         if self.best is None:
             return False
-        asked = (self.objective.gradient(self.best.motion) != 0).any(axis=1)
-        far = np.hypot(*self.best.motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size
-        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > FULL_TURN)
+        motion = self.best.motion
+        asked = (self.objective.gradient(motion) != 0).any(axis=1)
+        if np.hypot(*motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size:
+            return True
+        turned = asked & (np.abs(motion[:, 2]) > FULL_TURN)
+        once_more = motion.copy()
+        once_more[turned, 2] += 2 * np.pi * np.sign(motion[turned, 2])
+        return bool(self.objective.value(once_more) > self.best.value + 1e-6 * abs(self.best.value))
 
     def certain_value(self) -> tuple[float, bool]:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
