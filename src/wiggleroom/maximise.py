@@ -291,19 +291,20 @@ def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], s
     """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do."""
     ends: tuple[float, ...] = ()
     at_most = None
-    if int((~climb.ready.bodies.fixed).sum()) == 1:
-        if search is None:
-            ends = (climb.certain_value()[0],)
-            answer = with_quick_bound(answer_of(climb, asked, solver, began))
-            if answer.verdict is Verdict.PROVEN:
-                return replace(answer, search=effort(ends, ends[0]))
+    alone = int((~climb.ready.bodies.fixed).sum()) == 1
+    if alone and search is None:
+        ends = (climb.certain_value()[0],)
+        answer = with_quick_bound(answer_of(climb, asked, solver, began))
+        if answer.verdict is Verdict.PROVEN:
+            return replace(answer, search=effort(ends, ends[0]))
+    if alone or search is None:
         found = complete(climb)
         climb, at_most = found.best, found.at_most
-        if search is None:
-            ends = found.ends
-            answer = _bounded(answer_of(climb, asked, solver, began), at_most)
-            if answer.verdict is Verdict.PROVEN:
-                return replace(answer, search=effort(ends, climb.certain_value()[0]))
+        ends = found.ends if search is None else ()
+    if alone and search is None:
+        answer = _bounded(answer_of(climb, asked, solver, began), at_most)
+        if answer.verdict is Verdict.PROVEN:
+            return replace(answer, search=effort(ends, climb.certain_value()[0]))
     climb, done = search_on(climb, search, ends)
     return _bounded(replace(answer_of(climb, asked, solver, began), search=done), at_most)
 

@@ -29,6 +29,8 @@ LEAST_SHARE, MOST_SHARE, LAST_RATIO = 0.3, 0.4, 1.003
 """Once a better motion was found, one between the best value and the bound is asked for, at these shares of their ratio's logarithm."""
 MAX_VISITS, VISITS_OF_A_QUESTION = 5_000_000, 800_000
 """Boxes that all searches for paths go over at most, and those of one question about such a value."""
+VISITS_OF_ONE_OF_SEVERAL, MAX_SEVERAL = 1_000_000, 12
+"""The same where the body is one of several free ones, and of how many at most."""
 MAX_CLIMBS = 40
 
 
@@ -59,6 +61,9 @@ class CompleteSearch:
 def complete(first: LocalSearch) -> CompleteSearch:
     """Look for better motions of the only free body wherever it gets, until there certainly is none.
 
+    Where there are a few more, the body that the goal is about is led past the others where these lie at rest: nothing is proven then, but
+    it may come to where a climb of all goes further.
+
     First it is asked whether anything is better at all. If so, a value between the best and the bound is asked about, again and again:
     either one is found and climbed from, or the bound falls. So the many low hills of a motion that ripples are not climbed one by one.
 
@@ -69,6 +74,8 @@ def complete(first: LocalSearch) -> CompleteSearch:
     """
     boxes = _boxes(first)
     best, at_most, ends = first, None, [first.certain_value()[0]]
+    alone = int((~first.ready.bodies.fixed).sum()) == 1
+    visits = MAX_VISITS if alone else VISITS_OF_ONE_OF_SEVERAL
     most = reach = np.inf if boxes is None else boxes.largest_value
     while boxes is not None and len(ends) <= MAX_CLIMBS:
         value, free = best.certain_value()
@@ -79,9 +86,8 @@ def complete(first: LocalSearch) -> CompleteSearch:
             asked = value * (1 + MIN_IMPROVEMENT), value * (1 + PROVEN_GAP)
         else:
             asked = value * (reach / value) ** LEAST_SHARE, value * (reach / value) ** MOST_SHARE
-        closed, way = boxes.beyond(
-            *asked, MAX_VISITS if last else min(boxes.visits + VISITS_OF_A_QUESTION, MAX_VISITS), first.stop
-        )
+        allowed = visits if last else min(boxes.visits + VISITS_OF_A_QUESTION, visits)
+        closed, way = boxes.beyond(*asked, allowed, first.stop)
         if closed:
             at_most = most = reach = asked[1]
             continue
@@ -99,7 +105,7 @@ def complete(first: LocalSearch) -> CompleteSearch:
             break
         best = climb
     best.ended = best.ended and not first.stopped
-    return CompleteSearch(best, at_most, tuple(ends))
+    return CompleteSearch(best, at_most if alone else None, tuple(ends))
 
 
 def _climbed(best: LocalSearch, boxes: MotionBoxes, way: Floats) -> LocalSearch | None:
@@ -115,13 +121,14 @@ def _climbed(best: LocalSearch, boxes: MotionBoxes, way: Floats) -> LocalSearch 
 
 
 def _boxes(search: LocalSearch) -> MotionBoxes | None:
-    """Boxes of the motions of the only free body; None where there are more, or the goal is not about points and turns."""
+    """Boxes of the motions of the body that the goal is about; None where there are several, or it is not about points and turns."""
     ready, goal = search.ready, search.objective
-    free = np.flatnonzero(~ready.bodies.fixed)
-    if len(free) != 1 or not isinstance(goal, PointMotion):
+    if not isinstance(goal, PointMotion) or not 0 < (~ready.bodies.fixed).sum() <= MAX_SEVERAL:
         return None
-    body, n = int(free[0]), len(ready.bodies.fixed)
-    others = np.flatnonzero(ready.bodies.fixed)
+    if len(np.unique(goal.body)) != 1 or ready.bodies.fixed[goal.body[0]]:
+        return None
+    body, n = int(goal.body[0]), len(ready.bodies.fixed)
+    others = np.delete(np.arange(n), body)
     low, high = np.minimum(others, body), np.maximum(others, body)
     others = others[~np.isin(low * n + high, ready.ignored)]
     geometry = placed(ready.bodies)
@@ -129,6 +136,7 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
     direction, spot = goal.direction[mine], goal.arm[mine] + ready.bodies.rest[body, :2]
     lever = np.array([(direction * spot).sum(), (spot[:, 0] * direction[:, 1] - spot[:, 1] * direction[:, 0]).sum()])
     return MotionBoxes(
+        body,
         shapely.union_all(geometry[others]),
         geometry[body],
         direction.sum(0),
@@ -140,8 +148,7 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
 
 def _start(ready: Prepared, boxes: MotionBoxes, way: Floats) -> Start | None:
     """Where a search begins at the end of a path of boxes; None where no cells grow there."""
-    bodies, cells = ready.bodies, ready.cells
-    body = int(np.flatnonzero(~bodies.fixed)[0])
+    bodies, cells, body = ready.bodies, ready.cells, boxes.body
     spot = ready.assembly.rest[bodies.members[body][0], :2]  # a path is straight about the reference points of parts
     way = boxes.straightened(way, spot)
     motions = np.zeros((len(way), len(bodies.fixed), 3))

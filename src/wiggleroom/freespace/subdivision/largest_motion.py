@@ -42,6 +42,8 @@ class MotionBoxes:
 
     Parameters
     ----------
+    body : int
+        Number of the body b, for whoever asks.
     a, b : shapely polygons [mm]
         Material at rest, not touching; a stands.
     pull : (2,) float64
@@ -54,6 +56,7 @@ class MotionBoxes:
         Boxes judged at most.
     """
 
+    body: int
     a: shapely.Geometry
     b: shapely.Geometry
     pull: Floats
