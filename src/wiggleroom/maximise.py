@@ -37,6 +37,7 @@ from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
+from wiggleroom.search.periodic_motion import periodic_motion
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.interior_point import Solution
@@ -245,8 +246,9 @@ def _climbed(
     if first:
         return _from_several(climb, first, asked, solver, began)
     climb.improve(climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start())
-    if search == 0:
-        return answer_of(climb, asked, solver, began)
+    climb, repeats = periodic_motion(climb, asked)
+    if search == 0 or repeats is not None:
+        return answer_of(climb, asked, solver, began, repeats)
     return _searched(climb, search, asked, solver, began)
 
 
@@ -299,14 +301,20 @@ def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], s
             return replace(answer, search=effort(ends, ends[0]))
     if alone or search is None:
         found = complete(climb)
-        climb, at_most = found.best, found.at_most
-        ends = found.ends if search is None else ()
+        at_most, ends = found.at_most, found.ends if search is None else ()
+        if found.best is not climb:
+            climb, repeats = periodic_motion(found.best, asked)
+            if repeats is not None:
+                return answer_of(climb, asked, solver, began, repeats)
     if alone and search is None:
         answer = _bounded(answer_of(climb, asked, solver, began), at_most)
         if answer.verdict is Verdict.PROVEN:
             return replace(answer, search=effort(ends, climb.certain_value()[0]))
-    climb, done = search_on(climb, search, ends)
-    return _bounded(replace(answer_of(climb, asked, solver, began), search=done), at_most)
+    further, done = search_on(climb, search, ends)
+    repeats = None
+    if further is not climb:
+        further, repeats = periodic_motion(further, asked)
+    return _bounded(replace(answer_of(further, asked, solver, began, repeats), search=done), at_most)
 
 
 def _bounded(answer: Answer, at_most: float | None) -> Answer:

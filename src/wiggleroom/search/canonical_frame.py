@@ -83,8 +83,14 @@ class CanonicalFrame:
             bound = replace(bound, at_most=bound.at_most / unit)
         if search is not None and search.next_best is not None:
             search = replace(search, next_best=search.next_best / unit)
+        period = found.period
+        if period is not None:
+            turn = np.empty_like(period.turn)
+            turn[self.order] = self.sense * period.turn
+            period = replace(period, objective=period.objective / unit, turn=turn)
         return replace(
             found,
+            period=period,
             assembly=assembly,
             goals=asked,
             objective=None if found.objective is None else found.objective / unit,

@@ -43,7 +43,7 @@ MAX_RESTARTS = 3
 LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
 FULL_TURN = 2.0 * np.pi + 0.5
-"""A body that turns further than this [rad] can turn without limit."""
+"""A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +110,8 @@ class LocalSearch:
     policy : Policy
     stop, tell
         Asked every iteration; told a `Progress`.
+    turn_limit : float [rad]
+        A turn beyond this ends the search.
 
     Attributes
     ----------
@@ -130,6 +132,7 @@ class LocalSearch:
     policy: Policy
     stop: Stop | None = None
     tell: Callable[[Progress], None] = silent
+    turn_limit: float = FULL_TURN
     best: Incumbent | None = None
     last: Incumbent | None = None
     coming: Start | None = None
@@ -205,14 +208,14 @@ class LocalSearch:
 
     @property
     def unlimited(self) -> bool:
-        """True where a body that the objective is about has moved so far, or turned so far and gains by turning, that nothing stops it."""
+        """True where a body that is asked about has moved so far, or turned so far and gains by it, that perhaps nothing stops it."""
         if self.best is None:
             return False
         motion = self.best.motion
         asked = (self.objective.gradient(motion) != 0).any(axis=1)
         if np.hypot(*motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size:
             return True
-        turned = asked & (np.abs(motion[:, 2]) > FULL_TURN)
+        turned = asked & (np.abs(motion[:, 2]) > self.turn_limit)
         once_more = motion.copy()
         once_more[turned, 2] += 2 * np.pi * np.sign(motion[turned, 2])
         return bool(self.objective.value(once_more) > self.best.value + 1e-6 * abs(self.best.value))
