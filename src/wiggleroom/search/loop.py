@@ -216,9 +216,12 @@ class LocalSearch:
         if np.hypot(*motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size:
             return True
         turned = asked & (np.abs(motion[:, 2]) > self.turn_limit)
+        if not turned.any():
+            return False
         once_more = motion.copy()
         once_more[turned, 2] += 2 * np.pi * np.sign(motion[turned, 2])
-        return bool(self.objective.value(once_more) > self.best.value + 1e-6 * abs(self.best.value))
+        value = self.objective.value(motion)
+        return bool(self.objective.value(once_more) > value + MIN_GAIN * abs(value))
 
     def certain_value(self) -> tuple[float, bool]:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
