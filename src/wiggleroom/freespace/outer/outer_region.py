@@ -271,7 +271,8 @@ def pivot_of(a: shapely.Geometry, b: shapely.Geometry, reach: float) -> tuple[Fl
 
 def _edges_near(b: shapely.Geometry, a: shapely.Geometry, reach: float) -> Floats:
     """Pieces (k, 2, 2) of B's boundary within `reach` of A."""
-    near = shapely.intersection(shapely.boundary(b), shapely.buffer(a, reach, join_style="mitre"))
+    around = shapely.make_valid(shapely.buffer(a, reach, join_style="mitre"))  # a mitred buffer may cross itself
+    near = shapely.intersection(shapely.boundary(b), around)
     lines = shapely.get_parts(shapely.line_merge(near))
     lines = lines[shapely.get_type_id(lines) == shapely.GeometryType.LINESTRING]
     if not len(lines):
