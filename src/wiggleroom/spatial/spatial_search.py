@@ -15,7 +15,6 @@ from wiggleroom.spatial.plane_way import refined
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.spatial_objectives import SumOfTerms, Twist
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
-from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -30,11 +29,6 @@ NEARLY = 1e-2
 
 SearchEnd = tuple[PlaneProgram, PlaneSolution, Floats, bool]
 """Program, solution, way of the parts (k, n, 6), and whether that is free as far as the solution."""
-
-
-def _good(done: SearchEnd) -> bool:
-    """True where the end is an answer and the way there is free."""
-    return done[3] and done[1].status in (SolverStatus.CONVERGED, SolverStatus.ESCAPING)
 
 
 @dataclass(eq=False)
@@ -60,40 +54,13 @@ class SpatialSearch:
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
         self.pieces = near
-        done = self._attempt(inside=False)
-        if _good(done) or self._asked_to_stop():
-            return done
-        best = self._attempt(inside=True)
-        if not _good(best) and not self._asked_to_stop():
-            best = self._polished(best)
-        return best if _good(best) or self._worth(best) >= self._worth(done) else done
-
-    def _attempt(self, inside: bool) -> SearchEnd:
-        """Solve from the start, and check the way."""
-        program, found = self._with_missed(inside)
+        program, found = self._with_missed()
         return program, found, *refined(self.ready, program, found.way or [program.start])
-
-    def _polished(self, done: SearchEnd) -> SearchEnd:
-        """Go on with slacks from where iterates were well inside all rows; what passes through something is not taken."""
-        program, first, _, whole = done
-        if not whole or first.status is not SolverStatus.FAILED:
-            return done
-        count, mu = first.inner
-        solve = PlaneSolver(program, horizon=HORIZON * self.ready.size, stop=self.stop, progress=self.tell)
-        found = solve.solve(first.way[count - 1], mu=mu)
-        self.iterations += found.iterations
-        self.rounds += 1
-        more = program, found, *refined(self.ready, program, [*first.way[:count], *found.way[1:]])
-        return more if _good(more) and self._worth(more) > self._worth(done) - NEARLY * self.ready.clearance else done
 
     def _asked_to_stop(self) -> bool:
         return self.stop is not None and self.stop.is_set()
 
-    def _worth(self, done: SearchEnd) -> float:
-        """Objective at the end of the way as far as it is free."""
-        return self.objective.value(self.ready.grouping.pose_of(done[2][-1]))
-
-    def _with_missed(self, inside: bool) -> tuple[PlaneProgram, PlaneSolution]:
+    def _with_missed(self) -> tuple[PlaneProgram, PlaneSolution]:
         """Solve; pairs of pieces outside the program that meet on the way join it, and it is solved again from rest."""
         ready = self.ready
         limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
@@ -103,7 +70,6 @@ class SpatialSearch:
             )
             solve = PlaneSolver(
                 program,
-                inside=inside,
                 horizon=HORIZON * ready.size,
                 most_turn=limit,
                 stop=self.stop,

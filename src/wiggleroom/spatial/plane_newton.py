@@ -1,0 +1,117 @@
+"""One iterate of the method over bodies and planes, and the Newton directions from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.solve.factorisation import Factor
+from wiggleroom.solve.newton_step import dot
+from wiggleroom.spatial import plane_kernel as kernel
+from wiggleroom.spatial.plane_program import GraphRetraction, LinearisedPlanes
+from wiggleroom.spatial.rigid import SpatialPose
+from wiggleroom.spatial.rotations import logarithm
+
+Floats = NDArray[np.float64]
+
+PROXIMAL = 1.0
+"""Weight of the proximal term, in units of the barrier's: it keeps bodies that nothing holds near the start."""
+
+
+@dataclass(eq=False)
+class PlaneIterate:
+    """A point inside all rows, with the multipliers of these.
+
+    Parameters
+    ----------
+    at : LinearisedPlanes
+    lam : (R,) float64
+        Multipliers, in units of the objective's largest derivative per clearance.
+    unit : float
+        Largest derivative of the objective at the start.
+    shift : float
+        Last strengthening of the diagonal.
+    anchor : SpatialPose
+        Where displacements begin.
+    """
+
+    at: LinearisedPlanes
+    lam: Floats
+    unit: float
+    shift: float
+    anchor: SpatialPose
+
+    @property
+    def displacement(self) -> Floats:
+        """Scaled motion (V,) from the anchor."""
+        P, pose = self.at.program, self.at.point.pose
+        turn = logarithm(np.einsum("nji,njk->nik", self.anchor.R, pose.R))
+        return P.packed(np.hstack([pose.T - self.anchor.T, turn]) / P.scale)
+
+    @property
+    def complementarity(self) -> float:
+        """Mean of rows times multipliers."""
+        return dot(self.at.h, self.lam) / max(len(self.lam), 1)
+
+    def proximal(self, mu: float, u: Floats) -> float:
+        """Weight of half the squared displacement at a barrier parameter; it never counts more than the barrier."""
+        rows = max(len(self.lam), 1)
+        return PROXIMAL * mu * rows / max(dot(u, u), rows)
+
+    def residuals(self, weight: float, u: Floats) -> tuple[Floats, Floats]:
+        """Dual residuals of the bodies (V,) and of the planes (K, 3), with a proximal term of some weight."""
+        force, moment = self.at.against(self.lam)
+        return weight * u - self.at.gradient / self.unit - force, -moment
+
+    def barrier(self, at: LinearisedPlanes, mu: float, weight: float) -> float:
+        """Barrier function at a point, infinite outside the rows."""
+        if at.h.min(initial=np.inf) <= 0:
+            return np.inf
+        u = PlaneIterate(at, self.lam, self.unit, 0.0, self.anchor).displacement
+        return -at.value / self.unit - mu * float(np.log(at.h).sum()) + weight / 2 * dot(u, u)
+
+
+class PlaneSystem:
+    """The condensed system of one iterate, factorised."""
+
+    def __init__(self, matrix: Factor, retraction: GraphRetraction) -> None:
+        self._matrix, self._retraction = matrix, retraction
+
+    def set(self, state: PlaneIterate, dual: Floats, weight: float) -> None:
+        """Work the matrix out."""
+        at = self._at = state.at
+        self._h, self._lam = at.h, state.lam
+        balance = self._retraction.balance(dual, at)
+        self._data, self._inverse, self._mixed = at.condensed(state.lam / at.h, state.lam, balance, 1.0 / state.unit)
+        self._data[at.program.pattern.diagonal] += weight
+
+    def factorise(self, shift: float) -> bool:
+        """Factorise with a shift of the diagonal; False where the matrix is not positive definite."""
+        return bool(np.isfinite(self._data).all()) and self._matrix.update(self._data, shift)
+
+    def newton(self, dual: Floats, dual_planes: Floats, goal: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Directions (du, dy, dh, dlam) that change h * lam by `goal` and remove the dual residuals, to first order."""
+        du, dy = self._solved(goal / self._h, dual, dual_planes)
+        dh = self._at.along(du, dy)
+        return du, dy, dh, (goal - self._lam * dh) / self._h
+
+    def correction(self, missing: Floats) -> tuple[Floats, Floats]:
+        """Changes (du, dy) that bring rows nearer by `missing` (R,): least squares, weighted as the rows are."""
+        P = self._at.program
+        return self._solved(self._lam / self._h * missing, np.zeros_like(self._at.gradient), np.zeros((P.planes, 3)))
+
+    def _solved(self, force: Floats, dual: Floats, dual_planes: Floats) -> tuple[Floats, Floats]:
+        """Changes of bodies and planes for forces (R,) of the rows and dual residuals."""
+        at, P = self._at, self._at.program
+        x, y = at.against(force)
+        y = y - dual_planes
+        bodies, share = P.unpacked(x - dual), np.empty_like(y)
+        on_bodies = np.zeros_like(bodies)
+        kernel.eliminate(
+            at.Psi, at.point.pose.R, P.a, P.b, P.plane, self._inverse, self._mixed, y, P.scale, share, on_bodies
+        )
+        du = self._matrix.solve(P.packed(bodies + on_bodies))
+        kernel.substitute(P.plane, self._inverse, self._mixed, at.seen(du), share)
+        return du, share
