@@ -22,11 +22,13 @@ PROXIMAL = 1.0
 
 @dataclass(eq=False)
 class PlaneIterate:
-    """A point inside all rows, with the multipliers of these.
+    """A point, with slacks and multipliers of its rows.
 
     Parameters
     ----------
     at : LinearisedPlanes
+    s : (R,) float64
+        Slacks of the rows: these themselves, or larger where they run ahead.
     lam : (R,) float64
         Multipliers, in units of the objective's largest derivative per clearance.
     unit : float
@@ -38,6 +40,7 @@ class PlaneIterate:
     """
 
     at: LinearisedPlanes
+    s: Floats
     lam: Floats
     unit: float
     shift: float
@@ -52,8 +55,8 @@ class PlaneIterate:
 
     @property
     def complementarity(self) -> float:
-        """Mean of rows times multipliers."""
-        return dot(self.at.h, self.lam) / max(len(self.lam), 1)
+        """Mean of slacks times multipliers."""
+        return dot(self.s, self.lam) / max(len(self.lam), 1)
 
     def proximal(self, mu: float, u: Floats) -> float:
         """Weight of half the squared displacement at a barrier parameter; it never counts more than the barrier."""
@@ -69,7 +72,7 @@ class PlaneIterate:
         """Barrier function at a point, infinite outside the rows."""
         if at.h.min(initial=np.inf) <= 0:
             return np.inf
-        u = PlaneIterate(at, self.lam, self.unit, 0.0, self.anchor).displacement
+        u = PlaneIterate(at, self.s, self.lam, self.unit, 0.0, self.anchor).displacement
         return -at.value / self.unit - mu * float(np.log(at.h).sum()) + weight / 2 * dot(u, u)
 
 
@@ -82,25 +85,35 @@ class PlaneSystem:
     def set(self, state: PlaneIterate, dual: Floats, weight: float) -> None:
         """Work the matrix out."""
         at = self._at = state.at
-        self._h, self._lam = at.h, state.lam
+        self._s, self._lam = state.s, state.lam
         balance = self._retraction.balance(dual, at)
-        self._data, self._inverse, self._mixed = at.condensed(state.lam / at.h, state.lam, balance, 1.0 / state.unit)
+        self._data, self._inverse, self._mixed = at.condensed(state.lam / state.s, state.lam, balance, 1.0 / state.unit)
         self._data[at.program.pattern.diagonal] += weight
+
+    def set_least_squares(self, at: LinearisedPlanes, weight: Floats) -> bool:
+        """Work out and factorise the matrix of weighted least squares of the rows, for corrections; False where that fails."""
+        self._at = at
+        self._s, self._lam = np.ones_like(weight), weight
+        nothing = np.zeros((len(at.program.a), 3))
+        self._data, self._inverse, self._mixed = at.condensed(weight, np.zeros_like(weight), nothing, 0.0)
+        return self.factorise(1e-9 * float(weight.max(initial=1.0)))
 
     def factorise(self, shift: float) -> bool:
         """Factorise with a shift of the diagonal; False where the matrix is not positive definite."""
         return bool(np.isfinite(self._data).all()) and self._matrix.update(self._data, shift)
 
-    def newton(self, dual: Floats, dual_planes: Floats, goal: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-        """Directions (du, dy, dh, dlam) that change h * lam by `goal` and remove the dual residuals, to first order."""
-        du, dy = self._solved(goal / self._h, dual, dual_planes)
-        dh = self._at.along(du, dy)
-        return du, dy, dh, (goal - self._lam * dh) / self._h
+    def newton(
+        self, primal: Floats, dual: Floats, dual_planes: Floats, goal: Floats
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """Directions (du, dy, ds, dlam) that change s * lam by `goal` and remove the residuals, to first order."""
+        du, dy = self._solved((self._lam * primal + goal) / self._s, dual, dual_planes)
+        ds = self._at.along(du, dy) - primal
+        return du, dy, ds, (goal - self._lam * ds) / self._s
 
     def correction(self, missing: Floats) -> tuple[Floats, Floats]:
         """Changes (du, dy) that bring rows nearer by `missing` (R,): least squares, weighted as the rows are."""
         P = self._at.program
-        return self._solved(self._lam / self._h * missing, np.zeros_like(self._at.gradient), np.zeros((P.planes, 3)))
+        return self._solved(self._lam / self._s * missing, np.zeros_like(self._at.gradient), np.zeros((P.planes, 3)))
 
     def _solved(self, force: Floats, dual: Floats, dual_planes: Floats) -> tuple[Floats, Floats]:
         """Changes of bodies and planes for forces (R,) of the rows and dual residuals."""

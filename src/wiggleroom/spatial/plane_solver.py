@@ -1,8 +1,9 @@
-"""Primal-dual interior-point method over bodies and planes; every iterate is inside all rows.
+"""Primal-dual interior-point method over bodies and planes.
 
 Multipliers and planes are eliminated, so one symmetric matrix of 6 x 6 blocks on the graph of neighbours is factorised per iteration.
-The barrier parameter is chosen by a predictor and a corrector as long as that makes the error less; where it does not, it stands still
-until its problem is solved, with steps that make the barrier function smaller.
+There are two modes. With slacks that may run ahead of the rows few iterations are needed, but a part may be carried through another one.
+In the other mode every iterate is inside all rows: the barrier parameter is chosen by a predictor and a corrector as long as that makes
+the error less; where it does not, it stands still until its problem is solved, with steps that make the barrier function smaller.
 
 Source: adaptive and monotone barrier updates, Nocedal, Wachter and Waltz 2009.
 """
@@ -19,7 +20,14 @@ from wiggleroom.errors import Stop
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.newton_step import dot, max_step
 from wiggleroom.spatial.plane_newton import PlaneIterate, PlaneSystem
-from wiggleroom.spatial.plane_program import GraphRetraction, LinearisedPlanes, PlanePoint, PlaneProgram, beside_rest
+from wiggleroom.spatial.plane_program import (
+    GraphRetraction,
+    LinearisedPlanes,
+    PlanePoint,
+    PlaneProgram,
+    beside_rest,
+    parted,
+)
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -27,11 +35,13 @@ Floats = NDArray[np.float64]
 FRACTION = 0.99
 LEAST_SHARE_OF_ROW = 0.005
 """A row keeps this share of itself in one iteration."""
+BEHIND = 0.3
+"""Rows may fall behind their slacks by this share of the complementarity before that is kept up."""
 LARGEST_CORRECTION = 10.0
 """Mehrotra's term of second order is kept within this multiple of mu."""
 SHORT = 0.05
 """A shorter step of the predictor and corrector is tried again with a stronger diagonal."""
-FIRST_MU = 0.1
+FIRST_MU, FIRST_SLACK, LEAST_SLACK = 0.1, 1e-3, 1e-15
 LONGEST = 0.1
 LARGEST_TURN = 0.5
 """No body turns further in one iteration [rad]."""
@@ -46,6 +56,8 @@ SADDLES = 2
 LEAST_ITERATIONS = 3
 ACCEPTABLE, LOST = 1e-6, 1e3
 """Where rounding spoils the conditions again by the second factor, an iterate at which they held to the first is good enough."""
+PATIENCE, UNHELD, EARLY = 8, 0.3, 0.05
+"""After so many iterations that do not make the error less the mode with slacks has failed."""
 STUCK, RAISED, HIGHEST = 10, 100.0, 1e-3
 """After so many iterations at one mu the way is narrow: mu grows by this factor, up to a highest value, and the anchor follows."""
 REDUCTION, SOLVED = 0.2, 10.0
@@ -103,7 +115,7 @@ class _PlaneStep:
 
     u: Floats
     y: Floats
-    h: Floats
+    s: Floats
     lam: Floats
     primal: float
     dual: float
@@ -127,6 +139,8 @@ class PlaneSolver:
     Parameters
     ----------
     program : PlaneProgram
+    inside : bool
+        True: every iterate stays inside all rows, so that nothing can pass through anything.
     tolerance : float
         Share of the objective that may be left on the table.
     most : int
@@ -140,6 +154,7 @@ class PlaneSolver:
     """
 
     program: PlaneProgram
+    inside: bool = True
     tolerance: float = 3e-8
     most: int = 200
     horizon: float = np.inf
@@ -159,14 +174,16 @@ class PlaneSolver:
         self._errors: list[float] = []
         at = P.linearise(beside_rest(P) if start is None else start)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
-        state = PlaneIterate(at, mu / at.h, unit, TINY_SHIFT, P.start.pose)
+        slack = at.h if self.inside else np.maximum(at.h, FIRST_SLACK)
+        state = PlaneIterate(at, slack, mu / slack, unit, TINY_SHIFT, P.start.pose)
         self.way = [P.start]
         status, error, state = self._follow(state)
         curved = status is SolverStatus.CONVERGED and self._curved_down(state)
+        last = state.at if state.at.point is self.way[-1] else P.linearise(self.way[-1], state.at.value)
         return PlaneSolution(
-            state.at.point,
+            last.point,
             state.lam * unit / P.length,
-            state.at.value,
+            last.value,
             status,
             self.iterations,
             tuple(self.way),
@@ -183,7 +200,7 @@ class PlaneSolver:
 
     def _follow(self, state: PlaneIterate) -> tuple[SolverStatus, float, PlaneIterate]:
         """Advance the state until it is converged, stopped or escaping; where it gets no further, back to the best iterate."""
-        before, escapes = np.inf, SADDLES
+        before, escapes, least, since = np.inf, SADDLES, np.inf, 0
         best = _BestIterate(np.inf, state, 0)
         rows = len(state.lam)
         for k in range(self.most + 1):
@@ -194,17 +211,21 @@ class PlaneSolver:
             if self.progress is not None:
                 self.progress(self.iterations, state.at.value)
             size = max(abs(value), 1.0)
+            primal = state.s - state.at.h
+            infeasible = dot(state.lam, np.abs(primal))
             gap = rows * mu + weight * dot(u, u)
             unheld = dot(np.abs(dual), np.abs(u))
             wrong = max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
-            self.way.append(state.at.point)
-            error = max(gap, min(unheld, 1e3)) / size
-            if k >= LEAST_ITERATIONS and wrong < BALANCED:
+            legal = self._legal(state.at)
+            if legal is not None:
+                self.way.append(legal)
+            error = max(gap, infeasible, min(unheld, 1e3)) / size
+            if k >= LEAST_ITERATIONS and wrong < BALANCED and legal is not None:
                 enough = max(self.tolerance * size, 5 * rows * self._floor)
                 settled = unheld < 10 * enough or (
                     abs(value - before) < enough and unheld < np.sqrt(self.tolerance) * size
                 )
-                if gap < enough and settled:
+                if max(gap, infeasible) < enough and settled:
                     escapes -= 1
                     aside = None if escapes < 0 or self._curved_down(state) else self._recentred(state, HIGHEST)
                     if aside is None:
@@ -218,12 +239,18 @@ class PlaneSolver:
                 return SolverStatus.STOPPED, error, state
             moved = np.abs(state.at.point.pose.T - self.program.bodies.at).max(initial=0.0)
             if moved > self.horizon or abs(state.at.value) > self.most_turn:
-                return SolverStatus.ESCAPING, error, state
+                return (SolverStatus.ESCAPING if legal is not None else SolverStatus.FAILED), error, state
             lost = best.error < ACCEPTABLE and error > LOST * best.error
-            if k == self.most or lost:
+            least, since = (error, 0) if error < 0.9 * least else (least, since + 1)
+            if k == self.most or lost or (not self.inside and since > PATIENCE):
                 break
             lowest = max(0.2 * self.tolerance * size / max(rows, 1), self._floor)
-            following = self._advance(state, dual, dual_planes, weight, u, wrong, lowest)
+            lag = max(infeasible, UNHELD * unheld if unheld > EARLY * size else 0.0) / max(rows * mu, 1e-300)
+            following = (
+                self._advance(state, dual, dual_planes, weight, u, wrong, lowest)
+                if self.inside
+                else self._run_ahead(state, primal, dual, dual_planes, weight, u, lag, lowest)
+            )
             if following is None:
                 break
             state, before = following, value
@@ -232,6 +259,40 @@ class PlaneSolver:
             del self.way[best.way :]
             return SolverStatus.CONVERGED, best.error, best.state
         return SolverStatus.FAILED, error, state
+
+    def _legal(self, at: LinearisedPlanes) -> PlanePoint | None:
+        """The point, inside all rows once planes that lag behind are set anew; None where pieces overlap."""
+        if at.h.min(initial=np.inf) > 0:
+            return at.point
+        found = parted(self.program, at.point, at.h)
+        return found if self.program.values(found).min(initial=np.inf) > 0 else None
+
+    def _run_ahead(
+        self,
+        state: PlaneIterate,
+        primal: Floats,
+        dual: Floats,
+        dual_planes: Floats,
+        weight: float,
+        u: Floats,
+        lag: float,
+        lowest: float,
+    ) -> PlaneIterate | None:
+        """The next iterate with slacks: the step is halved while rows fall behind by more than half of the complementarity."""
+        self._system.set(state, dual, weight)
+        step = self._predicted(state, primal, dual, dual_planes, weight, u, lowest, lag)
+        if step is None:
+            return None
+        share = min(step.primal, self._longest_share(step.u))
+        lam = state.lam + step.dual * step.lam
+        before = dot(state.lam, np.abs(primal))
+        for _ in range(8):
+            ahead = self._moved(state, step, share, LEAST_SLACK)
+            s = np.maximum(np.maximum(state.s + share * step.s, ahead.h), LEAST_SLACK)
+            if dot(lam, s - ahead.h) <= max(0.5 * dot(s, lam), 2.0 * before):
+                break
+            share /= 2
+        return replace(state, at=ahead, s=s, lam=lam, shift=step.shift)
 
     def _advance(
         self,
@@ -252,7 +313,7 @@ class PlaneSolver:
                 self._fixed, self._errors = None, [SOLVED * self._fixed]
         if self._fixed is None:
             self._errors.append(mu + BALANCE_SHARE * wrong)
-            step = self._predicted(state, dual, dual_planes, weight, u, lowest)
+            step = self._predicted(state, np.zeros_like(state.s), dual, dual_planes, weight, u, lowest)
             following = None if step is None else self._taken(state, step)
             if following is not None and self._error(following) < PROGRESS * max(self._errors[-MEMORY:]):
                 return following
@@ -284,30 +345,39 @@ class PlaneSolver:
         return mu + BALANCE_SHARE * max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
 
     def _predicted(
-        self, state: PlaneIterate, dual: Floats, dual_planes: Floats, weight: float, u: Floats, lowest: float
+        self,
+        state: PlaneIterate,
+        primal: Floats,
+        dual: Floats,
+        dual_planes: Floats,
+        weight: float,
+        u: Floats,
+        lowest: float,
+        lag: float = 0.0,
     ) -> _PlaneStep | None:
         """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step no stub.
 
         Source: Mehrotra 1992.
         """
-        h, lam, mu, system = state.at.h, state.lam, state.complementarity, self._system
+        s, lam, mu, system = state.s, state.lam, state.complementarity, self._system
         shift = max(TINY_SHIFT, mu, state.shift / 5 if state.shift > 1e-8 else 0.0)
         found = None
         for attempt in range(24):
             if not system.factorise(shift):
                 shift = max(10 * shift, 1e-5)
                 continue
-            _, _, dh, dl = system.newton(dual, dual_planes, -h * lam)
-            after = dot(h + max_step(h, dh) * dh, lam + max_step(lam, dl) * dl) / max(len(h), 1)
-            target = max((after / mu) ** 3 * mu, lowest)
-            goal = target - h * lam - np.clip(dh * dl, -LARGEST_CORRECTION * mu, LARGEST_CORRECTION * mu)
+            _, _, ds, dl = system.newton(primal, dual, dual_planes, -s * lam)
+            after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
+            centring = max((after / mu) ** 3, min(10.0, lag) if lag > BEHIND else 0.0)
+            target = max(centring * mu, lowest)
+            goal = target - s * lam - np.clip(ds * dl, -LARGEST_CORRECTION * mu, LARGEST_CORRECTION * mu)
             less = (state.proximal(min(target, mu), u) - weight) * u
-            du, dy, dh, dl = system.newton(dual + less, dual_planes, goal)
-            far, dfar = max_step(h, dh), max_step(lam, dl)
+            du, dy, ds, dl = system.newton(primal, dual + less, dual_planes, goal)
+            far, dfar = max_step(s, ds), max_step(lam, dl)
             found = _PlaneStep(
                 du,
                 dy,
-                dh,
+                ds,
                 dl,
                 FRACTION * far if far < 1 else 1.0,
                 FRACTION * dfar if dfar < 1 else 1.0,
@@ -327,7 +397,7 @@ class PlaneSolver:
             if (ahead.h > LEAST_SHARE_OF_ROW * (1 - FRACTION) * state.at.h).all():
                 lam = state.lam + min(step.dual, 1.0) * step.lam
                 lam = np.clip(lam, step.mu / (FAR_APART * ahead.h), FAR_APART * step.mu / ahead.h)
-                return PlaneIterate(ahead, lam, state.unit, step.shift, state.anchor)
+                return replace(state, at=ahead, s=ahead.h, lam=lam, shift=step.shift)
             share /= 2
         return None
 
@@ -341,7 +411,7 @@ class PlaneSolver:
             shift = max(8 * shift, 1e-5)
             if shift > 1e12:
                 return None
-        du, dy, dh, dlam = system.newton(dual, dual_planes, mu - h * lam)
+        du, dy, dh, dlam = system.newton(np.zeros_like(h), dual, dual_planes, mu - h * lam)
         far, dfar = max_step(h, dh), max_step(lam, dlam)
         step = _PlaneStep(
             du, dy, dh, dlam, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift, mu
@@ -359,13 +429,16 @@ class PlaneSolver:
         if share == 1.0 and shift > FREE:
             ahead = self._stride(state, ahead, step, weight)
         lam = np.clip(lam + step.dual * dlam, mu / (APART * ahead.h), APART * mu / ahead.h)
-        return PlaneIterate(ahead, lam, state.unit, shift, state.anchor)
+        return replace(state, at=ahead, s=ahead.h, lam=lam, shift=shift)
 
-    def _moved(self, state: PlaneIterate, step: _PlaneStep, share: float) -> LinearisedPlanes:
+    def _moved(
+        self, state: PlaneIterate, step: _PlaneStep, share: float, least: float | None = None
+    ) -> LinearisedPlanes:
         """The program after a share of a step, with corrections of second order by the factorisation of the step."""
         P, at = self.program, state.at
-        goal = np.maximum(at.h + share * step.h, LEAST_SHARE_OF_ROW * at.h)
-        heavy = state.lam / at.h
+        foreseen = at.h + share * at.along(step.u, step.y)
+        goal = np.maximum(foreseen, LEAST_SHARE_OF_ROW * at.h if least is None else least)
+        heavy = state.lam / state.s
         heavy = np.maximum(heavy, heavy.max(initial=1.0) / HEAVIEST)
         ahead = P.linearise(self._retraction.step(at, step.u, step.y, share, goal, heavy), at.value)
         behind = dot(heavy, np.maximum(goal - ahead.h, 0.0))

@@ -15,6 +15,7 @@ from wiggleroom.spatial.plane_way import refined
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.spatial_objectives import SumOfTerms, Twist
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -29,6 +30,11 @@ NEARLY = 1e-2
 
 SearchEnd = tuple[PlaneProgram, PlaneSolution, Floats, bool]
 """Program, solution, way of the parts (k, n, 6), and whether that is free as far as the solution."""
+
+
+def _good(done: SearchEnd) -> bool:
+    """True where the end is an answer and the way there is free."""
+    return done[3] and done[1].status in (SolverStatus.CONVERGED, SolverStatus.ESCAPING)
 
 
 @dataclass(eq=False)
@@ -54,13 +60,18 @@ class SpatialSearch:
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
         self.pieces = near
-        program, found = self._with_missed()
+        done = self._attempt(inside=False)
+        return done if _good(done) or self._asked_to_stop() else self._attempt(inside=True)
+
+    def _attempt(self, inside: bool) -> SearchEnd:
+        """Solve from the start, and check the way."""
+        program, found = self._with_missed(inside)
         return program, found, *refined(self.ready, program, found.way or [program.start])
 
     def _asked_to_stop(self) -> bool:
         return self.stop is not None and self.stop.is_set()
 
-    def _with_missed(self) -> tuple[PlaneProgram, PlaneSolution]:
+    def _with_missed(self, inside: bool) -> tuple[PlaneProgram, PlaneSolution]:
         """Solve; pairs of pieces outside the program that meet on the way join it, and it is solved again from rest."""
         ready = self.ready
         limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
@@ -70,6 +81,7 @@ class SpatialSearch:
             )
             solve = PlaneSolver(
                 program,
+                inside=inside,
                 horizon=HORIZON * ready.size,
                 most_turn=limit,
                 stop=self.stop,
