@@ -16,9 +16,6 @@ from wiggleroom.spatial.rotations import logarithm
 
 Floats = NDArray[np.float64]
 
-PROXIMAL = 1.0
-"""Weight of the proximal term, in units of the barrier's: it keeps bodies that nothing holds near the start."""
-
 
 @dataclass(eq=False)
 class PlaneIterate:
@@ -37,6 +34,8 @@ class PlaneIterate:
         Last strengthening of the diagonal.
     anchor : SpatialPose
         Where displacements begin.
+    held : float
+        Weight of the proximal term, in units of the barrier's.
     """
 
     at: LinearisedPlanes
@@ -45,6 +44,7 @@ class PlaneIterate:
     unit: float
     shift: float
     anchor: SpatialPose
+    held: float
 
     @property
     def displacement(self) -> Floats:
@@ -61,7 +61,7 @@ class PlaneIterate:
     def proximal(self, mu: float, u: Floats) -> float:
         """Weight of half the squared displacement at a barrier parameter; it never counts more than the barrier."""
         rows = max(len(self.lam), 1)
-        return PROXIMAL * mu * rows / max(dot(u, u), rows)
+        return self.held * mu * rows / max(dot(u, u), rows)
 
     def residuals(self, weight: float, u: Floats) -> tuple[Floats, Floats]:
         """Dual residuals of the bodies (V,) and of the planes (K, 3), with a proximal term of some weight."""
@@ -72,7 +72,7 @@ class PlaneIterate:
         """Barrier function at a point, infinite outside the rows."""
         if at.h.min(initial=np.inf) <= 0:
             return np.inf
-        u = PlaneIterate(at, self.s, self.lam, self.unit, 0.0, self.anchor).displacement
+        u = PlaneIterate(at, self.s, self.lam, self.unit, 0.0, self.anchor, self.held).displacement
         return -at.value / self.unit - mu * float(np.log(at.h).sum()) + weight / 2 * dot(u, u)
 
 

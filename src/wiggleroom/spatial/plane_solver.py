@@ -51,12 +51,14 @@ ROUNDING = 500 * float(np.finfo(float).eps)
 """mu stays above this, times the size in clearances: rows that are as small as their rounding make multipliers of noise."""
 LEAST_CURVATURE = 1e-3
 """Curvature upwards [objective's unit per clearance squared] that counts."""
+ANCHORED, LOOSE = 1.0, 1e-3
+"""Weight of the proximal term, in units of the barrier's, where iterates stay inside all rows, and where slacks run ahead."""
 SADDLES = 2
 """So often the method goes on where the conditions of first order hold and the objective curves upwards."""
 LEAST_ITERATIONS = 3
 ACCEPTABLE, LOST = 1e-6, 1e3
 """Where rounding spoils the conditions again by the second factor, an iterate at which they held to the first is good enough."""
-PATIENCE, UNHELD, EARLY = 8, 0.3, 0.05
+PATIENCE, UNHELD, EARLY = 12, 0.3, 0.05
 """After so many iterations that do not make the error less the mode with slacks has failed."""
 STUCK, RAISED, HIGHEST = 10, 100.0, 1e-3
 """After so many iterations at one mu the way is narrow: mu grows by this factor, up to a highest value, and the anchor follows."""
@@ -175,7 +177,7 @@ class PlaneSolver:
         at = P.linearise(beside_rest(P) if start is None else start)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
         slack = at.h if self.inside else np.maximum(at.h, FIRST_SLACK)
-        state = PlaneIterate(at, slack, mu / slack, unit, TINY_SHIFT, P.start.pose)
+        state = PlaneIterate(at, slack, mu / slack, unit, TINY_SHIFT, P.start.pose, ANCHORED if self.inside else LOOSE)
         self.way = [P.start]
         status, error, state = self._follow(state)
         curved = status is SolverStatus.CONVERGED and self._curved_down(state)
@@ -309,8 +311,9 @@ class PlaneSolver:
         self._system.set(state, dual, weight)
         if self._fixed is not None:
             spread = float(np.abs(state.at.h * state.lam - self._fixed).max(initial=0.0))
-            if max(wrong, spread) < SOLVED * self._fixed:
-                self._fixed, self._errors = None, [SOLVED * self._fixed]
+            solved = SOLVED * self._fixed
+            if max(wrong, spread) < solved:
+                self._fixed, self._errors = None, [solved]
         if self._fixed is None:
             self._errors.append(mu + BALANCE_SHARE * wrong)
             step = self._predicted(state, np.zeros_like(state.s), dual, dual_planes, weight, u, lowest)
@@ -360,7 +363,7 @@ class PlaneSolver:
         Source: Mehrotra 1992.
         """
         s, lam, mu, system = state.s, state.lam, state.complementarity, self._system
-        shift = max(TINY_SHIFT, mu, state.shift / 5 if state.shift > 1e-8 else 0.0)
+        shift = max(TINY_SHIFT, mu if self.inside else 0.0, state.shift / 5 if state.shift > 1e-8 else 0.0)
         found = None
         for attempt in range(24):
             if not system.factorise(shift):
@@ -368,7 +371,7 @@ class PlaneSolver:
                 continue
             _, _, ds, dl = system.newton(primal, dual, dual_planes, -s * lam)
             after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
-            centring = max((after / mu) ** 3, min(10.0, lag) if lag > BEHIND else 0.0)
+            centring = max((after / mu) ** 3 if mu > 0 else 0.0, min(10.0, lag) if lag > BEHIND else 0.0)
             target = max(centring * mu, lowest)
             goal = target - s * lam - np.clip(ds * dl, -LARGEST_CORRECTION * mu, LARGEST_CORRECTION * mu)
             less = (state.proximal(min(target, mu), u) - weight) * u
