@@ -14,12 +14,12 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
 from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns
-from wiggleroom.live.warm_start import State, Until, WarmSearch, at_rest, pushed
+from wiggleroom.live.warm_start import State, TimeBudget, WarmSearch, at_rest, pushed
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import Approach
@@ -175,7 +175,7 @@ class Live:
         state = self._state if self._state is not None and start == "here" else at_rest(ready)
         here = term.value(state.inner)  # what counts is what is gained from there
         enough = float(away @ away) - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
-        search = WarmSearch(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
+        search = WarmSearch(ready, replace(term, zero=here), state, TimeBudget(seconds, stop), enough)
         self._state, settled = search.reach()
         motion = of_parts(ready.assembly, ready.bodies, self._state.motion[None])[0]
         x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
@@ -206,7 +206,7 @@ class Live:
         """
         began, ready = time.perf_counter(), self.ready
         asked = self._asked(goals)
-        term, until = ready.objective(asked), Until(seconds, stop)
+        term, until = ready.objective(asked), TimeBudget(seconds, stop)
         state = self._nearby(asked)
         if state is None:
             state = at_rest(ready)
@@ -247,7 +247,7 @@ class Live:
         found = answer.warm_start
         if found is not None and answer.objective is not None and answer.collision_free:
             cells = found.program.cells
-            ended = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion)
+            ended = relative_pose(self.ready.bodies, cells.a, cells.b, found.motion)
             state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
             self._remember(_End(asked, self._design, state))
         return answer
@@ -277,7 +277,7 @@ class Live:
         if part is not None:
             self._asked(Towards(part, (0.0, 0.0)))
             body = int(self.ready.bodies.body_of[self.assembly.names.index(part)])
-        return modes(self.ready, body, count, Until(seconds, stop))
+        return modes(self.ready, body, count, TimeBudget(seconds, stop))
 
     @property
     def _design(self) -> GapDesign:
@@ -349,4 +349,4 @@ def _held(ready: Prepared, search: WarmSearch, unit: float) -> tuple[Contact, ..
     found = search.best
     if found is None or found.solution.status is not SolverStatus.CONVERGED:
         return ()
-    return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)
+    return contacts(ready.assembly, found.program, found.solution.u, found.active, unit)
