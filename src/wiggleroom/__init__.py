@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from wiggleroom.maximise import prepare
     from wiggleroom.planning.plan import Plan, plan
     from wiggleroom.planning.steps import Step
-    from wiggleroom.questions import check, flex, read
+    from wiggleroom.questions import check, flex, read, sweep
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from wiggleroom.sensitivity.gap_trials import AllowableGap
     from wiggleroom.sensitivity.rank import Ranking, rank
     from wiggleroom.sensitivity.sample import Sample, sample
-    from wiggleroom.sensitivity.sweep import Sweep, sweep
+    from wiggleroom.sensitivity.sweep import Sweep
     from wiggleroom.sensitivity.tighten import Tightening, tighten
     from wiggleroom.sensitivity.worst_case import WorstCase, worst_case
     from wiggleroom.verdict import Verdict
@@ -120,7 +120,7 @@ _HOME = {
     "rank": "sensitivity.rank",
     "read": "questions",
     "sample": "sensitivity.sample",
-    "sweep": "sensitivity.sweep",
+    "sweep": "questions",
     "tighten": "sensitivity.tighten",
     "tight_verdict": "form_closure.mobility",
     "read_tolerances": "drawing.tolerances",
