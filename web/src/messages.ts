@@ -51,7 +51,7 @@ export interface FlexRequest {
   thorough?: boolean;
 }
 
-/** A part drawn towards a place; `grip` is where it was taken, in world coordinates at rest [mm]. */
+/** A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer. */
 export interface DragRequest {
   kind: "drag";
   id: number;
@@ -59,7 +59,7 @@ export interface DragRequest {
   part: string;
   grip: [number, number];
   target: [number, number];
-  from?: "here" | "rest";
+  from?: "answer" | "here" | "rest";
 }
 
 /** The end of a drag. */
@@ -164,6 +164,7 @@ export interface Opened {
   notes: string[];
   size: [number, number, number, number]; // box round everything: x0, y0, x1, y1 [mm]
   parts: PartShape[];
+  ignore: [string, string][]; // pairs of parts that never collide
   design: Design;
   pulled?: PullEntry; // a goal suggested where there is none
 }

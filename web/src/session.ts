@@ -6,6 +6,7 @@ import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRe
 import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, mark, token } from "./keep.ts";
 import { download } from "./save.ts";
+import { known, lead, leadTo } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import * as state from "./state.ts";
@@ -14,7 +15,10 @@ let socket: Socket | null = null;
 const asked = new Map<number, Design>();
 let quick: { since: number; again: boolean } | null = null;
 /** The drag under way; what comes of others is dropped, also what comes late. */
-let drag: { id: number; since: number; answered: boolean; next: Requests["drag"] | null } | null = null;
+let drag: { id: number; since: number; answered: boolean; wanted: Wanted; next: Wanted | null } | null = null;
+type Wanted = Requests["drag"];
+/** The design whose outlines are shown; null while they are as drawn. */
+let shaped: Design | null = null;
 
 /** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
 const PATIENCE = 600;
@@ -98,15 +102,27 @@ function askFlex(): void {
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
 export function askDrag(part: string, grip: Point, target: Point): void {
-  const from = shown.peek().what === "drag" ? "here" : "rest";
-  const wanted = { design: design.peek(), part, grip, target, from } as const;
+  const wanted: Wanted = { design: design.peek(), part, grip, target, from: known().from };
+  leadTo(part, grip, target, sameShape());
+  state.dragging.value = part;
   if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
     drag.next = wanted;
     return;
   }
-  const id = ask("drag", wanted);
-  drag = id ? { id, since: performance.now(), answered: false, next: null } : null;
+  sendDrag(wanted);
 }
+
+function sendDrag(wanted: Wanted): void {
+  const id = ask("drag", wanted);
+  drag = id ? { id, since: performance.now(), answered: false, wanted, next: null } : null;
+}
+
+/** Whether the outlines shown are those of the present design. */
+function sameShape(): boolean {
+  const now = design.peek();
+  return shaped !== null && (shaped === now || shapeOf(shaped) === shapeOf(now));
+}
+const shapeOf = ({ gap, extra, glue }: Design): string => JSON.stringify([gap, extra, glue]);
 
 export function release(): void {
   ask("release", { design: design.peek() });
@@ -116,7 +132,8 @@ export function release(): void {
 function endDrag(): void {
   if (drag && state.running.peek().has("drag")) cancel("drag");
   drag = null;
-  state.dragged.value = null;
+  lead.value = null;
+  state.dragged.value = state.dragging.value = null;
 }
 
 /** Back to the answer, or to rest where nothing is asked. */
@@ -174,7 +191,7 @@ function take(reply: Reply, ways: Frames[]): void {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
     case "opened": return opened(reply);
-    case "shape": state.rings.value = reply.rings; return;
+    case "shape": state.rings.value = reply.rings; shaped = about(reply).design; return;
     case "flex": return flexed(about(reply));
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return showMode(0);
@@ -194,6 +211,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   quick = null;
   const { reply, ways } = about;
   if (reply.rings) state.rings.value = reply.rings;
+  shaped = about.design;
   const same = questionOf(about.design) === question.peek();
   if (same && ways[0]) remember(about.design.gap, reply.objective, reply.verdict, end(ways[0]));
   if (about.design === design.peek()) {
@@ -220,15 +238,19 @@ function stepped(gap: number, objective: number | null, verdict: string, way?: F
 
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
   if (!drag || drag.id !== about.reply.id) return;
-  const { next } = drag;
+  const { next, wanted } = drag;
   drag.next = null;
   drag.answered = true;
   if (about.reply.rings) state.rings.value = about.reply.rings;
+  shaped = about.design;
   if (about.design === design.peek() && about.ways[0]) {
     state.dragged.value = about;
-    show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, shown.peek().what !== "drag");
+    show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, false);
+    const newest = next ?? wanted;
+    if (next || !about.reply.settled) leadTo(newest.part, newest.grip, newest.target, sameShape() && !about.reply.rings);
+    else lead.value = null; // the truth is there
   }
-  if (next) askDrag(next.part, next.grip, next.target);
+  if (next) sendDrag({ ...next, from: known().from });
 }
 
 export function showMode(which: number): void {
@@ -273,6 +295,7 @@ function opened(reply: Opened): void {
   state.selected.value = null;
   state.solved.value = [];
   state.rings.value = reply.parts.map((part) => part.rings);
+  shaped = null;
   state.drawing.value = reply;
   showRest(false);
   begin(keptDesign(reply) ?? read);
@@ -300,7 +323,10 @@ function failed(of: string, lines: string[]): void {
     state.answer.value = null;
     if (shown.peek().what !== "drag") showRest();
   }
-  if (of === "drag") drag = null;
+  if (of === "drag") {
+    drag = null;
+    lead.value = null;
+  }
   if (of === "open") {
     state.opening.value = "";
     pendingFile = null;

@@ -27,6 +27,8 @@ export const indexOf = computed(() => new Map(names.value.map((name, i) => [name
 
 export const answer = signal<About<FlexReply> | null>(null);
 export const dragged = signal<About<DragReply> | null>(null);
+/** The part that is under the hand, or was last. */
+export const dragging = signal<string | null>(null);
 export const modes = signal<About<Modes> | null>(null);
 export const ranking = signal<About<RankReply> | null>(null);
 export const checked = signal<About<CheckReply> | null>(null);

@@ -23,6 +23,8 @@ QUICK_SECONDS = 0.1
 """A quick answer takes about so long [s]."""
 MAX_QUICK_ANSWERS = 10
 """So many quick answers are looked for before the full one."""
+NEIGHBOURHOODS = (64, 512, None)
+"""So many parts may give way to a dragged one at first, then more where others hold it, then all."""
 MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
 """So often a drag is gone on with, and so often in vain."""
 MIN_APPROACH = 1e-4
@@ -69,10 +71,15 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
     live = sheet.live(request.design)
     rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
+    goals = sheet.asked(request.design) if request.from_ == "answer" else None
     start, last = request.from_, math.inf
     stuck = 0
     for times in range(MAX_DRAG_STEPS):
-        shot = live.drag(request.part, request.grip, request.target, start=start, seconds=QUICK_SECONDS, stop=out.stop)
+        within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)]
+        shot = live.drag(
+            request.part, request.grip, request.target,
+            start=start, goals=goals, within=within, seconds=QUICK_SECONDS, stop=out.stop,
+        )  # fmt: skip
         out.check()
         assert shot.distance is not None
         assert shot.reached is not None

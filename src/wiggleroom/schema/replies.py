@@ -65,6 +65,7 @@ class Opened(Reply, kw_only=True):
     notes: list[str]
     size: Annotated[tuple[float, float, float, float], Meta(description="box round everything: x0, y0, x1, y1 [mm]")]
     parts: list[PartShape]
+    ignore: Annotated[list[tuple[str, str]], Meta(description="pairs of parts that never collide")] = []
     design: Design
     pulled: Annotated[PullEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
 

@@ -79,12 +79,15 @@ class FlexRequest(DesignRequest, tag="flex", kw_only=True):
 
 
 class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
-    """A part drawn towards a place; `grip` is where it was taken, in world coordinates at rest [mm]."""
+    """A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer.
+
+    `grip` is where it was taken, in world coordinates at rest [mm].
+    """
 
     part: str
     grip: tuple[Length, Length]
     target: tuple[Length, Length]
-    from_: Literal["rest", "here"] = "here"
+    from_: Literal["rest", "here", "answer"] = "here"
 
 
 class ReleaseRequest(DesignRequest, tag="release", kw_only=True):

@@ -9,9 +9,10 @@ import { askDrag, release } from "../session.ts";
 import * as state from "../state.ts";
 import { content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
 import { colours } from "./colours.ts";
+import { type Lead, lead } from "./lead.ts";
 import { cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
 import { paintMarks } from "./marks.ts";
-import { paint } from "./paint.ts";
+import { clear, type Scene, paint, paintGhost } from "./paint.ts";
 import { Overlay } from "./Overlay.tsx";
 import { blame, roles } from "./roles.ts";
 import { around, outOf, placed, shapes } from "./shapes.ts";
@@ -25,11 +26,17 @@ function painter(canvas: HTMLCanvasElement): () => void {
   let still = 0;
   let rough = false;
   let lastView = view.peek();
+  const behind = new Behind();
   const draw = (now: number): void => {
     wanted = 0;
     if (!size.peek().width || !state.drawing.peek()) return;
     const { motion, moving } = pose(now, current.shapes.length);
     current.motion = motion;
+    const led = lead.peek();
+    for (const i of led?.group ?? []) {
+      motion[3 * i]! += led!.free[0];
+      motion[3 * i + 1]! += led!.free[1];
+    }
     const changing = moving || lastView !== view.peek() || pointerTarget.peek() !== null;
     lastView = view.peek();
     rough = changing && (rough || cost.last > SLOW);
@@ -39,7 +46,14 @@ function painter(canvas: HTMLCanvasElement): () => void {
       shapes: current.shapes, names: state.names.peek(), roles: roles.peek(), blame: blame.peek(),
       motion, factor: factor(), chosen: at.get(state.selected.peek() ?? "") ?? -1, hovered: at.get(state.hovered.peek() ?? "") ?? -1, colours: colours(),
     };
-    paint(g, size.peek(), ratio, view.peek(), scene, rough);
+    if (led && !moving) {
+      behind.show(g, scene, led);
+      paint(g, size.peek(), ratio, view.peek(), scene, false, new Set(led.group));
+      paintGhost(g, size.peek(), ratio, view.peek(), scene, led.group, [led.wish[0] - led.free[0], led.wish[1] - led.free[1]]);
+    } else {
+      clear(g, size.peek(), ratio, scene.colours);
+      paint(g, size.peek(), ratio, view.peek(), scene, rough);
+    }
     const marks = marksNow();
     if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, motion, scene.factor, marks);
     requestAnimationFrame((next) => (cost.last = next - now)); // painting goes on after this function: only the next frame tells
@@ -72,7 +86,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
   });
   const stop = effect(() => {
     void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), state.selected.value];
-    void [playing.value, state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
+    void [lead.value, playing.value, state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
     invalidate();
   });
   return () => {
@@ -83,6 +97,30 @@ function painter(canvas: HTMLCanvasElement): () => void {
     stop();
     cancelAnimationFrame(wanted);
   };
+}
+
+/** All parts but those under the hand, painted once for many frames. */
+class Behind {
+  #canvas = document.createElement("canvas");
+  #of: unknown[] = [];
+
+  show(g: CanvasRenderingContext2D, scene: Scene, { group }: Lead): void {
+    const { width, height } = g.canvas;
+    const { frames } = shown.peek();
+    const of = [width, height, view.peek(), size.peek(), frames, place.peek(), scene.factor, scene.roles, scene.blame, scene.colours, scene.shapes, group.join()];
+    if (of.some((one, k) => one !== this.#of[k])) {
+      this.#of = of;
+      if (this.#canvas.width !== width) this.#canvas.width = width;
+      if (this.#canvas.height !== height) this.#canvas.height = height;
+      const own = this.#canvas.getContext("2d", { alpha: false })!;
+      const ratio = width / size.peek().width;
+      clear(own, size.peek(), ratio, scene.colours);
+      const mine = new Set(group);
+      paint(own, size.peek(), ratio, view.peek(), { ...scene, hovered: -1, chosen: mine.has(scene.chosen) ? -1 : scene.chosen }, false, mine, true);
+    }
+    g.setTransform(1, 0, 0, 1, 0, 0);
+    g.drawImage(this.#canvas, 0, 0);
+  }
 }
 
 function marksNow() {
