@@ -423,7 +423,7 @@ def test_only_few_parts_move_and_others_that_hold_are_not_taken_for_fixed():
     live = wr.Live(grid_of(9))
     part = live.assembly.names[40]
     grip = live.assembly.rest[40, :2]
-    shot = live.drag(part, tuple(grip), tuple(grip + (0.3, 0.0)), within=9, seconds=60)
+    shot = live.drag(part, tuple(grip), (grip[0] + 0.3, grip[1]), within=9, seconds=60)
     moved = np.abs(shot.motion).max(axis=1) > 0
     assert 1 < moved.sum() <= 9
     assert not shot.settled
@@ -437,7 +437,7 @@ def test_glued_parts_and_stacked_sheets_stay_so_among_few():
     live = wr.Live(assembly)
     live.design(glue=[[names[14], names[15]], [names[20], names[21], names[22]]])
     grip = assembly.rest[14, :2]
-    shot = live.drag(names[14], tuple(grip), tuple(grip + (0.05, 0.12)), within=6, seconds=60)
+    shot = live.drag(names[14], tuple(grip), (grip[0] + 0.05, grip[1] + 0.12), within=6, seconds=60)
     assert overlap(live.assembly, shot.motion) < 1e-9
     turn = shot.motion[14, 2]
     arm = assembly.rest[15, :2] - assembly.rest[14, :2]

@@ -149,7 +149,7 @@ def test_a_dragged_part_stops_where_it_must_and_what_holds_it_lights_up(browser:
         page.mouse.move(box["x"] + x - 40, box["y"] + y + 40)
         page.mouse.down()
         page.mouse.move(box["x"] + x - 200, box["y"] + y - 150, steps=12)
-        page.locator("#answer", has_text="peg dragged").wait_for()
+        page.locator("#answer", has_text="peg moved").wait_for()
         page.locator(".headline .facts", has_text="held by frame").wait_for()
         page.mouse.up()
         now = still(page)

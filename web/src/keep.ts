@@ -2,6 +2,9 @@
 
 import type { Design, Opened } from "./protocol.ts";
 
+/** A file that was dropped, or a sample by its name. */
+export type Opening = { name: string; data: string } | { name: string; sample: true };
+
 const read = (key: string): string | null => {
   try {
     return sessionStorage.getItem(`wiggleroom.${key}`);
@@ -31,11 +34,44 @@ export function token(): string {
   return given ?? read("token") ?? "";
 }
 
-export const keepFile = (name: string, data: string): void => write("file", JSON.stringify({ name, data }));
+export const keepFile = (file: Opening): void => write("file", JSON.stringify(file));
+/** Files opened here before, the last one first; they stay in this browser. */
+export interface Recent { name: string; data: string; when: number }
+const RECENT = "wiggleroom.recent";
+const MOST_RECENT = 6;
+const MOST_KEPT = 3_000_000;
+
+export function recent(): Recent[] {
+  try {
+    return JSON.parse(localStorage.getItem(RECENT) ?? "[]") as Recent[];
+  } catch {
+    return [];
+  }
+}
+
+export function keepRecent(name: string, data: string): void {
+  let left = MOST_KEPT;
+  const all = [{ name, data, when: Date.now() }, ...recent().filter((one) => one.name !== name)].slice(0, MOST_RECENT);
+  const kept = all.filter((one) => (left -= one.data.length) > 0);
+  try {
+    localStorage.setItem(RECENT, JSON.stringify(kept));
+  } catch {
+    // Full or forbidden: the list then stays as it is.
+  }
+}
+
+export function forgetRecent(): void {
+  try {
+    localStorage.removeItem(RECENT);
+  } catch {
+    // Forbidden: then there is none.
+  }
+}
+
 export const forgetFile = (): void => write("file", null);
-export function keptFile(): { name: string; data: string } | null {
+export function keptFile(): Opening | null {
   const text = read("file");
-  return text ? (JSON.parse(text) as { name: string; data: string }) : null;
+  return text ? (JSON.parse(text) as Opening) : null;
 }
 
 export const mark = (of: Opened): string => `${of.name}|${of.gap}|${of.parts.length}|${of.size.join(",")}`;

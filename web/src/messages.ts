@@ -19,13 +19,14 @@ export interface Design {
   goals: PullEntry[] | "closer" | "translation";
 }
 
-/** Read a drawing; with a design, that one stands in place of what the drawing asks. `path` is what commands call it. */
+/** Read a drawing, or one of the samples. */
 export interface OpenRequest {
   kind: "open";
   id: number;
   name: string;
   path?: string;
-  data: string;
+  data?: string;
+  sample?: boolean;
   unit?: "cm" | "in" | "m" | "mm" | "px" | null;
   flatten?: number | null;
   gap?: number | null;
@@ -138,6 +139,14 @@ export interface ExtraLimits {
   upload_mb: number;
 }
 
+/** A drawing to begin with. */
+export interface SampleEntry {
+  name: string;
+  words: string;
+  count: number; // how many parts it has
+  picture: [number, number][][][]; // a small picture of its kind, 100 wide or high
+}
+
 /** First words to a page. */
 export interface Hello {
   kind: "hello";
@@ -145,6 +154,7 @@ export interface Hello {
   version: string;
   can: string[]; // extras that are installed
   limits: ExtraLimits;
+  samples: SampleEntry[];
 }
 
 /** A part as drawn, at rest in world coordinates. */
@@ -370,12 +380,28 @@ export interface WorkerState {
   state: "lost" | "ready" | "restarted";
 }
 
-/** What is wrong, one plain line each. */
+/** A change of the design that may put something right. */
+export interface Mend {
+  words: string;
+  design: Design;
+}
+
+/** Something that is wrong with a design, where it is, and what would help. */
+export interface Finding {
+  about: "gap" | "parts" | "pulled" | "stands";
+  words: string;
+  parts: string[]; // names of parts
+  point: [number, number] | null; // where in the picture [mm]
+  mends: Mend[];
+}
+
+/** What is wrong, one plain line each; of a design with all that is, and what would help. */
 export interface Failed {
   kind: "failed";
   id: number;
   of: string;
   findings: string[];
+  review?: Finding[];
 }
 
 /** A part without its outline. */

@@ -3,8 +3,8 @@
 import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, design, goals, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, mark, token } from "./keep.ts";
+import { type Design, type Finding, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { known, lead, leadTo } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
@@ -57,6 +57,7 @@ function preview(gap: number): void {
   const opened = state.drawing.peek()!;
   const guess = asks(design.peek()) ? between(state.solved.peek(), gap) : null;
   if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
+  else if (shown.peek().what === "between") showRest(false);
 }
 
 /** Sends a request and gives its number; 0 while there is no line. */
@@ -104,7 +105,7 @@ function askFlex(): void {
 export function askDrag(part: string, grip: Point, target: Point): void {
   const wanted: Wanted = { design: design.peek(), part, grip, target, from: known().from };
   leadTo(part, grip, target, sameShape());
-  state.dragging.value = part;
+  state.dragging.value = { part, grip };
   if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
     drag.next = wanted;
     return;
@@ -147,17 +148,22 @@ export function back(): void {
 export function openFile(name: string, bytes: Uint8Array): void {
   const most = state.hello.peek()?.limits.upload_mb ?? 20;
   if (bytes.length > most * 1e6) {
-    state.findings.value = [`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`];
+    state.findings.value = [said(`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`)];
     return;
   }
-  const data = toBase64(bytes);
-  state.opening.value = name;
-  pendingFile = { name, data };
-  ask("open", { name, data });
+  openAs({ name, data: toBase64(bytes) });
 }
-let pendingFile: { name: string; data: string } | null = null;
-/** The file that was dropped here, and whether the next drawing is the one that is open already. */
-let file: { name: string; data: string } | null = null;
+
+/** Opens a file that was read before, or a sample. */
+export function openAs(what: Opening): void {
+  state.opening.value = what.name;
+  state.findings.value = [];
+  pendingFile = what;
+  ask("open", what);
+}
+let pendingFile: Opening | null = null;
+/** The file that was opened here, and whether the next drawing is the one that is open already. */
+let file: Opening | null = null;
 let again = false;
 /** What failed last: its findings go when it succeeds. */
 let trouble = "";
@@ -191,7 +197,7 @@ function take(reply: Reply, ways: Frames[]): void {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
     case "opened": return opened(reply);
-    case "shape": state.rings.value = reply.rings; shaped = about(reply).design; return;
+    case "shape": state.rings.value = reply.rings; shaped = about(reply).design; state.findings.value = []; return;
     case "flex": return flexed(about(reply));
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return showMode(0);
@@ -202,7 +208,7 @@ function take(reply: Reply, ways: Frames[]): void {
     case "space": state.space.value = about(reply); return;
     case "prove": state.proof.value = about(reply); return;
     case "saved": return download(reply);
-    case "failed": return failed(reply.of, reply.findings);
+    case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
   }
 }
 
@@ -213,7 +219,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   if (reply.rings) state.rings.value = reply.rings;
   shaped = about.design;
   const same = questionOf(about.design) === question.peek();
-  if (same && ways[0]) remember(about.design.gap, reply.objective, reply.verdict, end(ways[0]));
+  if (same && ways[0] && reply.settled) remember(about.design.gap, reply.objective, reply.verdict, end(ways[0]));
   if (about.design === design.peek()) {
     state.waiting.value = false;
     state.answer.value = about;
@@ -244,6 +250,8 @@ function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
   if (about.reply.rings) state.rings.value = about.reply.rings;
   shaped = about.design;
   if (about.design === design.peek() && about.ways[0]) {
+    const before = state.dragged.peek()?.reply;
+    if (!about.reply.settled && before?.part === about.reply.part) about.reply.blocking = before.blocking; // until it is known anew
     state.dragged.value = about;
     show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, false);
     const newest = next ?? wanted;
@@ -277,7 +285,8 @@ function opened(reply: Opened): void {
   if (reply.id === 0 && file) return; // a reload: the file that was dropped here comes after
   if (reply.id !== 0 && pendingFile) {
     file = pendingFile;
-    keepFile(file.name, file.data);
+    keepFile(file);
+    if ("data" in file) keepRecent(file.name, file.data);
     pendingFile = null;
   }
   const before = state.drawing.peek();
@@ -290,6 +299,7 @@ function opened(reply: Opened): void {
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
   if (!asks(read)) read.goals = suggested;
   state.findings.value = [];
+  state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof]) one.value = null;
   state.selected.value = null;
@@ -316,7 +326,10 @@ function worker(now: "ready" | "lost" | "restarted"): void {
   }
 }
 
-function failed(of: string, lines: string[]): void {
+/** A line about nothing in particular. */
+const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [] });
+
+function failed(of: string, lines: Finding[]): void {
   if (of === "flex") {
     quick = null;
     state.waiting.value = false;
@@ -336,7 +349,12 @@ function failed(of: string, lines: string[]): void {
     }
   }
   trouble = of;
+  state.pointed.value = null;
   state.findings.value = lines;
+  if (lines.length && state.drawing.peek()) {
+    state.tab.value = "answer";
+    state.sheetOpen.value = true;
+  }
 }
 
 /** Sets the gap; steps of one pull of the slider are undone together. */

@@ -72,7 +72,7 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
     live = sheet.live(request.design)
     rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
     goals = sheet.asked(request.design) if request.from_ == "answer" else None
-    start, last = request.from_, math.inf
+    start, shown, last = request.from_, math.inf, math.inf
     stuck = 0
     for times in range(MAX_DRAG_STEPS):
         within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)]
@@ -83,8 +83,12 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
         out.check()
         assert shot.distance is not None
         assert shot.reached is not None
-        stuck = stuck + 1 if shot.distance > last * (1 - MIN_APPROACH) else 0
+        if within is None:
+            stuck, last = stuck + 1 if shot.distance > last * (1 - MIN_APPROACH) else 0, min(last, shot.distance)
         settled = shot.settled or times == MAX_DRAG_STEPS - 1 or stuck == MAX_STALLED_STEPS
+        start = "here"
+        if shot.distance > shown and not settled:  # few parts came nearer than all have so far
+            continue
         sheet.display.move(live.assembly, shot.motion)
         content = DragReply(
             part=request.part,
@@ -99,7 +103,7 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
         out.reply(content, [shot.motion[None]])
         if settled:
             return
-        rings, start, last = UNSET, "here", min(last, shot.distance)
+        rings, shown = UNSET, min(shown, shot.distance)
 
 
 def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:

@@ -161,7 +161,8 @@ class Live:
             These goals; by default what the drawing asks for.
         within : int, optional
             So many bodies may move, those that the part pushes first; all others stand where they are. The motion is one
-            of the whole assembly, but not settled where others that stand hold the part. By default all may move.
+            of the whole assembly, but not settled where others that stand hold the part; then the next drag begins where
+            this one did. By default all may move.
         seconds : float
             After that time the best safe motion so far is returned, not settled; asking again goes on from there.
         stop : optional
@@ -184,12 +185,14 @@ class Live:
         state, until = self._begun(start, goals), Until(seconds, stop)
         near = None if within is None else self._neighbours(term, aim, state, within, until)
         if near is not None:
-            self._state, search, settled = near
+            after, search, settled = near
         else:
             search = _towards(ready, term, state, float(away @ away), until)
-            self._state, settled = search.reach()
-        motion = of_parts(ready.assembly, ready.bodies, self._state.motion[None])[0]
-        x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
+            after, settled = search.reach()
+        # pressed against what could give way, few parts are a bad place for all to begin at
+        self._state = after if near is None or settled else state
+        motion = of_parts(ready.assembly, ready.bodies, after.motion[None])[0]
+        x, y = np.add(grip, term.points.moved(after.motion)[0]).tolist()
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
         left = float(np.hypot(*np.subtract(aim, reached)))

@@ -138,6 +138,11 @@ def _standing(ready: Prepared, inner: Floats, who: Ints, moves: NDArray[np.bool_
     first = np.cumsum([0, *count])
     members = tuple(tuple(range(first[k], first[k + 1])) for k in range(len(who)))
     here = Bodies(
-        bodies.shapes, bodies.shape[who], (bodies.rest + inner)[who], ~moves[who], np.repeat(np.arange(len(who)), count), members
+        bodies.shapes,
+        bodies.shape[who],
+        (bodies.rest + inner)[who],
+        ~moves[who],
+        np.repeat(np.arange(len(who)), count),
+        members,
     )
     return Assembly(parts, drawing), here

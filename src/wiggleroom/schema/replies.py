@@ -40,12 +40,22 @@ class ExtraLimits(Struct):
     upload_mb: float
 
 
+class SampleEntry(Struct):
+    """A drawing to begin with."""
+
+    name: str
+    words: str
+    count: Annotated[int, Meta(description="how many parts it has")]
+    picture: Annotated[list[Outline], Meta(description="a small picture of its kind, 100 wide or high")]
+
+
 class Hello(Reply, kw_only=True):
     """First words to a page."""
 
     version: str
     can: Annotated[list[str], Meta(description="extras that are installed")]
     limits: ExtraLimits
+    samples: list[SampleEntry] = []
 
 
 class PartShape(Struct):
@@ -253,11 +263,29 @@ class WorkerState(Reply, tag="worker", kw_only=True):
     state: Literal["ready", "lost", "restarted"]
 
 
+class Mend(Struct):
+    """A change of the design that may put something right."""
+
+    words: str
+    design: Design
+
+
+class Finding(Struct):
+    """Something that is wrong with a design, where it is, and what would help."""
+
+    about: Literal["stands", "pulled", "gap", "parts"]
+    words: str
+    parts: Names = []
+    point: Annotated[Point | None, Meta(description="where in the picture [mm]")] = None
+    mends: list[Mend] = []
+
+
 class Failed(Reply, kw_only=True):
-    """What is wrong, one plain line each."""
+    """What is wrong, one plain line each; of a design with all that is, and what would help."""
 
     of: str
     findings: list[str]
+    review: list[Finding] | UnsetType = UNSET
 
 
 AnyReply = (

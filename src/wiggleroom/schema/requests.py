@@ -47,11 +47,15 @@ class Request(Struct, tag_field="kind", forbid_unknown_fields=True, kw_only=True
 
 
 class OpenRequest(Request, tag="open", kw_only=True):
-    """Read a drawing; with a design, that one stands in place of what the drawing asks. `path` is what commands call it."""
+    """Read a drawing, or one of the samples.
+
+    With a design, that one stands in place of what the drawing asks. `path` is what commands call it.
+    """
 
     name: Annotated[str, Meta(max_length=255)]
     path: Annotated[str, Meta(max_length=4096)] = ""
-    data: bytes
+    data: bytes = b""
+    sample: bool = False
     unit: Literal["mm", "cm", "m", "in", "px"] | None = None
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None

@@ -5,6 +5,7 @@ import { back, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { answer, drawing, modes } from "../state.ts";
 import { Button } from "./Button.tsx";
+import { Notices } from "./Notices.tsx";
 
 const FACTORS = [1, 2, 5, 10, 20, 50, 100];
 
@@ -37,6 +38,7 @@ export function Player() {
         )}
         {other && <Button icon="rest" label={answer.value ? "Back to the answer" : "Back to rest"} keyName="Escape" onClick={back}>{answer.value ? "Answer" : "Rest"}</Button>}
       </div>
+      <Notices />
       <label class="group factor" title="how many times the motion is enlarged">
         <span>motion</span>
         <select value={chosenFactor.value} aria-label="how many times the motion is enlarged" onChange={(event) => (chosenFactor.value = Number(event.currentTarget.value))}>

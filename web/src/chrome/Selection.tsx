@@ -2,7 +2,7 @@
 
 import { design, fixedNames, groupOf, pulledNames, setExtra, settle, toggleFixed, togglePull, unglue } from "../design.ts";
 import { ask } from "../session.ts";
-import { baked, extent, gluing, selected } from "../state.ts";
+import { baked, drawing, extent, gluing, selected } from "../state.ts";
 import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
@@ -20,7 +20,8 @@ export function Selection() {
   const name = selected.value;
   if (baked.value) return null;
   if (gluing.value) return <div class="selection hint" role="status">Choose the part to glue to {short(gluing.value)} <button type="button" class="link" onClick={() => (gluing.value = null)}>cancel</button></div>;
-  if (!name) return null;
+  if (!drawing.value) return null;
+  if (!name) return <p class="selection hint">Drag a part to feel where it stops. Press one to fix, pull, glue or loosen it.</p>;
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
       <span class="name" title={name}>{short(name, 18)}</span>

@@ -5,6 +5,7 @@ import type { ComponentType } from "preact";
 import { answer, baked, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
+import { Findings } from "./Findings.tsx";
 import { Gaps } from "./Gaps.tsx";
 import { Joints, Ranked } from "./Ranked.tsx";
 import { Space } from "./Space.tsx";
@@ -58,6 +59,7 @@ export function Panel() {
           >{words}</button>
         ))}
       </div>
+      <Findings />
       <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
     </aside>
   );

@@ -4,7 +4,7 @@ import { useRef } from "preact/hooks";
 import { goals, setGoal, settle } from "../design.ts";
 import { factor, shown } from "../motion.ts";
 import { type Goal, isPull, isTurn, type Point, type Pull } from "../protocol.ts";
-import { baked, drawing, indexOf } from "../state.ts";
+import { baked, drawing, indexOf, pointed } from "../state.ts";
 import { size, view } from "./camera.ts";
 import { current, frame, gripAt, partAt } from "./now.ts";
 import { outOf, placed } from "./shapes.ts";
@@ -19,8 +19,10 @@ export function Overlay() {
   void frame.value;
   const { width, height } = size.value;
   if (!drawing.value || !width || shown.value.what === "escape") return null;
+  const spot = pointed.value?.point && toScreen(view.value, size.value, pointed.value.point);
   return (
     <svg class="overlay" width={width} height={height} aria-hidden="true">
+      {spot && <circle class="spot" cx={spot[0]} cy={spot[1]} r={16} />}
       {goals.value.slice(0, MOST).map((goal, i) => {
         const at = anchor(goal);
         if (!at) return null;

@@ -7,7 +7,7 @@ import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { askDrag, release } from "../session.ts";
 import * as state from "../state.ts";
-import { content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
+import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
 import { colours } from "./colours.ts";
 import { type Lead, lead } from "./lead.ts";
 import { cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
@@ -84,6 +84,10 @@ function painter(canvas: HTMLCanvasElement): () => void {
   const stopFit = effect(() => {
     if (state.drawing.value && size.value.width) untracked(fitAll);
   });
+  const stopSpot = effect(() => {
+    const place = state.pointed.value?.point;
+    if (place) untracked(() => bringIntoView(place));
+  });
   const stop = effect(() => {
     void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), state.selected.value];
     void [lead.value, playing.value, state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
@@ -94,6 +98,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     stopShapes();
     stopBox();
     stopFit();
+    stopSpot();
     stop();
     cancelAnimationFrame(wanted);
   };
@@ -263,7 +268,7 @@ export function Stage() {
   const grabbing = pointerTarget.value !== null;
   const over = state.hovered.value !== null && !state.baked.value;
   return (
-    <div class="stage" data-cursor={grabbing ? "grabbing" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
+    <div class="stage" data-unsure={state.unsure.value || shown.value.what === "between"} data-cursor={grabbing ? "grabbing" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
       <canvas
         ref={canvas} tabIndex={0} role="application" aria-roledescription="drawing"
         aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part${state.baked.value ? "" : ", arrow keys move it or turn its pull"}, question mark lists all keys.`}

@@ -3,7 +3,7 @@
 import { computed } from "@preact/signals";
 import { fixedNames, pulledNames } from "../design.ts";
 import { shown } from "../motion.ts";
-import { answer, baked, checked, coloured, dragged, names, ranking, space as pair, tab } from "../state.ts";
+import { answer, baked, checked, coloured, dragged, names, pointed, ranking, space as pair, tab } from "../state.ts";
 
 export type Role = "neutral" | "pulled" | "fixed" | "leaves" | "lit";
 
@@ -31,9 +31,11 @@ export const roles = computed<Role[]>(() => {
   const leaving = new Set(
     shown.value.what === "escape" ? escaping() : (answer.value?.reply.leaves ?? []),
   );
+  const pressed = new Set(pointed.value?.parts ?? []);
   const held = new Set(shown.value.what === "drag" ? (dragged.value?.reply.blocking ?? []) : []);
   const space = baked.value ? pair.value?.reply : undefined; // the pair that the page is about
   const role = (name: string): Role => {
+    if (pressed.has(name)) return "lit";
     if (space?.a === name || fixedNames.value.has(name)) return "fixed";
     if (space?.b === name) return "pulled";
     if (held.has(name)) return "lit";
