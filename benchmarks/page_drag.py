@@ -41,8 +41,12 @@ WATCH = """
   });
   const image = CanvasRenderingContext2D.prototype.drawImage;
   const clear = CanvasRenderingContext2D.prototype.fillRect;
-  CanvasRenderingContext2D.prototype.drawImage = function (...of) { touched ||= this.canvas.isConnected; return image.apply(this, of); };
-  CanvasRenderingContext2D.prototype.fillRect = function (...of) { touched ||= this.canvas.isConnected; return clear.apply(this, of); };
+  const watched = (call) => function (...of) {
+    touched ||= this.canvas.isConnected;
+    return call.apply(this, of);
+  };
+  CanvasRenderingContext2D.prototype.drawImage = watched(image);
+  CanvasRenderingContext2D.prototype.fillRect = watched(clear);
   const send = WebSocket.prototype.send;
   const asked = new Map();
   WebSocket.prototype.send = function (text) {
@@ -53,7 +57,8 @@ WATCH = """
       this.addEventListener("message", ({ data }) => {
         if (typeof data !== "string") return;
         const reply = JSON.parse(data);
-        if (reply.kind === "drag" && asked.has(reply.id)) frame(() => frame(() => seen.answers.push([asked.get(reply.id), performance.now()])));
+        if (reply.kind !== "drag" || !asked.has(reply.id)) return;
+        frame(() => frame(() => seen.answers.push([asked.get(reply.id), performance.now()])));
       });
     }
     return send.call(this, text);

@@ -394,7 +394,7 @@ def test_everything_by_keyboard_alone(browser: Any, peg: Served) -> None:
         page.locator("#answer", has_text="nothing asked").wait_for()
         for _ in range(40):
             keys.press("ArrowLeft")
-        page.locator("#answer", has_text=re.compile(r"peg dragged to \(14, 15\)")).wait_for()
+        page.locator("#answer", has_text="peg moved 1 mm").wait_for()
         keys.press("p")
         answered(page, "peg moves 1 mm in +x")
         keys.press("f")
@@ -488,3 +488,106 @@ def test_a_baked_page_needs_no_server(browser: Any, tmp_path: Path, monkeypatch:
     assert page.get_by_role("button", name="Save").count() == 0
     page.close()
     assert wrong == []
+
+
+def test_the_hand_leads_and_nothing_is_claimed_before_it_is_known(browser: Any, peg: Served) -> None:
+    """With the server silent, the part goes as far as the outlines leave it free, at once; the rest is a ghost."""
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        scale = pixels_per_mm(page)
+        rest, box = at_rest(page), canvas(page)
+        page.evaluate("WebSocket.prototype.send = () => {}")  # from now on nothing is answered
+        x, y = box["x"] + rest[0] - 3 * scale, box["y"] + rest[1] + 3 * scale
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x - 0.5 * scale, y, steps=3)
+        page.wait_for_timeout(100)
+        assert (foot(page)[0] - rest[0]) / scale == pytest.approx(0.5, abs=0.05)  # from where the answer ended
+        page.mouse.move(x - 6 * scale, y - 0.3 * scale, steps=3)
+        page.wait_for_timeout(100)
+        now = foot(page)
+        assert (now[0] - rest[0]) / scale == pytest.approx(-1, abs=0.02)  # the frame stops it
+        assert (rest[1] - now[1]) / scale == pytest.approx(0.3, abs=0.03)  # along the wall it goes on
+        said = page.locator(".headline").inner_text()
+        assert "follows the hand" in said
+        assert not re.search(r"\d", said)
+        page.locator(".busy").wait_for(timeout=150)
+        page.mouse.up()
+
+
+def test_no_number_before_it_is_known(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.evaluate("""() => { window.said = [];
+            new MutationObserver(() => said.push(document.querySelector('#answer').innerText)).observe(
+                document.querySelector('.headline'), {subtree: true, childList: true, characterData: true}); }""")
+        box = page.locator(".gapbox").get_by_role("textbox")
+        box.fill("1000000000")
+        box.press("Enter")
+        page.locator(".findings").wait_for(timeout=30_000)
+        assert page.evaluate("said.filter((one) => /[0-9] mm/.test(one))") == []
+        mend = page.locator(".findings .button.main").first
+        assert "Use a gap of" in mend.inner_text()
+        mend.click()
+        page.locator("#answer[data-settled=true]").wait_for()
+        assert page.locator(".findings").count() == 0
+        for wrong in ("-1", "abc"):
+            box.fill(wrong)
+            box.press("Enter")
+            page.locator(".notices", has_text=wrong).wait_for()
+
+
+def test_all_that_is_wrong_is_one_list_and_each_line_can_be_mended(browser: Any) -> None:
+    with serving(None) as served, visiting(browser, served) as page:
+        page.locator("#file").set_input_files(EXAMPLES / "drawings" / "pyjigsaw_4x5.svg")
+        page.locator(".findings li").nth(1).wait_for()
+        text = page.locator(".findings").inner_text()
+        assert "Nothing stands" in text
+        assert "touch at rest" in text
+        page.locator(".findings").get_by_role("button", name="Show").last.click()
+        page.locator(".overlay .spot").wait_for()
+        for words in ("Fix ", "Use a gap of"):
+            page.locator(".findings .button.main", has_text=words).click()
+            page.wait_for_timeout(300)
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        assert page.locator(".findings").count() == 0
+        assert page.locator(".step.done").count() == 3
+
+
+def test_the_start_page_opens_samples_and_files_of_before(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "brick.json"
+    path.write_text(json.dumps(PEG))
+    with serving(None) as served, visiting(browser, served) as page:
+        page.locator("#file").set_input_files(path)
+        answered(page, "peg moves 1 mm")
+        page.evaluate("sessionStorage.removeItem('wiggleroom.file')")
+        page.reload()
+        page.locator(".recent", has_text="brick.json").click()
+        answered(page, "peg moves 1 mm")
+        page.evaluate("sessionStorage.removeItem('wiggleroom.file')")
+        page.reload()
+        page.get_by_role("button", name=re.compile("chain", re.IGNORECASE)).click()
+        answered(page, "b6 moves")
+        assert "chain-design.json" in page.locator(".command").inner_text()
+
+
+def test_a_word_that_needs_explaining_is_explained_where_it_stands(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        for place, words in ((".headline", "Optimal:"), (".tabpanel", "How hard this contact presses")):
+            page.locator(f"{place} .explain button").first.click()
+            page.locator(f"{place} .meaning", has_text=words).wait_for()
+            page.keyboard.press("Escape")
+            page.locator(f"{place} .meaning", has_text=words).wait_for(state="hidden")
+
+
+def test_the_gap_plays_from_answer_to_answer(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.get_by_role("button", name="Play the gap").click()
+        page.locator(".curve .dot").nth(4).wait_for(timeout=30_000)
+        page.get_by_role("button", name="Stop the gap").click()
+        page.locator("#answer[data-settled=true]").wait_for()
+        gap = float(page.locator(".gapbox").get_by_role("textbox").input_value())
+        assert gap > 1
+        answered(page, f"peg moves {gap:g} mm")

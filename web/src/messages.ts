@@ -380,10 +380,13 @@ export interface WorkerState {
   state: "lost" | "ready" | "restarted";
 }
 
-/** A change of the design that may put something right. */
+/** A change of the design that may put something right: what stands in place of what it had. */
 export interface Mend {
   words: string;
-  design: Design;
+  gap?: number; // [mm]
+  fixed?: string[]; // names of parts
+  glue?: string[][];
+  goals?: PullEntry[];
 }
 
 /** Something that is wrong with a design, where it is, and what would help. */

@@ -206,7 +206,7 @@ function take(reply: Reply, ways: Frames[]): void {
     case "step": return stepped(reply.gap, reply.objective, reply.verdict, ways[0]);
     case "sweep": state.lost.value = reply.lost; return;
     case "space": state.space.value = about(reply); return;
-    case "prove": state.proof.value = about(reply); return;
+    case "prove": return proved(about(reply));
     case "saved": return download(reply);
     case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
   }
@@ -219,7 +219,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   if (reply.rings) state.rings.value = reply.rings;
   shaped = about.design;
   const same = questionOf(about.design) === question.peek();
-  if (same && ways[0] && reply.settled) remember(about.design.gap, reply.objective, reply.verdict, end(ways[0]));
+  if (same && ways[0] && reply.settled) remember({ gap: about.design.gap, objective: reply.objective, verdict: reply.verdict, end: end(ways[0]), atMost: reply.at_most });
   if (about.design === design.peek()) {
     state.waiting.value = false;
     state.answer.value = about;
@@ -233,13 +233,20 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   if (again) askFlex();
 }
 
-function remember(gap: number, objective: number | null, verdict: string, at: Float32Array | null): void {
-  const others = state.solved.peek().filter((one) => Math.abs(one.gap - gap) > 1e-9);
-  state.solved.value = [...others, { gap, objective, verdict, end: objective === null ? null : at }].sort((a, b) => a.gap - b.gap);
+function remember(one: state.Solved): void {
+  const others = state.solved.peek().filter((other) => Math.abs(other.gap - one.gap) > 1e-9);
+  state.solved.value = [...others, { ...one, end: one.objective === null ? null : one.end }].sort((a, b) => a.gap - b.gap);
 }
 
 function stepped(gap: number, objective: number | null, verdict: string, way?: Frames): void {
-  remember(gap, objective, verdict, way ? end(way) : null);
+  remember({ gap, objective, verdict, end: way ? end(way) : null });
+}
+
+/** A proof counts for the gap that it is about. */
+function proved(about: state.About<Extract<Reply, { kind: "prove" }>>): void {
+  state.proof.value = about;
+  const known = state.solved.peek().find((one) => Math.abs(one.gap - about.design.gap) < 1e-9);
+  if (known && questionOf(about.design) === question.peek()) remember({ ...known, atMost: about.reply.at_most });
 }
 
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
@@ -331,7 +338,9 @@ const said = (words: string): Finding => ({ about: "parts", words, parts: [], po
 
 function failed(of: string, lines: Finding[]): void {
   if (of === "flex") {
+    const again = quick?.again;
     quick = null;
+    if (again) return askFlex(); // it failed for a design that has been changed since
     state.waiting.value = false;
     state.answer.value = null;
     if (shown.peek().what !== "drag") showRest();

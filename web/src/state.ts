@@ -38,7 +38,7 @@ export const space = signal<About<SpaceReply> | null>(null);
 export const proof = signal<About<ProveReply> | null>(null);
 
 /** Answers at several gaps to the present question, by gap. */
-export interface Solved { gap: number; objective: number | null; verdict: string; end: Float32Array | null }
+export interface Solved { gap: number; objective: number | null; verdict: string; end: Float32Array | null; atMost?: number | null }
 export const solved = signal<Solved[]>([]);
 export const lost = signal<[number, number] | null>(null);
 

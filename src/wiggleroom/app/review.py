@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
-from msgspec.structs import replace
+from msgspec import UNSET
 
 from wiggleroom.app.design_cache import DesignCache
 from wiggleroom.app.open_requests import suggested
@@ -44,7 +44,7 @@ def review(designs: DesignCache, design: Design) -> list[Finding]:
     """
     drawing = designs.with_offsets(design)
     parts, lines = examine_parts(drawing)
-    found = [*_roles(drawing, design), *_unmakeable(drawing, design, lines)]
+    found = [*_roles(drawing, design), *_unmakeable(drawing, lines)]
     found += _meeting(drawing, parts, design)
     if len(found) > MAX_FINDINGS:
         found = [*found[:MAX_FINDINGS], Finding("parts", f"and {len(found) - MAX_FINDINGS} more")]
@@ -57,20 +57,24 @@ def _roles(drawing: Drawing, design: Design) -> list[Finding]:
     fixed = [part.name for part in drawing.parts if part.fixed]
     if not fixed and len(drawing.parts) > 1:
         name = largest(drawing)
-        goals = [g for g in design.goals if g.part != name] if isinstance(design.goals, list) else design.goals
-        mend = Mend(f"Fix {short(name)}", replace(design, fixed=[name], goals=goals))
+        goals = [g for g in design.goals if g.part != name] if isinstance(design.goals, list) else UNSET
+        mend = Mend(f"Fix {short(name)}", fixed=[name], goals=goals)
         found.append(
-            Finding("stands", "Nothing stands: some part must hold still for others to move against", [name], mends=[mend])
+            Finding(
+                "stands", "Nothing stands: some part must hold still for others to move against", [name], mends=[mend]
+            )
         )
     elif len(fixed) == len(drawing.parts):
         name = fixed[-1]
-        mend = Mend(f"Let {short(name)} go", replace(design, fixed=fixed[:-1]))
+        mend = Mend(f"Let {short(name)} go", fixed=fixed[:-1])
         found.append(
-            Finding("stands", "Everything is fixed: leave at least one part free to move", mends=[mend] * (len(fixed) > 1))
+            Finding(
+                "stands", "Everything is fixed: leave at least one part free to move", mends=[mend] * (len(fixed) > 1)
+            )
         )
     if not drawing.goals and len(drawing.parts) > 1:
         goal = suggested(drawing)
-        mend = Mend(f"Pull {short(goal.part)}", replace(design, goals=[goal]))
+        mend = Mend(f"Pull {short(goal.part)}", goals=[goal])
         found.append(Finding("pulled", "Nothing is pulled: say which part, and which way", [goal.part], mends=[mend]))
     return found
 
@@ -82,14 +86,20 @@ def largest(drawing: Drawing) -> str:
     return drawing.parts[int(area.argmax())].name
 
 
-def _unmakeable(drawing: Drawing, design: Design, lines: Sequence[str]) -> list[Finding]:
+def usual_size(drawing: Drawing) -> float:
+    """Side of a square with as much material as the median part [mm]."""
+    shapes, owner = placed(drawing.parts)
+    return float(np.median(np.sqrt(np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts)))))
+
+
+def _unmakeable(drawing: Drawing, lines: Sequence[str]) -> list[Finding]:
     """What is wrong with single parts; a smaller gap may help where they cannot be made."""
     mends: list[Mend] = []
-    gap = drawing.gap
-    for _ in range(MAX_HALVINGS if lines and 0 < gap < math.inf else 0):
+    gap = min(drawing.gap, 2 * MAX_GAP_SHARE * usual_size(drawing)) if 0 < drawing.gap < math.inf else 0.0
+    for _ in range(MAX_HALVINGS if lines and gap else 0):
         gap = _rounded(gap / 2)
         if not examine_parts(dataclasses.replace(drawing, gap=gap))[1]:
-            mends = [Mend(f"Use a gap of {number(gap)} mm", replace(design, gap=gap))]
+            mends = [Mend(f"Use a gap of {number(gap)} mm", gap=gap)]
             break
     names = [part.name for part in drawing.parts]
     return [Finding("parts", on_the_page(line), [n for n in names if f'"{n}"' in line], mends=mends) for line in lines]
@@ -111,11 +121,11 @@ def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fi
     wanted = max([GAP_SHARE * size, *(drawing.gap + DEPTH_MARGIN * depth for depth in pairs.values())])
     usual = float(np.median([math.sqrt(one.area) for one in whole]))
     gap = _opening(drawing, _rounded(wanted), MAX_GAP_SHARE * usual, CONTACT_TOLERANCE * size)
-    wider = [] if gap is None else [Mend(f"Use a gap of {number(gap)} mm", replace(design, gap=gap))]
+    wider = [] if gap is None else [Mend(f"Use a gap of {number(gap)} mm", gap=gap)]
 
     def finding(words: str, a: str, b: str, names: list[str], place: shapely.Geometry, alone: bool) -> Finding:
         x, y = shapely.get_coordinates(place)[0].tolist()
-        glued = [Mend("Glue them", replace(design, glue=[*design.glue, [a, b]]))]
+        glued = [Mend("Glue them", glue=[*design.glue, [a, b]])]
         return Finding("gap", words, names, (x, y), [*wider, *glued] if alone else wider)
 
     found = []

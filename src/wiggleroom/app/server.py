@@ -168,9 +168,7 @@ def hello() -> Hello:
     from importlib.metadata import version
 
     can = [extra for extra, needs in EXTRAS.items() if all(find_spec(n) is not None for n in needs)]
-    return Hello(
-        version=version("wiggleroom"), can=can, limits=ExtraLimits(UPLOAD_MB), samples=list(sample_entries())
-    )
+    return Hello(version=version("wiggleroom"), can=can, limits=ExtraLimits(UPLOAD_MB), samples=list(sample_entries()))
 
 
 def listen_anywhere(port: int) -> socket.socket:

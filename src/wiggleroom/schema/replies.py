@@ -264,10 +264,13 @@ class WorkerState(Reply, tag="worker", kw_only=True):
 
 
 class Mend(Struct):
-    """A change of the design that may put something right."""
+    """A change of the design that may put something right: what stands in place of what it had."""
 
     words: str
-    design: Design
+    gap: Mm | UnsetType = UNSET
+    fixed: Names | UnsetType = UNSET
+    glue: list[Names] | UnsetType = UNSET
+    goals: list[PullEntry] | UnsetType = UNSET
 
 
 class Finding(Struct):

@@ -1,13 +1,13 @@
 /** Everything that is wrong with the design, each with its place in the picture and what would put it right. */
 
-import { change, design as now } from "../design.ts";
+import { change } from "../design.ts";
 import type { Finding, Mend } from "../protocol.ts";
 import { findings, pointed } from "../state.ts";
 import { Button } from "../chrome/Button.tsx";
 
-export const mend = ({ design }: Mend): void => {
+export const mend = ({ words: _, ...changed }: Mend): void => {
   pointed.value = null;
-  change({ ...design, gap: design.gap ?? now.peek().gap });
+  change(changed);
 };
 
 export function Findings() {
