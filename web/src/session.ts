@@ -310,6 +310,7 @@ function opened(reply: Opened): void {
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof]) one.value = null;
   state.selected.value = null;
+  state.many.value = new Set();
   state.solved.value = [];
   state.rings.value = reply.parts.map((part) => part.rings);
   shaped = null;

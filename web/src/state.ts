@@ -51,6 +51,8 @@ export const busy = computed(() => ["open", "flex", "drag", "shape"].some((kind)
 export const unsure = computed(() => running.value.has("flex") && !(answer.value?.design === design.value && answer.value.reply.settled));
 
 export const selected = signal<string | null>(null);
+/** Parts that are chosen together; empty where it is one or none. */
+export const many = signal<ReadonlySet<string>>(new Set());
 export const hovered = signal<string | null>(null);
 export const gluing = signal<string | null>(null);
 export const highlit = signal<Point | null>(null);

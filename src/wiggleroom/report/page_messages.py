@@ -35,7 +35,7 @@ def drawing_told(drawing: Drawing, parts: Sequence[Part], name: str) -> Opened:
             PartShape(part.name, (part.at[0], part.at[1], math.degrees(part.at[2])), rings)
             for part, rings in zip(parts, rings_told(parts), strict=True)
         ],
-        ignore=[tuple(pair) for pair in drawing.ignore],
+        ignore=list(drawing.ignore),
         design=design_told(drawing),
     )
 

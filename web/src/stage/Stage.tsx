@@ -1,6 +1,6 @@
 /** The canvas with the parts, and what the pointer does on it. */
 
-import { effect, untracked } from "@preact/signals";
+import { computed, effect, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
@@ -10,8 +10,10 @@ import * as state from "../state.ts";
 import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
 import { colours } from "./colours.ts";
 import { type Lead, lead } from "./lead.ts";
+import { chooseMany, chooseToo, close, draw, lassoing } from "./lasso.ts";
 import { cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
 import { paintMarks } from "./marks.ts";
+import { measuring, pick, picked } from "./measure.ts";
 import { clear, type Scene, paint, paintGhost } from "./paint.ts";
 import { Overlay } from "./Overlay.tsx";
 import { blame, roles } from "./roles.ts";
@@ -19,6 +21,12 @@ import { around, outOf, placed, shapes } from "./shapes.ts";
 import { toWorld } from "./view.ts";
 
 const SLOW = 36;
+
+/** Indices of the chosen parts. */
+const chosen = computed<ReadonlySet<number>>(() => {
+  const some = state.many.value.size ? [...state.many.value] : state.selected.value ? [state.selected.value] : [];
+  return new Set(some.flatMap((name) => state.indexOf.value.get(name) ?? []));
+});
 
 function painter(canvas: HTMLCanvasElement): () => void {
   const g = canvas.getContext("2d", { alpha: false })!;
@@ -44,7 +52,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     const at = state.indexOf.peek();
     const scene = {
       shapes: current.shapes, names: state.names.peek(), roles: roles.peek(), blame: blame.peek(),
-      motion, factor: factor(), chosen: at.get(state.selected.peek() ?? "") ?? -1, hovered: at.get(state.hovered.peek() ?? "") ?? -1, colours: colours(),
+      motion, factor: factor(), chosen: chosen.peek(), hovered: at.get(state.hovered.peek() ?? "") ?? -1, colours: colours(),
     };
     if (led && !moving) {
       behind.show(g, scene, led);
@@ -70,6 +78,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
   const stopShapes = effect(() => {
     const opened = state.drawing.value;
     current.shapes = opened ? shapes(opened.parts, state.rings.value) : [];
+    if (picked.peek().length) picked.value = []; // other outlines
     invalidate();
   });
   const stopBox = effect(() => {
@@ -89,7 +98,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     if (place) untracked(() => bringIntoView(place));
   });
   const stop = effect(() => {
-    void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), state.selected.value];
+    void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), chosen.value];
     void [lead.value, playing.value, state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
     invalidate();
   });
@@ -112,7 +121,7 @@ class Behind {
   show(g: CanvasRenderingContext2D, scene: Scene, { group }: Lead): void {
     const { width, height } = g.canvas;
     const { frames } = shown.peek();
-    const of = [width, height, view.peek(), size.peek(), frames, place.peek(), scene.factor, scene.roles, scene.blame, scene.colours, scene.shapes, group.join()];
+    const of = [width, height, view.peek(), size.peek(), frames, place.peek(), scene.factor, scene.roles, scene.blame, scene.chosen, scene.colours, scene.shapes, group.join()];
     if (of.some((one, k) => one !== this.#of[k])) {
       this.#of = of;
       if (this.#canvas.width !== width) this.#canvas.width = width;
@@ -121,7 +130,7 @@ class Behind {
       const ratio = width / size.peek().width;
       clear(own, size.peek(), ratio, scene.colours);
       const mine = new Set(group);
-      paint(own, size.peek(), ratio, view.peek(), { ...scene, hovered: -1, chosen: mine.has(scene.chosen) ? -1 : scene.chosen }, false, mine, true);
+      paint(own, size.peek(), ratio, view.peek(), { ...scene, hovered: -1 }, false, mine, true);
     }
     g.setTransform(1, 0, 0, 1, 0, 0);
     g.drawImage(this.#canvas, 0, 0);
@@ -156,6 +165,7 @@ interface Held { at: Point; moved: boolean; part: string | null; grip: Point }
 
 function pointers(canvas: HTMLCanvasElement): () => void {
   const down = new Map<number, Held>();
+  let lassoPointer = -1;
   const here = (event: PointerEvent | WheelEvent): Point => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -164,13 +174,20 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     if (event.button > 1 || !state.drawing.peek()) return;
     canvas.setPointerCapture(event.pointerId);
     const at = here(event);
-    const name = event.button === 0 && down.size === 0 ? partAt(at) : null;
+    if (event.button === 0 && (lassoing.peek() || event.shiftKey) && down.size === 0 && !state.baked.peek()) {
+      if (lassoing.peek() || partAt(at) === null) {
+        lassoPointer = event.pointerId;
+        return draw(at);
+      }
+    }
+    const name = event.button === 0 && down.size === 0 && !measuring.peek() ? partAt(at) : null;
     const grip = name ? gripAt(name, at) : ([0, 0] as Point);
     down.set(event.pointerId, { at, moved: false, part: name, grip });
   };
   const move = (event: PointerEvent): void => {
     const held = down.get(event.pointerId);
     const at = here(event);
+    if (lassoPointer === event.pointerId) return draw(at);
     if (!held) {
       if (event.pointerType !== "touch") state.hovered.value = partAt(at);
       return;
@@ -199,18 +216,27 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     const world = toWorld(view.peek(), size.peek(), at);
     const f = factor();
     const target: Point = [held.grip[0] + (world[0] - held.grip[0]) / f, held.grip[1] + (world[1] - held.grip[1]) / f];
-    state.selected.value = held.part;
+    chooseMany([held.part!]);
     pointerTarget.value = { part: held.part!, grip: held.grip, target };
     askDrag(held.part!, held.grip, target);
   };
   const lift = (event: PointerEvent): void => {
+    if (lassoPointer === event.pointerId) {
+      lassoPointer = -1;
+      lassoing.value = false;
+      return close(event.shiftKey && state.many.peek().size > 0);
+    }
     const held = down.get(event.pointerId);
     down.delete(event.pointerId);
     if (!held) return;
     if (pointerTarget.peek()) {
       pointerTarget.value = null;
       release();
-    } else if (!held.moved && event.type === "pointerup") choose(held.part);
+    } else if (!held.moved && event.type === "pointerup") {
+      if (measuring.peek()) pick(here(event));
+      else if (event.shiftKey && held.part) chooseToo(held.part);
+      else choose(held.part);
+    }
   };
   const wheel = (event: WheelEvent): void => {
     event.preventDefault();
@@ -239,7 +265,7 @@ export function choose(name: string | null): void {
   const other = state.gluing.peek();
   state.gluing.value = null;
   if (other && name) glue(other, name);
-  else state.selected.value = name;
+  else chooseMany(name ? [name] : []);
 }
 
 export function Stage() {
@@ -268,7 +294,7 @@ export function Stage() {
   const grabbing = pointerTarget.value !== null;
   const over = state.hovered.value !== null && !state.baked.value;
   return (
-    <div class="stage" data-unsure={state.unsure.value || shown.value.what === "between"} data-cursor={grabbing ? "grabbing" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
+    <div class="stage" data-unsure={state.unsure.value || shown.value.what === "between"} data-cursor={grabbing ? "grabbing" : measuring.value || lassoing.value ? "cell" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
       <canvas
         ref={canvas} tabIndex={0} role="application" aria-roledescription="drawing"
         aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part${state.baked.value ? "" : ", arrow keys move it or turn its pull"}, question mark lists all keys.`}

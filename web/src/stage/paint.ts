@@ -12,7 +12,7 @@ export interface Scene {
   blame: Float32Array | null;
   motion: Float32Array;
   factor: number;
-  chosen: number;
+  chosen: ReadonlySet<number>;
   hovered: number;
   colours: Colours;
 }
@@ -61,9 +61,9 @@ export function paint(
     g.lineWidth = (role === "neutral" ? 1 : 1.4) / view.scale;
     g.stroke(one.path);
   }
-  for (const i of [scene.hovered, scene.chosen]) {
-    const found = seen.find((one) => one.i === i);
-    if (found) ring(g, size, ratio, view, scene, found, i === scene.chosen);
+  for (const found of seen) {
+    if (scene.chosen.has(found.i)) ring(g, size, ratio, view, scene, found, true);
+    else if (found.i === scene.hovered) ring(g, size, ratio, view, scene, found, false);
   }
   if (!rough) names(g, size, ratio, view, scene, seen);
 }
