@@ -591,3 +591,133 @@ def test_the_gap_plays_from_answer_to_answer(browser: Any, peg: Served) -> None:
         gap = float(page.locator(".gapbox").get_by_role("textbox").input_value())
         assert gap > 1
         answered(page, f"peg moves {gap:g} mm")
+
+
+AXE = Path(__file__).parents[1] / "web" / "node_modules" / "axe-core" / "axe.min.js"
+"""Accessibility rules; `npm ci` in `web` brings them."""
+
+
+def accessible(page: Any) -> None:
+    """Axe finds nothing, on all that is seen now."""
+    page.wait_for_timeout(250)  # what fades is there
+    page.evaluate(AXE.read_text())
+    found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
+    assert [(one["id"], [node["html"][:160] for node in one["nodes"]]) for one in found] == []
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="needs `npm ci` in web")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing(browser: Any, scheme: str) -> None:
+    with serving(None) as served, visiting(browser, served, color_scheme=scheme) as page:
+        page.locator(".sample").first.wait_for()
+        accessible(page)
+        page.locator("#file").set_input_files(EXAMPLES / "drawings" / "pyjigsaw_4x5.svg")
+        page.locator(".findings").wait_for()
+        accessible(page)
+        for words in ("Fix ", "Use a gap of"):
+            page.locator(".findings .button.main", has_text=words).click()
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator(".stage canvas").focus()
+        page.keyboard.press(".")
+        page.locator(".headline .explain button").click()
+        accessible(page)
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            accessible(page)
+        page.locator(".savebutton").click()
+        accessible(page)
+        page.keyboard.press("Escape")
+        page.keyboard.press("?")
+        accessible(page)
+
+
+LONG = "оченьдлинноеимя_{}_非常に長い部品名_without_any_space_in_it_at_all"
+OVERLAPPING = """() => {
+    const shown = (e) => { const r = e.getBoundingClientRect(); return r.width > 1 && r.height > 1 && !e.closest('.unseen'); };
+    const seen = (e) => {
+        let { left, top, right, bottom } = e.getBoundingClientRect();
+        for (let p = e.parentElement; p; p = p.parentElement) {
+            if (getComputedStyle(p).overflowX === 'visible') continue;
+            const q = p.getBoundingClientRect();
+            [left, top] = [Math.max(left, q.left), Math.max(top, q.top)];
+            [right, bottom] = [Math.min(right, q.right), Math.min(bottom, q.bottom)];
+        }
+        return [left, top, right, bottom];
+    };
+    const all = [...document.querySelectorAll('.stage, .topbar > *, .said > *, .work, .selection > *, .player .group > *, ' +
+        '.notices > *, .gapbox > *, .gapcurve input, .tabs > *, .panel :is(button, input, select, h2, .name, .step)')].filter(shown);
+    const found = [];
+    all.forEach((a, i) => all.slice(i + 1).forEach((b) => {
+        if (a.contains(b) || b.contains(a)) return;
+        const [p, q] = [seen(a), seen(b)];
+        const wide = Math.min(p[2], q[2]) - Math.max(p[0], q[0]);
+        const high = Math.min(p[3], q[3]) - Math.max(p[1], q[1]);
+        if (wide > 1.5 && high > 1.5) found.push([a.outerHTML.slice(0, 80), b.outerHTML.slice(0, 80)]);
+    }));
+    const out = (e) => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.selection, .tabs, .scroll');
+    found.push(...all.filter(out).map((e) => e.outerHTML.slice(0, 80)));
+    return found;
+}"""
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1440, 900), (2560, 1440), (390, 844), (640, 360)])
+def test_nothing_overlaps_whatever_the_names(browser: Any, tmp_path: Path, size: tuple[int, int]) -> None:
+    """640 x 360 is 1280 x 720 at 200 %."""
+    text = (EXAMPLES / "02_chain_of_tees" / "chain.json").read_text()
+    for part in json.loads(text)["parts"]:
+        text = text.replace(json.dumps(part["name"]), json.dumps(LONG.format(part["name"])))
+    path = tmp_path / f"{LONG.format('file')}.json"
+    path.write_text(text, encoding="utf-8")
+    with serving(path) as served, visiting(browser, served) as page:
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator(".stage canvas").focus()
+        for _ in range(3):
+            page.keyboard.press(".")
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            page.wait_for_timeout(80)
+            assert page.evaluate(OVERLAPPING) == []
+            assert page.evaluate("document.scrollingElement.scrollWidth") <= size[0]
+            assert canvas(page)["height"] >= 150
+
+
+def test_the_clearance_of_two_edges_is_measured(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        scale = pixels_per_mm(page)
+        rest, box = at_rest(page), canvas(page)
+        page.get_by_label("place on the way from rest").fill("0")
+        still(page)
+        page.locator(".stage canvas").focus()
+        page.keyboard.press("m")
+        for x in (-4.5, -5.5):  # the peg's left side, and the hole's
+            page.mouse.click(box["x"] + rest[0] + x * scale, box["y"] + rest[1])
+        page.locator(".measure text", has_text=re.compile(r"^1 mm$")).wait_for()
+        page.get_by_label("place on the way from rest").fill("1000")
+        page.locator(".measure text", has_text=re.compile(r"^(2|1[.]99[0-9]*) mm$")).wait_for()
+        page.keyboard.press("Escape")
+        page.locator(".measure").wait_for(state="hidden")
+
+
+def test_many_parts_are_chosen_by_a_line_round_them(browser: Any) -> None:
+    with serving(EXAMPLES / "02_chain_of_tees" / "chain.json") as served, visiting(browser, served) as page:
+        page.locator("#answer[data-settled=true]").wait_for()
+        box = canvas(page)
+        page.locator(".stage canvas").focus()
+        page.keyboard.press("l")
+        corners = [(0.02, 0.02), (0.98, 0.02), (0.98, 0.98), (0.02, 0.98)]
+        places = [(box["x"] + u * box["width"], box["y"] + v * box["height"]) for u, v in corners]
+        page.mouse.move(*places[0])
+        page.mouse.down()
+        for x, y in places[1:]:
+            page.mouse.move(x, y, steps=4)
+        page.mouse.up()
+        toolbar = page.get_by_role("toolbar", name="10 parts")
+        toolbar.get_by_role("textbox").fill("0.002")
+        toolbar.get_by_role("textbox").press("Enter")
+        page.get_by_role("tab", name="Gaps").click()
+        boxes = page.locator("table.parts").get_by_role("textbox")
+        assert [one.input_value() for one in boxes.all()] == ["0.002"] * 10
+        page.keyboard.press("Escape")
+        page.keyboard.press("Escape")
