@@ -1,4 +1,4 @@
-"""From outer regions to a bound: tighten, refine, split, until nothing above the witness is left or the time is up.
+"""Branch and bound from outer regions: tighten, refine and split until nothing above the motion found is left, or the time is up.
 
 The relaxation is asked for its best value. Then the range of every body's turn is cut to what motions worth at least `cut`, a little more
 than the witness, can have. That makes the relaxation tighter, again and again. Intervals of turns that hold it up are made narrower. Where
@@ -26,9 +26,9 @@ from wiggleroom.bound.linear_relaxation import (
 )
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.deadline import Deadline
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_facets import holding
 from wiggleroom.freespace.outer.outer_region import OuterRegion, refined
-from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 from wiggleroom.solve.safe_dual_bound import LinearBounds
@@ -54,7 +54,7 @@ class BranchAndBound:
 
     ground: Survey
     links: JointConstraints
-    regions: list[OuterRegion | Skin]
+    regions: list[OuterRegion | CagingSurface]
     goal: PointMotion
     cut: float
     clock: Deadline
@@ -139,9 +139,9 @@ class BranchAndBound:
             which = linear.facet[active[linear.facet[active, 0] == p], 1]
             kind = int(self.links.kind[p])
             region = self.regions[kind]
-            if isinstance(region, Skin):  # sharp from the start
+            if isinstance(region, CagingSurface):  # sharp from the start
                 continue
-            accuracy = FINEST_BLUR * region.facing.clearance
+            accuracy = FINEST_BLUR * region.material.clearance
             wanted.setdefault(kind, []).append(holding(region, linear.cut[int(p)], which, accuracy))
         done = False
         for kind, found in wanted.items():

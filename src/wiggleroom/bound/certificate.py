@@ -15,8 +15,8 @@ from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.bound.linear_relaxation import AngleRanges, JointConstraints
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.drawing.model import Part
+from wiggleroom.freespace.outer.caging_surface import CagingSurface, caging_surface
 from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.freespace.outer.skin import Skin, skin
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 
@@ -27,11 +27,11 @@ ABOVE = 1e-12
 """A bound is stated larger by this share, so that whoever works it out with other rounding does not come out above it."""
 
 
-def skins(
+def caging_surfaces(
     links: JointConstraints, regions: list[OuterRegion], over: Callable[[], bool]
-) -> tuple[JointConstraints, list[Skin]]:
-    """The pairs for whose outer region a skin was found, and these."""
-    found = [None if over() else skin(region, over) for region in regions]
+) -> tuple[JointConstraints, list[CagingSurface]]:
+    """The pairs for whose outer region a caging surface was found, and these."""
+    found = [None if over() else caging_surface(region, over) for region in regions]
     place = np.cumsum([s is not None for s in found]) - 1
     keep = np.array([found[k] is not None for k in links.kind], dtype=bool)
     kept = JointConstraints(
@@ -49,7 +49,7 @@ def certificate(
     ground: Survey,
     assembly: Assembly,
     links: JointConstraints,
-    regions: list[Skin],
+    regions: list[CagingSurface],
     goal: PointMotion,
     ranges: AngleRanges,
     cut: float,
@@ -112,18 +112,18 @@ def _polygons(parts: Sequence[Part]) -> list[list[list[list[float]]]]:
     return [[ring.tolist() for ring in rings] for rings in regions]
 
 
-def _region(skin: Skin) -> dict[str, Any]:
-    """One skin with only the chords that it names."""
-    chords = np.vstack([seam.chords for seam in skin.seams])
+def _region(surface: CagingSurface) -> dict[str, Any]:
+    """One caging surface with only the chords that it names."""
+    chords = np.vstack([seam.chords for seam in surface.seams])
     a, first = np.unique(chords[:, 0], return_inverse=True)
     b, second = np.unique(chords[:, 1], return_inverse=True)
-    ends = np.cumsum([len(seam.chords) for seam in skin.seams])[:-1]
+    ends = np.cumsum([len(seam.chords) for seam in surface.seams])[:-1]
     return {
-        "a": skin.crossings.a[a].tolist(),
-        "b": skin.crossings.b[b].tolist(),
-        "loops": [[float(loop.angle), loop.at.tolist()] for loop in skin.loops],
+        "a": surface.crossings.a[a].tolist(),
+        "b": surface.crossings.b[b].tolist(),
+        "loops": [[float(loop.angle), loop.at.tolist()] for loop in surface.loops],
         "seams": [
             [seam.tracks.tolist(), np.column_stack(named).tolist()]
-            for seam, *named in zip(skin.seams, np.split(first, ends), np.split(second, ends), strict=True)
+            for seam, *named in zip(surface.seams, np.split(first, ends), np.split(second, ends), strict=True)
         ],
     }

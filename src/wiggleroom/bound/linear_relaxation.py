@@ -1,4 +1,4 @@
-"""A linear program that every reachable motion satisfies: the product of all outer regions, with envelopes for turns.
+"""Linear relaxation: a linear program that every reachable motion satisfies, from all outer regions and envelopes of cos and sin.
 
 Variables of a body: x, y [mm], turn t [rad], C for cos t - 1 and S for sin t. Variables of a pair: the motion tau of its
 pivot, as its first body sees it. The pivot moves with both bodies; with arms p, q from their origins to it,
@@ -19,10 +19,10 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.bound.trigonometric_envelopes import envelope
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
 from wiggleroom.freespace.outer.outer_facets import Facets, facets
 from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
@@ -121,7 +121,7 @@ class LinearRelaxation:
 
 
 def first_ranges(
-    bodies: Bodies, links: JointConstraints, regions: Sequence[OuterRegion | Skin | LocalOuterRegion]
+    bodies: Bodies, links: JointConstraints, regions: Sequence[OuterRegion | CagingSurface | LocalOuterRegion]
 ) -> AngleRanges:
     """Turns and shifts add up along ways to fixed bodies; the shortest way counts."""
     root = bodies.fixed
@@ -153,7 +153,7 @@ def _shortest(links: JointConstraints, forth: Floats, back: Floats, root: NDArra
 def relaxation(
     bodies: Bodies,
     links: JointConstraints,
-    regions: Sequence[OuterRegion | Skin],
+    regions: Sequence[OuterRegion | CagingSurface],
     ranges: AngleRanges,
     goal: PointMotion,
     unit: float,
@@ -183,7 +183,7 @@ class _RowBuilder:
         self,
         bodies: Bodies,
         links: JointConstraints,
-        regions: Sequence[OuterRegion | Skin],
+        regions: Sequence[OuterRegion | CagingSurface],
         ranges: AngleRanges,
         unit: float,
         size: float,

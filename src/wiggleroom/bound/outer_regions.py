@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.bound.linear_relaxation import JointConstraints
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of
-from wiggleroom.freespace.outer.outer_slices import Facing
+from wiggleroom.freespace.outer.outer_slices import PairMaterial
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import classes, relative_rest
+from wiggleroom.geometry.neighbours import classes, relative_pose
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.search.prepare import Survey
 
@@ -26,7 +26,7 @@ PIVOT_REACH = 3.0
 def outer_regions(ground: Survey, over: Callable[[], bool]) -> tuple[JointConstraints, list[OuterRegion]]:
     """Outer regions of the pairs whose joint closes, and which pair has which; fewer where it is `over` before all are done."""
     them, a, b = ground.bodies, ground.near.a, ground.near.b
-    first, label = classes(them, a, b, relative_rest(them, a, b))
+    first, label = classes(them, a, b, relative_pose(them, a, b))
     regions: list[OuterRegion] = []
     kind = np.full(len(first), -1, dtype=np.int64)
     pivots = np.zeros((len(first), 2))
@@ -49,9 +49,9 @@ def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, pivots: Floats) -> J
     return JointConstraints(a, b, kind, arm, them.rest[a, :2] + arm - them.rest[b, :2], axes)
 
 
-def facing_of(
+def material_of(
     them: Bodies, geometry: NDArray[np.object_], a: int, b: int, clearance: float
-) -> tuple[Facing, Floats, float]:
+) -> tuple[PairMaterial, Floats, float]:
     """Two bodies about the pivot of their joint, the pivot in the frame of body `a`, and its lever [mm]; `geometry` (n,) lies at rest."""
     pivot, lever = pivot_of(geometry[a], geometry[b], PIVOT_REACH * clearance)
     x, y, angle = them.rest[a]
@@ -59,8 +59,8 @@ def facing_of(
     def seen(shape: shapely.Geometry) -> shapely.Geometry:
         return shapely.transform(shape, lambda p: turn(p - pivot, np.full(len(p), -angle)))
 
-    facing = Facing(seen(geometry[a]), seen(geometry[b]), clearance)
-    return facing, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
+    material = PairMaterial(seen(geometry[a]), seen(geometry[b]), clearance)
+    return material, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
 
 
 def _region(
@@ -68,5 +68,5 @@ def _region(
 ) -> tuple[OuterRegion | None, Floats]:
     """Outer region of one pair, None where the joint is open or it was `over` first, and its pivot in the frame of body `a`."""
     them = ground.bodies
-    facing, pivot, lever = facing_of(them, ground.geometry, a, b, clearance)
-    return outer_region(facing, lever, float(them.radius[a] + them.radius[b]), over), pivot
+    material, pivot, lever = material_of(them, ground.geometry, a, b, clearance)
+    return outer_region(material, lever, float(them.radius[a] + them.radius[b]), over), pivot

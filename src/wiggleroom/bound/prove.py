@@ -9,14 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from wiggleroom.bound.branch_and_bound import BranchAndBound
-from wiggleroom.bound.certificate import certificate, skins
+from wiggleroom.bound.certificate import caging_surfaces, certificate
 from wiggleroom.bound.linear_relaxation import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, WiggleroomError
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.loop import Progress
@@ -94,18 +94,22 @@ def prove(
 
     tell("outer regions", math.nan)
     links, outer = outer_regions(ground, clock.is_set)
-    regions: list[OuterRegion | Skin] = [*outer]
-    found: list[Skin] = []
+    regions: list[OuterRegion | CagingSurface] = [*outer]
+    found: list[CagingSurface] = []
     if certify:
-        tell("skins", math.nan)
-        links, found = skins(links, outer, clock.is_set)
+        tell("caging surfaces", math.nan)
+        links, found = caging_surfaces(links, outer, clock.is_set)
         regions = [*found]
     ranges = first_ranges(ground.bodies, links, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
     if not (ground.bodies.fixed[asked] | np.isfinite(ranges.far[asked])).all():
         late = "there was no time to look at all joints"
         loose = "no chain of joints that close round each other holds what is pulled"
-        why = late if clock.is_set() else loose + (", or no skin was found round one of them" if certify else "")
+        why = (
+            late
+            if clock.is_set()
+            else loose + (", or no caging surface was found round one of them" if certify else "")
+        )
         return _not_proven(answer, clock, why)
     proof = ProofNode() if certify else None
     bounding = BranchAndBound(

@@ -18,7 +18,7 @@ from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.pair_hulls import hulls, joint_point
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls, model_named
 from wiggleroom.freespace.models.polyhedron import Polyhedron
-from wiggleroom.freespace.slices import March, Slice, march, meeting
+from wiggleroom.freespace.slices import Slice, SliceSequence, march, pair_outlines
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import placed
@@ -291,13 +291,13 @@ def _walls(
 def _marched(
     assembly: Assembly, them: Bodies, rows: tuple[int, int], names: tuple[str, str], material: NDArray[np.object_],
     reach: float, stop: Stop | None,
-) -> tuple[March, Relative]:  # fmt: skip
+) -> tuple[SliceSequence, Relative]:  # fmt: skip
     """Slices from one end of the free space to the other, and how they are related to the bodies."""
     pivot = joint_point(*material)
     at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
     relation = relate(at_a, at_b, them.rest[rows[0]], them.rest[rows[1]], pivot)
     own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
-    return march(meeting(own[0], own[1]), reach, stop), relation
+    return march(pair_outlines(own[0], own[1]), reach, stop), relation
 
 
 def _polyhedron(

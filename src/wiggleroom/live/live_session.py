@@ -14,14 +14,14 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
 from wiggleroom.live.neighbourhood import neighbourhood
 from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns
-from wiggleroom.live.warm_start import FIRST_BARRIER, State, Until, WarmSearch, at_rest, pushed
+from wiggleroom.live.warm_start import FIRST_BARRIER, State, TimeBudget, WarmSearch, at_rest, pushed
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import Approach, Points
@@ -182,7 +182,7 @@ class Live:
         aim = np.add(grip, away)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
-        state, until = self._begun(start, goals), Until(seconds, stop)
+        state, until = self._begun(start, goals), TimeBudget(seconds, stop)
         near = None if within is None else self._neighbours(term, aim, state, within, until)
         if near is not None:
             after, search, settled = near
@@ -220,7 +220,7 @@ class Live:
         """
         began, ready = time.perf_counter(), self.ready
         asked = self._asked(goals)
-        term, until = ready.objective(asked), Until(seconds, stop)
+        term, until = ready.objective(asked), TimeBudget(seconds, stop)
         state = self._nearby(asked)
         if state is None:
             state = at_rest(ready)
@@ -261,7 +261,7 @@ class Live:
         found = answer.warm_start
         if found is not None and answer.objective is not None and answer.collision_free:
             cells = found.program.cells
-            ended = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion)
+            ended = relative_pose(self.ready.bodies, cells.a, cells.b, found.motion)
             state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
             self._remember(_End(asked, self._design, state))
         return answer
@@ -291,7 +291,7 @@ class Live:
         if part is not None:
             self._asked(Towards(part, (0.0, 0.0)))
             body = int(self.ready.bodies.body_of[self.assembly.names.index(part)])
-        return modes(self.ready, body, count, Until(seconds, stop))
+        return modes(self.ready, body, count, TimeBudget(seconds, stop))
 
     @property
     def _design(self) -> GapDesign:
@@ -316,7 +316,7 @@ class Live:
         return at_rest(self.ready)
 
     def _neighbours(
-        self, term: Approach, aim: Floats, state: State, count: int, until: Until
+        self, term: Approach, aim: Floats, state: State, count: int, until: TimeBudget
     ) -> tuple[State, WarmSearch, bool] | None:
         """Drag with few bodies free to move; the state, the search, whether no other could help; None where all are few."""
         ready = self.ready
@@ -332,7 +332,7 @@ class Live:
         if near.left(search):
             return None
         after = near.whole(state, there)
-        if overlaps(ready.bodies, after.motion, ready.barred).deepest > OVERLAP_TOLERANCE * ready.size:
+        if overlaps(ready.bodies, after.motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size:
             return None
         held = {name for contact in _held(search, 1.0) for name in contact.parts}
         short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))
@@ -393,7 +393,7 @@ def _in_design(state: State, old: GapDesign, new: GapDesign) -> State | None:
     return replace(state, cells=carried(state.cells, one, other))
 
 
-def _towards(ready: Prepared, term: Approach, state: State, whole: float, until: Until) -> WarmSearch:
+def _towards(ready: Prepared, term: Approach, state: State, whole: float, until: TimeBudget) -> WarmSearch:
     """A search that ends where a target is reached; `whole` [mm2] is the squared distance from rest to it."""
     here = term.value(state.inner)  # what counts is what is gained from there
     enough = whole - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
@@ -405,4 +405,4 @@ def _held(search: WarmSearch, unit: float) -> tuple[Contact, ...]:
     found = search.best
     if found is None or found.solution.status is not SolverStatus.CONVERGED:
         return ()
-    return contacts(search.ready.assembly, found.program, found.solution.u, found.touch, unit)
+    return contacts(search.ready.assembly, found.program, found.solution.u, found.active, unit)

@@ -63,7 +63,7 @@ class Neighbourhood:
         """True where a body went so far that it may have met one that is not here."""
         if search.best is None:
             return False
-        points = [(leg.program, u) for leg in search.best.path for u in leg.points]
+        points = [(segment.program, u) for segment in search.best.path for u in segment.points]
         gone = [np.hypot(*program.motion(u)[:, :2].T).max() for program, u in points]
         return max([*gone, float(np.hypot(*search.best.motion[:, :2].T).max())]) > self.reach
 
@@ -93,7 +93,7 @@ def neighbourhood(ready: Prepared, state: State, body: int, count: int) -> Neigh
         return a[kept] * len(who) + b[kept]
 
     small = Prepared(
-        assembly, here, keys(ready.barred), ready.clearance, ready.size, some, keys(ready.corners), ready.model
+        assembly, here, keys(ready.ignored), ready.clearance, ready.size, some, keys(ready.corners), ready.model
     )
     still = [p for b in who[~moves[who] & ~bodies.fixed[who]] for p in bodies.members[b]]
     return Neighbourhood(small, who, pair, frozenset(ready.assembly.parts[p].name for p in still), reach)

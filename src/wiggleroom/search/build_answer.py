@@ -42,7 +42,7 @@ def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: 
         value = search.objective.value(motions[-1])
     arrived = value >= found.value - END_TOLERANCE * max(abs(found.value), ready.clearance)
     verdict = _verdict(search, found, way.sure or arrived)
-    deepest = overlaps(ready.bodies, motions[-1], ready.barred).deepest
+    deepest = overlaps(ready.bodies, motions[-1], ready.ignored).deepest
     if deepest > safe:  # never report an overlap: back to the last way-point without one
         motions, deepest = _safe_part(search, motions, safe)
         verdict, value = Verdict.STOPPED, search.objective.value(motions[-1])
@@ -54,7 +54,7 @@ def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: 
     )
     held: tuple[Contact, ...] = ()
     if verdict.ends:
-        held = contacts(ready.assembly, found.program, found.solution.u, found.touch)
+        held = contacts(ready.assembly, found.program, found.solution.u, found.active)
     seconds = {k: v for k, v in search.seconds.items() if k != "check"}
     seconds["check"] = search.seconds["check"] + time.perf_counter() - started
     seconds["total"] = time.perf_counter() - began
@@ -84,7 +84,7 @@ def _safe_part(search: LocalSearch, motions: Floats, safe: float) -> tuple[Float
     """The way up to its last point without overlap, and the overlap there [mm]; rest has none."""
     ready = search.ready
     for k in range(len(motions) - 1, 0, -1):
-        deepest = overlaps(ready.bodies, motions[k], ready.barred).deepest
+        deepest = overlaps(ready.bodies, motions[k], ready.ignored).deepest
         if deepest <= safe:
             return motions[: k + 1], deepest
     return motions[:1], 0.0

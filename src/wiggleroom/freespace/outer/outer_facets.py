@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.freespace.outer.skin import Skin
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -40,7 +40,7 @@ class Facets:
     high: float
 
 
-def facets(outer: OuterRegion | Skin, low: float, high: float) -> Facets | None:
+def facets(outer: OuterRegion | CagingSurface, low: float, high: float) -> Facets | None:
     """Few facets round all that can be reached at turns between `low` and `high`; None where nothing can.
 
     Normals are those of a convex hull of extreme corners, alike ones merged. Offsets are the largest values at all
@@ -63,8 +63,8 @@ def facets(outer: OuterRegion | Skin, low: float, high: float) -> Facets | None:
     except (QhullError, ValueError):
         pass  # flat or too few corners: the box alone
     normal = normal / box
-    normal = normal / np.abs(normal[:, :2]).max(1, initial=0.0, keepdims=True).clip(1.0 / outer.facing.radius)
-    margin = 4 * outer.facing.margin
+    normal = normal / np.abs(normal[:, :2]).max(1, initial=0.0, keepdims=True).clip(1.0 / outer.material.radius)
+    margin = 4 * outer.material.margin
     middle = (points[:, :2].min(0) + points[:, :2].max(0)) / 2
     reach = float(np.hypot(*(points[:, :2] - middle).T).max()) + margin
     offset = (points @ normal.T).max(0) + margin * (1 + np.abs(normal).max(1))
