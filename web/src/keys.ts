@@ -3,7 +3,7 @@
 import { design, goals, redo, setGoal, settle, toggleFixed, togglePull, undo } from "./design.ts";
 import { factor, play, playing, shown } from "./motion.ts";
 import { isPull, type Point } from "./protocol.ts";
-import { askDrag, back, cancel, setGap } from "./session.ts";
+import { askDrag, askReach, back, cancel, setGap } from "./session.ts";
 import { fitAll, view, zoomBy } from "./stage/camera.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
 import { measuring, stopMeasuring } from "./stage/measure.ts";
@@ -13,7 +13,7 @@ import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
 const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const LONG = ["prove", "sweep", "check", "rank", "space", "save", "wiggle", "flex"] as const;
+const LONG = ["prove", "sweep", "check", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
 
 /** Where a part was asked to go by arrow keys so far. */
@@ -59,6 +59,7 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "s") document.querySelector<HTMLElement>(".savebutton")?.click();
   else if (key === "w") wiggle(name ?? undefined);
   else if (!name) return false;
+  else if (key === "r") askReach(name);
   else if (key === "f") toggleFixed(name);
   else if (key === "p") togglePull(name);
   else if (key === "g") glueOrNot(name);
@@ -71,6 +72,7 @@ function step(by: number): void {
   if (!names.length) return;
   const at = state.indexOf.peek().get(state.selected.peek() ?? "");
   state.many.value = new Set();
+  state.pressed.value = null;
   state.selected.value = names[((at ?? (by > 0 ? -1 : 0)) + by + names.length) % names.length]!;
 }
 

@@ -63,6 +63,15 @@ export interface DragRequest {
   from?: "answer" | "here" | "rest";
 }
 
+/** Where a point of a part, given in world coordinates at rest [mm], can be brought from rest. */
+export interface ReachRequest {
+  kind: "reach";
+  id: number;
+  design: Design;
+  part: string;
+  grip: [number, number];
+}
+
 /** The end of a drag. */
 export interface ReleaseRequest {
   kind: "release";
@@ -227,6 +236,18 @@ export interface DragReply {
   blocking: string[]; // names of parts
   settled: boolean;
   rings?: [number, number][][][];
+}
+
+/** Where a point can be brought. */
+export interface ReachReply {
+  kind: "reach";
+  id: number;
+  part: string;
+  grip: [number, number];
+  rings: [number, number][][]; // outer outlines and holes of one part, even-odd [mm]
+  exact: boolean; // true: from the free space; false where its corners alone were reached
+  open: boolean; // true where the part leaves: the region is cut off
+  words: string;
 }
 
 /** The end of a drag. */
@@ -499,9 +520,9 @@ export interface StandalonePage {
 }
 
 export type Reply =
-  | Hello | Opened | ShapeReply | FlexReply | DragReply | Released
-  | Modes | RankReply | CheckReply | StepReply | SweepReply | SpaceReply
-  | ProveReply | Saved | ProgressReply | WorkerState | Failed;
+  | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
+  | Released | Modes | RankReply | CheckReply | StepReply | SweepReply
+  | SpaceReply | ProveReply | Saved | ProgressReply | WorkerState | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -509,6 +530,7 @@ export interface Requests {
   shape: Omit<ShapeRequest, "kind" | "id">;
   flex: Omit<FlexRequest, "kind" | "id">;
   drag: Omit<DragRequest, "kind" | "id">;
+  reach: Omit<ReachRequest, "kind" | "id">;
   release: Omit<ReleaseRequest, "kind" | "id">;
   wiggle: Omit<WiggleRequest, "kind" | "id">;
   rank: Omit<RankRequest, "kind" | "id">;

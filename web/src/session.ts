@@ -125,6 +125,13 @@ function sameShape(): boolean {
 }
 const shapeOf = ({ gap, extra, glue }: Design): string => JSON.stringify([gap, extra, glue]);
 
+/** Asks where the chosen part can be brought by the point where it was pressed. */
+export function askReach(part: string): void {
+  const i = state.indexOf.peek().get(part)!;
+  const grip = state.pressed.peek() ?? (state.drawing.peek()!.parts[i]!.at.slice(0, 2) as Point);
+  ask("reach", { design: design.peek(), part, grip });
+}
+
 export function release(): void {
   ask("release", { design: design.peek() });
   setRunning("release", false);
@@ -201,6 +208,7 @@ function take(reply: Reply, ways: Frames[]): void {
     case "flex": return flexed(about(reply));
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return showMode(0);
+    case "reach": state.reach.value = about(reply); return;
     case "rank": state.ranking.value = about(reply); state.coloured.value = true; return;
     case "check": state.checked.value = about(reply); return showEscape(0);
     case "step": return stepped(reply.gap, reply.objective, reply.verdict, ways[0]);
@@ -308,7 +316,7 @@ function opened(reply: Opened): void {
   state.findings.value = [];
   state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
-  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof]) one.value = null;
+  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof, state.reach]) one.value = null;
   state.selected.value = null;
   state.many.value = new Set();
   state.solved.value = [];

@@ -19,6 +19,7 @@ from wiggleroom.schema.requests import AnyRequest, DragRequest, FlexRequest, Ope
 ANSWERS = {
     "shape": "motion_requests",
     "drag": "motion_requests",
+    "reach": "motion_requests",
     "release": "motion_requests",
     "wiggle": "motion_requests",
     "rank": "study_requests",

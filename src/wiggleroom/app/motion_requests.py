@@ -14,8 +14,16 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
 from wiggleroom.report.path_frames import way_frames
-from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, Released, ShapeReply
-from wiggleroom.schema.requests import DragRequest, FlexRequest, ReleaseRequest, ShapeRequest, WiggleRequest
+from wiggleroom.report.stacked_slices import rings
+from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, Released, ShapeReply
+from wiggleroom.schema.requests import (
+    DragRequest,
+    FlexRequest,
+    ReachRequest,
+    ReleaseRequest,
+    ShapeRequest,
+    WiggleRequest,
+)
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Verdict
 
@@ -112,6 +120,25 @@ def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:
     out.check()
     told = [ModeEntry(mode.size, list(mode.parts), mode.ends) for mode in modes]
     out.reply(Modes(modes=told), [mode.frames for mode in modes])
+
+
+def reach(sheet: Document, request: ReachRequest, out: Reporter) -> None:
+    """Where the point of a part can be brought."""
+    from wiggleroom.live import reachable
+
+    found = reachable.reach(sheet.live(request.design), request.part, request.grip, stop=out.stop)
+    out.check()
+    how = (
+        f"free at {reachable.SLICES} turns; between them hardly more can be reached"
+        if found.exact
+        else f"sampled: {reachable.DIRECTIONS} directions, the corners were reached"
+    )
+    words = how + ("; it leaves, and the rest is cut off" if found.open else "")
+    content = ReachReply(
+        part=request.part, grip=request.grip, rings=[ring.tolist() for ring in rings(found.region)],
+        exact=found.exact, open=found.open, words=words,
+    )  # fmt: skip
+    out.reply(content)
 
 
 def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:

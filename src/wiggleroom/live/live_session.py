@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -130,6 +131,15 @@ class Live:
     def ready(self) -> Prepared:
         """The present design, prepared."""
         return self._design.ready
+
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Drags in here leave no trace: the next one begins where the last one before ended."""
+        before = self._state
+        try:
+            yield
+        finally:
+            self._state = before
 
     def rest(self) -> None:
         """Put all parts back to rest: the next drag begins there."""

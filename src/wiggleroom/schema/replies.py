@@ -119,6 +119,17 @@ class DragReply(Reply, tag="drag", kw_only=True):
     rings: list[Outline] | UnsetType = UNSET
 
 
+class ReachReply(Reply, tag="reach", kw_only=True):
+    """Where a point can be brought."""
+
+    part: str
+    grip: Point
+    rings: Outline
+    exact: Annotated[bool, Meta(description="true: from the free space; false where its corners alone were reached")]
+    open: Annotated[bool, Meta(description="true where the part leaves: the region is cut off")]
+    words: str
+
+
 class Released(Reply, tag="release", kw_only=True):
     """The end of a drag."""
 
@@ -292,6 +303,6 @@ class Failed(Reply, kw_only=True):
 
 
 AnyReply = (
-    Hello | Opened | ShapeReply | FlexReply | DragReply | Released | Modes | RankReply | CheckReply | StepReply
+    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | StepReply
     | SweepReply | SpaceReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
 )  # fmt: skip

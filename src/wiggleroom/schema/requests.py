@@ -94,6 +94,13 @@ class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "fro
     from_: Literal["rest", "here", "answer"] = "here"
 
 
+class ReachRequest(DesignRequest, tag="reach", kw_only=True):
+    """Where a point of a part, given in world coordinates at rest [mm], can be brought from rest."""
+
+    part: str
+    grip: tuple[Length, Length]
+
+
 class ReleaseRequest(DesignRequest, tag="release", kw_only=True):
     """The end of a drag."""
 
@@ -146,6 +153,6 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 
 AnyRequest = (
-    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
     | SweepRequest | SpaceRequest | ProveRequest | SaveRequest | CancelRequest
 )  # fmt: skip

@@ -80,12 +80,12 @@ const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] 
 
 const NAMES: Record<string, string> = {
   flex: "solving", check: "checking whether it comes apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound",
-  space: "free space", wiggle: "freedoms", save: "saving", open: "opening",
+  space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 
 /** Long work under way: what it is, how far, and a way to end it. */
 function Work() {
-  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "sweep", "rank", "prove", "save", "space", "wiggle"].includes(kind)));
+  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "sweep", "rank", "prove", "save", "space", "wiggle", "reach"].includes(kind)));
   return (
     <>
       {rows.map(([kind, told]) => (

@@ -1,9 +1,9 @@
 /** What can be done with the chosen part. */
 
 import { design, fixAll, fixedNames, glueAll, groupOf, pulledNames, setExtra, setExtras, settle, toggleFixed, togglePull, unglue } from "../design.ts";
-import { ask } from "../session.ts";
+import { ask, askReach } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
-import { baked, drawing, extent, gluing, many, selected } from "../state.ts";
+import { baked, drawing, extent, gluing, many, reach, selected } from "../state.ts";
 import { chooseMany, lassoing } from "../stage/lasso.ts";
 import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
@@ -34,10 +34,14 @@ export function Selection() {
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name)}>Pull</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
       <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => wiggle(name)}>Wiggle</Button>
+      <Button icon="reach" label="Show where it can be brought" keyName="R" onClick={() => askReach(name)} disabled={fixedNames.value.has(name)} pressed={reached(name)}>Reach</Button>
+      {reached(name) && <span class="quiet note">{reach.value!.reply.words}</span>}
       <ExtraGap name={name} />
     </div>
   );
 }
+
+const reached = (name: string): boolean => reach.value !== null && reach.value.design === design.value && reach.value.reply.part === name;
 
 /** What can be done with many parts at once. */
 function Several({ names }: { names: string[] }) {

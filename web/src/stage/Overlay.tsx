@@ -1,10 +1,10 @@
 /** What lies over the canvas as SVG: the arrow of a pull or a turn, with handles to take it elsewhere. */
 
 import { useRef } from "preact/hooks";
-import { goals, setGoal, settle } from "../design.ts";
+import { design, goals, setGoal, settle } from "../design.ts";
 import { factor, shown } from "../motion.ts";
 import { type Goal, isPull, isTurn, type Point, type Pull } from "../protocol.ts";
-import { baked, drawing, extent, indexOf, pointed } from "../state.ts";
+import { baked, drawing, extent, indexOf, pointed, reach, selected } from "../state.ts";
 import { lassoed } from "./lasso.ts";
 import { size, view } from "./camera.ts";
 import { ends, long, picked, shortest } from "./measure.ts";
@@ -28,6 +28,7 @@ export function Overlay() {
   return (
     <svg class="overlay" width={width} height={height} aria-hidden="true">
       {spot && <circle class="spot" cx={spot[0]} cy={spot[1]} r={16} />}
+      <Reach />
       <Measure />
       {lassoed.value.length > 2 && <polygon class="lasso" points={lassoed.value.map((p) => p.join()).join(" ")} />}
       {goals.value.slice(0, MOST).map((goal, i) => {
@@ -38,6 +39,18 @@ export function Overlay() {
       })}
     </svg>
   );
+}
+
+/** Where the chosen part can be brought by its grip. */
+function Reach() {
+  const about = reach.value;
+  if (!about || about.design !== design.value || about.reply.part !== selected.value) return null;
+  const { rings, grip, exact } = about.reply;
+  const f = factor();
+  const screen = ([x, y]: Point): Point => toScreen(view.value, size.value, [grip[0] + (x - grip[0]) * f, grip[1] + (y - grip[1]) * f]);
+  const path = rings.map((ring) => `M${ring.map((p) => screen(p).map((v) => v.toFixed(1)).join(" ")).join("L")}Z`).join("");
+  const [x, y] = screen(grip);
+  return <g class={exact ? "reach" : "reach sampled"}><path d={path} fill-rule="evenodd" /><circle cx={x} cy={y} r={3} /></g>;
 }
 
 /** What was picked to measure, and how far it is apart: true lengths, whatever the motion is enlarged by. */

@@ -5,7 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
-import { askDrag, release } from "../session.ts";
+import { askDrag, askReach, release } from "../session.ts";
 import * as state from "../state.ts";
 import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
 import { colours } from "./colours.ts";
@@ -21,6 +21,8 @@ import { around, outOf, placed, shapes } from "./shapes.ts";
 import { toWorld } from "./view.ts";
 
 const SLOW = 36;
+/** Of so few parts the reach is worked out when one is pressed. */
+const AT_ONCE = 25;
 
 /** Indices of the chosen parts. */
 const chosen = computed<ReadonlySet<number>>(() => {
@@ -235,7 +237,11 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     } else if (!held.moved && event.type === "pointerup") {
       if (measuring.peek()) pick(here(event));
       else if (event.shiftKey && held.part) chooseToo(held.part);
-      else choose(held.part);
+      else {
+        state.pressed.value = held.part ? held.grip : null;
+        choose(held.part);
+        if (held.part && state.names.peek().length <= AT_ONCE && !fixedNames.peek().has(held.part) && !state.baked.peek()) askReach(held.part);
+      }
     }
   };
   const wheel = (event: WheelEvent): void => {
