@@ -405,7 +405,7 @@ def test_everything_by_keyboard_alone(browser: Any, peg: Served) -> None:
         keys.press("Escape")
         page.get_by_role("dialog").wait_for(state="hidden")
         page.wait_for_timeout(100)
-        keys.press("3")
+        keys.press("4")
         assert page.get_by_role("tab", name="Come apart").get_attribute("aria-selected") == "true"
 
 

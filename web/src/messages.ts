@@ -118,6 +118,25 @@ export interface SpaceRequest {
   b: string;
 }
 
+/** Which parts to make tighter: so many of them, or as few as keep the motion below a limit [mm]. */
+export interface TightenRequest {
+  kind: "tighten";
+  id: number;
+  design: Design;
+  parts?: number | null;
+  limit?: number | null;
+}
+
+/** How far it moves where the gap round every part varies at random: standard deviation [mm], and the largest motion wanted [mm]. */
+export interface SampleRequest {
+  kind: "sample";
+  id: number;
+  design: Design;
+  spread: number;
+  draws?: number;
+  limit?: number | null;
+}
+
 /** A value that no motion exceeds. */
 export interface ProveRequest {
   kind: "prove";
@@ -363,6 +382,45 @@ export interface SpaceReply {
   words?: string;
 }
 
+/** What stands in place of the answer's headline. */
+export interface Title {
+  title: string;
+  facts: string[];
+}
+
+/** A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean. */
+export interface Piece {
+  title: string;
+  text: string;
+  columns: string[];
+  rows: ((string | string[] | number | null)[])[];
+  terms: [string, string][]; // a word and a sentence each
+  svg: string;
+}
+
+/** A tab of pieces. */
+export interface StudyTab {
+  tab: string;
+  sections: Piece[];
+}
+
+/** Colours of the parts while the tab of a study is open. */
+export interface Tints {
+  per: string; // unit of the values
+  values: Record<string, number>;
+}
+
+/** What a study found. */
+export interface StudyReply {
+  kind: "study";
+  id: number;
+  of: "sample" | "tighten";
+  said: Title;
+  study: StudyTab;
+  tints: Tints;
+  command: string; // the command that answers the same
+}
+
 /** A value that no motion exceeds. */
 export interface ProveReply {
   kind: "prove";
@@ -475,34 +533,6 @@ export interface StandaloneCheck {
   ways: PackedFrames[];
 }
 
-/** A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean. */
-export interface Piece {
-  title: string;
-  text: string;
-  columns: string[];
-  rows: ((string | string[] | number | null)[])[];
-  terms: [string, string][]; // a word and a sentence each
-  svg: string;
-}
-
-/** A tab of pieces. */
-export interface StudyTab {
-  tab: string;
-  sections: Piece[];
-}
-
-/** Colours of the parts while the tab of a study is open. */
-export interface Tints {
-  per: string; // unit of the values
-  values: Record<string, number>;
-}
-
-/** What stands in place of the answer's headline. */
-export interface Title {
-  title: string;
-  facts: string[];
-}
-
 /** Everything in the file; all but the drawing may be missing. */
 export interface StandalonePage {
   opened: StandaloneDrawing;
@@ -522,7 +552,8 @@ export interface StandalonePage {
 export type Reply =
   | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
   | Released | Modes | RankReply | CheckReply | StepReply | SweepReply
-  | SpaceReply | ProveReply | Saved | ProgressReply | WorkerState | Failed;
+  | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState
+  | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -537,6 +568,8 @@ export interface Requests {
   check: Omit<CheckRequest, "kind" | "id">;
   sweep: Omit<SweepRequest, "kind" | "id">;
   space: Omit<SpaceRequest, "kind" | "id">;
+  tighten: Omit<TightenRequest, "kind" | "id">;
+  sample: Omit<SampleRequest, "kind" | "id">;
   prove: Omit<ProveRequest, "kind" | "id">;
   save: Omit<SaveRequest, "kind" | "id">;
   cancel: Omit<CancelRequest, "kind" | "id">;

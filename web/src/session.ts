@@ -214,6 +214,7 @@ function take(reply: Reply, ways: Frames[]): void {
     case "step": return stepped(reply.gap, reply.objective, reply.verdict, ways[0]);
     case "sweep": state.lost.value = reply.lost; return;
     case "space": state.space.value = about(reply); return;
+    case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.coloured.value = true; return;
     case "prove": return proved(about(reply));
     case "saved": return download(reply);
     case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
@@ -317,6 +318,7 @@ function opened(reply: Opened): void {
   state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof, state.reach]) one.value = null;
+  state.studies.value = { tighten: null, sample: null };
   state.selected.value = null;
   state.many.value = new Set();
   state.solved.value = [];

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { design } from "./design.ts";
 import type {
-  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyTab,
+  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
 
@@ -38,6 +38,8 @@ export const reach = signal<About<ReachReply> | null>(null);
 /** Where the chosen part was pressed, at rest. */
 export const pressed = signal<Point | null>(null);
 export const space = signal<About<SpaceReply> | null>(null);
+/** What studies found, by kind. */
+export const studies = signal<{ tighten: About<StudyReply> | null; sample: About<StudyReply> | null }>({ tighten: null, sample: null });
 export const proof = signal<About<ProveReply> | null>(null);
 
 /** Answers at several gaps to the present question, by gap. */
@@ -60,7 +62,7 @@ export const hovered = signal<string | null>(null);
 export const gluing = signal<string | null>(null);
 export const highlit = signal<Point | null>(null);
 
-export type Tab = "answer" | "gaps" | "apart" | "space" | "study" | "sure";
+export type Tab = "answer" | "gaps" | "vary" | "apart" | "space" | "study" | "sure";
 export const tab = signal<Tab>("answer");
 export const sheetOpen = signal(false);
 export const helpOpen = signal(false);

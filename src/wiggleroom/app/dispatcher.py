@@ -26,6 +26,8 @@ ANSWERS = {
     "check": "study_requests",
     "sweep": "study_requests",
     "prove": "study_requests",
+    "tighten": "study_requests",
+    "sample": "study_requests",
     "space": "space_requests",
     "save": "save_requests",
 }

@@ -20,7 +20,8 @@ from wiggleroom.report.picture import picture
 from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
 from wiggleroom.report.standalone_page import opened, standalone_page, way
 from wiggleroom.schema.replies import CheckReply, LeavingEntry
-from wiggleroom.schema.standalone_schema import StandaloneCheck, Title
+from wiggleroom.schema.replies import Title
+from wiggleroom.schema.standalone_schema import StandaloneCheck
 from wiggleroom.search.answer import witnessed
 from wiggleroom.verdict import Verdict
 

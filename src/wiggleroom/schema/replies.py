@@ -26,6 +26,9 @@ from wiggleroom.verdict import Certainty, Separability, Verdict
 Terms = Annotated[list[tuple[str, str]], Meta(description="a word and a sentence each")]
 Outline = Annotated[list[Ring], Meta(description="outer outlines and holes of one part, even-odd [mm]")]
 Pose = tuple[float, float, float]
+Cell = Annotated[
+    str | list[str] | float | None, Meta(description="a word, names of parts, or a number; null where it is not known")
+]
 
 
 class Reply(Struct, tag_field="kind", tag=str.lower, kw_only=True):
@@ -274,6 +277,48 @@ class WorkerState(Reply, tag="worker", kw_only=True):
     state: Literal["ready", "lost", "restarted"]
 
 
+class Piece(Struct):
+    """A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean."""
+
+    title: str
+    text: str
+    columns: list[str]
+    rows: list[list[Cell]]
+    terms: Terms
+    svg: str
+
+
+class StudyTab(Struct):
+    """A tab of pieces."""
+
+    tab: str
+    sections: list[Piece]
+
+
+class Tints(Struct):
+    """Colours of the parts while the tab of a study is open."""
+
+    per: Annotated[str, Meta(description="unit of the values")]
+    values: dict[str, float]
+
+
+class Title(Struct):
+    """What stands in place of the answer's headline."""
+
+    title: str
+    facts: list[str]
+
+
+class StudyReply(Reply, tag="study", kw_only=True):
+    """What a study found."""
+
+    of: Literal["tighten", "sample"]
+    said: Title
+    study: StudyTab
+    tints: Tints
+    command: Command
+
+
 class Mend(Struct):
     """A change of the design that may put something right: what stands in place of what it had."""
 
@@ -304,5 +349,5 @@ class Failed(Reply, kw_only=True):
 
 AnyReply = (
     Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | StepReply
-    | SweepReply | SpaceReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
+    | SweepReply | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
 )  # fmt: skip

@@ -132,6 +132,21 @@ class SpaceRequest(DesignRequest, tag="space", kw_only=True):
     b: str
 
 
+class TightenRequest(DesignRequest, tag="tighten", kw_only=True):
+    """Which parts to make tighter: so many of them, or as few as keep the motion below a limit [mm]."""
+
+    parts: Annotated[int, Meta(ge=1, le=10_000)] | None = None
+    limit: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+
+
+class SampleRequest(DesignRequest, tag="sample", kw_only=True):
+    """How far it moves where the gap round every part varies at random: standard deviation [mm], and the largest motion wanted [mm]."""
+
+    spread: Annotated[float, Meta(gt=0, le=1e9)]
+    draws: Annotated[int, Meta(ge=1, le=5000)] = 200
+    limit: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+
+
 class ProveRequest(DesignRequest, tag="prove", kw_only=True):
     """A value that no motion exceeds."""
 
@@ -154,5 +169,5 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 AnyRequest = (
     OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
-    | SweepRequest | SpaceRequest | ProveRequest | SaveRequest | CancelRequest
+    | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | SaveRequest | CancelRequest
 )  # fmt: skip

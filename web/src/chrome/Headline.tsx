@@ -79,13 +79,13 @@ function draggedSaid(): Said {
 const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
 
 const NAMES: Record<string, string> = {
-  flex: "solving", check: "checking whether it comes apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound",
+  flex: "solving", check: "checking whether it comes apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",
   space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 
 /** Long work under way: what it is, how far, and a way to end it. */
 function Work() {
-  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "sweep", "rank", "prove", "save", "space", "wiggle", "reach"].includes(kind)));
+  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
   return (
     <>
       {rows.map(([kind, told]) => (

@@ -11,6 +11,7 @@ import { Joints, Ranked } from "./Ranked.tsx";
 import { Space } from "./Space.tsx";
 import { Study } from "./Study.tsx";
 import { Sure } from "./Sure.tsx";
+import { Vary } from "./Vary.tsx";
 
 interface Page { name: Tab; words: string; Shown: ComponentType }
 
@@ -21,7 +22,7 @@ export const pages = computed<Page[]>(() => {
   const page = (name: Tab, words: string, Shown: ComponentType, there: boolean = true): Page[] => (there ? [{ name, words, Shown }] : []);
   const told = baked.value;
   if (!told) {
-    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space), ...page("sure", "How sure", Sure)];
+    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space), ...page("sure", "How sure", Sure)];
   }
   return [
     ...page("answer", "Answer", Answer, answer.value !== null), ...page("gaps", "Whose gap", Ranked, ranking.value !== null),
