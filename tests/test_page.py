@@ -721,3 +721,52 @@ def test_many_parts_are_chosen_by_a_line_round_them(browser: Any) -> None:
         assert [one.input_value() for one in boxes.all()] == ["0.002"] * 10
         page.keyboard.press("Escape")
         page.keyboard.press("Escape")
+
+
+def test_a_link_carries_the_design(browser: Any) -> None:
+    with serving(None) as served, visiting(browser, served) as page:
+        page.evaluate(
+            "Object.defineProperty(navigator, 'clipboard', {value: {writeText: async (t) => { window.copied = t; }}})"
+        )
+        page.get_by_role("button", name=re.compile("chain", re.IGNORECASE)).click()
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        box = page.locator(".gapbox").get_by_role("textbox")
+        box.fill("0.3")
+        box.press("Enter")
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator(".savebutton").click()
+        page.get_by_role("menuitem", name="Copy a link").click()
+        link = page.evaluate("copied")
+        assert "token" not in link
+        page.evaluate("sessionStorage.removeItem('wiggleroom.file'); sessionStorage.removeItem('wiggleroom.design')")
+        page.goto("about:blank")
+        page.goto(link)
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        assert page.locator(".gapbox").get_by_role("textbox").input_value() == "0.3"
+
+
+def test_the_reach_of_a_part_is_shaded_before_it_is_dragged(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        scale = pixels_per_mm(page)
+        rest, box = at_rest(page), canvas(page)
+        page.mouse.click(box["x"] + rest[0], box["y"] + rest[1] + 2 * scale)
+        page.locator(".reach path").wait_for(state="attached", timeout=30_000)
+        shaded = page.locator(".reach path").bounding_box()
+        assert shaded["width"] / scale == pytest.approx(2, abs=0.1)  # 1 mm to either side
+        assert "free at" in page.locator(".selection").inner_text()
+
+
+def test_what_should_be_tighter_and_gaps_at_random(browser: Any) -> None:
+    path = EXAMPLES / "02_chain_of_tees" / "chain.json"
+    with serving(path) as served, visiting(browser, served) as page:
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.get_by_role("tab", name="Vary").click()
+        page.get_by_role("button", name="Find them").click()
+        page.locator(".result", has_text="Make these tighter").wait_for(timeout=90_000)
+        draws = page.get_by_role("textbox", name="number of draws")
+        draws.fill("12")
+        draws.press("Enter")
+        page.get_by_role("button", name="Draw", exact=True).click()
+        page.locator(".result", has_text="12 draws").wait_for(timeout=90_000)
+        assert page.locator(".plot svg").count() >= 1

@@ -1,6 +1,6 @@
 /** What outlives a reload, in this tab alone: the token, the file that was dropped, the design. */
 
-import type { Design, Opened } from "./protocol.ts";
+import { type Design, fromBase64, type Opened, toBase64 } from "./protocol.ts";
 
 /** A file that was dropped, or a sample by its name. */
 export type Opening = { name: string; data: string } | { name: string; sample: true };
@@ -76,8 +76,33 @@ export function keptFile(): Opening | null {
 
 export const mark = (of: Opened): string => `${of.name}|${of.gap}|${of.parts.length}|${of.size.join(",")}`;
 
+/** What an address says after its #: a design, of a sample or of the drawing with that mark. */
+interface Linked { mark: string; design: Design; sample?: string }
+
+/** Address of this page that carries the design; whoever opens it needs the same file, unless it is a sample. */
+export function linkTo(of: Opened, design: Design, sample?: string): string {
+  const text = JSON.stringify({ mark: mark(of), design, sample } satisfies Linked);
+  const data = toBase64(new TextEncoder().encode(text)).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
+  return `${location.origin}/#state=${data}`;
+}
+
+export function linked(): Linked | null {
+  const data = /[#&]state=([\w-]+)/.exec(location.hash)?.[1];
+  if (!data) return null;
+  try {
+    return JSON.parse(new TextDecoder().decode(fromBase64(data.replaceAll("-", "+").replaceAll("_", "/")))) as Linked;
+  } catch {
+    return null;
+  }
+}
+
 export const keepDesign = (of: Opened, design: Design): void => write("design", JSON.stringify({ mark: mark(of), design }));
 export function keptDesign(of: Opened): Design | null {
+  const told = linked();
+  if (told?.mark === mark(of)) {
+    history.replaceState(null, "", location.pathname); // from now on what is set here counts
+    return told.design;
+  }
   const kept = JSON.parse(read("design") ?? "null") as { mark: string; design: Design } | null;
   return kept && kept.mark === mark(of) ? kept.design : null;
 }

@@ -4,7 +4,7 @@ import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, design, goals, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type Design, type Finding, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, mark, type Opening, token } from "./keep.ts";
+import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { known, lead, leadTo } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
@@ -179,6 +179,11 @@ export function save(what: SaveWhat, of: "flex" | "check" = "flex"): void {
   ask("save", { design: design.peek(), what, of });
 }
 
+/** The address that leads to this design. */
+export function link(): string {
+  return linkTo(state.drawing.peek()!, design.peek(), file && "sample" in file ? file.name : undefined);
+}
+
 function heardLine(now: Line): void {
   state.line.value = now;
   if (now === "open") {
@@ -331,7 +336,8 @@ function opened(reply: Opened): void {
 
 function reopen(): void {
   again = state.drawing.peek() !== null;
-  file ??= keptFile();
+  const sample = linked()?.sample;
+  file ??= sample ? { name: sample, sample: true } : keptFile();
   if (file) ask("open", file);
 }
 

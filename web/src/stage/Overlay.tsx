@@ -55,6 +55,7 @@ function Reach() {
 
 /** What was picked to measure, and how far it is apart: true lengths, whatever the motion is enlarged by. */
 function Measure() {
+  void frame.value; // parts move
   const some = picked.value;
   if (some.length === 0 || some.some(({ part }) => !current.shapes[part])) return null;
   const screen = (p: Point): Point => toScreen(view.value, size.value, p);
