@@ -19,8 +19,8 @@ from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
 from wiggleroom.report.picture import picture
 from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
 from wiggleroom.report.standalone_page import opened, standalone_page, way
-from wiggleroom.schema.replies import CheckReply, LeavingEntry
-from wiggleroom.schema.standalone_schema import StandaloneCheck, Title
+from wiggleroom.schema.replies import CheckReply, LeavingEntry, Title
+from wiggleroom.schema.standalone_schema import StandaloneCheck
 from wiggleroom.search.answer import witnessed
 from wiggleroom.verdict import Verdict
 
