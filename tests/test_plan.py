@@ -22,7 +22,7 @@ from benchmarks.plan_families import (
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
 from wiggleroom.disassembly.slide_space import lattice_unit
-from wiggleroom.planning.clearance import distances
+from wiggleroom.disassembly.clearance import distances
 from wiggleroom.report.plan_results import plan_result
 from wiggleroom.schema.results import PlanResult
 from wiggleroom.search.prepare import survey

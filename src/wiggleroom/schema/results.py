@@ -134,7 +134,7 @@ class PlanStepEntry(Struct, kw_only=True):
     room: Annotated[
         float, Meta(description="the largest ball of errors of position under which the step still goes [mm]")
     ]
-    turn_room_deg: Annotated[float, Meta(description="the largest error of angle under which it still goes [deg]")]
+    turn_room_deg: Annotated[float, Meta(description="an error of angle under which it certainly still goes [deg]")]
     axis: Annotated[Point, Meta(description="unit vector along which the parts go in when they are put together")]
     held: Annotated[list[str], Meta(description="loose parts that must be held")]
 
