@@ -33,7 +33,9 @@ PLENTY = 1.0
 """Pieces that are not the narrowest need no more than this multiple of the typical clearance."""
 WEIGHTS = 1.0, 0.1, 1e-3
 """Of the least clearance, of the mean of those of all pieces, and of the distance that way-points are moved."""
-MIN_GAIN = 1e-3
+MAX_TRUST = 0.1
+"""Way-points are moved by at most this share of the drawing's size at once."""
+MIN_GAIN = 0.01
 """A gain below this share of the typical clearance is none."""
 
 
@@ -47,13 +49,10 @@ class Carried:
         Bodies.
     as_one : bool
         They go straight as one, none of them turning.
-    leaves : bool
-        The last way-point is far away, where only what leads there matters.
     """
 
     who: Ints
     as_one: bool
-    leaves: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +101,7 @@ def widened(problem: ClearanceProblem, way: Floats, most: int = MAX_PROGRAMS) ->
         gain = _worth(problem, pieces) - _worth(problem, best)
         if gain > MIN_GAIN * problem.clearance:
             way, best = trial, pieces
-            trust *= 1.5
+            trust = min(1.5 * trust, MAX_TRUST * problem.size)
         else:
             trust /= 3
             if trust < 0.02 * problem.clearance:
@@ -178,8 +177,6 @@ def _change(problem: ClearanceProblem, way: Floats, least: float, trust: float) 
         change[1:, moving.who, :2] = moved[:, None, :]
     else:
         change[1:, moving.who] = moved.reshape(k - 1, len(moving.who), 3)
-    if moving.leaves:  # the last piece keeps its direction
-        change[-1] = change[-2] if k > 2 else 0.0
     return change
 
 

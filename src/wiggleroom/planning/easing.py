@@ -23,8 +23,10 @@ Ints = NDArray[np.int64]
 
 MAX_ALONE = 12
 """Of more parts that move at once nobody tries whether they go one after the other."""
-TURN_PER_PIECE = 0.1
+TURN_PER_PIECE = 0.05
 """Before way-points are moved, pieces turn by at most this [rad]."""
+PIECE_LENGTH = 0.1
+"""Nor are they longer than this share of the drawing's size."""
 KEPT_CLEARANCE = 0.9
 """A way-point is left out where the way without it keeps this share of the clearance."""
 
@@ -120,9 +122,13 @@ def _widened(assembly: Assembly, ground: Survey, step: Step) -> Step:
     way = of_bodies(assembly, bodies, step.way)
     who = np.flatnonzero((np.abs(way - way[:1]) > STILL).any(axis=(0, 2)))
     there = np.array([step.there[list(m)].all() for m in bodies.members])
-    moving = Carried(who, step.as_one, bool(step.leaves))
+    slide = step.as_one and not np.abs(way[:, who, 2] - way[0, who, 2]).max() > STILL
+    moving = Carried(who, slide)
     problem = ClearanceProblem(bodies, there, ground.ignored, ground.clearance, ground.size, moving)
-    way = _shortened(problem, widened(problem, finer(way, TURN_PER_PIECE)))
+    way = _shortened(problem, way)
+    if not slide:  # slides lie where they are best; other ways need freedom to bend
+        way = finer(way, TURN_PER_PIECE, PIECE_LENGTH * ground.size)
+    way = _shortened(problem, widened(problem, way))
     return replace(step, way=of_parts(assembly, bodies, widened(problem, way)))
 
 

@@ -121,11 +121,12 @@ def measured(assembly: Assembly, ground: Survey, step: Step) -> Step:
     return replace(step, clearance=clearance, room=clearance, turn_room=clearance / reach, axis=axis, held=held)
 
 
-def finer(way: Floats, turn: float) -> Floats:
-    """The way (k, n, 3) with points in between where it turns, so that no piece turns by more than `turn` [rad]."""
+def finer(way: Floats, turn: float, length: float = np.inf) -> Floats:
+    """The way (k, n, 3) with points in between, so that no piece turns by more than `turn` [rad] or is longer than `length` [mm]."""
     out = [way[:1]]
     for one, other in pairwise(way):
-        count = max(1, int(np.ceil(np.abs(other - one)[:, 2].max() / turn)))
+        change = np.abs(other - one)
+        count = max(1, int(np.ceil(max(change[:, 2].max() / turn, change[:, :2].max() / length))))
         out.append(one + (other - one) * (np.arange(1, count + 1) / count)[:, None, None])
     return np.concatenate(out)
 
