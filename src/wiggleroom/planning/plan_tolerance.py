@@ -218,7 +218,8 @@ def _at_gap(
         there = np.flatnonzero(step.there)
         audit = audit_path(only(made, there), step.way[:, there])
         if not audit.free:
-            return None, (k, (made.names[there[audit.a[0]]], made.names[there[audit.b[0]]]))
+            first = audit.piece.argmin()
+            return None, (k, (made.names[there[audit.a[first]]], made.names[there[audit.b[first]]]))
     return tuple(measured(made, ground, step) for step in fitted), (-1, ())
 
 
