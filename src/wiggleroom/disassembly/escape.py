@@ -20,7 +20,7 @@ from wiggleroom.disassembly.explore import MAX_QUESTIONS, explore, way_out
 from wiggleroom.disassembly.remaining import without
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
 from wiggleroom.disassembly.slide_search import WORK_BUDGET, SlideSearch, slide_search
-from wiggleroom.disassembly.slide_space import SlideSpace
+from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import placed
@@ -149,20 +149,25 @@ def next_stage(
 
 
 def _roomiest(ground: Survey, found: list[TranslationEscape], targets: Ints) -> TranslationEscape | None:
-    """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance on its way."""
+    """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not."""
     order = [(not _wanted(e.who, targets), len(e.who)) for e in found]
-    best = [e for e, rank in zip(found, order, strict=True) if rank == min(order)]
+    best = [e for e, place in zip(found, order, strict=True) if place == min(order)]
     if len(best) < 2:
         return best[0] if best else None
 
-    def clearance(escape: TranslationEscape) -> float:
+    axes = slide_axes(
+        ground.bodies, np.zeros_like(ground.bodies.rest), np.ones(len(ground.bodies.fixed), dtype=np.bool_)
+    )
+
+    def rank(escape: TranslationEscape) -> tuple[float, bool]:
         way = np.zeros((2, len(ground.bodies.fixed), 3))
         way[1, escape.who, :2] = 2 * ground.size * escape.direction
         there = np.ones(way.shape[1], dtype=np.bool_)
         apart = distances(ground.bodies, way, there, ground.ignored, ground.clearance)
-        return float(apart[escape.who].min())
+        along = np.abs(axes @ escape.direction).max() > 1 - 1e-9
+        return round(float(apart[escape.who].min()) / ground.clearance, 6), bool(along)
 
-    return max(best, key=clearance)
+    return max(best, key=rank)
 
 
 def _wanted(who: Ints, targets: Ints) -> bool:

@@ -33,6 +33,10 @@ Floats = NDArray[np.float64]
 
 _COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 _MOST_STEPS = 40
+MOST_PIECES = 3
+"""Ways of more straight pieces are not said in words."""
+SLIGHT_TURN = 0.05
+"""Turns up to this are not either [deg]."""
 PLAN_QUANTILES = (0.01, 0.05, 0.5)
 
 
@@ -196,9 +200,10 @@ def step_sentence(step: Step) -> str:
 
 def _how(step: Step) -> str:
     """Directions of the pieces of a step."""
-    names = np.flatnonzero(np.any(np.abs(step.way - step.way[:1]) > STILL, axis=(0, 2)))
-    pieces = np.diff(step.way[:, names[0]], axis=0)
-    if len(pieces) <= 3 and not np.abs(pieces[:, 2]).max() > STILL:
+    rows = np.flatnonzero(np.any(np.abs(step.way - step.way[:1]) > STILL, axis=(0, 2)))
+    pieces = np.diff(step.way[:, rows[0]], axis=0)
+    turn = math.degrees(abs(step.way[-1, rows[0], 2] - step.way[0, rows[0], 2]))
+    if len(pieces) <= MOST_PIECES and (step.as_one or len(rows) == 1):
         straight = [
             f"{towards((x, y))}"
             + ("" if step.leaves and k == len(pieces) - 1 else f" by {number(math.hypot(x, y))} mm")
@@ -206,7 +211,7 @@ def _how(step: Step) -> str:
             if math.hypot(x, y) > STILL
         ]
         if straight:
-            return "in " + ", then ".join(straight)
+            return "in " + ", then ".join(straight) + (f", turned by {number(turn, 2)}°" if turn > SLIGHT_TURN else "")
     return f"on a way of {len(step.way)} points"
 
 
