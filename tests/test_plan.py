@@ -86,6 +86,7 @@ def test_check_finds_nested_latches_too():
     assert not found.escapes[0].path[-1, left].any()  # all others are back at rest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(200, 204))
 def test_random_trays_agree_with_the_grid(seed):
     pieces, wall = random_tray(seed)
