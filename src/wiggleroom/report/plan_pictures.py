@@ -24,6 +24,9 @@ from wiggleroom.schema.standalone_schema import StandaloneCheck
 from wiggleroom.search.answer import witnessed
 from wiggleroom.verdict import Verdict
 
+SECONDS_PER_STEP, MAX_SECONDS = 0.8, 20.0
+"""Films of plans take so long for each step, and at most so long."""
+
 
 def picture_of_plan(found: Plan, *, command: str = "") -> str:
     """All parts at rest, with a number in the order of leaving and an arrow on each that leaves, as an SVG picture."""
@@ -51,6 +54,7 @@ def film_of_plan(
         title=plan_title(found),
         facts=tuple(plan_facts(found)),
         command=command,
+        least_seconds=min(SECONDS_PER_STEP * len(found.steps), MAX_SECONDS),
         progress=progress,
     )
 
