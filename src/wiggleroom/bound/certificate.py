@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, place
-from wiggleroom.bound.linear_relaxation import AngleRanges, JointConstraints
+from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.drawing.model import Part
 from wiggleroom.freespace.outer.outer_region import OuterRegion

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.linear_relaxation import JointConstraints
+from wiggleroom.bound.joint_constraints import JointConstraints
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of
 from wiggleroom.freespace.outer.outer_slices import Facing
 from wiggleroom.geometry.bodies import Bodies

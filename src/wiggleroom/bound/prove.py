@@ -10,7 +10,7 @@ import numpy as np
 
 from wiggleroom.bound.branch_and_bound import BranchAndBound
 from wiggleroom.bound.certificate import certificate, skins
-from wiggleroom.bound.linear_relaxation import first_ranges
+from wiggleroom.bound.joint_constraints import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.deadline import Deadline
@@ -100,7 +100,7 @@ def prove(
         tell("skins", math.nan)
         links, found = skins(links, outer, clock.is_set)
         regions = [*found]
-    ranges = first_ranges(ground.bodies, links, regions)
+    ranges = first_ranges(ground.bodies.fixed, links, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
     if not (ground.bodies.fixed[asked] | np.isfinite(ranges.far[asked])).all():
         late = "there was no time to look at all joints"

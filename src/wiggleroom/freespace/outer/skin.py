@@ -69,6 +69,10 @@ class Skin:
     def _corners(self) -> Floats:
         return np.vstack([np.column_stack([p.at, np.full(len(p.at), p.angle)]) for p in self.loops])
 
+    @cached_property
+    def _angles(self) -> Floats:
+        return np.array([loop.angle for loop in self.loops])
+
     @property
     def far(self) -> float:
         """Largest motion of the pivot [mm]."""
@@ -76,13 +80,15 @@ class Skin:
 
     def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
         """Corners (M, 3) of the loops between two turns and where tracks pass these; none has an interval of its own (M,)."""
-        found = [self._corners[(self._corners[:, 2] >= low) & (self._corners[:, 2] <= high)]]
+        turns = self._corners[:, 2]
+        found = [self._corners[(turns >= low) & (turns <= high)]]
         for level in (low, high):
-            for one, two, seam in zip(self.loops, self.loops[1:], self.seams, strict=False):
-                if one.angle < level < two.angle:
-                    share = (level - one.angle) / (two.angle - one.angle)
-                    at = (1 - share) * one.at[seam.tracks[:, 0]] + share * two.at[seam.tracks[:, 1]]
-                    found.append(np.column_stack([at, np.full(len(at), level)]))
+            k = int(np.searchsorted(self._angles, level)) - 1
+            if 0 <= k < len(self.seams) and level < self._angles[k + 1]:
+                one, two, tracks = self.loops[k], self.loops[k + 1], self.seams[k].tracks
+                share = (level - one.angle) / (two.angle - one.angle)
+                at = (1 - share) * one.at[tracks[:, 0]] + share * two.at[tracks[:, 1]]
+                found.append(np.column_stack([at, np.full(len(at), level)]))
         points = np.vstack(found)
         return points, np.zeros(len(points), dtype=np.int64)
 
