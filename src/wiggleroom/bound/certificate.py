@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
 from wiggleroom.bound.proof_steps import ProofNode
+from wiggleroom.bound.window_bounds import WindowProof
 from wiggleroom.drawing.model import Part
 from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.freespace.outer.skin import Skin, skin
@@ -22,37 +24,31 @@ from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
 
-FORMAT = "wiggleroom.certificate/1"
+FORMAT = "wiggleroom.certificate/2"
 ABOVE = 1e-12
 """A bound is stated larger by this share, so that whoever works it out with other rounding does not come out above it."""
 
 
 def skins(
-    links: JointConstraints, regions: list[OuterRegion], over: Callable[[], bool]
+    joints: JointConstraints, regions: list[OuterRegion], over: Callable[[], bool]
 ) -> tuple[JointConstraints, list[Skin]]:
     """The pairs for whose outer region a skin was found, and these."""
     found = [None if over() else skin(region, over) for region in regions]
     place = np.cumsum([s is not None for s in found]) - 1
-    keep = np.array([found[k] is not None for k in links.kind], dtype=bool)
-    kept = JointConstraints(
-        links.a[keep],
-        links.b[keep],
-        place[links.kind[keep]] if len(found) else links.kind,
-        links.arm_a[keep],
-        links.arm_b[keep],
-        links.axes[keep],
-    )
+    kept = joints.some(np.array([found[k] is not None for k in joints.kind], dtype=bool))
+    kept = replace(kept, kind=place[kept.kind] if len(found) else kept.kind)
     return kept, [s for s in found if s is not None]
 
 
 def certificate(
     ground: Survey,
     assembly: Assembly,
-    links: JointConstraints,
+    joints: JointConstraints,
     regions: list[Skin],
     goal: PointMotion,
     ranges: AngleRanges,
     cut: float,
+    windows: list[WindowProof],
     proof: ProofNode,
 ) -> dict[str, Any]:
     """What `wiggleroom verify` reads; lengths in mm, angles in radians."""
@@ -85,8 +81,9 @@ def certificate(
         "regions": [_region(s) for s in regions],
         "pairs": [
             [int(a), int(b), int(k), *(them.rest[a, :2] + arm).tolist(), float(axes)]
-            for a, b, k, arm, axes in zip(links.a, links.b, links.kind, links.arm_a, links.axes, strict=True)
+            for a, b, k, arm, axes in zip(joints.a, joints.b, joints.kind, joints.arm_a, joints.axes, strict=True)
         ],
+        "windows": [_window(w) for w in windows],
         "proof": proof.record(),
     }
     return out | {"sha256": fingerprint(out)}
@@ -110,6 +107,19 @@ def _polygons(parts: Sequence[Part]) -> list[list[list[list[float]]]]:
         pieces = shapely.get_parts(union)
         regions = [[shapely.get_coordinates(r)[:-1] for r in (p.exterior, *p.interiors)] for p in pieces]
     return [[ring.tolist() for ring in rings] for rings in regions]
+
+
+def _window(proof: WindowProof) -> dict[str, Any]:
+    """A window, first ranges, steps, and what they say of turns against its first body in all placements."""
+    first, last, window = proof.first, proof.last, proof.window
+    return {
+        "placements": window.placements.tolist(),
+        "pairs": window.placed_joints.tolist(),
+        "far": first.far.tolist(),
+        "steps": [step.record() for step in proof.steps],
+        "low": last.low.tolist(),
+        "high": last.high.tolist(),
+    }
 
 
 def _region(skin: Skin) -> dict[str, Any]:

@@ -7,10 +7,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bound.branch_and_bound import BranchAndBound
 from wiggleroom.bound.certificate import certificate, skins
-from wiggleroom.bound.joint_constraints import first_ranges
+from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.deadline import Deadline
@@ -20,7 +22,9 @@ from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.loop import Progress
-from wiggleroom.search.prepare import survey
+from wiggleroom.search.prepare import Survey, survey
+
+Ints = NDArray[np.int64]
 
 CUTOFF_SHARE = 0.6
 """Motions worth more than the witness by this share of what is asked for are looked for."""
@@ -93,24 +97,23 @@ def prove(
             progress(Progress(stage, 0, 0, most))
 
     tell("outer regions", math.nan)
-    links, outer = outer_regions(ground, clock.is_set)
+    joints, outer = outer_regions(ground, clock.is_set)
     regions: list[OuterRegion | Skin] = [*outer]
     found: list[Skin] = []
     if certify:
         tell("skins", math.nan)
-        links, found = skins(links, outer, clock.is_set)
+        joints, found = skins(joints, outer, clock.is_set)
         regions = [*found]
-    ranges = first_ranges(ground.bodies.fixed, links, regions)
+    ranges = first_ranges(ground.bodies.fixed, joints, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
-    if not (ground.bodies.fixed[asked] | np.isfinite(ranges.far[asked])).all():
-        late = "there was no time to look at all joints"
-        loose = "no chain of joints that close round each other holds what is pulled"
-        why = late if clock.is_set() else loose + (", or no skin was found round one of them" if certify else "")
-        return _not_proven(answer, clock, why)
+    held = ground.bodies.fixed | np.isfinite(ranges.far)
+    if not held[asked].all():
+        return _not_proven(answer, clock, _why_open(answer.assembly, ground, joints, asked[~held[asked]], clock, certify))
     proof = ProofNode() if certify else None
     bounding = BranchAndBound(
-        ground, links, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most: tell("prove", most), proof
+        ground, joints, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most, doing: tell(doing, most), proof
     )
+    ranges = bounding.first()
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
         return _not_proven(answer, clock, "no bound was found in the time given")
@@ -122,8 +125,27 @@ def prove(
     share = (most - witness) / abs(witness) if witness else None
     paper = None
     if proof is not None:
-        paper = certificate(ground, answer.assembly, links, found, goal, ranges, bounding.cut, proof)
+        paper = certificate(
+            ground, answer.assembly, bounding.joints, found, goal, ranges, bounding.cut, bounding.windows, proof
+        )
     return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
+
+
+def _why_open(
+    assembly: Assembly, ground: Survey, joints: JointConstraints, open_: Ints, clock: Deadline, certify: bool
+) -> str:
+    """Why nothing bounds what is pulled, in a sentence."""
+    if clock.is_set():
+        return "there was no time to look at all joints"
+    part = assembly.names[ground.bodies.members[int(open_[0])][0]]
+    near = (ground.near.a == open_[0]) | (ground.near.b == open_[0])
+    closed = (joints.a == open_[0]) | (joints.b == open_[0])
+    if not near.any():
+        return f"{part} touches nothing that could hold it"
+    skin = ", or no skin was found round one of them" if certify else ""
+    if not closed.any():
+        return f"no joint of {part} closes round it: every one lets it out by itself{skin}"
+    return f"{part} is joined to others, but no chain of joints that close leads from it to what is fixed{skin}"
 
 
 def _not_proven(answer: Answer, clock: Deadline, why: str) -> Answer:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import shapely
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.chords import chords
 from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, zipped
-from wiggleroom.freespace.outer.outer_region import OuterRegion, leftover
-from wiggleroom.freespace.outer.outer_slices import Facing
+from wiggleroom.freespace.outer.outer_region import OuterRegion
+from wiggleroom.freespace.outer.outer_slices import Facing, core, forbidden, uncovered
+from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -95,8 +96,8 @@ class Skin:
 
 def skin(outer: OuterRegion, over: Callable[[], bool]) -> Skin | None:
     """Skin round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
-    facing = outer.facing
     window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in outer.pieces)
+    facing = outer.facing.near(3 * window + 2 * np.sin(min(max(np.abs(outer.turns)), np.pi) / 2) * outer.facing.radius)
     for inset, few in CHORD_SETTINGS:
         depth = inset * LOOP_OUTSETS[0][0] * facing.clearance
         crossings = Crossings(*(chords(g, depth, facing.clearance) for g in (facing.a, facing.b)))
@@ -109,7 +110,7 @@ def skin(outer: OuterRegion, over: Callable[[], bool]) -> Skin | None:
         down = None if up is None else _half(facing, crossings, start, window, outer.turns[0], few, over)
         if up is not None and down is not None:
             loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
-            return Skin(facing, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up)))
+            return Skin(outer.facing, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up)))
     return None
 
 
@@ -167,9 +168,16 @@ def _next(
 
 def _pieces(facing: Facing, angle: float, window: float, met: shapely.Geometry) -> NDArray[np.object_]:
     """What is free at an angle and meets `met`."""
-    left = leftover(facing, angle, 0.0, window)
-    which = shapely.dwithin(left.pieces, met, facing.margin)
-    return left.pieces[which][left.open(which)]
+    turned = shapely.transform(_core(facing), lambda p: turn(p, angle))
+    pieces = uncovered(facing.a, turned, window)
+    pieces = pieces[shapely.dwithin(pieces, met, facing.margin)]
+    return pieces[~forbidden(facing.a, turned, pieces, facing.margin)]
+
+
+@lru_cache(maxsize=4)
+def _core(facing: Facing) -> shapely.Geometry:
+    """B less the margin for rounding."""
+    return core(facing.b, 0.0, 0.0, facing.margin)
 
 
 def _loop(
