@@ -46,10 +46,10 @@ MIN_REDUCTION = 0.1
 """A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to more bodies, to narrower intervals, or to a split."""
 MAX_PROOF_DEPTH = 200
 """So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
-MANY_BODIES, FEW_BODIES = 60, 16
-"""With more bodies than this only those two joints apart are asked about at first; with more than that, one joint."""
-WINDOW_BODIES = 60
-"""Local windows pay with more bodies than this."""
+MANY_BODIES = 60
+"""With more bodies than this local windows pay, and only some bodies are asked about at first."""
+FIRST_HOPS, MIN_GAIN = 2, 0.5
+"""At first bodies so many joints apart; nearer ones where the bound's distance from `cut` does not fall by this share."""
 
 
 @dataclass(eq=False)
@@ -103,7 +103,7 @@ class BranchAndBound:
         """Ranges at the start, after a look at local windows where there are many bodies."""
         bodies = self.ground.bodies
         ranges = first_ranges(bodies.fixed, self.joints, self.regions, self.linkage.turns)
-        if np.isfinite(ranges.far).sum() > WINDOW_BODIES:
+        if np.isfinite(ranges.far).sum() > MANY_BODIES:
             for linkage, proof in bounded_windows(bodies, self.linkage, self.cuts, self.clock.is_set):
                 self.linkage = linkage
                 self.windows.append(proof)
@@ -133,8 +133,7 @@ class BranchAndBound:
         return self.cut
 
     def _hops(self, ranges: AngleRanges) -> int:
-        count = int((~self.linkage.fixed & np.isfinite(ranges.far)).sum())
-        return 2 if count > MANY_BODIES else 1 if count > FEW_BODIES else 0
+        return FIRST_HOPS if np.isfinite(ranges.far).sum() > MANY_BODIES else 0
 
     def _worked(
         self, ranges: AngleRanges, before: float, hops: int, best: float, step: ProofNode | None
@@ -168,10 +167,10 @@ class BranchAndBound:
             return []
         gain = (before - value) / (before - self.cut) if np.isfinite(before) else np.inf
         share = (left.high - left.low)[held] / np.maximum((ranges.high - ranges.low)[held], 1e-300)
-        if max(gain, float((1 - share).max(initial=0.0))) > MIN_REDUCTION or self.clock.is_set():
-            return [(left, value, hops)]
         if hops:
-            return [(left, value, hops - 1)]
+            return [(left, value, hops if gain > MIN_GAIN else hops - 1)]
+        if max(gain, float((1 - share).max(initial=0.0))) > MIN_REDUCTION or self.clock.is_set():
+            return [(left, value, 0)]
         if self._sharpen(program, y):
             return [(left, value, hops)]
         body, middle, halves = self._halves(program, x, left)

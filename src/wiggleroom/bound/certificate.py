@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,8 +16,7 @@ from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.window_bounds import WindowProof
 from wiggleroom.drawing.model import Part
-from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.freespace.outer.skin import Skin, skin
+from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 
@@ -27,17 +25,6 @@ Floats = NDArray[np.float64]
 FORMAT = "wiggleroom.certificate/2"
 ABOVE = 1e-12
 """A bound is stated larger by this share, so that whoever works it out with other rounding does not come out above it."""
-
-
-def skins(
-    joints: JointConstraints, regions: list[OuterRegion], over: Callable[[], bool]
-) -> tuple[JointConstraints, list[Skin]]:
-    """The pairs for whose outer region a skin was found, and these."""
-    found = [None if over() else skin(region, over) for region in regions]
-    place = np.cumsum([s is not None for s in found]) - 1
-    kept = joints.some(np.array([found[k] is not None for k in joints.kind], dtype=bool))
-    kept = replace(kept, kind=place[kept.kind] if len(found) else kept.kind)
-    return kept, [s for s in found if s is not None]
 
 
 def certificate(

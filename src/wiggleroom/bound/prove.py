@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bound.branch_and_bound import BranchAndBound
-from wiggleroom.bound.certificate import certificate, skins
+from wiggleroom.bound.certificate import certificate
 from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, WiggleroomError
-from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
@@ -96,14 +95,8 @@ def prove(
         if progress is not None:
             progress(Progress(stage, 0, 0, most))
 
-    tell("outer regions", math.nan)
-    joints, outer = outer_regions(ground, clock.is_set)
-    regions: list[OuterRegion | Skin] = [*outer]
-    found: list[Skin] = []
-    if certify:
-        tell("skins", math.nan)
-        joints, found = skins(joints, outer, clock.is_set)
-        regions = [*found]
+    tell("skins" if certify else "outer regions", math.nan)
+    joints, regions = outer_regions(ground, clock.is_set, certify)
     ranges = first_ranges(ground.bodies.fixed, joints, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
     held = ground.bodies.fixed | np.isfinite(ranges.far)
@@ -126,7 +119,7 @@ def prove(
     paper = None
     if proof is not None:
         paper = certificate(
-            ground, answer.assembly, bounding.joints, found, goal, ranges, bounding.cut, bounding.windows, proof
+            ground, answer.assembly, bounding.joints, [r for r in regions if isinstance(r, Skin)], goal, ranges, bounding.cut, bounding.windows, proof
         )
     return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
 

@@ -63,7 +63,7 @@ class DualLinearProgram:
     ) -> None:
         highspy = need_highs()
         self.up, self.down = np.flatnonzero(np.isfinite(high)), np.flatnonzero(np.isfinite(low))
-        self.count, n = rows.shape
+        (self.count, n), self.more = rows.shape, False
         rows = rows.tocsr()
         one = sp.identity(n, format="csr")
         matrix = sp.hstack([rows[self.up].T, -rows[self.down].T, one, -one]).tocsc()
@@ -75,30 +75,37 @@ class DualLinearProgram:
         lp.row_lower_ = lp.row_upper_ = np.zeros(n)
         lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
         lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
-        self.highs = highspy.Highs()
-        for option, value in (
-            ("output_flag", False),
-            ("threads", 1),
-            ("solver", "simplex"),
-            ("presolve", "off"),
-            ("time_limit", float(limit)),
-        ):
-            self.highs.setOptionValue(option, value)
+        self.highs = _solver(highspy, limit)
         self.highs.passModel(lp)
         self.every = np.arange(n, dtype=np.int32)
         self.x: Floats = np.zeros(n)
+
+    def with_row(self, row: Floats, low: float, limit: float) -> DualLinearProgram:
+        """The same program with one more row (n,), row . x >= low, which begins where this one ended."""
+        highspy = need_highs()
+        other: DualLinearProgram = object.__new__(DualLinearProgram)
+        other.up, other.down, other.every, other.x = self.up, self.down, self.every, self.x
+        other.count, other.more = self.count, True
+        other.highs = _solver(highspy, limit)
+        other.highs.passModel(self.highs.getLp())
+        other.highs.setBasis(self.highs.getBasis())
+        used = np.flatnonzero(row).astype(np.int32)
+        other.highs.addCol(-low, 0.0, highspy.kHighsInf, len(used), used, -row[used])
+        return other
 
     def ask(self, cost: Floats) -> Floats:
         """Multipliers (m,) of the rows, positive where a row's upper side holds; where it ended is left in `x`."""
         self.highs.changeRowsBounds(len(self.every), self.every, cost, cost)
         self.highs.run()
         found = self.highs.getSolution()
-        y = np.zeros(self.count)
+        y = np.zeros(self.count + self.more)
         value = np.array(found.col_value)
         if len(value) and np.isfinite(value).all():
             value = np.maximum(value, 0.0)
             y[self.up] += value[: len(self.up)]
             y[self.down] -= value[len(self.up) : len(self.up) + len(self.down)]
+            if self.more:
+                y[-1] = -value[-1]
             self.x = np.array(found.row_dual)
         return y
 
@@ -106,3 +113,16 @@ class DualLinearProgram:
     def iterations(self) -> int:
         """Of the simplex method, in the last question."""
         return int(self.highs.getInfo().simplex_iteration_count)
+
+
+def _solver(highspy: Any, limit: float) -> Any:
+    solver = highspy.Highs()
+    for option, value in (
+        ("output_flag", False),
+        ("threads", 1),
+        ("solver", "simplex"),
+        ("presolve", "off"),
+        ("time_limit", float(limit)),
+    ):
+        solver.setOptionValue(option, value)
+    return solver

@@ -14,7 +14,7 @@ from wiggleroom.freespace.outer.skin import Skin
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NORMAL_TOLERANCE = 0.06
+NORMAL_TOLERANCE = 0.12
 """Facets of a hull whose normals differ by less [rad] are one; its support is worked out anew, so nothing is cut off."""
 SUPPORT_TOLERANCE = 0.05
 """An interval holds a facet where it comes this near to it, as a share of its blur."""

@@ -106,6 +106,23 @@ def _apart(facing: Facing, low: float, high: float, window: float) -> float:
 def outer_region(
     facing: Facing, lever: float, limit: float, over: Callable[[], bool] | None = None
 ) -> OuterRegion | None:
+    """Outer region in coarse intervals; None where it does not end within `limit` [mm], or is cut short by `over`."""
+    found = reached_slices(facing, lever, limit, over)
+    return None if found is None else _outer(facing, lever, found.low, found.high, list(found.pieces), {})
+
+
+@dataclass(frozen=True, eq=False)
+class ReachedSlices:
+    """Pieces that can be reached, for intervals of turns from `low` to `high` (K,) [rad]."""
+
+    low: Floats
+    high: Floats
+    pieces: tuple[Pieces, ...]
+
+
+def reached_slices(
+    facing: Facing, lever: float, limit: float, over: Callable[[], bool] | None = None
+) -> ReachedSlices | None:
     """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm], or is cut short.
 
     Parameters
@@ -136,7 +153,7 @@ def outer_region(
             return None
     order = sorted(found)
     ends = np.array([(2 * k - 1) * half for k in (*order, order[-1] + 1)])
-    return _outer(facing, lever, ends[:-1], ends[1:], [found[k] for k in order], {})
+    return ReachedSlices(ends[:-1], ends[1:], tuple(found[k] for k in order))
 
 
 def _followed(

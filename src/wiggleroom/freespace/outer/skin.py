@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.chords import chords
 from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, zipped
-from wiggleroom.freespace.outer.outer_region import OuterRegion
+from wiggleroom.freespace.outer.outer_region import ReachedSlices
 from wiggleroom.freespace.outer.outer_slices import Facing, core, forbidden, uncovered
 from wiggleroom.geometry.relative_pose import turn
 
@@ -94,10 +94,11 @@ class Skin:
         return points, np.zeros(len(points), dtype=np.int64)
 
 
-def skin(outer: OuterRegion, over: Callable[[], bool]) -> Skin | None:
+def skin(whole: Facing, slices: ReachedSlices, over: Callable[[], bool]) -> Skin | None:
     """Skin round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
-    window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in outer.pieces)
-    facing = outer.facing.near(3 * window + 2 * np.sin(min(max(np.abs(outer.turns)), np.pi) / 2) * outer.facing.radius)
+    window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in slices.pieces)
+    first, last = float(slices.low[0]), float(slices.high[-1])
+    facing = whole.near(3 * window + 2 * np.sin(min(max(-first, last), np.pi) / 2) * whole.radius)
     for inset, few in CHORD_SETTINGS:
         depth = inset * LOOP_OUTSETS[0][0] * facing.clearance
         crossings = Crossings(*(chords(g, depth, facing.clearance) for g in (facing.a, facing.b)))
@@ -106,11 +107,11 @@ def skin(outer: OuterRegion, over: Callable[[], bool]) -> Skin | None:
         )
         if start is None or over():
             continue
-        up = _half(facing, crossings, start, window, outer.turns[1], few, over)
-        down = None if up is None else _half(facing, crossings, start, window, outer.turns[0], few, over)
+        up = _half(facing, crossings, start, window, last, few, over)
+        down = None if up is None else _half(facing, crossings, start, window, first, few, over)
         if up is not None and down is not None:
             loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
-            return Skin(outer.facing, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up)))
+            return Skin(whole, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up)))
     return None
 
 
