@@ -43,7 +43,7 @@ FINEST_BLUR = 0.004
 ACTIVE_MULTIPLIER = 1e-3
 """A facet holds the program up where its multiplier is at least this share of the largest."""
 MIN_REDUCTION = 0.1
-"""A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to more bodies, to narrower intervals, or to a split."""
+"""A sweep that cuts no turn, nor the bound's distance from `cut`, by this share leads to narrower intervals or to a split."""
 MAX_PROOF_DEPTH = 200
 """So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
 MANY_BODIES = 60
@@ -138,7 +138,7 @@ class BranchAndBound:
     def _worked(
         self, ranges: AngleRanges, before: float, hops: int, best: float, step: ProofNode | None
     ) -> list[tuple[AngleRanges, float, int]]:
-        """What is left of `ranges`, in one or two pieces, what motions in them are worth at most, and how far apart bodies are asked about."""
+        """What is left of `ranges`, in one or two pieces, what motions there are worth at most, and how far apart to ask next."""
         try:
             program = RelaxationInRanges(self.linkage, self.cuts, ranges)
         except InfeasibleRanges as nothing:

@@ -45,9 +45,7 @@ def goal_weights(goal: PointMotion, n: int) -> Floats:
     """Weights (5 n,) of the bodies in what is asked."""
     out = np.zeros((n, 5))
     lever = goal.arm[:, 0] * goal.direction[:, 1] - goal.arm[:, 1] * goal.direction[:, 0]
-    np.add.at(
-        out, goal.body, np.column_stack([goal.direction, (goal.direction * goal.arm).sum(1), lever, goal.turn])
-    )
+    np.add.at(out, goal.body, np.column_stack([goal.direction, (goal.direction * goal.arm).sum(1), lever, goal.turn]))
     return out.ravel()
 
 

@@ -5,7 +5,6 @@ Regions cut alike are cut once. For that the ends of intervals are moved outward
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -15,6 +15,7 @@ What the program says is not believed: `multipliers` is what matters, see `joint
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -128,7 +129,7 @@ class _RowBuilder:
     def add(
         self,
         columns: list[Ints],
-        values: list[Floats],
+        values: Sequence[Floats | float],
         low: Floats | float,
         high: Floats | float,
         reading: dict[int, Floats | float] | None = None,

@@ -50,9 +50,7 @@ class Window:
     placed_joints: Ints
 
 
-def windows(
-    shape: Ints, rest: Floats, radius: Floats, joints: JointConstraints, span: int
-) -> Iterator[Window]:
+def windows(shape: Ints, rest: Floats, radius: Floats, joints: JointConstraints, span: int) -> Iterator[Window]:
     """Windows of a span whose joints form rings, those with most placements first; `shape` (n,), `rest` (n, 3) [mm, mm, rad]."""
     n = len(rest)
     near = _neighbours(n, joints)
@@ -67,7 +65,7 @@ def windows(
                 continue
             inside = sorted(
                 (k for k, e in away[root].items() if k in away[end] and e + away[end][k] == span),
-                key=lambda k, root=root: (away[root][k], k),
+                key=lambda k: (away[root][k], k),
             )
             key = (root, *sorted(inside))
             own = [number[p] for p in ((a, b) for a in inside for b in near[a] if b in inside) if p in number]
@@ -161,7 +159,9 @@ def window_turns(window: Window, turns: TurnDifferences) -> TurnDifferences:
     return TurnDifferences(a, b, turns.low[which], turns.high[which])
 
 
-def with_window(turns: TurnDifferences, joints: JointConstraints, window: Window, low: Floats, high: Floats) -> TurnDifferences:
+def with_window(
+    turns: TurnDifferences, joints: JointConstraints, window: Window, low: Floats, high: Floats
+) -> TurnDifferences:
     """What is known of turns and, in every placement, the ranges (w,) of the window's bodies against its first one."""
     count = len(window.placements)
     a = np.repeat(window.placements[:, 0], len(window.bodies) - 1)

@@ -101,7 +101,9 @@ def prove(
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
     held = ground.bodies.fixed | np.isfinite(ranges.far)
     if not held[asked].all():
-        return _not_proven(answer, clock, _why_open(answer.assembly, ground, joints, asked[~held[asked]], clock, certify))
+        return _not_proven(
+            answer, clock, _why_open(answer.assembly, ground, joints, asked[~held[asked]], clock, certify)
+        )
     proof = ProofNode() if certify else None
     bounding = BranchAndBound(
         ground, joints, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most, doing: tell(doing, most), proof
@@ -119,7 +121,15 @@ def prove(
     paper = None
     if proof is not None:
         paper = certificate(
-            ground, answer.assembly, bounding.joints, [r for r in regions if isinstance(r, Skin)], goal, ranges, bounding.cut, bounding.windows, proof
+            ground,
+            answer.assembly,
+            bounding.joints,
+            [r for r in regions if isinstance(r, Skin)],
+            goal,
+            ranges,
+            bounding.cut,
+            bounding.windows,
+            proof,
         )
     return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
 

@@ -19,7 +19,7 @@ from wiggleroom.bound.joint_constraints import (
     narrowed,
     propagated,
 )
-from wiggleroom.bound.joint_multipliers import TURN, LagrangianBound
+from wiggleroom.bound.joint_multipliers import MULTIPLIERS, TURN, LagrangianBound
 from wiggleroom.bound.joint_ranges import JointRanges, RegionCuts, joint_ranges
 from wiggleroom.bound.linear_relaxation import LinearRelaxation, relaxation
 from wiggleroom.bound.proof_steps import TurnCuts, rounded
@@ -141,14 +141,14 @@ class RelaxationInRanges:
         """What multipliers of rows really prove."""
         body, sign = np.array(asked, dtype=np.int64).reshape(-1, 2).T
         count = len(body)
+        if not count:
+            none = np.zeros(0)
+            return TurnCuts(body, sign, none, none, np.zeros((0, len(self.linkage.joints.a), MULTIPLIERS)))
         weights, constant, goal = np.zeros((count, 5 * len(self.linkage.fixed))), np.zeros(count), np.zeros(count)
         weights[np.arange(count), 5 * body + TURN] = sign
-        y = y.reshape(count, -1)
-        if cutoff is not None and count:
+        if cutoff is not None:
             goal = np.maximum(-y[:, -1], 0.0)
             weights, constant, y = weights + goal[:, None] * cutoff.weights, -goal * cutoff.worth, y[:, :-1]
-        if not count:
-            return TurnCuts(body, sign, np.zeros(0), goal, np.zeros((0, len(self.linkage.joints.a), 7)))
         multipliers = rounded(self.linear.multipliers(y))
         most = self.lagrangian.most(weights, constant, multipliers)
         width = self.ranges.high[body] - self.ranges.low[body]

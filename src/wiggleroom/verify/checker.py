@@ -101,9 +101,9 @@ def _verify(content: Any) -> Verified:
     counted = [0]
     for window in content["windows"]:
         _check_window(case, window, counted)
-    ranges = tuple([body[key] for body in bodies] for key in ("low", "high", "far"))
-    case.first(*ranges, [body["parts"][0] for body in bodies])
-    bound = _bound(case, content["proof"], ranges, counted)
+    low, high, far = ([body[key] for body in bodies] for key in ("low", "high", "far"))
+    case.first(low, high, far, [body["parts"][0] for body in bodies])
+    bound = _bound(case, content["proof"], (low, high, far), counted)
     worked_out, stated = bound.max(case.worth), exact(content["at_most"])
     need(
         bool(worked_out <= stated),
@@ -138,7 +138,9 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
         a, b, *rest = case.pairs[p]
         need(a in number and b in number, "a pair of a window has a body outside it")
         own.append([number[a], number[b], *rest])
-    doubt = max((_unlike(case, placements[0], pairs[0], *other) for other in zip(placements, pairs, strict=True)), default=0.0)
+    doubt = max(
+        (_unlike(case, placements[0], pairs[0], *other) for other in zip(placements, pairs, strict=True)), default=0.0
+    )
     small = Case(
         [case.origin[k] for k in bodies],
         [k == 0 for k in range(len(bodies))],
@@ -167,8 +169,7 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
     for k in range(1, len(bodies)):
         fits = low[k] <= min(ranges[0][k], 0) and high[k] >= max(ranges[1][k], 0)
         need(fits, "the steps of a window do not prove what it says of turns")
-    for placement, joined in zip(placements, pairs, strict=True):
-        del joined
+    for placement in placements:
         case.known += [(placement[0], placement[k], low[k], high[k]) for k in range(1, len(bodies))]
 
 
@@ -234,10 +235,10 @@ def _bound(case: Case, step: dict[str, Any], ranges: tuple[list, list, list], co
     if "empty" in step:
         p = step["empty"]
         stage = Stage(case, *ranges, [list(case.known[k][2:]) for k in range(len(case.pairs))])
-        low, high = stage.pair(p)
+        least, most = stage.pair(p)
         enclosure = case.enclosures[case.pairs[p][2]]
         case.work.spend(enclosure.steps)
-        left = low <= high and len(enclosure.between(low, high)) > 0
+        left = least <= most and len(enclosure.between(least, most)) > 0
         need(not left, "a pair that should have no turn left has one")
         return arb.neg_inf()
     if "best" in step:

@@ -195,10 +195,10 @@ class _Form:
         need(0 < len(placements) == len(joined), "a window's placements are not complete")
         size, wide = len(_rows(placements[0], "windows")), len(_rows(joined[0], "windows"))
         need(size >= 2 and wide >= 1, "a window is too small")
-        for rows, count, most in ((placements, size, bodies), (joined, wide, pairs)):
+        for rows, count, named in ((placements, size, bodies), (joined, wide, pairs)):
             for row in _rows(rows, "windows", count):
                 for k in row:
-                    self.index(k, most, "windows")
+                    self.index(k, named, "windows")
                 need(len(set(row)) == count, "a window names a body or a pair twice")
         self.numbers += 10 * len(placements) * size
         for key, most in (("far", LENGTH), ("low", ANGLE), ("high", ANGLE)):
@@ -208,7 +208,10 @@ class _Form:
         steps = _rows(window["steps"], "windows")
         need(len(steps) > 0, "a window has no steps")
         for step in steps:
-            need(isinstance(step, dict) and not {"best", "empty", "split"} & set(step), "a window's step does more than cut")
+            need(
+                isinstance(step, dict) and not {"best", "empty", "split"} & set(step),
+                "a window's step does more than cut",
+            )
             need(None not in step.get("low", [None]), "a window's step has no ranges")
             _rows(step.get("then", []), "windows")
             need(not step.get("then"), "a window's step is followed by another one")

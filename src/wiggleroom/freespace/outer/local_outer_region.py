@@ -70,7 +70,6 @@ class LocalOuterRegion:
         """Largest motion of the pivot [mm]."""
         return float(np.hypot(*self.corner[:, :2].T).max()) + 4 * self.facing.margin
 
-
     def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
         """Corners (M, 3) of the polyhedra, cut to turns between `low` and `high`, and the interval of each (M,)."""
         return cut_corners(self.corner, self.which, self.low, self.high, low, high)
