@@ -18,7 +18,10 @@ LANES = (
         "the path of a question",
         ["drawing", "assembly", "geometry", "freespace", "program", "solve", "search", "maximise"],
     ),
-    ("other questions", ["bound", "compare", "tight", "separate", "sensitivity", "live", "mating", "spatial"]),
+    (
+        "other questions",
+        ["bound", "compare", "form_closure", "disassembly", "sensitivity", "live", "mating", "spatial"],
+    ),
     ("what people and programs get", ["questions", "schema", "report", "audit", "verify", "bench", "app", "cli"]),
 )
 EVERYWHERE = ("errors", "deadline", "provenance", "files", "verdict")  # not drawn: anyone may import them

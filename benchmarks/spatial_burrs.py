@@ -14,8 +14,8 @@ from collections import Counter, deque
 import numpy as np
 
 from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_model import Boxes, SpatialAssembly, SpatialDrawing, SpatialPart
-from wiggleroom.spatial.spatial_separation import check_spatial
 
 STEPS = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
 STICKS = {

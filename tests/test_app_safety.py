@@ -272,11 +272,11 @@ def test_what_cannot_be_served_is_said_in_one_line(served: Served, tmp_path: Pat
 
 
 def test_pages_of_a_file_begin_with_it_and_its_options(tmp_path: Path) -> None:
-    from wiggleroom.cli.options import Asked
+    from wiggleroom.cli.options import QuestionOptions
     from wiggleroom.cli.serve_command import first_request
 
     (tmp_path / "chain.json").write_bytes(CHAIN)
-    first = first_request(str(tmp_path / "chain.json"), Asked(gap=0.03, pull=("b2:-x",)))
+    first = first_request(str(tmp_path / "chain.json"), QuestionOptions(gap=0.03, pull=("b2:-x",)))
     served = Served(first)
     try:
         for _ in range(2):  # a page, and the same page reloaded
@@ -296,7 +296,7 @@ def test_pages_of_a_file_begin_with_it_and_its_options(tmp_path: Path) -> None:
 def test_processes_may_not_take_all_memory() -> None:
     resource = pytest.importorskip("resource")
     code = (
-        "from wiggleroom.app.upload_limits import bound_memory; import resource; bound_memory(); "
+        "from wiggleroom.app.resource_limits import bound_memory; import resource; bound_memory(); "
         "print(resource.getrlimit(resource.RLIMIT_DATA)[0])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

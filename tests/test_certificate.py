@@ -21,8 +21,8 @@ pytest.importorskip("flint")
 import flint
 
 from wiggleroom.verify.ball_bounds import highest
+from wiggleroom.verify.caging_check import Refused, check_caging_surface, check_inside, point
 from wiggleroom.verify.checker import read, verify
-from wiggleroom.verify.skins import Refused, check_inside, check_skin, point
 
 
 def sealed(content):
@@ -191,22 +191,22 @@ def test_multipliers_count(proven):
 
 def test_a_skin_with_a_hole_is_refused(proven):
     region = proven[1]["regions"][0]
-    check_skin(region)
+    check_caging_surface(region)
     middle = len(region["loops"]) // 2
     for share in (0.9, -1.0):  # inside the walls
         bad = copy.deepcopy(region)
         bad["loops"][middle][1][0] = [share * v for v in bad["loops"][middle][1][0]]
         with pytest.raises(Refused):
-            check_skin(bad)
+            check_caging_surface(bad)
     bad = copy.deepcopy(region)
     del bad["loops"][middle], bad["seams"][middle]
     with pytest.raises(Refused):
-        check_skin(bad)
+        check_caging_surface(bad)
     bad = copy.deepcopy(region)  # moved away from rest as a whole
     for loop in bad["loops"]:
         loop[1] = [[x + 1, y] for x, y in loop[1]]
     with pytest.raises(Refused):
-        check_skin(bad)
+        check_caging_surface(bad)
 
 
 def test_smaller_parts_are_refused(proven):

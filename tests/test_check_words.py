@@ -1,8 +1,8 @@
 """What `check` says in words: about gaps as drawn, and about a search that was not needed."""
 
 import wiggleroom as wr
+from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.separability import border_sentence, check_sure
-from wiggleroom.separate.largest_gap import LargestGap
 
 PLATE = [(-9, -9), (9, -9), (9, 9), (2, 9), (2, -4), (-2, -4), (-2, 9), (-9, 9)]
 PEG = [(-1, -3), (1, -3), (1, 3), (-1, 3)]

@@ -15,8 +15,8 @@ from tests.flexing import part_at
 from tests.oracle import collision
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.disassembly.enclosure import holds
 from wiggleroom.drawing.model import Drawing
-from wiggleroom.separate.enclosure import holds
 
 box = shapely.box
 INNER = box(0, 0, 100, 100)

@@ -17,8 +17,8 @@ from tests.oracle import blocks, closed_forms
 from tests.oracle.closed_forms import frame, rectangle, regular
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, JointGap, Pull, Turn, W
-from wiggleroom.geometry.neighbours import relative_rest
-from wiggleroom.search.congruent_swap import Twin, followed, twins
+from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, followed
 
 CLOSE = 1e-6
 SLOT = [(0, 0), (4, 0), (4, 1), (1, 1), (1, 2.1), (4, 2.1), (4, 3.1), (0, 3.1)]  # open to the right, y from 1 to 2.1
@@ -436,8 +436,10 @@ def test_a_joint_takes_the_way_of_a_congruent_one_and_no_other_joint_notices() -
     ready = wr.prepare(chain("tee", 4))
     them, cells = ready.bodies, ready.cells
     motion = wr.flex(chain("tee", 4)).warm_start.motion * np.array([[0.0], [0.3], [0.7], [1.0]])
-    before, rest = relative_rest(them, cells.a, cells.b, motion), relative_rest(them, cells.a, cells.b)
-    after = relative_rest(them, cells.a, cells.b, followed(them, cells, Twin(np.array([2]), 0), motion[None])[0])
+    before, rest = relative_pose(them, cells.a, cells.b, motion), relative_pose(them, cells.a, cells.b)
+    after = relative_pose(
+        them, cells.a, cells.b, followed(them, cells, CongruentSwap(np.array([2]), 0), motion[None])[0]
+    )
     assert after[:2] == pytest.approx(before[:2], abs=1e-12)
     assert after[2] - rest[2] == pytest.approx(before[0] - rest[0], abs=1e-12)
 
@@ -445,7 +447,7 @@ def test_a_joint_takes_the_way_of_a_congruent_one_and_no_other_joint_notices() -
 def test_joints_in_a_loop_are_not_offered_other_ends() -> None:
     ready = wr.prepare(wr.patterns.grid(2, 2, joint="tee", gap=0.01))
     shaken = np.random.default_rng(0).normal(0, 0.01, (4, 3))
-    assert twins(ready.bodies, ready.cells, shaken, 0.01) == []
+    assert congruent_swaps(ready.bodies, ready.cells, shaken, 0.01) == []
 
 
 @pytest.mark.parametrize(

@@ -22,14 +22,14 @@ import wiggleroom as wr
 pytest.importorskip("highspy")
 pytest.importorskip("flint")
 
-from wiggleroom.cli.options import Asked
+from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.verify_drawing import drawn_by
 from wiggleroom.drawing.assembly_writer import write_assembly
+from wiggleroom.verify.caging_check import Refused
+from wiggleroom.verify.certificate_structure import check_structure
 from wiggleroom.verify.checker import read, verify
 from wiggleroom.verify.claim import claim_of
-from wiggleroom.verify.drawn import difference
-from wiggleroom.verify.form import check_form
-from wiggleroom.verify.skins import Refused
+from wiggleroom.verify.claim_comparison import difference
 
 Content = dict[str, Any]
 Forgery = Callable[[Content], Any]
@@ -77,11 +77,13 @@ def truth() -> float:
 def refusal(content: Content, file: Path | None, **asked: Any) -> str:
     """Why a certificate is refused, empty where it is not; what is quick is looked at first."""
     try:
-        check_form(content)
+        check_structure(content)
     except Refused as why:
         return str(why)
     claim = claim_of(content)
-    return difference(claim, drawn_by(str(file) if file else None, Asked(**asked), claim)) or verify(content).why
+    return (
+        difference(claim, drawn_by(str(file) if file else None, QuestionOptions(**asked), claim)) or verify(content).why
+    )
 
 
 def put(*path: Any) -> Forgery:
@@ -595,7 +597,7 @@ def without_loop(k: int) -> Forgery:
     return change
 
 
-def small_skin(content: Content) -> None:
+def small_surface(content: Content) -> None:
     """A tiny box round rest, drawn by hand; the chords named are some that there are."""
     region = content["regions"][0]
     side = [[1e-4, -1e-4], [1e-4, 1e-4], [-1e-4, 1e-4], [-1e-4, -1e-4]]
@@ -605,11 +607,11 @@ def small_skin(content: Content) -> None:
     region["seams"] = [[round_, named], [[[k, 0] for _, k in round_], named]]
 
 
-def small_skin_of(chords: Callable[[np.ndarray], Any]) -> Forgery:
+def small_surface_of(chords: Callable[[np.ndarray], Any]) -> Forgery:
     """The same, with chords that cross at rest: so long that they must."""
 
     def change(content: Content) -> None:
-        small_skin(content)
+        small_surface(content)
         region = content["regions"][0]
         region["a"] = [[[-9.0, 0.0], [9.0, 1e-9]]]
         region["b"] = chords(np.array([[[0.0, -9.0], [1e-9, 9.0]]])).tolist()
@@ -658,10 +660,10 @@ SKINS: dict[str, Forgery] = {
     "chords moved": put("regions", 0, "b", lambda rows: [[[x + 0.02, y] for x, y in row] for row in rows]),
     "chords a hair outside": put("regions", 0, "a", lambda rows: [[[x, y + (2e-8 if y < 0 else -2e-8)] for x, y in row] for row in rows]),
     "no chords": put("regions", 0, lambda r: r | {"a": [], "b": []}),
-    "a tiny skin": small_skin,
-    "a tiny skin of long chords": small_skin_of(lambda b: b),
-    "a tiny skin of short chords": small_skin_of(lambda b: 0.01 * b),
-    "a tiny skin of chords without length": small_skin_of(lambda b: 0 * b),
+    "a tiny surface": small_surface,
+    "a tiny surface of long chords": small_surface_of(lambda b: b),
+    "a tiny surface of short chords": small_surface_of(lambda b: 0.01 * b),
+    "a tiny surface of chords without length": small_surface_of(lambda b: 0 * b),
     "a pivot moved": put("pairs", 1, 3, lambda x: x + 0.01),
     "a pivot far away": put("pairs", 1, 3, 1e11),
     "a pair turned": put("pairs", 1, 5, 0.1),

@@ -15,7 +15,7 @@ import pytest
 
 import wiggleroom as wr
 from tests.answers import answer, block, grid, row
-from tests.baked import frames, told
+from tests.standalone import frames, told
 from wiggleroom.assembly.assembly import place, rings_at
 from wiggleroom.drawing.model import Part, Pull
 from wiggleroom.report.pages import page_of_answer

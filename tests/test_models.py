@@ -20,7 +20,7 @@ from wiggleroom.compare.approximate import approximate
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.hull import pair_hull
-from wiggleroom.freespace.slices import meeting
+from wiggleroom.freespace.slices import pair_outlines
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import build
@@ -46,7 +46,7 @@ def chain(joint: str, gap: float, n: int, angle: float = 0.0) -> wr.Assembly:
     return assemble(Drawing(tuple(parts), gap=gap, goals=(wr.Pull(f"b{n}", (-s, c)),)))
 
 
-PEG = meeting(box(-3, -3, 3, 3) - box(-1, -1, 1, 1), box(-0.9, -0.9, 0.9, 0.9))
+PEG = pair_outlines(box(-3, -3, 3, 3) - box(-1, -1, 1, 1), box(-0.9, -0.9, 0.9, 0.9))
 
 
 def test_hull_of_a_square_peg_is_two_pyramids() -> None:
@@ -63,7 +63,9 @@ def test_hull_of_a_square_peg_is_two_pyramids() -> None:
 
 def test_b_is_centred_before_it_turns() -> None:
     ring = box(-3, -3, 3, 3) - box(-1, -1, 1, 1)
-    off = pair_hull(meeting(ring, shapely.affinity.translate(box(-0.9, -0.9, 0.9, 0.9), 0.06, -0.03)), wr.Hull(), 1.0)
+    off = pair_hull(
+        pair_outlines(ring, shapely.affinity.translate(box(-0.9, -0.9, 0.9, 0.9), 0.06, -0.03)), wr.Hull(), 1.0
+    )
     assert off is not None
     # about a pivot 0.06 off the middle of the square the first corner touches earlier, but not as early as off centre
     alone = np.arcsin(1 / (0.9 * np.sqrt(2))) - np.pi / 4
@@ -142,7 +144,7 @@ SLOT = box(-3, -3, 3, 3) - box(-1, 0, 1, 4)
 
 @pytest.mark.parametrize("slices", [3, 7])
 def test_open_pair_is_followed_as_a_strip(slices: int) -> None:
-    pair = meeting(SLOT, box(-0.95, 0.05, 0.95, 2))
+    pair = pair_outlines(SLOT, box(-0.95, 0.05, 0.95, 2))
     hull = pair_hull(pair, wr.Hull(slices=slices), reach=5.0)
     assert hull is not None
     assert not hull.closed
@@ -163,7 +165,7 @@ def test_open_slice_of_straight_fingers_is_the_whole_strip() -> None:
 def test_extension_that_takes_in_forbidden_space_is_discarded() -> None:
     # a bar rests above a floor; a post stands in the strip over it, further away than what counts as nearby
     floor = box(-3, -3, 3, 0) | box(0.9, 0, 1.1, 2)
-    pair = meeting(floor, box(-0.5, 0.1, 0.5, 0.6))
+    pair = pair_outlines(floor, box(-0.5, 0.1, 0.5, 0.6))
     hull = pair_hull(pair, wr.Hull(), reach=3.0)
     assert hull is not None
     middle = hull.slices[1].region
@@ -360,6 +362,6 @@ def test_depth_of_an_overlap_round_a_corner_is_its_thickness() -> None:
     )
     ready = approximate(made, wr.HalfPlane())
     motion = np.array([[0.0, 0, 0], [0.11, 0.11, 0]])
-    found = overlaps(ready.bodies, motion, ready.barred).deepest
+    found = overlaps(ready.bodies, motion, ready.ignored).deepest
     assert found + 1e-12 >= 0.01
     assert found < 0.0142

@@ -15,7 +15,7 @@ from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Drawing, Part, Region
 from wiggleroom.geometry.bodies import bodies
-from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_rest
+from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_pose
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import objective
 from wiggleroom.search.prepare import prepare
@@ -117,12 +117,12 @@ def test_frames_and_places_do_not_change_shapes_and_classes(name):
     assert one.members == other.members
     np.testing.assert_allclose(one.shapes.radius, other.shapes.radius, rtol=1e-9)
     np.testing.assert_allclose(one.shapes.corner, other.shapes.corner, atol=1e-9)
-    found = [neighbours(them, placed(them), 1.5, barred=NONE) for them in (one, other)]
+    found = [neighbours(them, placed(them), 1.5, ignored=NONE) for them in (one, other)]
     np.testing.assert_array_equal(found[0].a, found[1].a)
     np.testing.assert_array_equal(found[0].b, found[1].b)
     np.testing.assert_allclose(found[0].clearance, found[1].clearance, atol=1e-9)
     a, b = found[0].a, found[0].b
-    poses = [relative_rest(them, a, b) for them in (one, other)]
+    poses = [relative_pose(them, a, b) for them in (one, other)]
     np.testing.assert_allclose(poses[0][:, :2], poses[1][:, :2], atol=1e-9)
     np.testing.assert_allclose(np.exp(1j * poses[0][:, 2]), np.exp(1j * poses[1][:, 2]), atol=1e-9)
     labels = [classes(them, a, b, pose)[1] for them, pose in zip((one, other), poses, strict=True)]
@@ -138,7 +138,7 @@ def test_copies_in_all_frames_share_shapes_and_classes_in_one_assembly():
     both = (*here, *there)
     them = bodies(Assembly(both, Drawing(both)))
     assert set(them.shape) == {0}
-    pose = relative_rest(them, np.array([0, 2]), np.array([1, 3]))
+    pose = relative_pose(them, np.array([0, 2]), np.array([1, 3]))
     first, label = classes(them, np.array([0, 2]), np.array([1, 3]), pose)
     assert len(first) == 1
     assert label.tolist() == [0, 0]
@@ -202,8 +202,8 @@ def test_edges_have_material_on_their_left():
 @anywhere
 def test_a_grid_of_tees_has_four_classes_of_pairs(nx, ny, change):
     them = bodies(change(patterns.grid(nx, ny)))
-    near = neighbours(them, placed(them), REACH, barred=NONE)
-    first, label = classes(them, near.a, near.b, relative_rest(them, near.a, near.b))
+    near = neighbours(them, placed(them), REACH, ignored=NONE)
+    first, label = classes(them, near.a, near.b, relative_pose(them, near.a, near.b))
     beside, above, diagonal = (nx - 1) * ny, nx * (ny - 1), (nx - 1) * (ny - 1)
     assert len(first) == 4
     assert sorted(np.bincount(label)) == sorted([beside, above, diagonal, diagonal])
@@ -215,14 +215,14 @@ def test_a_grid_of_tees_has_four_classes_of_pairs(nx, ny, change):
 
 def test_different_pieces_are_different_classes():
     them = bodies(patterns.jigsaw(4, 4))
-    near = neighbours(them, placed(them), REACH, barred=NONE)
-    assert len(classes(them, near.a, near.b, relative_rest(them, near.a, near.b))[0]) == len(near.a)
+    near = neighbours(them, placed(them), REACH, ignored=NONE)
+    assert len(classes(them, near.a, near.b, relative_pose(them, near.a, near.b))[0]) == len(near.a)
 
 
 def test_turning_once_round_is_the_same_class():
     them = bodies(patterns.chain(3))
     a, b = np.array([0, 1, 0, 0]), np.array([1, 2, 1, 1])
-    pose = relative_rest(them, a, b) + np.array([[0, 0, 0], [0, 0, 2 * np.pi], [0, 0, -2 * np.pi], [0, 0, 1e-3]])
+    pose = relative_pose(them, a, b) + np.array([[0, 0, 0], [0, 0, 2 * np.pi], [0, 0, -2 * np.pi], [0, 0, 1e-3]])
     assert classes(them, a, b, pose)[1][:3].tolist() == [0, 0, 0]
     assert classes(them, a, b, pose)[1][3] != 0
 
@@ -232,7 +232,7 @@ def test_turning_once_round_is_the_same_class():
 def test_neighbours_are_all_pairs_within_reach(name, reach):
     them = bodies(ASSEMBLIES[name]())
     solid = placed(them)
-    found = neighbours(them, solid, reach, barred=NONE)
+    found = neighbours(them, solid, reach, ignored=NONE)
     wanted = {(i, j): shapely.distance(solid[i], solid[j]) for i, j in combinations(range(len(solid)), 2)}
     wanted = {pair: d for pair, d in wanted.items() if d <= reach and not them.fixed[list(pair)].all()}
     assert dict(zip(zip(found.a, found.b, strict=True), found.clearance, strict=True)) == pytest.approx(wanted)
@@ -243,7 +243,7 @@ def test_barred_pairs_are_left_out():
     them = bodies(patterns.grid(3, 3))
     solid = placed(them)
     keys = lambda pairs: set(zip(pairs.a.tolist(), pairs.b.tolist(), strict=True))  # noqa: E731
-    every, left = (keys(neighbours(them, solid, REACH, barred=b)) for b in (NONE, np.array([0 * 9 + 1, 4 * 9 + 5])))
+    every, left = (keys(neighbours(them, solid, REACH, ignored=b)) for b in (NONE, np.array([0 * 9 + 1, 4 * 9 + 5])))
     assert every - left == {(0, 1), (4, 5)}
     assert left < every
 
@@ -252,7 +252,7 @@ def test_fixed_pairs_are_left_out():
     assembly = patterns.grid(3, 1)
     parts = tuple(replace(p, fixed=k < 2) for k, p in enumerate(assembly.parts))
     them = bodies(Assembly(parts, assembly.drawing))
-    near = neighbours(them, placed(them), REACH, barred=NONE)
+    near = neighbours(them, placed(them), REACH, ignored=NONE)
     assert list(zip(near.a, near.b, strict=True)) == [(1, 2)]
 
 
@@ -260,7 +260,7 @@ def test_fixed_pairs_are_left_out():
 def test_the_cell_of_one_pair_serves_its_whole_class(change):
     ready = prepare(change(patterns.grid(5, 4)))
     them, cells = ready.bodies, ready.cells
-    _, label = classes(them, cells.a, cells.b, relative_rest(them, cells.a, cells.b))
+    _, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
     assert len(cells.a) > 20
     goal = objective(ready.assembly, them, ready.assembly.goals)
     rows = build(them, cells, goal, length=1.0).values(np.zeros(3 * int((~them.fixed).sum())))

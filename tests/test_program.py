@@ -10,7 +10,7 @@ import scipy.sparse as sp
 
 from wiggleroom.assembly import patterns
 from wiggleroom.drawing.model import Closer, Pull, Towards, Translation, Turn, W
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.objectives import TERMS, objective
 from wiggleroom.program.retraction import Retraction
@@ -82,7 +82,7 @@ def test_relative_poses_are_what_the_part_sees(name, seed):
     g, turn = of.relative(of.motion(u))
     close(g, np.column_stack([seen.real, seen.imag, pose[b, 2] - pose[a, 2]]), 1e-13)
     close(turn, np.column_stack([np.cos(pose[a, 2]), np.sin(pose[a, 2])]), 1e-13)
-    close(relative_rest(of.bodies, a, b, of.motion(u)), g, 1e-13)
+    close(relative_pose(of.bodies, a, b, of.motion(u)), g, 1e-13)
 
 
 @each_assembly

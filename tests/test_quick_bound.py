@@ -17,7 +17,7 @@ from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
 from wiggleroom.bound.dual_bound import quick_bound
 from wiggleroom.freespace.outer.local_outer_region import pocket
-from wiggleroom.freespace.outer.outer_slices import Facing
+from wiggleroom.freespace.outer.outer_slices import PairMaterial
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.report.answer_words import bounded
 
@@ -33,7 +33,7 @@ def in_hull(points, corners):
 
 def facing_about(a, b, pivot, clearance):
     """Two parts with the origin at a point."""
-    return Facing(*(shapely.transform(g, lambda p: p - pivot) for g in (a, b)), clearance)
+    return PairMaterial(*(shapely.transform(g, lambda p: p - pivot) for g in (a, b)), clearance)
 
 
 def holds_all(a, b, D, pivot):

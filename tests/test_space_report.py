@@ -17,7 +17,7 @@ import wiggleroom as wr
 from tests.answers import block
 from tests.audit import audit as other_audit
 from tests.audit import polygon
-from tests.baked import rows, told
+from tests.standalone import rows, told
 from tests.test_html import tags
 from wiggleroom.assembly.build import assemble
 from wiggleroom.cli import main

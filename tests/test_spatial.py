@@ -13,9 +13,9 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
-from wiggleroom.spatial.plane_program import PlanePoint, build_planes
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.rotations import exponential, fixed_axes, logarithm
+from wiggleroom.spatial.separating_plane_program import SeparatingPlanePoint, build_planes
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import assemble_spatial
 from wiggleroom.spatial.spatial_bodies import grouped
@@ -70,17 +70,17 @@ def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | 
     P = build_planes(bodies, SumOfTerms((term,)), near_pieces(bodies, bodies.rest, 2.0), length=0.4)
     pose = SpatialPose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(rng.normal(size=(2, 3)) * 0.4))
     n = P.start.n + 0.1 * rng.normal(size=P.start.n.shape)
-    point = PlanePoint(pose, n / np.linalg.norm(n, axis=1)[:, None], P.start.d.copy())
+    point = SeparatingPlanePoint(pose, n / np.linalg.norm(n, axis=1)[:, None], P.start.d.copy())
     at = P.linearise(point)
 
-    def moved(u: np.ndarray, y: np.ndarray) -> PlanePoint:
-        from wiggleroom.spatial import plane_kernel as kernel
+    def moved(u: np.ndarray, y: np.ndarray) -> SeparatingPlanePoint:
+        from wiggleroom.spatial import separating_plane_constraints as kernel
 
         change = P.unpacked(u) * P.scale
         there = SpatialPose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
         n, d = np.empty_like(point.n), np.empty_like(point.d)
         kernel.move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
-        return PlanePoint(there, n, d)
+        return SeparatingPlanePoint(there, n, d)
 
     u, y = rng.normal(size=6), rng.normal(size=(P.planes, 3))
     step = 1e-6

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import wiggleroom as wr
-from tests.baked import frames, rows, told
+from tests.standalone import frames, rows, told
 from tests.test_html import tags
 from tests.test_plots import all_of, axis
 from wiggleroom.report import pages, palette

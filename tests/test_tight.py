@@ -13,10 +13,10 @@ from scipy.spatial import Voronoi
 
 import wiggleroom as wr
 from wiggleroom.assembly.loops import placed
-from wiggleroom.tight.blocking_graph import blocking, blocking_graph
-from wiggleroom.tight.mobility import cone, opening, tight_verdict
-from wiggleroom.tight.point_contacts import tight_contacts
-from wiggleroom.tight.self_stress import SelfStress, holds
+from wiggleroom.form_closure.blocking_graph import blocking, blocking_graph
+from wiggleroom.form_closure.mobility import cone, opening, tight_verdict
+from wiggleroom.form_closure.point_contacts import point_contacts
+from wiggleroom.form_closure.self_stress import SelfStress, holds
 
 SQUARE = [[0, 0], [1, 0], [1, 1], [0, 1]]
 
@@ -286,11 +286,11 @@ def test_drawn_clearance_counts_as_contact_when_asked():
 
 def test_outward_corners_that_meet_are_no_contact():
     diagonal = drawn(part("a", SQUARE, fixed=True), part("b", SQUARE, at=(1, 1, 0)))
-    assert len(tight_contacts(diagonal).a) == 0
+    assert len(point_contacts(diagonal).a) == 0
 
 
 def test_blocking_graph_of_a_stack():
-    stack = tight_contacts(drawn(*(part(f"s{k}", SQUARE, at=(0, k, 0)) for k in range(3))))
+    stack = point_contacts(drawn(*(part(f"s{k}", SQUARE, at=(0, k, 0)) for k in range(3))))
     up, side = blocking_graph(stack, np.array([0.0, 1.0])), blocking_graph(stack, np.array([1.0, 0.0]))
     assert sorted(zip(*up.nonzero(), strict=True)) == [(0, 1), (1, 2)]
     assert side.nnz == 0

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.assembly.build import assemble
     from wiggleroom.bound.prove import prove
+    from wiggleroom.disassembly.interlock import Escape, Interlock
+    from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap
     from wiggleroom.drawing.model import (
         Closer,
         Drawing,
@@ -34,50 +36,52 @@ if TYPE_CHECKING:
     )
     from wiggleroom.drawing.tolerances import read_tolerances
     from wiggleroom.errors import InputError, MissingExtraError, StoppedError, TouchingError, WiggleroomError
+    from wiggleroom.form_closure.blocking_graph import Blocking, blocking
+    from wiggleroom.form_closure.mobility import TightVerdict, tight_verdict
     from wiggleroom.freespace.free_space import FreeSpace, free_space
     from wiggleroom.freespace.models.pair_models import HalfPlane, Hull
     from wiggleroom.freespace.models.polyhedron import Polyhedron
     from wiggleroom.live.live_result import LiveResult, Mode
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
+    from wiggleroom.planning.plan import Plan, plan
+    from wiggleroom.planning.steps import Step
     from wiggleroom.questions import check, flex, read
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
-    from wiggleroom.sensitivity.allowable_gap import AllowableGap, allowable_gap
+    from wiggleroom.sensitivity.allowable_gap import allowable_gap
     from wiggleroom.sensitivity.gap_distribution import Spread
+    from wiggleroom.sensitivity.gap_trials import AllowableGap
     from wiggleroom.sensitivity.rank import Ranking, rank
     from wiggleroom.sensitivity.sample import Sample, sample
     from wiggleroom.sensitivity.sweep import Sweep, sweep
     from wiggleroom.sensitivity.tighten import Tightening, tighten
     from wiggleroom.sensitivity.worst_case import WorstCase, worst_case
-    from wiggleroom.separate.interlock import Escape, Interlock
-    from wiggleroom.separate.largest_gap import LargestGap, largest_gap
-    from wiggleroom.tight.blocking_graph import Blocking, blocking
-    from wiggleroom.tight.mobility import TightVerdict, tight_verdict
     from wiggleroom.verdict import Verdict
 
 _HOME = {
-    "AllowableGap": "sensitivity.allowable_gap",
+    "AllowableGap": "sensitivity.gap_trials",
     "Answer": "search.answer",
     "Assembly": "assembly.assembly",
-    "Blocking": "tight.blocking_graph",
+    "Blocking": "form_closure.blocking_graph",
     "Bound": "search.answer",
     "Closer": "drawing.model",
     "Contact": "search.answer",
     "Drawing": "drawing.model",
-    "Escape": "separate.interlock",
+    "Escape": "disassembly.interlock",
     "FreeSpace": "freespace.free_space",
     "HalfPlane": "freespace.models.pair_models",
     "Hull": "freespace.models.pair_models",
     "InputError": "errors",
-    "Interlock": "separate.interlock",
+    "Interlock": "disassembly.interlock",
     "JointGap": "drawing.model",
-    "LargestGap": "separate.largest_gap",
+    "LargestGap": "disassembly.largest_gap",
     "Live": "live.live_session",
     "MissingExtraError": "errors",
     "Mode": "live.live_result",
     "Part": "drawing.model",
+    "Plan": "planning.plan",
     "Polyhedron": "freespace.models.polyhedron",
     "Prepared": "search.prepare",
     "Pull": "drawing.model",
@@ -86,10 +90,11 @@ _HOME = {
     "Sample": "sensitivity.sample",
     "LiveResult": "live.live_result",
     "Spread": "sensitivity.gap_distribution",
+    "Step": "planning.steps",
     "StoppedError": "errors",
     "Sweep": "sensitivity.sweep",
     "Tightening": "sensitivity.tighten",
-    "TightVerdict": "tight.mobility",
+    "TightVerdict": "form_closure.mobility",
     "TouchingError": "errors",
     "Tolerance": "drawing.model",
     "Towards": "drawing.model",
@@ -101,14 +106,15 @@ _HOME = {
     "WorstCase": "sensitivity.worst_case",
     "allowable_gap": "sensitivity.allowable_gap",
     "assemble": "assembly.build",
-    "blocking": "tight.blocking_graph",
+    "blocking": "form_closure.blocking_graph",
     "check": "questions",
     "coupon": "assembly",
     "film": "report.film",
     "flex": "questions",
     "free_space": "freespace.free_space",
-    "largest_gap": "separate.largest_gap",
+    "largest_gap": "disassembly.largest_gap",
     "patterns": "assembly",
+    "plan": "planning.plan",
     "prepare": "maximise",
     "prove": "bound.prove",
     "rank": "sensitivity.rank",
@@ -116,7 +122,7 @@ _HOME = {
     "sample": "sensitivity.sample",
     "sweep": "sensitivity.sweep",
     "tighten": "sensitivity.tighten",
-    "tight_verdict": "tight.mobility",
+    "tight_verdict": "form_closure.mobility",
     "read_tolerances": "drawing.tolerances",
     "worst_case": "sensitivity.worst_case",
 }
@@ -143,6 +149,7 @@ __all__ = [
     "MissingExtraError",
     "Mode",
     "Part",
+    "Plan",
     "Polyhedron",
     "Prepared",
     "Pull",
@@ -150,6 +157,7 @@ __all__ = [
     "Region",
     "Sample",
     "Spread",
+    "Step",
     "StoppedError",
     "Sweep",
     "TightVerdict",
@@ -173,6 +181,7 @@ __all__ = [
     "free_space",
     "largest_gap",
     "patterns",
+    "plan",
     "prepare",
     "prove",
     "rank",

@@ -121,16 +121,16 @@ def check(assembly: Any, *, stop: Any = None, progress: Callable[[Any], None] | 
     stop, progress : optional
         In space only `stop` is asked.
     **options
-        In the plane those of `wiggleroom.separate.interlock.check`.
+        In the plane those of `wiggleroom.disassembly.interlock.check`.
 
     Returns
     -------
-    Interlock or SpatialSeparation
+    Interlock or SpatialDisassembly
     """
     if isinstance(assembly, SpatialAssembly):
-        from wiggleroom.spatial.spatial_separation import check_spatial
+        from wiggleroom.spatial.spatial_disassembly import check_spatial
 
         return check_spatial(assembly, stop=stop)
-    from wiggleroom.separate.interlock import check as check_planar
+    from wiggleroom.disassembly.interlock import check as check_planar
 
     return check_planar(assembly, stop=stop, progress=progress, **options)

@@ -4,7 +4,7 @@ import { effect } from "@preact/signals";
 import { begin, design } from "./design.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { calm, end, showAnswer, showRest } from "./motion.ts";
-import { type BakedPage, type Frames, fromBase64, type PackedFrames, type Ring, type SharedOutlines } from "./protocol.ts";
+import { type StandalonePage, type Frames, fromBase64, type PackedFrames, type Ring, type SharedOutlines } from "./protocol.ts";
 import { showEscape } from "./session.ts";
 import { outOf, posed } from "./stage/shapes.ts";
 import { nearestBy } from "./words.ts";
@@ -14,7 +14,7 @@ import * as state from "./state.ts";
 export function unpack(): boolean {
   const text = document.getElementById("baked")?.textContent;
   if (!text) return false;
-  const { opened, answers = [], said = null, study = null, tints = null, ...told } = JSON.parse(text) as BakedPage;
+  const { opened, answers = [], said = null, study = null, tints = null, ...told } = JSON.parse(text) as StandalonePage;
   const standing = ({ shapes, of }: SharedOutlines): Ring[][] => opened.parts.map(({ at: [x, y, degrees] }, i) => {
     const pose = posed(x, y, (degrees * Math.PI) / 180);
     return shapes[of[i]!]!.map((ring) => ring.map((point) => outOf(pose, point)));

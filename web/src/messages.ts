@@ -390,7 +390,7 @@ export interface SharedOutlines {
 }
 
 /** The drawing as it is shown at rest, and what is asked of it. */
-export interface BakedDrawing {
+export interface StandaloneDrawing {
   kind: "opened";
   id: number;
   name: string;
@@ -411,7 +411,7 @@ export interface PackedFrames {
 }
 
 /** The answer at one gap. */
-export interface BakedAnswer {
+export interface StandaloneAnswer {
   gap: number;
   flex: FlexReply;
   way: PackedFrames;
@@ -419,7 +419,7 @@ export interface BakedAnswer {
 }
 
 /** Whether it comes apart, with a path for each escape. */
-export interface BakedCheck {
+export interface StandaloneCheck {
   reply: CheckReply;
   ways: PackedFrames[];
 }
@@ -453,15 +453,15 @@ export interface Title {
 }
 
 /** Everything in the file; all but the drawing may be missing. */
-export interface BakedPage {
-  opened: BakedDrawing;
+export interface StandalonePage {
+  opened: StandaloneDrawing;
   begin?: number; // the gap that is shown first [mm]
   tab?: "answer" | "apart" | "gaps" | "space" | "study" | "sure";
-  answers?: BakedAnswer[]; // one for each gap of the slider
+  answers?: StandaloneAnswer[]; // one for each gap of the slider
   steps?: StepReply[];
   lost?: [number, number] | null;
   rank?: RankReply;
-  check?: BakedCheck;
+  check?: StandaloneCheck;
   space?: SpaceReply;
   study?: StudyTab;
   tints?: Tints;

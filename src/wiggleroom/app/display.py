@@ -1,4 +1,4 @@
-"""What one page shows now: outlines it was told, and where the parts of its drawing are."""
+"""What the page shows now: the outlines it was sent, and where the parts of its drawing are."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.geometry.relative_pose import turn
-from wiggleroom.report.page_messages import rings_told
+from wiggleroom.report.page_messages import rings_message
 from wiggleroom.schema.replies import Outline, Pose
 
 Floats = NDArray[np.float64]
@@ -40,7 +40,7 @@ class Display:
         """Outlines of the shape `key`, where the page may not have them: a page drops replies that a newer request has overtaken."""
         now = time.monotonic()
         if key != self._outlines:
-            self._outlines, self._since, self._rings = key, now, rings_told(assembly.parts)
+            self._outlines, self._since, self._rings = key, now, rings_message(assembly.parts)
         elif self._told.is_set():
             self._since = now
         elif now > self._since + REPEAT_SECONDS:

@@ -19,9 +19,9 @@ from wiggleroom.schema.requests import Design
 
 if TYPE_CHECKING:
     from wiggleroom.app.display import Display
+    from wiggleroom.disassembly.interlock import Interlock
     from wiggleroom.live.live_session import Live
     from wiggleroom.search.answer import Answer
-    from wiggleroom.separate.interlock import Interlock
 
 
 class Document:
@@ -94,7 +94,7 @@ class Document:
         kept = self.kept_check(design)
         if kept is not None:
             return kept
-        from wiggleroom.separate.interlock import check
+        from wiggleroom.disassembly.interlock import check
 
         found = check(self.assembly(design), stop=out.stop, progress=out.progress)
         out.check()

@@ -12,7 +12,7 @@ from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.live.live_result import LiveResult
-from wiggleroom.report.page_messages import answer_told, contacts_told, rings_told
+from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
 from wiggleroom.report.path_frames import way_frames
 from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, Released, ShapeReply
 from wiggleroom.schema.requests import DragRequest, FlexRequest, ReleaseRequest, ShapeRequest, WiggleRequest
@@ -47,7 +47,7 @@ def flex(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
             break
         last = value
         display.move(live.assembly, shot.motion)
-        content = answer_told(quick(live.assembly, goals, shot), command("flex", sheet.file, design))
+        content = answer_message(quick(live.assembly, goals, shot), command("flex", sheet.file, design))
         content.rings, content.settled = display.new_rings(sheet.designs.shape(design), live.assembly, out.stop), False
         out.reply(content, [shot.motion[None]])
         if shot.settled:
@@ -59,7 +59,7 @@ def settled(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer fully."""
     answer = sheet.answer(request.design, out)
     sheet.display.move(answer.assembly, answer.motion)
-    content = answer_told(answer, command("flex", sheet.file, request.design))
+    content = answer_message(answer, command("flex", sheet.file, request.design))
     content.rings = sheet.display.new_rings(sheet.designs.shape(request.design), answer.assembly, out.stop)
     out.reply(content, [way_frames(answer.assembly, answer.waypoints)])
     return False
@@ -84,7 +84,7 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
             target=request.target,
             reached=shot.reached,
             distance=shot.distance,
-            held=contacts_told(shot.contacts),
+            held=contacts_message(shot.contacts),
             blocking=list(shot.blocking),
             settled=settled,
             rings=rings,
@@ -110,7 +110,7 @@ def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:
 
 def shape(sheet: Document, request: ShapeRequest, out: Reporter) -> None:
     """Outlines with the gap applied."""
-    out.reply(ShapeReply(rings=rings_told(sheet.assembly(request.design).parts)))
+    out.reply(ShapeReply(rings=rings_message(sheet.assembly(request.design).parts)))
 
 
 def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: LiveResult) -> Answer:

@@ -9,14 +9,14 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 import msgspec
 import numpy as np
 
-from wiggleroom.app.upload_limits import UPLOAD_MB
+from wiggleroom.app.resource_limits import UPLOAD_MB
 from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
-from wiggleroom.report.page_messages import design_told, drawing_told
+from wiggleroom.report.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import OpenRequest
 
@@ -84,7 +84,7 @@ def first_open(
     options: ReadOptions | None = None,
 ) -> bytes:
     """The request that opens a file of this machine with what the options of a command made of its drawing."""
-    design = design_told(drawing)
+    design = design_message(drawing)
     data = path.read_bytes()
     how = options or ReadOptions()
     return msgspec.json.encode(
@@ -136,7 +136,7 @@ def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
 
 def told(file: File, drawing: Drawing) -> Opened:
     """Reply to `open`: parts as drawn, in world coordinates, and what is asked, as a design."""
-    reply = drawing_told(drawing, drawing.parts, file.name)
+    reply = drawing_message(drawing, drawing.parts, file.name)
     if not drawing.goals and len(drawing.parts) > 1:
         reply.pulled = suggested(drawing)
     return reply

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from wiggleroom.app.command import command
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.freespace.free_space import free_space
-from wiggleroom.report.space_solid import space_told
+from wiggleroom.report.space_solid import space_message
 from wiggleroom.schema.requests import SpaceRequest
 
 if TYPE_CHECKING:
@@ -19,4 +19,4 @@ def space(sheet: Document, request: SpaceRequest, out: Reporter) -> None:
     found = free_space(sheet.assembly(request.design), request.a, request.b, stop=out.stop)
     out.check()
     line = command("space", sheet.file, request.design, (request.a, request.b), pulled=False)
-    out.reply(space_told(found, sheet.display.relative(found), line))
+    out.reply(space_message(found, sheet.display.relative(found), line))

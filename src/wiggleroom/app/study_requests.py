@@ -12,7 +12,7 @@ from wiggleroom.app.command import command
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.report.answer_words import bounded
 from wiggleroom.report.path_frames import way_frames
-from wiggleroom.report.study_messages import check_told, ranking_told, step_told
+from wiggleroom.report.study_messages import check_message, ranking_message, step_message
 from wiggleroom.schema.replies import ProveReply, SweepReply
 from wiggleroom.schema.requests import CheckRequest, ProveRequest, RankRequest, SweepRequest
 
@@ -27,13 +27,13 @@ def rank(sheet: Document, request: RankRequest, out: Reporter) -> None:
 
     found = work_out(sheet.answer(request.design, out), stop=out.stop, progress=out.counted)
     out.check()
-    out.reply(ranking_told(found, command("rank", sheet.file, request.design)))
+    out.reply(ranking_message(found, command("rank", sheet.file, request.design)))
 
 
 def check(sheet: Document, request: CheckRequest, out: Reporter) -> None:
     """Whether it comes apart; one film for each escape."""
     found = sheet.checked(request.design, out)
-    content = check_told(found, command("check", sheet.file, request.design, pulled=False))
+    content = check_message(found, command("check", sheet.file, request.design, pulled=False))
     out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
 
 
@@ -43,14 +43,14 @@ def sweep(sheet: Document, request: SweepRequest, out: Reporter) -> None:
 
     def tell(step: SweepStep, motion: np.ndarray | None) -> None:
         out.check()
-        out.reply(step_told(step), [] if motion is None else [motion[None]])
+        out.reply(step_message(step), [] if motion is None else [motion[None]])
 
     sheet.asked(request.design)
     assembly = sheet.assembly(request.design)
     found = work_out(assembly, request.gaps, stop=out.stop, each=tell)
     out.check()
     said = command("sweep", sheet.file, request.design, _gaps(request))
-    out.reply(SweepReply(steps=[step_told(s) for s in found.steps], lost=found.lost, command=said))
+    out.reply(SweepReply(steps=[step_message(s) for s in found.steps], lost=found.lost, command=said))
 
 
 def _gaps(request: SweepRequest) -> tuple[str, ...]:

@@ -15,20 +15,20 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bench.published import INTERLOCK
 from wiggleroom.bench.puzzles import APART, LOCKED, PUZZLES
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
+from wiggleroom.disassembly.interlock import check
+from wiggleroom.disassembly.translation import translation_escape
 from wiggleroom.drawing.model import Goal, Pull, Turn
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.form_closure.blocking_graph import blocking
+from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.maximise import ApproximateModel, PreparedModel, prepare
 from wiggleroom.search.answer import Answer
-from wiggleroom.separate.interlock import check
-from wiggleroom.separate.translation import straight_exit
-from wiggleroom.tight.blocking_graph import blocking
-from wiggleroom.tight.mobility import tight_verdict
 from wiggleroom.verdict import Verdict
 
 SHORT = {LOCKED: "locked", APART: "apart"}
-FAN = 8
+PULL_FAN = 8
 """Directions in which every part is pulled."""
 
 Method = Callable[[Assembly, Stop | None], str]
@@ -109,7 +109,7 @@ def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] 
             )  # fmt: skip
     notes = (
         "A cross: it says the opposite. Spinning in place is not coming apart. Check: `wiggleroom check`. Walls, hull and "
-        f"half-planes: every part pulled in {FAN} directions and turned both ways, until a part leaves: walls say so; the "
+        f"half-planes: every part pulled in {PULL_FAN} directions and turned both ways, until a part leaves: walls say so; the "
         "others keep everything within a window, so parts count as out where, from the end of their motion, they leave straight. "
         "Hull: about the reference point, then about the joint; the latter in one round as in the paper, and in eight, "
         "its outlook.",
@@ -137,12 +137,12 @@ def _gets_out(ready: PreparedModel | ApproximateModel, answer: Answer) -> bool:
     them = ready.bodies
     motion = of_bodies(answer.assembly, them, answer.motion[None])[0]
     ground = int(np.flatnonzero(them.fixed)[0])
-    return straight_exit(them, motion, ground, ready.barred, ready.size, np.arange(len(motion))) is not None
+    return translation_escape(them, motion, ground, ready.ignored, ready.size, np.arange(len(motion))) is not None
 
 
 def _goals(assembly: Assembly) -> Iterator[Goal]:
     """Pulls and turns of every part that is not fixed."""
-    angles = 2 * np.pi * np.arange(FAN) / FAN
+    angles = 2 * np.pi * np.arange(PULL_FAN) / PULL_FAN
     for part in assembly.parts:
         if part.fixed:
             continue

@@ -119,7 +119,7 @@ def pulled_to_rest(assembly: Assembly, pulls: Pull | Sequence[Pull] | None = Non
     return Rest(
         goal.value(motion),
         of_parts(assembly, them, motion[None])[0],
-        overlaps(them, motion, ready.barred).deepest,
+        overlaps(them, motion, ready.ignored).deepest,
         settled,
         steps,
         time.perf_counter() - began,

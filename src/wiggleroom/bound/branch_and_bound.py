@@ -1,4 +1,4 @@
-"""From outer regions to a bound: tighten, refine, split, until nothing above the witness is left or the time is up.
+"""Branch and bound from outer regions: tighten, refine and split until nothing above the motion found is left, or the time is up.
 
 The relaxation is asked for its best value. Then the range of every body's turn is cut to what motions worth at least `cut`, a little more
 than the witness, can have. That makes the relaxation tighter, again and again. At first only some bodies are asked about, the
@@ -29,9 +29,9 @@ from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
 from wiggleroom.bound.window_bounds import WindowProof, bounded_windows
 from wiggleroom.deadline import Deadline
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.outer_facets import holding
 from wiggleroom.freespace.outer.outer_region import OuterRegion, refined
-from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 
@@ -75,7 +75,7 @@ class BranchAndBound:
 
     ground: Survey
     joints: JointConstraints
-    regions: list[OuterRegion | Skin]
+    regions: list[OuterRegion | CagingSurface]
     goal: PointMotion
     cut: float
     clock: Deadline
@@ -190,7 +190,7 @@ class BranchAndBound:
             region = self.cuts.regions[kind]
             if not isinstance(region, OuterRegion):  # sharp from the start
                 continue
-            accuracy = FINEST_BLUR * region.facing.clearance
+            accuracy = FINEST_BLUR * region.material.clearance
             wanted.setdefault(kind, []).append(holding(region, program.at.cuts[p], which, accuracy))
         done = False
         for kind, found in wanted.items():

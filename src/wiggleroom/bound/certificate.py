@@ -16,7 +16,7 @@ from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.window_bounds import WindowProof
 from wiggleroom.drawing.model import Part
-from wiggleroom.freespace.outer.skin import Skin
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 
@@ -31,7 +31,7 @@ def certificate(
     ground: Survey,
     assembly: Assembly,
     joints: JointConstraints,
-    regions: list[Skin],
+    regions: list[CagingSurface],
     goal: PointMotion,
     ranges: AngleRanges,
     cut: float,
@@ -109,18 +109,18 @@ def _window(proof: WindowProof) -> dict[str, Any]:
     }
 
 
-def _region(skin: Skin) -> dict[str, Any]:
-    """One skin with only the chords that it names."""
-    chords = np.vstack([seam.chords for seam in skin.seams])
+def _region(surface: CagingSurface) -> dict[str, Any]:
+    """One caging surface with only the chords that it names."""
+    chords = np.vstack([seam.chords for seam in surface.seams])
     a, first = np.unique(chords[:, 0], return_inverse=True)
     b, second = np.unique(chords[:, 1], return_inverse=True)
-    ends = np.cumsum([len(seam.chords) for seam in skin.seams])[:-1]
+    ends = np.cumsum([len(seam.chords) for seam in surface.seams])[:-1]
     return {
-        "a": skin.crossings.a[a].tolist(),
-        "b": skin.crossings.b[b].tolist(),
-        "loops": [[float(loop.angle), loop.at.tolist()] for loop in skin.loops],
+        "a": surface.crossings.a[a].tolist(),
+        "b": surface.crossings.b[b].tolist(),
+        "loops": [[float(loop.angle), loop.at.tolist()] for loop in surface.loops],
         "seams": [
             [seam.tracks.tolist(), np.column_stack(named).tolist()]
-            for seam, *named in zip(skin.seams, np.split(first, ends), np.split(second, ends), strict=True)
+            for seam, *named in zip(surface.seams, np.split(first, ends), np.split(second, ends), strict=True)
         ],
     }

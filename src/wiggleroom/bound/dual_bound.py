@@ -1,4 +1,4 @@
-"""A bound at no great cost beside every answer: the forces of the motion found, read as multipliers.
+"""Quick upper bound by weak duality: the contact forces of the motion found serve as multipliers.
 
 At the end of a search forces balance on every body. With the force w and the moment m that each pair of bodies holds there,
 
@@ -21,11 +21,11 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
-from wiggleroom.bound.outer_regions import facing_of, links_about
+from wiggleroom.bound.outer_regions import links_about, material_of
 from wiggleroom.bound.trigonometric_envelopes import support
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, pocket
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import classes, placed, relative_rest
+from wiggleroom.geometry.neighbours import classes, placed, relative_pose
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.answer import Answer, Bound, with_bound
@@ -65,7 +65,7 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float |
     them, cells = found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
-    first, label = classes(them, cells.a, cells.b, relative_rest(them, cells.a, cells.b))
+    first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
     if _work_of_pockets(them, cells.a[first[wanted]], cells.b[first[wanted]]) > _work_of_search(
@@ -78,8 +78,8 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float |
     for c in wanted:
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
-        facing, pivots[c], _ = facing_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))
-        made = pocket(facing)
+        material, pivots[c], _ = material_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))
+        made = pocket(material)
         if made is not None:
             kind[c] = len(pockets)
             pockets.append(made)
@@ -136,7 +136,9 @@ def _value(
         gain = (away * force[mine]).sum(2) + region.corner[:, 2:] * moment[mine]
         terms.append((gain + astray[mine] * np.hypot(away[..., 0], away[..., 1])).max(0))
         # corners are rounded
-        terms.append(4 * region.facing.margin * (np.hypot(*w[mine].T) + np.abs(moment[mine]) / region.facing.radius))
+        terms.append(
+            4 * region.material.margin * (np.hypot(*w[mine].T) + np.abs(moment[mine]) / region.material.radius)
+        )
     size = float(
         np.abs(links.arm_a).max(initial=0.0)
         + np.abs(links.arm_b).max(initial=0.0)

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, TurnDifferences
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
 from wiggleroom.freespace.outer.outer_facets import Facets, facets
 from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.freespace.outer.skin import Skin
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -38,7 +38,7 @@ class InfeasibleRanges(Exception):  # noqa: N818
 class RegionCuts:
     """Regions, and what was cut out of them; a region may be replaced by a sharper one."""
 
-    regions: list[OuterRegion | Skin | LocalOuterRegion]
+    regions: list[OuterRegion | CagingSurface | LocalOuterRegion]
     known: dict[tuple[int, int, int], Facets | None] = field(default_factory=dict)
 
     def cut(self, kind: int, low: float, high: float) -> Facets | None:

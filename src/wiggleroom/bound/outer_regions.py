@@ -10,11 +10,11 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import JointConstraints
+from wiggleroom.freespace.outer.caging_surface import CagingSurface, caging_surface
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of, reached_slices
-from wiggleroom.freespace.outer.outer_slices import Facing
-from wiggleroom.freespace.outer.skin import Skin, skin
+from wiggleroom.freespace.outer.outer_slices import PairMaterial
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import classes, relative_rest
+from wiggleroom.geometry.neighbours import classes, relative_pose
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.search.prepare import Survey
 
@@ -29,15 +29,15 @@ PIVOT_REACH = 3.0
 
 def outer_regions(
     ground: Survey, over: Callable[[], bool], certify: bool = False
-) -> tuple[JointConstraints, list[OuterRegion | Skin]]:
+) -> tuple[JointConstraints, list[OuterRegion | CagingSurface]]:
     """Outer regions of the pairs whose joint closes, and which pair has which; fewer where it is `over` before all are done.
 
-    With `certify` they are skins, which a certificate can show.
+    With `certify` they are caging surfaces, which a certificate can show.
     """
     them, a, b = ground.bodies, ground.near.a, ground.near.b
-    first, label = classes(them, a, b, relative_rest(them, a, b))
+    first, label = classes(them, a, b, relative_pose(them, a, b))
 
-    def region(k: int) -> tuple[OuterRegion | Skin | None, Floats]:
+    def region(k: int) -> tuple[OuterRegion | CagingSurface | None, Floats]:
         if over():
             return None, np.zeros(2)
         return _region(ground, int(a[k]), int(b[k]), float(ground.near.clearance[k]), over, certify)
@@ -60,9 +60,9 @@ def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, pivots: Floats) -> J
     return JointConstraints(a, b, kind, arm, them.rest[a, :2] + arm - them.rest[b, :2], axes)
 
 
-def facing_of(
+def material_of(
     them: Bodies, geometry: NDArray[np.object_], a: int, b: int, clearance: float
-) -> tuple[Facing, Floats, float]:
+) -> tuple[PairMaterial, Floats, float]:
     """Two bodies about the pivot of their joint, the pivot in the frame of body `a`, and its lever [mm]; `geometry` (n,) lies at rest."""
     pivot, lever = pivot_of(geometry[a], geometry[b], PIVOT_REACH * clearance)
     x, y, angle = them.rest[a]
@@ -70,18 +70,18 @@ def facing_of(
     def seen(shape: shapely.Geometry) -> shapely.Geometry:
         return shapely.transform(shape, lambda p: turn(p - pivot, np.full(len(p), -angle)))
 
-    facing = Facing(seen(geometry[a]), seen(geometry[b]), clearance)
-    return facing, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
+    material = PairMaterial(seen(geometry[a]), seen(geometry[b]), clearance)
+    return material, turn((pivot - (x, y))[None], np.array([-angle]))[0], lever
 
 
 def _region(
     ground: Survey, a: int, b: int, clearance: float, over: Callable[[], bool], certify: bool
-) -> tuple[OuterRegion | Skin | None, Floats]:
+) -> tuple[OuterRegion | CagingSurface | None, Floats]:
     """Region of one pair, None where the joint is open or it was `over` first, and its pivot in the frame of body `a`."""
     them = ground.bodies
-    facing, pivot, lever = facing_of(them, ground.geometry, a, b, clearance)
+    material, pivot, lever = material_of(them, ground.geometry, a, b, clearance)
     limit = float(them.radius[a] + them.radius[b])
     if not certify:
-        return outer_region(facing, lever, limit, over), pivot
-    slices = reached_slices(facing, lever, limit, over)
-    return (None if slices is None else skin(facing, slices, over)), pivot
+        return outer_region(material, lever, limit, over), pivot
+    slices = reached_slices(material, lever, limit, over)
+    return (None if slices is None else caging_surface(material, slices, over)), pivot

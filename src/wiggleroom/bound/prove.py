@@ -17,7 +17,7 @@ from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, WiggleroomError
-from wiggleroom.freespace.outer.skin import Skin
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.loop import Progress
@@ -95,7 +95,7 @@ def prove(
         if progress is not None:
             progress(Progress(stage, 0, 0, most))
 
-    tell("skins" if certify else "outer regions", math.nan)
+    tell("caging surfaces" if certify else "outer regions", math.nan)
     joints, regions = outer_regions(ground, clock.is_set, certify)
     ranges = first_ranges(ground.bodies.fixed, joints, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
@@ -124,7 +124,7 @@ def prove(
             ground,
             answer.assembly,
             bounding.joints,
-            [r for r in regions if isinstance(r, Skin)],
+            [r for r in regions if isinstance(r, CagingSurface)],
             goal,
             ranges,
             bounding.cut,
@@ -145,10 +145,10 @@ def _why_open(
     closed = (joints.a == open_[0]) | (joints.b == open_[0])
     if not near.any():
         return f"{part} touches nothing that could hold it"
-    skin = ", or no skin was found round one of them" if certify else ""
+    missing = ", or no caging surface was found round one of them" if certify else ""
     if not closed.any():
-        return f"no joint of {part} closes round it: every one lets it out by itself{skin}"
-    return f"{part} is joined to others, but no chain of joints that close leads from it to what is fixed{skin}"
+        return f"no joint of {part} closes round it: every one lets it out by itself{missing}"
+    return f"{part} is joined to others, but no chain of joints that close leads from it to what is fixed{missing}"
 
 
 def _not_proven(answer: Answer, clock: Deadline, why: str) -> Answer:

@@ -7,12 +7,12 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import Outputs, tell, write_moved
 from wiggleroom.cli.running import TimeLimit
 from wiggleroom.verdict import Separability
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), Outputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), Outputs(), TimeLimit()
 CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
 
 
@@ -20,7 +20,7 @@ def check(
     file: str,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
     largest_gap: Annotated[bool, Parameter(negative="")] = False,
@@ -60,8 +60,8 @@ def check(
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked)
 
-        from wiggleroom.separate.interlock import check as work_out
-        from wiggleroom.separate.largest_gap import largest_gap as search
+        from wiggleroom.disassembly.interlock import check as work_out
+        from wiggleroom.disassembly.largest_gap import largest_gap as search
 
         found = work_out(assembly, stop=stop, progress=show)
         border = search(assembly, stop=stop, progress=show) if largest_gap else None

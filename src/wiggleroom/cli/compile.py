@@ -6,8 +6,8 @@ from __future__ import annotations
 def main() -> None:
     """Answer a tiny question by every model; what it compiles is kept beside the package."""
     from wiggleroom.assembly import patterns
+    from wiggleroom.disassembly.interlock import check
     from wiggleroom.maximise import flex
-    from wiggleroom.separate.interlock import check
 
     for model in ("walls", "hull", "halfplane"):
         flex(patterns.chain(2), model=model)

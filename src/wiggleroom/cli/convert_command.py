@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import Force, check
 
-_NONE_ASKED = Asked()
+_NONE_ASKED = QuestionOptions()
 
 
-def convert(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED, force: Force = False) -> int:
+def convert(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force: Force = False) -> int:
     """Write a drawing as an assembly file, or ready to cut.
 
     Example: wiggleroom convert puzzle.svg puzzle.json --gap 0.2 --fix p1 --pull p20:+x

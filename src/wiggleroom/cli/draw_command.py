@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wiggleroom.cli.options import Asked, look
+from wiggleroom.cli.options import QuestionOptions, look
 from wiggleroom.cli.outputs import Force, Text, check, write_picture, write_result
 from wiggleroom.report.file_endings import STILLS
 
@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
     from wiggleroom.assembly.inventory import InventoryRow
 
-_NONE_ASKED = Asked()
+_NONE_ASKED = QuestionOptions()
 
 
-def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED, force: Force = False) -> int:
+def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force: Force = False) -> int:
     """Draw a file as it is read: parts at rest, gap applied, and what is wrong, left out or assumed.
 
     It draws what there is, also where a file cannot be worked with: open ends, crossings and overlaps are marked, and
@@ -50,7 +50,7 @@ def draw(file: str, out: Path, /, *, asked: Asked = _NONE_ASKED, force: Force = 
     return 0
 
 
-def parts(file: str, /, *, asked: Asked = _NONE_ASKED, json: Text = None, force: Force = False) -> int:
+def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = None, force: Force = False) -> int:
     """List the parts of a file: name, size, place, holes and layer.
 
     Example: wiggleroom parts puzzle.svg

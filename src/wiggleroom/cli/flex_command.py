@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import Outputs, tell, write_moved
 from wiggleroom.cli.running import TimeLimit
 
@@ -14,14 +14,14 @@ if TYPE_CHECKING:
     from wiggleroom.freespace.models.pair_models import PairModel
     from wiggleroom.search.answer import Answer
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), Outputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), Outputs(), TimeLimit()
 
 
 def flex(
     file: str,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     outputs: Outputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
     model: Literal["walls", "hull", "halfplane"] = "walls",
@@ -117,7 +117,7 @@ def flex(
 
 def _answer(
     file: str,
-    asked: Asked,
+    asked: QuestionOptions,
     model: str | PairModel,
     solver: str,
     search: int | None,

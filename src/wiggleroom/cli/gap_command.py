@@ -7,18 +7,18 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import TimeLimit
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), StudyOutputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
 
 
 def gap(
     file: str,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     outputs: StudyOutputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
     at_most: float | None = None,

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from wiggleroom.cli.options import Asked
+from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import Outputs
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ def _three(text: str) -> tuple[float, float, float] | None:
     return found if found and all(map(math.isfinite, found)) else None
 
 
-def read_in_space(file: str, asked: Asked) -> SpatialAssembly:
+def read_in_space(file: str, asked: QuestionOptions) -> SpatialAssembly:
     """Spatial assembly that a file and the options describe; its notes go to stderr.
 
     Raises
@@ -111,7 +111,7 @@ def _path(file: str) -> Any:
     return Path(file)
 
 
-def flex_in_space(file: str, asked: Asked, outputs: Outputs, solver: str) -> int:
+def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: str) -> int:
     """`wiggleroom flex` of an assembly in space."""
     import shlex
     import time
@@ -144,14 +144,14 @@ def flex_in_space(file: str, asked: Asked, outputs: Outputs, solver: str) -> int
     return 3 if answer.verdict == "stopped" else 0
 
 
-def check_in_space(file: str, asked: Asked, outputs: Outputs) -> int:
+def check_in_space(file: str, asked: QuestionOptions, outputs: Outputs) -> int:
     """`wiggleroom check` of an assembly in space."""
     import shlex
 
     from wiggleroom.cli.outputs import check, write_result
     from wiggleroom.cli.say import note, show
     from wiggleroom.cli.watch import interruptible
-    from wiggleroom.spatial.spatial_separation import check_spatial
+    from wiggleroom.spatial.spatial_disassembly import check_spatial
 
     check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
     with interruptible() as stop:

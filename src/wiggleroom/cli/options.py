@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.inventory import InventoryRow
     from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.drawing.model import Drawing, Goal
-    from wiggleroom.drawing.outlines import Remark
+    from wiggleroom.drawing.traced_outlines import Remark
 
 Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 
@@ -26,7 +26,7 @@ WORK = Group("Where it runs", sort_key=3)
 
 @Parameter(name="*", group=QUESTION)
 @dataclass(frozen=True, kw_only=True)
-class Asked:
+class QuestionOptions:
     """What is read, and what is asked of it.
 
     Parameters
@@ -84,7 +84,7 @@ class Asked:
     gap_of: Many = ()
 
 
-def read_options(asked: Asked) -> ReadOptions:
+def read_options(asked: QuestionOptions) -> ReadOptions:
     """How a drawing is read; parts that are fixed or pulled are parts wherever they lie."""
     from wiggleroom.cli.asking import goals, listed
     from wiggleroom.drawing.layers import ReadOptions
@@ -99,7 +99,7 @@ def read_options(asked: Asked) -> ReadOptions:
     )
 
 
-def read(file: str, asked: Asked) -> Assembly:
+def read(file: str, asked: QuestionOptions) -> Assembly:
     """Assembly that a file and the options describe; its notes, and what looks odd about it, go to stderr.
 
     Raises
@@ -118,7 +118,7 @@ def read(file: str, asked: Asked) -> Assembly:
 
 
 @dataclass(frozen=True, eq=False)
-class Look:
+class PictureOptions:
     """A file as it was read, whether or not it can be worked with.
 
     Parameters
@@ -139,7 +139,7 @@ class Look:
     findings: tuple[str, ...]
 
 
-def look(file: str, asked: Asked) -> Look:
+def look(file: str, asked: QuestionOptions) -> PictureOptions:
     """Read a file with all that is wrong with it.
 
     Raises
@@ -170,10 +170,10 @@ def look(file: str, asked: Asked) -> Look:
     made, findings = examine(used) if parts else ((), ())
     shown = made if len(made) == len(parts) else tuple(p for p in parts if p.regions)
     assembly = with_notes(Assembly(shown, used)) if not findings else Assembly(shown, used)
-    return Look(assembly, inventory(used, found.layers), found.remarks, (*found.findings, *findings))
+    return PictureOptions(assembly, inventory(used, found.layers), found.remarks, (*found.findings, *findings))
 
 
-def asked_drawing(file: str, asked: Asked) -> Drawing:
+def asked_drawing(file: str, asked: QuestionOptions) -> Drawing:
     """The same as a drawing, its gap not applied yet: also where parts do not fit beside each other at that gap.
 
     Raises
@@ -196,7 +196,7 @@ def asked_drawing(file: str, asked: Asked) -> Drawing:
     return found
 
 
-def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
+def _said(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[Goal]]:
     """What the file says, and the parts that stand and the goals that the options name."""
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing
@@ -213,7 +213,7 @@ def _said(file: str, asked: Asked) -> tuple[Drawing, list[str], list[Goal]]:
     return with_roles(drawing, asked, wanted)
 
 
-def asked_goals(asked: Asked) -> list[Goal]:
+def asked_goals(asked: QuestionOptions) -> list[Goal]:
     """Goals that the options name; what is wrong with any option is told at once."""
     from wiggleroom.cli.asking import goals
     from wiggleroom.drawing.model import WHOLE
@@ -240,7 +240,7 @@ def asked_goals(asked: Asked) -> list[Goal]:
     return wanted
 
 
-def with_roles(drawing: Drawing, asked: Asked, wanted: list[Goal]) -> tuple[Drawing, list[str], list[Goal]]:
+def with_roles(drawing: Drawing, asked: QuestionOptions, wanted: list[Goal]) -> tuple[Drawing, list[str], list[Goal]]:
     """Drawing with what the options glue, ignore and give a gap; the parts that stand, and the goals, by name.
 
     Raises

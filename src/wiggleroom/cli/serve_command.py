@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wiggleroom.cli.options import Asked, asked_drawing, read_options
+from wiggleroom.cli.options import QuestionOptions, asked_drawing, read_options
 
-_NONE_ASKED = Asked()
+_NONE_ASKED = QuestionOptions()
 
 
 def serve(
     file: str | None = None,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     port: int = 0,
     browser: bool = True,
 ) -> int:
@@ -65,7 +65,7 @@ def serve(
     return 0
 
 
-def first_request(file: str, asked: Asked) -> bytes:
+def first_request(file: str, asked: QuestionOptions) -> bytes:
     """The request that opens a file; raises InputError where it cannot be read or the options do not fit it."""
     from wiggleroom.app.open_requests import first_open
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 from typing import TYPE_CHECKING
 
-from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import PictureOutputs
 from wiggleroom.report.file_endings import PAGE, ending
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from wiggleroom.compare.monte_carlo import Audit
     from wiggleroom.freespace.free_space import FreeSpace
 
-_NONE_ASKED, _NO_OUTPUTS = Asked(), PictureOutputs()
+_NONE_ASKED, _NO_OUTPUTS = QuestionOptions(), PictureOutputs()
 
 
 def space(
@@ -23,7 +23,7 @@ def space(
     b: str,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     outputs: PictureOutputs = _NO_OUTPUTS,
     samples: int = 0,
     seed: int = 0,

@@ -5,18 +5,18 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import TimeLimit, complete
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), StudyOutputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
 
 
 def sweep(
     file: str,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     outputs: StudyOutputs = _NO_OUTPUTS,
     time: TimeLimit = _ENDLESS,
     gaps: str | None = None,

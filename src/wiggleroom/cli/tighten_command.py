@@ -7,18 +7,18 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
 
-_NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = Asked(), StudyOutputs(), Running(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
 
 
 def tighten(
     file: str,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     outputs: StudyOutputs = _NO_OUTPUTS,
     running: Running = _HERE,
     time: TimeLimit = _ENDLESS,

@@ -6,18 +6,18 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
-from wiggleroom.cli.options import Asked, read
+from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import TimeLimit, complete
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = Asked(), StudyOutputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
 
 
 def tolerances(
     file: str,
     /,
     *,
-    asked: Asked = _NONE_ASKED,
+    asked: QuestionOptions = _NONE_ASKED,
     outputs: StudyOutputs = _NO_OUTPUTS,
     time: TimeLimit = _ENDLESS,
     tolerances: Path | None = None,

@@ -5,18 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wiggleroom.cli.options import Asked
+from wiggleroom.cli.options import QuestionOptions
 
 if TYPE_CHECKING:
     from wiggleroom.verify.checker import Verified
     from wiggleroom.verify.claim import Claim
-    from wiggleroom.verify.drawn import Drawn
+    from wiggleroom.verify.claim_comparison import Specification
 
 PROVEN, REFUSED = 0, 1
-_NONE_ASKED = Asked()
+_NONE_ASKED = QuestionOptions()
 
 
-def verify(certificate: Path, file: str | None = None, /, *, asked: Asked = _NONE_ASKED) -> int:
+def verify(certificate: Path, file: str | None = None, /, *, asked: QuestionOptions = _NONE_ASKED) -> int:
     """Check a certificate of flex --prove --certificate, by code that shares nothing with what wrote it.
 
     Every region, every range of turns and every bound is worked out again in ball arithmetic. Give the drawing too, and
@@ -38,10 +38,10 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: Asked = _NON
 
     see_extra("verify", "verify needs python-flint", "flint")
     from wiggleroom.cli.verify_drawing import drawn_by
+    from wiggleroom.verify.certificate_structure import FORMAT
     from wiggleroom.verify.checker import Refused
     from wiggleroom.verify.checker import read as content_of
     from wiggleroom.verify.checker import verify as check
-    from wiggleroom.verify.form import FORMAT
 
     try:
         content = content_of(certificate.read_text(encoding="utf-8"))
@@ -62,10 +62,10 @@ def verify(certificate: Path, file: str | None = None, /, *, asked: Asked = _NON
     return _compared(found, claim, drawn_by(file, asked, claim))
 
 
-def _compared(found: Verified, claim: Claim, drawn: Drawn) -> int:
+def _compared(found: Verified, claim: Claim, drawn: Specification) -> int:
     """Say what is verified, or in what the certificate differs from the drawing and the options."""
     from wiggleroom.verify.claim import sentence
-    from wiggleroom.verify.drawn import difference, unstated
+    from wiggleroom.verify.claim_comparison import difference, unstated
 
     why = difference(claim, drawn)
     if why:

@@ -9,13 +9,13 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from wiggleroom.assembly.assembly import Assembly
-    from wiggleroom.cli.options import Asked
+    from wiggleroom.cli.options import QuestionOptions
     from wiggleroom.drawing.model import Goal, Part
     from wiggleroom.verify.claim import Claim, Term
-    from wiggleroom.verify.drawn import Drawn, Rings
+    from wiggleroom.verify.claim_comparison import Rings, Specification
 
 
-def drawn_by(file: str | None, asked: Asked, claim: Claim) -> Drawn:
+def drawn_by(file: str | None, asked: QuestionOptions, claim: Claim) -> Specification:
     """What a drawing and options say; without a drawing, the options alone.
 
     A drawing other than an assembly file states no gap: where no option does, it is read at the gap of the claim.
@@ -29,7 +29,7 @@ def drawn_by(file: str | None, asked: Asked, claim: Claim) -> Drawn:
 
     from wiggleroom.cli.options import read
     from wiggleroom.errors import InputError
-    from wiggleroom.verify.drawn import Drawn
+    from wiggleroom.verify.claim_comparison import Specification
 
     if asked.objective is not None:
         wrong = "--objective: certificates are about pulls and turns; name them with --pull and --turn"
@@ -40,7 +40,7 @@ def drawn_by(file: str | None, asked: Asked, claim: Claim) -> Drawn:
     assembly = read(file, asked if stated else replace(asked, gap=claim.gap))
     fixed = frozenset(part.name for part in assembly.parts if part.fixed)
     place = {part.name: (part.at[0], part.at[1]) for part in assembly.parts}
-    return Drawn(
+    return Specification(
         Path(file).name,
         assembly.gap if stated else None,
         fixed or None,
@@ -50,11 +50,11 @@ def drawn_by(file: str | None, asked: Asked, claim: Claim) -> Drawn:
     )
 
 
-def _options(asked: Asked, claim: Claim) -> Drawn:
+def _options(asked: QuestionOptions, claim: Claim) -> Specification:
     from wiggleroom.cli.asking import names
     from wiggleroom.cli.options import asked_goals
     from wiggleroom.errors import InputError
-    from wiggleroom.verify.drawn import Drawn
+    from wiggleroom.verify.claim_comparison import Specification
 
     odd = [
         f"--{name} is for a drawing; name it too" for name in ("unit", "flatten") if getattr(asked, name) is not None
@@ -63,7 +63,7 @@ def _options(asked: Asked, claim: Claim) -> Drawn:
         raise InputError(odd)
     goals = asked_goals(asked)
     fixed = frozenset(names(asked.fix, {name for parts in claim.bodies for name in parts}))
-    return Drawn(gap=asked.gap, fixed=fixed or None, terms=_terms(goals, "the command", {}) if goals else None)
+    return Specification(gap=asked.gap, fixed=fixed or None, terms=_terms(goals, "the command", {}) if goals else None)
 
 
 def _terms(goals: Sequence[Goal], source: str, place: dict[str, tuple[float, float]]) -> tuple[Term, ...]:

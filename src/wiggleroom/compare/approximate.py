@@ -48,7 +48,7 @@ class Approximation:
     assembly : Assembly
     model : Hull or HalfPlane
     bodies : Bodies
-    barred : (k,) int64
+    ignored : (k,) int64
         Keys a * n + b of pairs of bodies that never collide.
     clearance : float [mm]
         Typical clearance between neighbours.
@@ -65,7 +65,7 @@ class Approximation:
     assembly: Assembly
     model: Hull | HalfPlane
     bodies: Bodies
-    barred: Ints
+    ignored: Ints
     clearance: float
     size: float
     near: tuple[Ints, Ints]
@@ -111,13 +111,13 @@ def approximate(assembly: Assembly, model: Hull | HalfPlane, stop: Stop | None =
     them = ground.bodies
     found = None
     if isinstance(model, Hull):
-        pairs = hulls_meet(them, ground.geometry, barred=ground.barred)
+        pairs = hulls_meet(them, ground.geometry, ignored=ground.ignored)
         found = hulls(them, pairs.a, pairs.b, reference_points(assembly, them), model, stop=stop)
         if found is None:
             finding = f"{assembly.drawing.source or 'the assembly'}: no free space was found round rest; parts touch"
             raise InputError(finding)
     return Approximation(
-        assembly, model, them, ground.barred, ground.clearance, ground.size, (ground.near.a, ground.near.b), found,
+        assembly, model, them, ground.ignored, ground.clearance, ground.size, (ground.near.a, ground.near.b), found,
         time.perf_counter() - began,
     )  # fmt: skip
 
@@ -136,7 +136,7 @@ def answer_from(
     """Measure what a model found, and say it as it is."""
     began = time.perf_counter()
     bodies, assembly = ready.bodies, ready.assembly
-    deepest = overlaps(bodies, end.motions[-1], ready.barred).deepest
+    deepest = overlaps(bodies, end.motions[-1], ready.ignored).deepest
     waypoints = of_parts(assembly, bodies, end.motions)
     free = audit_path(assembly, waypoints).free
     away = end.verdict is Verdict.UNBOUNDED and free  # said only where nothing is met on the way

@@ -128,6 +128,6 @@ def _well_inside(ready: Approximation, program: Program, begin: Floats, end: Flo
     for _ in range(MAX_HALVINGS):
         inner = retraction.between(inner, end)
         motion = program.motion(inner)
-        if overlaps(ready.bodies, motion, ready.barred).deepest <= OVERLAP_TOLERANCE * ready.size:
+        if overlaps(ready.bodies, motion, ready.ignored).deepest <= OVERLAP_TOLERANCE * ready.size:
             found = motion
     return found

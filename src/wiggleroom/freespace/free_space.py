@@ -18,7 +18,7 @@ from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.pair_hulls import hulls, joint_point
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls, model_named
 from wiggleroom.freespace.models.polyhedron import Polyhedron
-from wiggleroom.freespace.slices import Slice, march, meeting
+from wiggleroom.freespace.slices import Slice, march, pair_outlines
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import placed
@@ -230,7 +230,7 @@ def _walls(
     at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
     relation = relate(at_a, at_b, them.rest[one], them.rest[other], pivot)
     own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
-    space = march(meeting(own[0], own[1]), reach, stop)
+    space = march(pair_outlines(own[0], own[1]), reach, stop)
     covered = cover(them, (one, other), relation, space, stop)
     return FreeSpace(
         parts=names,

@@ -36,7 +36,7 @@ MAX_ANGLE_STEP = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class Meeting:
+class PairOutlines:
     """A pair as slices see it, in the axes of part a's frame; translations are shifts of the pivot from rest.
 
     Parameters
@@ -83,12 +83,12 @@ class Slice:
     area: float
 
 
-def meeting(a: shapely.Geometry, b: shapely.Geometry) -> Meeting:
+def pair_outlines(a: shapely.Geometry, b: shapely.Geometry) -> PairOutlines:
     """Pair of two areas in the axes of part a's frame with the pivot at the origin, both at rest.
 
     Examples
     --------
-    >>> pair = meeting(shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9))
+    >>> pair = pair_outlines(shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9))
     >>> round(slice_near(pair, 0.0, shapely.Point(0, 0)).area, 6)  # the peg's centre has a square of side 0.2
     0.04
     """
@@ -96,7 +96,7 @@ def meeting(a: shapely.Geometry, b: shapely.Geometry) -> Meeting:
     for geometry in (a, b):
         shapely.prepare(geometry)
     far = sum(float(np.hypot(*e[:, 0].T).max()) for e in edges)
-    return Meeting(edges[0], edges[1], (a, b), float(shapely.distance(a, b)), far)
+    return PairOutlines(edges[0], edges[1], (a, b), float(shapely.distance(a, b)), far)
 
 
 def edges_of(geometry: shapely.Geometry) -> Floats:
@@ -106,12 +106,12 @@ def edges_of(geometry: shapely.Geometry) -> Floats:
     return np.vstack([np.stack([c[:-1], c[1:]], 1) for c in corners])
 
 
-def slice_near(pair: Meeting, phi: float, near: shapely.Geometry, limit: float = np.inf) -> Slice | None:
+def slice_near(pair: PairOutlines, phi: float, near: shapely.Geometry, limit: float = np.inf) -> Slice | None:
     """Free pieces at the turn `phi` that meet `near`, or None where there are none.
 
     Parameters
     ----------
-    pair : Meeting
+    pair : PairOutlines
     phi : float [rad]
     near : shapely geometry [mm]
         A free translation, or the region of a slice at a turn close by.
@@ -128,7 +128,7 @@ def slice_near(pair: Meeting, phi: float, near: shapely.Geometry, limit: float =
     return None
 
 
-def _grown(pair: Meeting, phi: float, near: shapely.Geometry, limit: float) -> Slice | None:
+def _grown(pair: PairOutlines, phi: float, near: shapely.Geometry, limit: float) -> Slice | None:
     """Slice in a window that grows until no piece meets its rim, or as far as it may."""
     low, high = np.array(near.bounds).reshape(2, 2)
     largest = min(limit, pair.far)
@@ -149,7 +149,7 @@ def _grown(pair: Meeting, phi: float, near: shapely.Geometry, limit: float) -> S
         margin *= 2
 
 
-def parallelograms(pair: Meeting, phi: float, box: Box) -> Floats:
+def parallelograms(pair: PairOutlines, phi: float, box: Box) -> Floats:
     """Corners (k, 4, 2) of the translations in which two edges meet, for all edge pairs that touch the box."""
     b = turn(pair.b.reshape(-1, 2), np.array([phi])).reshape(-1, 2, 2)
     a, (low, high) = pair.a, np.array(box).reshape(2, 2)
@@ -197,7 +197,7 @@ def _pieces(quads: Floats, box: Box, near: shapely.Geometry) -> NDArray[np.objec
     return pieces
 
 
-def _free(pair: Meeting, phi: float, piece: shapely.Polygon) -> bool:
+def _free(pair: PairOutlines, phi: float, piece: shapely.Polygon) -> bool:
     """One point decides; a piece too thin to hold one is rounding."""
     if piece.area <= MIN_THICKNESS * pair.clearance * piece.length:
         return False
@@ -208,12 +208,12 @@ def _free(pair: Meeting, phi: float, piece: shapely.Polygon) -> bool:
 
 
 @dataclass(frozen=True, eq=False)
-class March:
+class SliceSequence:
     """Slices from one end of the free space to the other.
 
     Parameters
     ----------
-    pair : Meeting
+    pair : PairOutlines
     slices : tuple of Slice
         By angle; each overlaps the next.
     ends : (low, high) [rad]
@@ -223,7 +223,7 @@ class March:
         Half the side of the window; infinite where the free space is closed.
     """
 
-    pair: Meeting
+    pair: PairOutlines
     slices: tuple[Slice, ...]
     ends: tuple[float, float]
     full: bool
@@ -236,12 +236,12 @@ class March:
         return slice_near(self.pair, phi, shapely.union_all(beside), self.limit)
 
 
-def march(pair: Meeting, reach: float, stop: Stop | None = None) -> March:
+def march(pair: PairOutlines, reach: float, stop: Stop | None = None) -> SliceSequence:
     """Follow the free space from rest both ways until it ends.
 
     Parameters
     ----------
-    pair : Meeting
+    pair : PairOutlines
     reach : float [mm]
         Half the side of the window to keep to where the free space is open.
     stop : optional
@@ -256,7 +256,7 @@ def march(pair: Meeting, reach: float, stop: Stop | None = None) -> March:
 
     Examples
     --------
-    >>> pair = meeting(shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9))
+    >>> pair = pair_outlines(shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9))
     >>> round(march(pair, reach=1.0).ends[1], 6)  # 0.9 (cos + sin) = 1
     0.118387
     """
@@ -272,10 +272,10 @@ def march(pair: Meeting, reach: float, stop: Stop | None = None) -> March:
         slices = _folded_back(pair, [*down[:0:-1], *up], limit, stop)
         if limit < np.inf or all(s.closed for s in slices):
             break
-    return March(pair, tuple(slices), (slices[0].angle, slices[-1].angle), full, limit)
+    return SliceSequence(pair, tuple(slices), (slices[0].angle, slices[-1].angle), full, limit)
 
 
-def _followed(pair: Meeting, rest: Slice, goal: float, limit: float, stop: Stop | None) -> list[Slice]:
+def _followed(pair: PairOutlines, rest: Slice, goal: float, limit: float, stop: Stop | None) -> list[Slice]:
     """Slices from rest towards the turn `goal`, closer together where they change quickly and at the end."""
     found = [rest]
     step = float(np.sign(goal)) * min(pair.clearance / (4 * pair.radius), MAX_ANGLE_STEP)
@@ -299,7 +299,7 @@ def _overlap_well(one: Slice, other: Slice) -> bool:
     return float(shapely.area(shapely.intersection(one.region, other.region))) > 0.3 * min(one.area, other.area)
 
 
-def _folded_back(pair: Meeting, slices: list[Slice], limit: float, stop: Stop | None) -> list[Slice]:
+def _folded_back(pair: PairOutlines, slices: list[Slice], limit: float, stop: Stop | None) -> list[Slice]:
     """Add pieces that are reached only by turning further and coming back."""
     slices = list(slices)
     for order in (range(len(slices) - 2, -1, -1), range(1, len(slices))):

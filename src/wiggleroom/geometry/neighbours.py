@@ -74,8 +74,8 @@ def _rings(shapes: BodyShapes) -> tuple[Ints, NDArray[np.bool_]]:
     return ring, np.bincount(ring, cross) > 0
 
 
-def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, barred: Ints) -> Pairs:
-    """Pairs of bodies no further apart than `reach`, except fixed with fixed and `barred` ones.
+def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, ignored: Ints) -> Pairs:
+    """Pairs of bodies no further apart than `reach`, except fixed with fixed and `ignored` ones.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, b
     geometry : (n,) shapely geometries
         Material of the bodies where they are now, from `placed`.
     reach : float [mm]
-    barred : (k,) int64
+    ignored : (k,) int64
         Keys a * n + b of pairs to leave out.
 
     Returns
@@ -93,28 +93,28 @@ def neighbours(bodies: Bodies, geometry: NDArray[np.object_], reach: float, *, b
     """
     tree = shapely.STRtree(geometry)
     i, j = tree.query(geometry, predicate="dwithin", distance=reach)
-    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, barred)
+    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, ignored)
     i, j = i[keep], j[keep]
     order = np.lexsort((j, i))
     i, j = i[order], j[order]
     return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
 
 
-def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, barred: Ints) -> Pairs:
-    """Pairs of bodies whose convex hulls overlap, except fixed with fixed and `barred` ones; arguments as for `neighbours`.
+def hulls_meet(bodies: Bodies, geometry: NDArray[np.object_], *, ignored: Ints) -> Pairs:
+    """Pairs of bodies whose convex hulls overlap, except fixed with fixed and `ignored` ones; arguments as for `neighbours`.
 
     Source: Mind the Gap, section 4.4: the pairs that get collision constraints.
     """
     around = shapely.convex_hull(geometry)
     i, j = shapely.STRtree(around).query(around, predicate="intersects")
-    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, barred)
+    keep = (i < j) & ~(bodies.fixed[i] & bodies.fixed[j]) & ~np.isin(i * len(geometry) + j, ignored)
     i, j = i[keep], j[keep]
     order = np.lexsort((j, i))
     i, j = i[order], j[order]
     return Pairs(i, j, shapely.distance(geometry[i], geometry[j]))
 
 
-def relative_rest(bodies: Bodies, a: Ints, b: Ints, motion: Floats | None = None) -> Floats:
+def relative_pose(bodies: Bodies, a: Ints, b: Ints, motion: Floats | None = None) -> Floats:
     """B seen from A (P, 3) [mm, mm, rad]: position of B's origin in A's frame and its angle, at rest or moved."""
     pose = bodies.rest if motion is None else bodies.rest + motion
     c, s = np.cos(pose[a, 2]), np.sin(pose[a, 2])

@@ -32,15 +32,15 @@ class Overlaps:
         return float(self.depth.max(initial=0.0))
 
 
-def overlaps(bodies: Bodies, motion: Floats, barred: Ints) -> Overlaps:
-    """Every pair of bodies that overlaps at `motion` (n, 3) [mm, mm, rad], apart from fixed with fixed and `barred` keys a * n + b.
+def overlaps(bodies: Bodies, motion: Floats, ignored: Ints) -> Overlaps:
+    """Every pair of bodies that overlaps at `motion` (n, 3) [mm, mm, rad], apart from fixed with fixed and `ignored` keys a * n + b.
 
     Depth is how far the outline of one lies inside the other: the largest distance of a corner of the common material from either outline,
     or the width of the largest disc in it where that is more.
     """
     geometry = placed(bodies, motion)
     a, b = shapely.STRtree(geometry).query(geometry)
-    keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * len(geometry) + b, barred)
+    keep = (a < b) & ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(a * len(geometry) + b, ignored)
     a, b = a[keep], b[keep]
     hit = shapely.intersects(geometry[a], geometry[b])
     a, b = a[hit], b[hit]

@@ -14,12 +14,12 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
 from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns
-from wiggleroom.live.warm_start import State, Until, WarmSearch, at_rest, pushed
+from wiggleroom.live.warm_start import State, TimeBudget, WarmSearch, at_rest, free_of_overlap, pushed
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import Approach
@@ -29,6 +29,7 @@ from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.recession import recession_direction
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -175,7 +176,7 @@ class Live:
         state = self._state if self._state is not None and start == "here" else at_rest(ready)
         here = term.value(state.inner)  # what counts is what is gained from there
         enough = float(away @ away) - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
-        search = WarmSearch(ready, replace(term, zero=here), state, Until(seconds, stop), enough)
+        search = WarmSearch(ready, replace(term, zero=here), state, TimeBudget(seconds, stop), enough)
         self._state, settled = search.reach()
         motion = of_parts(ready.assembly, ready.bodies, self._state.motion[None])[0]
         x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
@@ -206,7 +207,7 @@ class Live:
         """
         began, ready = time.perf_counter(), self.ready
         asked = self._asked(goals)
-        term, until = ready.objective(asked), Until(seconds, stop)
+        term, until = ready.objective(asked), TimeBudget(seconds, stop)
         state = self._nearby(asked)
         if state is None:
             state = at_rest(ready)
@@ -217,10 +218,13 @@ class Live:
         settled = settled and state.linked
         self._remember(_End(asked, self._design, state))
         motion = of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
-        if search.search.unlimited:
+        if search.search.unlimited and recession_direction(ready, term, state.motion) is not None:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return LiveResult(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
         held = _held(ready, search, 1.0)
+        settled = (
+            settled and not search.search.unlimited
+        )  # whether a turn repeats for ever is for the full answer to say
         return LiveResult(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
 
     def settle(
@@ -245,9 +249,9 @@ class Live:
             self._state = None
         answer = witness(self.ready, asked, stop=stop, progress=progress)
         found = answer.warm_start
-        if found is not None and answer.objective is not None and answer.collision_free:
+        if found is not None and answer.objective == found.value and answer.collision_free:  # else it was cut back
             cells = found.program.cells
-            ended = relative_rest(self.ready.bodies, cells.a, cells.b, found.motion)
+            ended = relative_pose(self.ready.bodies, cells.a, cells.b, found.motion)
             state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
             self._remember(_End(asked, self._design, state))
         return answer
@@ -277,7 +281,7 @@ class Live:
         if part is not None:
             self._asked(Towards(part, (0.0, 0.0)))
             body = int(self.ready.bodies.body_of[self.assembly.names.index(part)])
-        return modes(self.ready, body, count, Until(seconds, stop))
+        return modes(self.ready, body, count, TimeBudget(seconds, stop))
 
     @property
     def _design(self) -> GapDesign:
@@ -329,8 +333,8 @@ def _followed(end: State, old: GapDesign, new: GapDesign) -> State | None:
     less = 2 * float((old.inward - new.inward).max()) / old.ready.clearance  # motions shrink like the gap
     for aside in RETREAT_SHARES:
         state = pushed(new.ready, replace(there, inner=max(1 - less - aside, 0.0) * there.inner, linked=False))
-        if state is not None:
-            return state
+        if state is not None and free_of_overlap(new.ready, state.inner):  # the old motion is one of smaller parts
+            return replace(state, motion=state.inner)
     return None
 
 
@@ -349,4 +353,4 @@ def _held(ready: Prepared, search: WarmSearch, unit: float) -> tuple[Contact, ..
     found = search.best
     if found is None or found.solution.status is not SolverStatus.CONVERGED:
         return ()
-    return contacts(ready.assembly, found.program, found.solution.u, found.touch, unit)
+    return contacts(ready.assembly, found.program, found.solution.u, found.active, unit)

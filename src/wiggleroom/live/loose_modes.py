@@ -117,7 +117,7 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
         far = np.array([_furthest(ready.bodies, m).max() for m in motions]) > MAX_SHOWN_TRAVEL * ready.size
         motions = motions[: max(1, int(far.argmax()))] if far.any() else motions
     pick = np.unique(np.linspace(0, len(motions) - 1, FRAMES_PER_SIDE).round().astype(int))
-    shown = [m for m in motions[pick] if overlaps(ready.bodies, m, ready.barred).deepest <= safe]
+    shown = [m for m in motions[pick] if overlaps(ready.bodies, m, ready.ignored).deepest <= safe]
     return np.concatenate([still, shown[1:]]) if len(shown) > 1 else still, search.unlimited
 
 

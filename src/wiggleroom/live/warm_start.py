@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, select
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import build
@@ -88,7 +88,7 @@ def at_rest(ready: Prepared) -> State:
 
 
 @dataclass(eq=False)
-class Until:
+class TimeBudget:
     """Stops at a time, or when somebody else says so; asked every iteration."""
 
     seconds: float
@@ -170,13 +170,13 @@ class WarmSearch:
 
     def _stale(self, search: LocalSearch, found: Incumbent) -> Ints:
         """Pairs whose cells stop the motion although nothing touches there, without those that together hold hardly anything."""
-        touch, pairs = found.touch, stale(search, found)
+        active, pairs = found.active, stale(search, found)
         if found.solution.status is SolverStatus.FAILED or not len(pairs):
             return pairs
-        held = np.bincount(touch.pair[touch.virtual], touch.force[touch.virtual])[pairs] * self._room(found)[pairs]
+        held = np.bincount(active.pair[active.virtual], active.force[active.virtual])[pairs] * self._room(found)[pairs]
         order = np.argsort(held)
         least = (
-            TOLERATED_LOSS * found.tolerance * max(abs(found.value), self.ready.clearance * float(touch.force.max()))
+            TOLERATED_LOSS * found.tolerance * max(abs(found.value), self.ready.clearance * float(active.force.max()))
         )
         return pairs[np.sort(order[np.cumsum(held[order]) > least])]
 
@@ -186,7 +186,7 @@ class WarmSearch:
         room, ended = np.full(len(cells.a), clearance), self.state.ended
         if ended is not None and self.state.near and self.enough is None:
             a, b = cells.a[: len(ended)], cells.b[: len(ended)]
-            come = np.abs(relative_rest(bodies, a, b, found.motion) - ended)
+            come = np.abs(relative_pose(bodies, a, b, found.motion) - ended)
             come[:, 2] *= np.minimum(bodies.radius[a], bodies.radius[b])
             room[: len(ended)] = np.minimum(come.sum(axis=1), clearance)
         return room
@@ -196,7 +196,7 @@ class WarmSearch:
         motion = found.motion
         if found.solution.status not in FINISHED:  # the last iterate may be on its way through a wall; these are not
             motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
-        if overlaps(self.ready.bodies, motion, self.ready.barred).deepest > OVERLAP_TOLERANCE * self.ready.size:
+        if not free_of_overlap(self.ready, motion):
             return None
         return None if len(self._unchecked(self.search, found)[0]) else motion
 
@@ -205,7 +205,7 @@ class WarmSearch:
         if self._seen is not None and self._seen[0] is found:
             return self._seen[1]
         ready = self.ready
-        points = [(leg.program, u) for leg in found.path for u in leg.points]
+        points = [(segment.program, u) for segment in found.path for u in segment.points]
         some = np.unique(np.linspace(0, len(points) - 1, PATH_SAMPLES).round().astype(int))
         motions = np.array([points[k][0].motion(points[k][1]) for k in some])
         audit = audit_path(ready.assembly, of_parts(ready.assembly, ready.bodies, motions))
@@ -225,7 +225,7 @@ class WarmSearch:
                 mu, last.solution.inner_mu * (1.0 if last.solution.status is SolverStatus.STOPPED else BARRIER_GROWTH)
             )
         first, rounds = len(self.ready.cells.a), self.search.rounds
-        ended = relative_rest(self.ready.bodies, cells.a, cells.b, motion) if settled else None
+        ended = relative_pose(self.ready.bodies, cells.a, cells.b, motion) if settled else None
         if before.ended is not None and rounds == 1:  # nothing was grown: how far it has come adds up
             ended = before.ended
         late = np.arange(len(cells.a)) >= first
@@ -237,6 +237,11 @@ class WarmSearch:
         fine = coming is not None and coming.tolerance is not None and coming.tolerance < SKETCH_TOLERANCE
         near = not settled and (before.near or fine)
         return State(cells, inner, motion, max(mu, FIRST_BARRIER) if settled else mu, near, before.linked, ended)
+
+
+def free_of_overlap(ready: Prepared, motion: Floats) -> bool:
+    """True where no two bodies overlap at a motion (n, 3) of theirs, by exact geometry."""
+    return overlaps(ready.bodies, motion, ready.ignored).deepest <= OVERLAP_TOLERANCE * ready.size
 
 
 def pushed(ready: Prepared, state: State) -> State | None:

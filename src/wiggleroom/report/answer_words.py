@@ -9,8 +9,10 @@ from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, T
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
 
-_NAME_LENGTH = 40
-_MOST_GOALS = 4
+MAX_NAME_LENGTH = 40
+"""Longer names are cut in the middle [characters]."""
+MAX_GOALS = 4
+"""Goals that a headline names; the others are counted."""
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -30,8 +32,8 @@ def number(value: float, digits: int = 4) -> str:
 
 def short(name: str) -> str:
     """Part's name, its middle left out where it is very long."""
-    half = _NAME_LENGTH // 2
-    return name if len(name) <= _NAME_LENGTH else f"{name[: half - 1]}…{name[-half:]}"
+    half = MAX_NAME_LENGTH // 2
+    return name if len(name) <= MAX_NAME_LENGTH else f"{name[: half - 1]}…{name[-half:]}"
 
 
 def towards(direction: tuple[float, float]) -> str:
@@ -112,16 +114,26 @@ def headline(answer: Answer) -> str:
                 return f"sum of squared translations {number(own)} mm²"
             case Closer():
                 return f"neighbours closer: their squared distances lose {number(own)} mm²"
-    return f"{number(value)} {unit(goals)}".strip() + f": {asked(goals, _MOST_GOALS)}"
+    return f"{number(value)} {unit(goals)}".strip() + f": {asked(goals, MAX_GOALS)}"
 
 
 def sentence(answer: Answer) -> str:
     """Say what the verdict means; of a model that approximates the free space, what it does not."""
+    if answer.period is not None:
+        return f"{answer.verdict.sentence}: {repeats(answer)}"
     if answer.model == "walls" or answer.verdict is Verdict.UNBOUNDED:
         return answer.verdict.sentence
     end = "reached its end" if answer.verdict is Verdict.STATIONARY else "stopped before its end"
     truth = "this motion does not overlap" if answer.collision_free else "the parts overlap in this motion"
     return f"the model {answer.model} {end}; it only approximates the contacts: {truth}"
+
+
+def repeats(answer: Answer) -> str:
+    """Say after which turns a motion begins anew, such as "it repeats after gear0 21.18°, gear1 -15.65°"; empty where it does not."""
+    if answer.period is None:
+        return ""
+    turned = [(name, math.degrees(turn)) for name, turn in zip(answer.assembly.names, answer.period.turn, strict=True)]
+    return f"it repeats after {few([f'{short(name)} {number(turn)}°' for name, turn in turned if turn], 4)}"
 
 
 def proven(answer: Answer) -> str:
@@ -171,6 +183,8 @@ def searched(answer: Answer) -> str:
 def answer_sure(answer: Answer) -> list[tuple[str, str]]:
     """How sure an answer is, and what it cost: a word and a sentence each."""
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
+    if answer.objective is not None and unit(answer.goals) == "rad":
+        found += f", {number(math.degrees(answer.objective))}°"
     return [
         ("found", found.strip()),
         ("verdict", f"{answer.verdict.value}: {sentence(answer)}"),
@@ -203,6 +217,8 @@ def facts(answer: Answer) -> list[str]:
         found.append(f"leaves: {few(answer.leaves)}")
     if answer.verdict is Verdict.UNBOUNDED and answer.turns:
         found.append(f"turns: {few(answer.turns)}")
+    if answer.period is not None:
+        found.append(repeats(answer))
     between = proven(answer)
     return [*found, *([between] if between else []), certainty(answer)]
 

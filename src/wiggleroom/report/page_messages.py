@@ -22,7 +22,7 @@ OUTLINE_DIGITS = 7
 """Outlines are told to so many digits of the drawing's size: no finer than eyes and screens."""
 
 
-def drawing_told(drawing: Drawing, parts: Sequence[Part], name: str) -> Opened:
+def drawing_message(drawing: Drawing, parts: Sequence[Part], name: str) -> Opened:
     """A drawing and what it asks; outlines as they are in `parts`, at rest in world coordinates [mm]."""
     corners = np.vstack([ring for part in parts for ring in rings_at(part)])
     (x0, y0), (x1, y1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
@@ -33,13 +33,13 @@ def drawing_told(drawing: Drawing, parts: Sequence[Part], name: str) -> Opened:
         size=(x0, y0, x1, y1),
         parts=[
             PartShape(part.name, (part.at[0], part.at[1], math.degrees(part.at[2])), rings)
-            for part, rings in zip(parts, rings_told(parts), strict=True)
+            for part, rings in zip(parts, rings_message(parts), strict=True)
         ],
-        design=design_told(drawing),
+        design=design_message(drawing),
     )
 
 
-def design_told(drawing: Drawing) -> Design:
+def design_message(drawing: Drawing) -> Design:
     """What a drawing asks, as a design."""
     return Design(
         gap=drawing.gap,
@@ -49,7 +49,7 @@ def design_told(drawing: Drawing) -> Design:
     )
 
 
-def rings_told(parts: Sequence[Part]) -> list[Outline]:
+def rings_message(parts: Sequence[Part]) -> list[Outline]:
     """Outlines and holes of all parts at rest, in world coordinates [mm]."""
     rings = [rings_at(part) for part in parts]
     size = float(np.ptp(np.vstack([ring for one in rings for ring in one]), axis=0).max())
@@ -62,7 +62,7 @@ def digits_of(size: float) -> int:
     return max(0, OUTLINE_DIGITS - math.floor(math.log10(size)))
 
 
-def answer_told(answer: Answer, command: str) -> FlexReply:
+def answer_message(answer: Answer, command: str) -> FlexReply:
     """What an answer says, in the words of the commands."""
     return FlexReply(
         objective=answer.objective,
@@ -73,7 +73,7 @@ def answer_told(answer: Answer, command: str) -> FlexReply:
         at_most=answer.at_most,
         leaves=list(answer.leaves),
         turns=list(answer.turns),
-        contacts=contacts_told(answer.contacts),
+        contacts=contacts_message(answer.contacts),
         collision_free=bool(answer.collision_free),
         path=answer.path,
         seconds=answer.seconds.get("total", 0.0),
@@ -81,6 +81,6 @@ def answer_told(answer: Answer, command: str) -> FlexReply:
     )
 
 
-def contacts_told(contacts: Iterable[Contact]) -> list[ContactEntry]:
+def contacts_message(contacts: Iterable[Contact]) -> list[ContactEntry]:
     """Contacts with a force, the strongest first."""
     return [contact_entry(contact) for contact in holding(contacts)]

@@ -9,11 +9,11 @@ from msgspec.structs import asdict
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import Audit
+from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
 from wiggleroom.report.answer_words import headline, number, unit
-from wiggleroom.report.baked import answered, baked, opened, section, way
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
 from wiggleroom.report.importance_picture import ranking_facts, tightening_facts
 from wiggleroom.report.plots import histogram
@@ -21,20 +21,20 @@ from wiggleroom.report.separability import check_facts, check_title
 from wiggleroom.report.separability_picture import Checked
 from wiggleroom.report.space_report import headline as space_headline
 from wiggleroom.report.space_report import said, space_picture, space_result
-from wiggleroom.report.space_solid import space_told
-from wiggleroom.report.study_messages import check_told, ranking_told, step_told
+from wiggleroom.report.space_solid import space_message
+from wiggleroom.report.standalone_page import answered, opened, section, standalone_page, way
+from wiggleroom.report.study_messages import check_message, ranking_message, step_message
 from wiggleroom.report.study_results import QUANTILES, lost_sentence, sample_sure
 from wiggleroom.report.tolerance_results import tolerance_name, tolerances_facts, tolerances_sentence, tolerances_sure
-from wiggleroom.schema.baked_page import BakedCheck, StudyTab, Tints, Title
+from wiggleroom.schema.standalone_schema import StandaloneCheck, StudyTab, Tints, Title
 from wiggleroom.search.answer import Answer
-from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.perturbation import can_be_ranked
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
-from wiggleroom.separate.interlock import Interlock
 
 
 def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
@@ -49,22 +49,22 @@ def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
     """
     told = _about(answer, answer.command) | ({} if found is None else _check(Checked(found), ""))
     if answer.model == "walls" and can_be_ranked(answer):
-        told["rank"] = ranking_told(rank_at_once(answer), answer.command)
-    return baked(headline(answer), **told)
+        told["rank"] = ranking_message(rank_at_once(answer), answer.command)
+    return standalone_page(headline(answer), **told)
 
 
 def page_of_ranking(ranking: Ranking, *, command: str = "") -> str:
     """Ranking as one HTML page: coloured parts, parts and joints in order, and the answer that they are about."""
     answer = ranking.answer
-    told = _about(answer, command) | {"rank": ranking_told(ranking, command), "tab": "gaps"}
-    return baked(headline(answer), **told, said=Title(headline(answer), ranking_facts(ranking)))
+    told = _about(answer, command) | {"rank": ranking_message(ranking, command), "tab": "gaps"}
+    return standalone_page(headline(answer), **told, said=Title(headline(answer), ranking_facts(ranking)))
 
 
 def page_of_check(checked: Checked, *, command: str = "") -> str:
     """Check as one HTML page: the verdict, who leaves in which order and how as films, and how sure it is."""
     found, title = checked.found, check_title(checked.found)
     said = Title(title, check_facts(found, checked.border))
-    return baked(title, opened=opened(found.assembly), said=said, tab="apart", **_check(checked, command))
+    return standalone_page(title, opened=opened(found.assembly), said=said, tab="apart", **_check(checked, command))
 
 
 def page_of_sweep(found: Sweep, *, command: str = "") -> str:
@@ -95,11 +95,11 @@ def page_of_sweep(found: Sweep, *, command: str = "") -> str:
         "opened": opened(next(iter(answers.values())).assembly, found.goals),
         "begin": first,
         "answers": answered(answers, command),
-        "steps": [step_told(step) for step in found.steps],
+        "steps": [step_message(step) for step in found.steps],
         "lost": found.lost,
         "study": StudyTab("Gaps", [section("Motion against gap", columns=heads, rows=rows, terms=sure)]),
     }
-    return baked(study_plots.sweep_title(found), **told)
+    return standalone_page(study_plots.sweep_title(found), **told)
 
 
 def page_of_tightening(found: Tightening, *, command: str = "") -> str:
@@ -124,7 +124,7 @@ def page_of_tightening(found: Tightening, *, command: str = "") -> str:
         "study": StudyTab("Tighter", sections),
         "tints": Tints("", dict.fromkeys(found.chosen, 1.0)),
     }
-    return baked(headline(after), **told)
+    return standalone_page(headline(after), **told)
 
 
 def page_of_sample(found: Sample, *, command: str = "") -> str:
@@ -155,7 +155,7 @@ def page_of_sample(found: Sample, *, command: str = "") -> str:
         ),
         "tints": Tints("% of the variance", dict(zip(names, share.tolist(), strict=True))),
     }
-    return baked(title, **told)
+    return standalone_page(title, **told)
 
 
 def page_of_gap(found: AllowableGap, *, command: str = "") -> str:
@@ -177,7 +177,7 @@ def page_of_gap(found: AllowableGap, *, command: str = "") -> str:
     near = [t.answer for t in found.trials if t.answer is not None and t.gap == found.gap]
     shown: dict[str, Any] = _about(near[0], command) if near else {"opened": opened(found.assembly, found.goals)}
     told = shown | {"said": Title(title, gap_facts(found)), "tab": "study", "study": StudyTab("Gap", sections)}
-    return baked(title, **told)
+    return standalone_page(title, **told)
 
 
 def page_of_tolerances(found: WorstCase, *, command: str = "") -> str:
@@ -197,7 +197,7 @@ def page_of_tolerances(found: WorstCase, *, command: str = "") -> str:
         "tab": "study",
         "study": StudyTab("Tolerances", sections),
     }
-    return baked(title, **told)
+    return standalone_page(title, **told)
 
 
 def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
@@ -216,17 +216,17 @@ def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = N
         "opened": opened(assembly),
         "said": Title(space_headline(space), said(space, judged)),
         "tab": "space",
-        "space": space_told(space, (0.0, 0.0, 0.0), command),
+        "space": space_message(space, (0.0, 0.0, 0.0), command),
         "study": StudyTab("Slices and cells", sections),
     }
-    return baked(space_headline(space), **told)
+    return standalone_page(space_headline(space), **told)
 
 
 def _check(checked: Checked, command: str) -> dict[str, Any]:
     """A verdict with the ways of those that leave."""
     found = checked.found
     ways = [way(found.assembly, escape.path) for escape in found.escapes]
-    return {"check": BakedCheck(check_told(found, command, checked.border), ways)}
+    return {"check": StandaloneCheck(check_message(found, command, checked.border), ways)}
 
 
 def _about(answer: Answer, command: str) -> dict[str, Any]:

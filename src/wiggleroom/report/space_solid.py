@@ -22,7 +22,7 @@ MAX_SLICES = 33
 """Slices that the page is given."""
 
 
-def space_told(found: FreeSpace, state: tuple[float, float, float], command: str) -> SpaceReply:
+def space_message(found: FreeSpace, state: tuple[float, float, float], command: str) -> SpaceReply:
     """Free space of a pair, with the state (x [mm], y [mm], turn [deg]) that is shown in it.
 
     The solid stands over x [mm], y [mm] and angle [deg], in motions of the pivot.

@@ -17,8 +17,8 @@ from wiggleroom.report.palette import FONT, INK, PAPER, SUBDUED
 from wiggleroom.report.spatial_table import spatial_certainty, spatial_headline
 from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly, Surface
-from wiggleroom.spatial.spatial_separation import SpatialSeparation
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ FIXED = (201, 196, 188)
 COLOURS = ((79, 129, 189), (192, 124, 62), (110, 160, 90), (150, 110, 170), (200, 160, 60), (80, 160, 165))
 CREASE = 1e-3
 """Edges between faces that turn by more are drawn [rad]."""
-LEAST_AREA = 1e-12
+MIN_AREA = 1e-12
 EXPLODED = 0.7
 """Parts that left are shown no further away than this share of the size."""
 
@@ -57,7 +57,7 @@ def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
     _write(answer.assembly, answer.motion, path, lines, answer.contacts)
 
 
-def draw_separation(found: SpatialSeparation, path: Path) -> None:
+def draw_separation(found: SpatialDisassembly, path: Path) -> None:
     """Write a picture of what comes apart: parts that left stand beside the others; .svg, .png or .glb."""
     motion = np.zeros((len(found.assembly.parts), 6))
     for k, e in enumerate(found.escapes):

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_separation import SpatialSeparation
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.verdict import Verdict
 
 Record = dict[str, Any]
-STILL = 1e-12
+MIN_MOTION = 1e-12
 """Parts that never move further are left out of paths [mm, rad]."""
 
 
@@ -49,12 +49,12 @@ def spatial_flex_record(answer: SpatialAnswer) -> Record:
     }
 
 
-def spatial_check_record(found: SpatialSeparation, command: str = "") -> Record:
+def spatial_check_record(found: SpatialDisassembly, command: str = "") -> Record:
     """Everything `check --json` says; lengths in mm, angles in degrees."""
     names = found.assembly.names
     escapes = []
     for escape in found.escapes:
-        moved = np.flatnonzero((np.abs(escape.path) > STILL).any(axis=(0, 2)))
+        moved = np.flatnonzero((np.abs(escape.path) > MIN_MOTION).any(axis=(0, 2)))
         path = [{names[k]: motion_entry(m[k]) for k in moved} for m in escape.path]
         escapes.append({"parts": list(escape.parts), "path": path})
     return {

@@ -10,8 +10,8 @@ import numpy as np
 from wiggleroom.report.answer_words import few, number, short
 from wiggleroom.report.table import columns, fixed
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
-from wiggleroom.spatial.spatial_separation import SpatialSeparation
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:
@@ -121,7 +121,7 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     return Group(*page, *[Text(line) for line in sure])
 
 
-def spatial_check_table(found: SpatialSeparation) -> Group:
+def spatial_check_table(found: SpatialDisassembly) -> Group:
     """Page that `check` prints: verdict, who leaves in which order, what remains."""
     from rich.console import Group
     from rich.text import Text
@@ -142,7 +142,7 @@ def spatial_check_table(found: SpatialSeparation) -> Group:
     return Group(*lines)
 
 
-def _rests_on(found: SpatialSeparation) -> str:
+def _rests_on(found: SpatialDisassembly) -> str:
     if found.verdict is Separability.COMES_APART:
         return "every step of the way checked for overlap"
     if found.verdict is Separability.UNKNOWN:

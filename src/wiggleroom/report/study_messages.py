@@ -1,18 +1,18 @@
-"""Rankings, checks and sweeps as the page reads them; apart from answers, because they need all that works them out."""
+"""Rankings, checks and sweeps as the page reads them; a module of its own, because it imports all that works them out."""
 
 from __future__ import annotations
 
+from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.answer_words import per_gap
 from wiggleroom.report.rank_results import ranking_sure
 from wiggleroom.report.separability import border_sentence, check_sure, leaves, why
 from wiggleroom.schema.replies import CheckReply, ImportanceEntry, JointEntry, LeavingEntry, RankReply, StepReply
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sweep import SweepStep
-from wiggleroom.separate.interlock import Interlock
-from wiggleroom.separate.largest_gap import LargestGap
 
 
-def ranking_told(ranking: Ranking, command: str) -> RankReply:
+def ranking_message(ranking: Ranking, command: str) -> RankReply:
     """Whose gap matters, of parts and of joints, the most important first."""
     names = ranking.answer.assembly.names
     return RankReply(
@@ -35,7 +35,7 @@ def ranking_told(ranking: Ranking, command: str) -> RankReply:
     )
 
 
-def check_told(found: Interlock, command: str, border: LargestGap | None = None) -> CheckReply:
+def check_message(found: Interlock, command: str, border: LargestGap | None = None) -> CheckReply:
     """Whether it comes apart, who leaves in which order and how, and how sure that is."""
     return CheckReply(
         verdict=found.verdict,
@@ -50,6 +50,6 @@ def check_told(found: Interlock, command: str, border: LargestGap | None = None)
     )
 
 
-def step_told(step: SweepStep) -> StepReply:
+def step_message(step: SweepStep) -> StepReply:
     """One gap of a sweep."""
     return StepReply(gap=step.gap, objective=step.objective, verdict=step.verdict, checked=step.checked)

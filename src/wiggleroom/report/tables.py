@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.planning.plan import Plan
 from wiggleroom.report.separability_picture import Checked
 from wiggleroom.search.answer import Answer
-from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
@@ -21,7 +22,7 @@ from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 
 
-def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase) -> str:
+def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan) -> str:
     """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty.
 
     Examples
@@ -34,9 +35,11 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
     rows: Sequence[Sequence[Any]]
     match found:
         case Answer():
-            heads, rows = ("step", *_MOTION), _steps(found.assembly.names, found.waypoints)
+            heads, rows = ("step", *MOTION_COLUMNS), _steps(found.assembly.names, found.waypoints)
         case Checked():
-            heads, rows = ("escape", "step", *_MOTION), _escapes(found)
+            heads, rows = ("escape", "step", *MOTION_COLUMNS), _escapes(found)
+        case Plan():
+            heads, rows = ("step", "point", *MOTION_COLUMNS), _planned(found)
         case Ranking():
             heads, rows = ("kind", "name", "other", "per_mm", "tighter_per_mm", "percent"), _ranks(found)
         case Tightening():
@@ -48,12 +51,12 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
         case AllowableGap():
             heads, rows = ("gap", "objective", "at_most", "verdict", "path"), _trials(found)
         case WorstCase():
-            heads, rows = (*_TOLERANCE, "per_mm", "looser_mm", "tighter_mm", "percent"), _contributions(found)
+            heads, rows = (*TOLERANCE_COLUMNS, "per_mm", "looser_mm", "tighter_mm", "percent"), _contributions(found)
     return text_of(heads, rows)
 
 
-_TOLERANCE = ("kind", "name", "other", "outline", "nominal_mm", "plus_mm", "minus_mm")
-_MOTION = ("part", "dx_mm", "dy_mm", "turn_deg")
+TOLERANCE_COLUMNS = ("kind", "name", "other", "outline", "nominal_mm", "plus_mm", "minus_mm")
+MOTION_COLUMNS = ("part", "dx_mm", "dy_mm", "turn_deg")
 
 
 def text_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:
@@ -87,6 +90,15 @@ def _escapes(checked: Checked) -> list[tuple[Any, ...]]:
         moves = np.asarray(escape.path.any(axis=(0, 2)))
         names = [name for name, move in zip(checked.found.assembly.names, moves, strict=True) if move]
         rows += [(k + 1, *row) for row in _steps(names, escape.path[:, moves])]
+    return rows
+
+
+def _planned(found: Plan) -> list[tuple[Any, ...]]:
+    """Ways of all steps; only parts that move in them."""
+    rows = []
+    for k, step in enumerate(found.steps):
+        moves = [found.assembly.names.index(name) for name in step.parts]
+        rows += [(k + 1, *row) for row in _steps(step.parts, step.way[:, moves])]
     return rows
 
 

@@ -13,8 +13,8 @@ from wiggleroom.report.stills import write_svg
 from wiggleroom.search.answer import Answer
 
 if TYPE_CHECKING:
+    from wiggleroom.disassembly.interlock import Interlock
     from wiggleroom.report.write_study import Study
-    from wiggleroom.separate.interlock import Interlock
 
 
 def draw(

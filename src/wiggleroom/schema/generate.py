@@ -14,10 +14,10 @@ import msgspec
 from msgspec import Struct, inspect
 
 from wiggleroom.drawing.assembly_schema import FORMAT, AssemblyFile, PullEntry
-from wiggleroom.schema.baked_page import BakedPage
 from wiggleroom.schema.replies import AnyReply
 from wiggleroom.schema.requests import AnyRequest
 from wiggleroom.schema.results import RESULTS
+from wiggleroom.schema.standalone_schema import StandalonePage
 
 BEGIN, END = "<!-- generated from {} -->", "<!-- end -->"
 
@@ -32,7 +32,7 @@ def json_schemas() -> dict[str, str]:
 def typescript() -> str:
     """Types of all messages, as a module."""
     replies, requests = get_args(AnyReply), get_args(AnyRequest)
-    kinds = [*requests, *replies, BakedPage]
+    kinds = [*requests, *replies, StandalonePage]
     structs: dict[type, inspect.StructType] = {}
     for info in inspect.multi_type_info(kinds):
         _collect(info, structs)
@@ -53,7 +53,11 @@ def typescript() -> str:
 def tables(text: str) -> str:
     """Text of a page of the docs, the tables between its marks made anew."""
     groups: dict[str, list[type[Struct]]] = {cls.__name__: [cls] for cls in RESULTS}
-    groups |= {"requests": list(get_args(AnyRequest)), "replies": list(get_args(AnyReply)), "baked page": [BakedPage]}
+    groups |= {
+        "requests": list(get_args(AnyRequest)),
+        "replies": list(get_args(AnyReply)),
+        "baked page": [StandalonePage],
+    }
     for name, kinds in groups.items():
         begin = BEGIN.format(name)
         if begin in text:

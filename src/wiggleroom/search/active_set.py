@@ -56,12 +56,12 @@ class ActiveSet:
         return out
 
 
-def wishes(program: Program, u: Floats, touch: ActiveSet, pairs: Ints) -> Floats:
+def target_poses(program: Program, u: Floats, active: ActiveSet, pairs: Ints) -> Floats:
     """Relative poses (k, 3) of some pairs one clearance further where their virtual walls push back: where they would go without them."""
     at = program.linearise(u)
     push = np.zeros((len(program.cells.a), 3))
-    row = touch.row[touch.virtual]
-    np.add.at(push, program.cells.pair[row], -at.d[row] * touch.force[touch.virtual, None])
+    row = active.row[active.virtual]
+    np.add.at(push, program.cells.pair[row], -at.d[row] * active.force[active.virtual, None])
     push = push[pairs]
     lever = np.minimum(program.bodies.radius[program.cells.a[pairs]], program.bodies.radius[program.cells.b[pairs]])
     push[:, 2] /= lever  # to a length

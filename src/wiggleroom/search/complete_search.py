@@ -8,11 +8,11 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import grow_cells, select
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
-from wiggleroom.geometry.neighbours import placed, relative_rest
+from wiggleroom.geometry.neighbours import placed, relative_pose
 from wiggleroom.geometry.rigid_motions import about
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import ZERO_MOTION, PointMotion
-from wiggleroom.search.incumbent import Leg, Start
+from wiggleroom.search.incumbent import PathSegment, Start
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
@@ -77,7 +77,7 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
     body, n = int(free[0]), len(ready.bodies.fixed)
     others = np.flatnonzero(ready.bodies.fixed)
     low, high = np.minimum(others, body), np.maximum(others, body)
-    others = others[~np.isin(low * n + high, ready.barred)]
+    others = others[~np.isin(low * n + high, ready.ignored)]
     geometry = placed(ready.bodies)
     mine = goal.body == body
     direction, spot = goal.direction[mine], goal.arm[mine] + ready.bodies.rest[body, :2]
@@ -101,9 +101,9 @@ def _start(ready: Prepared, boxes: MotionBoxes, way: Floats) -> Start | None:
     n = len(bodies.fixed)
     keys = np.union1d(cells.a * n + cells.b, ready.corners)
     a, b = keys // n, keys % n
-    grown, good = grow_cells(bodies, a, b, relative_rest(bodies, a, b, motions[-1]), np.full(len(a), ready.clearance))
+    grown, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, motions[-1]), np.full(len(a), ready.clearance))
     if not good.all():
         return None
     program = build(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)
-    leg = Leg(program, tuple(program.variables(motion) for motion in motions))
-    return Start(grown, motions[-1], (leg,))
+    segment = PathSegment(program, tuple(program.variables(motion) for motion in motions))
+    return Start(grown, motions[-1], (segment,))

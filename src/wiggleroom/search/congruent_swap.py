@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import Cells, replaced, select
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import classes, relative_rest
+from wiggleroom.geometry.neighbours import classes, relative_pose
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -28,26 +28,26 @@ MAX_SWAPS = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Twin:
+class CongruentSwap:
     """Pairs `who` (k,) that take the way of the pair `like`."""
 
     who: Ints
     like: int
 
 
-def twins(bodies: Bodies, cells: Cells, motion: Floats, clearance: float) -> list[Twin]:
+def congruent_swaps(bodies: Bodies, cells: Cells, motion: Floats, clearance: float) -> list[CongruentSwap]:
     """What to try at the end of a motion (n, 3) [mm, mm, rad]: each end for all joints of its kind, and for each joint alone.
 
     None where the pairs do not hang together as a tree, or there would be too many.
     """
-    rest = relative_rest(bodies, cells.a, cells.b)
+    rest = relative_pose(bodies, cells.a, cells.b)
     if not _is_tree(bodies, cells):
         return []
     _, label = classes(bodies, cells.a, cells.b, rest)
-    end = relative_rest(bodies, cells.a, cells.b, motion) - rest
+    end = relative_pose(bodies, cells.a, cells.b, motion) - rest
     end[:, 2] *= np.maximum(bodies.radius[cells.a], bodies.radius[cells.b])
-    together: list[Twin] = []
-    alone: list[Twin] = []
+    together: list[CongruentSwap] = []
+    alone: list[CongruentSwap] = []
     for kind in range(int(label.max(initial=-1)) + 1):
         same = np.flatnonzero(label == kind)
         for k, like in enumerate(same):
@@ -56,32 +56,32 @@ def twins(bodies: Bodies, cells: Cells, motion: Floats, clearance: float) -> lis
                 continue
             others = same[far]
             if len(others):
-                together.append(Twin(others, int(like)))
-                alone += [Twin(np.array([one]), int(like)) for one in others]
+                together.append(CongruentSwap(others, int(like)))
+                alone += [CongruentSwap(np.array([one]), int(like)) for one in others]
     return [*together, *alone] if len(together) + len(alone) <= MAX_SWAPS else []
 
 
-def exchanged(bodies: Bodies, cells: Cells, twin: Twin) -> Cells:
+def exchanged(bodies: Bodies, cells: Cells, swap: CongruentSwap) -> Cells:
     """The same cells, but `twin.who` with those of `twin.like`."""
-    rest = relative_rest(bodies, cells.a, cells.b)
-    theirs = select(cells, np.full(len(twin.who), twin.like))
-    turns = rest[twin.who] - rest[twin.like]
+    rest = relative_pose(bodies, cells.a, cells.b)
+    theirs = select(cells, np.full(len(swap.who), swap.like))
+    turns = rest[swap.who] - rest[swap.like]
     turns[:, :2] = 0.0  # congruent, up to whole turns
     mine = replace(
         theirs,
-        a=cells.a[twin.who],
-        b=cells.b[twin.who],
+        a=cells.a[swap.who],
+        b=cells.b[swap.who],
         ends=theirs.ends + turns[:, 2:],
         seed=theirs.seed + turns,
     )
-    return replaced(cells, twin.who, mine)
+    return replaced(cells, swap.who, mine)
 
 
-def followed(bodies: Bodies, cells: Cells, twin: Twin, motions: Floats) -> Floats:
+def followed(bodies: Bodies, cells: Cells, swap: CongruentSwap, motions: Floats) -> Floats:
     """The motions (k, n, 3) [mm, mm, rad] in which `twin.who` are where `twin.like` is, and all other pairs where they were."""
-    rest = relative_rest(bodies, cells.a, cells.b)
-    now = np.stack([relative_rest(bodies, cells.a, cells.b, motion) for motion in motions], axis=1)
-    now[twin.who] = rest[twin.who, None] + (now[twin.like] - rest[twin.like])
+    rest = relative_pose(bodies, cells.a, cells.b)
+    now = np.stack([relative_pose(bodies, cells.a, cells.b, motion) for motion in motions], axis=1)
+    now[swap.who] = rest[swap.who, None] + (now[swap.like] - rest[swap.like])
     pose, out = bodies.rest + motions, motions.copy()
     for pair, forward in _outwards(bodies, cells):
         a, b = int(cells.a[pair]), int(cells.b[pair])

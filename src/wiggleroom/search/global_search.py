@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import grow_cells, joined, select
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.program.objectives import Objective, PointMotion
 from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.loop import LocalSearch, Policy
 from wiggleroom.search.moves import CLIMB, RANDOM_CLIMB, THOROUGH
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.state_tree import StateTree
+from wiggleroom.search.state_tree import ClimbTree
 
 Floats = NDArray[np.float64]
 
@@ -100,7 +100,7 @@ class _GlobalSearch:
         first = self.first
         rest = _rest_of_all_pairs(first.ready)
         self.work += GROWTH_WORK * len(rest.cells.kind)
-        self.tree = StateTree(rest, first.ready.bodies.radius, first.ready.clearance)
+        self.tree = ClimbTree(rest, first.ready.bodies.radius, first.ready.clearance)
         if first.best is not None and not self.free and first.way(first.best).sure:
             self.hills[self.tree.add(first.best, 0)] = self.value
 
@@ -140,7 +140,7 @@ class _GlobalSearch:
         if between is None:
             return
         climb = self._search(self.first.objective, CLIMB)
-        found = self._run(climb, self.tree.states[between].start)
+        found = self._run(climb, self.tree.states[between].step.start)
         if found is None or not climb.ended or not climb.way(found).sure:
             return
         self.values.append(found.value)
@@ -149,7 +149,7 @@ class _GlobalSearch:
             self.hills[self.tree.add(found, between)] = found.value
         least = MIN_IMPROVEMENT * max(abs(found.value), self.first.ready.clearance)
         if climb.unlimited or found.value > self.value + least:
-            self._follow(replace(found, legs=(*self.tree.legs_to(between), *found.legs[1:])))
+            self._follow(replace(found, segments=(*self.tree.segments_to(between), *found.segments[1:])))
 
     def _follow(self, incumbent: Incumbent) -> None:
         """Follow a better end to its own end; it becomes the best where its path is certain."""
@@ -165,7 +165,7 @@ class _GlobalSearch:
     def _step_aside(self, objective: Objective, state: int) -> tuple[int | None, int | None]:
         """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
         search = self._search(objective, RANDOM_CLIMB)
-        found = self._run(search, self.tree.states[state].start)
+        found = self._run(search, self.tree.states[state].step.start)
         if found is None or search.unlimited or search.stopped:
             return None, None
         known = self.tree.known(found.motion)
@@ -198,11 +198,11 @@ def _rest_of_all_pairs(ready: Prepared) -> Start:
     n = len(bodies.fixed)
     a, b = np.triu_indices(n, 1)
     key = a * n + b
-    new = ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(key, np.concatenate([ready.barred, cells.a * n + cells.b]))
+    new = ~(bodies.fixed[a] & bodies.fixed[b]) & ~np.isin(key, np.concatenate([ready.ignored, cells.a * n + cells.b]))
     if new.sum() > MAX_KNOWN_PAIRS:
         return rest
     a, b = a[new], b[new]
-    grown, good = grow_cells(bodies, a, b, relative_rest(bodies, a, b), np.full(len(a), ready.clearance))
+    grown, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b), np.full(len(a), ready.clearance))
     return replace(rest, cells=joined(cells, select(grown, np.flatnonzero(good))))
 
 

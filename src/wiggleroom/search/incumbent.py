@@ -20,7 +20,7 @@ BARRIER_GROWTH = 5.0
 
 
 @dataclass(frozen=True, eq=False)
-class Leg:
+class PathSegment:
     """A piece of the path inside the cells of one program: points in its scaled variables."""
 
     program: Program
@@ -37,7 +37,7 @@ class Start:
         One a pair.
     inner : (n, 3) float64 [mm, mm, rad]
         Motion of the bodies strictly inside all cells.
-    legs : tuple of Leg
+    segments : tuple of PathSegment
         The path from rest to there.
     mu : float
         Complementarity to begin with.
@@ -47,7 +47,7 @@ class Start:
 
     cells: Cells
     inner: Floats
-    legs: tuple[Leg, ...] = ()
+    segments: tuple[PathSegment, ...] = ()
     mu: float = INITIAL_BARRIER
     tolerance: float | None = None
 
@@ -69,7 +69,7 @@ class Incumbent:
         Objective there.
     program, solution, touch
         The round that gave it, and its active rows.
-    legs : tuple of Leg
+    segments : tuple of PathSegment
         The path from rest to where the round began.
     begin : (3F,) float64
         Where the round began.
@@ -81,8 +81,8 @@ class Incumbent:
     value: float
     program: Program
     solution: Solution
-    touch: ActiveSet
-    legs: tuple[Leg, ...]
+    active: ActiveSet
+    segments: tuple[PathSegment, ...]
     begin: Floats
     tolerance: float
     mu: float
@@ -96,19 +96,21 @@ class Incumbent:
         steps = (len(way) - 1 - start) // 2**level
         return way[len(way) - 1 - steps]
 
-    def leg(self, end: Floats) -> Leg:
+    def segment(self, end: Floats) -> PathSegment:
         """The round's piece of the path, up to its point `end` or to its solution."""
         points = [self.begin, *self.solution.way, self.solution.u]
         last = next(k for k, point in enumerate(points) if point is end or np.array_equal(point, end))
-        return Leg(self.program, tuple(points[: last + 1]))
+        return PathSegment(self.program, tuple(points[: last + 1]))
 
     @property
-    def path(self) -> tuple[Leg, ...]:
+    def path(self) -> tuple[PathSegment, ...]:
         """The path from rest to the motion."""
-        return (*self.legs, self.leg(self.solution.u))
+        return (*self.segments, self.segment(self.solution.u))
 
     def start(self, *, tolerance: float | None = None, mu: float | None = None, level: int = 0) -> Start:
         """Where a round in the same cells begins: at the inner point, or at one nearer to the end."""
         point = self.nearer(level)
         mu = BARRIER_GROWTH * self.solution.inner_mu if mu is None else mu
-        return Start(self.program.cells, self.program.motion(point), (*self.legs, self.leg(point)), mu, tolerance)
+        return Start(
+            self.program.cells, self.program.motion(point), (*self.segments, self.segment(point)), mu, tolerance
+        )

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, joined
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import Overlaps, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
-from wiggleroom.search.incumbent import Incumbent, Start
+from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution
@@ -43,7 +43,7 @@ MAX_RESTARTS = 3
 LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
 FULL_TURN = 2.0 * np.pi + 0.5
-"""A body that turns further than this [rad] can turn without limit."""
+"""A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +110,8 @@ class LocalSearch:
     policy : Policy
     stop, tell
         Asked every iteration; told a `Progress`.
+    turn_limit : float [rad]
+        A turn beyond this ends the search.
 
     Attributes
     ----------
@@ -130,6 +132,7 @@ class LocalSearch:
     policy: Policy
     stop: Stop | None = None
     tell: Callable[[Progress], None] = silent
+    turn_limit: float = FULL_TURN
     best: Incumbent | None = None
     last: Incumbent | None = None
     coming: Start | None = None
@@ -205,12 +208,12 @@ class LocalSearch:
 
     @property
     def unlimited(self) -> bool:
-        """True where a body that the objective is about has moved or turned so far that nothing stops it."""
+        """True where a body that the objective is about has moved or turned so far that perhaps nothing stops it."""
         if self.best is None:
             return False
         asked = (self.objective.gradient(self.best.motion) != 0).any(axis=1)
         far = np.hypot(*self.best.motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size
-        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > FULL_TURN)
+        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > self.turn_limit)
 
     def certain_value(self) -> tuple[float, bool]:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
@@ -235,16 +238,16 @@ class LocalSearch:
         number, begin = self.rounds, program.variables(start.inner)
         tolerance = self.policy.rough if start.tolerance is None else start.tolerance
         solution = self.solve(
-            program, begin if start.legs else nudged(program, begin), mu=start.mu, tolerance=tolerance,
+            program, begin if start.segments else nudged(program, begin), mu=start.mu, tolerance=tolerance,
             horizon=ESCAPE_DISTANCE * self.ready.size, stop=self.stop,
             progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
         )  # fmt: skip
         self.iterations += solution.iterations
         motion = program.motion(solution.u)
-        touch = touching(program, solution.u, solution.lam)
+        active = touching(program, solution.u, solution.lam)
         self.seconds["solve"] += time.perf_counter() - began
         value = self.objective.value(motion)
-        return Incumbent(motion, value, program, solution, touch, start.legs, begin, tolerance, start.mu)
+        return Incumbent(motion, value, program, solution, active, start.segments, begin, tolerance, start.mu)
 
     def _keep(self, found: Incumbent) -> bool:
         """Keep what is better than the best so far, or surer and not much worse; True where it is better by more than it might err."""
@@ -257,7 +260,7 @@ class LocalSearch:
         )
         gained = found.value - before > least
         # as good is not enough where walls hold it that nothing touches
-        worse = self.best is not None and bool(found.touch.virtual.any()) and not self.best.touch.virtual.any()
+        worse = self.best is not None and bool(found.active.virtual.any()) and not self.best.active.virtual.any()
         allowed = 0.1 * ROUGH_TOLERANCE * abs(before) if surer else 0.0
         if self.best is None or gained or (found.value >= before - allowed and (surer or not worse)):
             self.best = found
@@ -294,7 +297,7 @@ class LocalSearch:
             inner = found.program.motion(found.begin)
             grown, good = self._grown(a, b, inner, found.motion)
             if good.all():
-                more = Start(joined(cells, grown), inner, found.legs, found.mu, found.tolerance)
+                more = Start(joined(cells, grown), inner, found.segments, found.mu, found.tolerance)
             else:  # some overlap where the round began
                 more = self._begun_with(start, found, a, b)
         self.seconds["check"] += time.perf_counter() - began
@@ -302,7 +305,7 @@ class LocalSearch:
 
     def missed(self, motion: Floats, known: Ints) -> Overlaps:
         """Pairs that overlap at a motion (n, 3), apart from those with known keys a * n + b."""
-        return overlaps(self.ready.bodies, motion, np.concatenate([self.ready.barred, known]))
+        return overlaps(self.ready.bodies, motion, np.concatenate([self.ready.ignored, known]))
 
     def _begun_with(self, start: Start, found: Incumbent, a: Ints, b: Ints) -> Start:
         """The start with all pairs of a round and some more, those that are new with room towards the round's end."""
@@ -315,18 +318,20 @@ class LocalSearch:
     def _gone_back(self, start: Start, best: Incumbent, a: Ints, b: Ints) -> Start:
         """Where the path to the best motion is certain for the last time, with the pairs that it meets then."""
         kept = self.way(best).kept
-        leg = kept[-1]
-        inner = leg.program.motion(leg.points[-1])
+        segment = kept[-1]
+        if not isinstance(segment.program.cells, Cells):  # the climb before there were cells
+            return self._begun_with(at_rest(self.ready), best, a, b)
+        inner = segment.program.motion(segment.points[-1])
         grown, good = self._grown(a, b, inner, best.motion)
-        if (len(kept) == 1 and len(leg.points) == 1) or not good.all():
+        if (len(kept) == 1 and len(segment.points) == 1) or not good.all():
             return self._begun_with(start, best, a, b)
-        return Start(joined(leg.program.cells, grown), inner, kept)
+        return Start(joined(segment.program.cells, grown), inner, kept)
 
     def _grown(self, a: Ints, b: Ints, inner: Floats, wanted: Floats) -> tuple[Cells, NDArray[np.bool_]]:
         """Cells of some pairs where a round begins, with room towards a motion, and which of them lie free there."""
         bodies = self.ready.bodies
-        seed, wish = relative_rest(bodies, a, b, inner), relative_rest(bodies, a, b, wanted)
-        return grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), wish=wish)
+        seed, target = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, wanted)
+        return grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), target=target)
 
 
 def nudged(program: Program, u: Floats) -> Floats:

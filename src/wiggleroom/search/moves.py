@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.cells import grow_cells, replaced, select
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.program.nonlinear_program import build
-from wiggleroom.search.active_set import wishes
-from wiggleroom.search.congruent_swap import Twin, exchanged, followed, twins
-from wiggleroom.search.incumbent import Incumbent, Leg, Start
+from wiggleroom.search.active_set import target_poses
+from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, exchanged, followed
+from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
 from wiggleroom.search.loop import (
     FINE_TOLERANCE,
     MAX_TOLERANCE,
@@ -38,9 +38,9 @@ MAX_NEARER_SEEDS = 2
 def stale(search: LocalSearch, incumbent: Incumbent) -> Ints:
     """Pairs whose cells stop the motion although nothing touches there; all that moved, where the solver did not get to an end."""
     if incumbent.solution.status is not SolverStatus.FAILED:
-        return np.unique(incumbent.touch.pair[incumbent.touch.virtual])
+        return np.unique(incumbent.active.pair[incumbent.active.virtual])
     cells, ready = incumbent.program.cells, search.ready
-    moved = relative_rest(ready.bodies, cells.a, cells.b, incumbent.motion) - cells.seed
+    moved = relative_pose(ready.bodies, cells.a, cells.b, incumbent.motion) - cells.seed
     return np.flatnonzero(np.hypot(moved[:, 0], moved[:, 1]) > ready.clearance)
 
 
@@ -70,7 +70,7 @@ def tighten(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterator[Star
 
 def regrow_nearer(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterator[Start]:
     """Grow the stale cells nearer to the end: past a corner, the walls that matter show only from where it has been passed."""
-    if incumbent.touch.virtual.any() and not search.large:
+    if incumbent.active.virtual.any() and not search.large:
         seed = incumbent.solution.inner
         for level in range(1, MAX_NEARER_SEEDS + 1):
             if incumbent.nearer(level) is seed:
@@ -95,16 +95,16 @@ def other_side_of_corners(search: LocalSearch, incumbent: Incumbent, _: bool) ->
 def congruent_swap(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterator[Start]:
     """In small assemblies, let joints go the way of a congruent one."""
     count = len(incumbent.program.cells.a)
-    whole = all(len(leg.program.cells.a) == count for leg in incumbent.legs)
+    whole = all(len(segment.program.cells.a) == count for segment in incumbent.segments)
     if whole and len(incumbent.motion) <= MAX_BRANCHES[1]:
         bodies, cells = search.ready.bodies, incumbent.program.cells
-        for twin in twins(bodies, cells, incumbent.motion, search.ready.clearance):
-            yield replace(_swapped(search, incumbent, twin), tolerance=search.fine)
+        for swap in congruent_swaps(bodies, cells, incumbent.motion, search.ready.clearance):
+            yield replace(_swapped(search, incumbent, swap), tolerance=search.fine)
 
 
 def branch_left_open(incumbent: Incumbent) -> bool:
     """True where a wall that nothing touches, or the other side of a corner contact, holds the motion."""
-    return bool(incumbent.touch.virtual.any()) or not (_few(incumbent) or not len(_corner_contacts(incumbent)))
+    return bool(incumbent.active.virtual.any()) or not (_few(incumbent) or not len(_corner_contacts(incumbent)))
 
 
 def regrown(
@@ -117,37 +117,47 @@ def regrown(
     """
     began = time.perf_counter()
     search.tell(Progress("free spaces", search.rounds, incumbent.solution.iterations, incumbent.value))
-    bodies, old, touch = search.ready.bodies, incumbent.program.cells, incumbent.touch
+    bodies, old, active = search.ready.bodies, incumbent.program.cells, incumbent.active
     start = incumbent.start(level=level)
     if not search.policy.mu_may_grow:
         start = replace(start, mu=min(start.mu, incumbent.mu))
     a, b = old.a[pairs], old.b[pairs]
-    seed, keep = relative_rest(bodies, a, b, start.inner), relative_rest(bodies, a, b, incumbent.motion)
+    seed, keep = relative_pose(bodies, a, b, start.inner), relative_pose(bodies, a, b, incumbent.motion)
     room = np.full(len(pairs), search.ready.clearance)
-    wish = None if other_side else wishes(incumbent.program, incumbent.solution.u, touch, pairs)
-    bar = touch.lines_at_end(incumbent.program, pairs) if other_side else None
-    turned_out = np.isin(pairs, touch.pair[np.isnan(touch.place)])
-    grown, good = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], bar=bar, wish=wish, to_the_end=turned_out)
+    target = None if other_side else target_poses(incumbent.program, incumbent.solution.u, active, pairs)
+    excluded_edge = active.lines_at_end(incumbent.program, pairs) if other_side else None
+    turned_out = np.isin(pairs, active.pair[np.isnan(active.place)])
+    grown, good = grow_cells(
+        bodies,
+        a,
+        b,
+        seed,
+        room,
+        keep=keep[:, None, :],
+        excluded_edge=excluded_edge,
+        target=target,
+        to_the_end=turned_out,
+    )
     cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
     search.seconds["freespace"] += time.perf_counter() - began
     return replace(start, cells=cells)
 
 
-def _swapped(search: LocalSearch, incumbent: Incumbent, twin: Twin) -> Start:
+def _swapped(search: LocalSearch, incumbent: Incumbent, swap: CongruentSwap) -> Start:
     """The start where some joints have gone the way of another one."""
-    bodies, legs = search.ready.bodies, []
-    for leg in incumbent.start().legs:
-        cells = leg.program.cells
-        program = build(bodies, exchanged(bodies, cells, twin), search.objective, length=search.ready.clearance)
-        motions = followed(bodies, cells, twin, np.array([leg.program.motion(point) for point in leg.points]))
-        legs.append(Leg(program, tuple(program.variables(motion) for motion in motions)))
-    last = legs[-1]
+    bodies, segments = search.ready.bodies, []
+    for segment in incumbent.start().segments:
+        cells = segment.program.cells
+        program = build(bodies, exchanged(bodies, cells, swap), search.objective, length=search.ready.clearance)
+        motions = followed(bodies, cells, swap, np.array([segment.program.motion(point) for point in segment.points]))
+        segments.append(PathSegment(program, tuple(program.variables(motion) for motion in motions)))
+    last = segments[-1]
     inner = last.program.motion(last.points[-1])
-    return replace(incumbent.start(), cells=last.program.cells, inner=inner, legs=tuple(legs))
+    return replace(incumbent.start(), cells=last.program.cells, inner=inner, segments=tuple(segments))
 
 
 def _corner_contacts(incumbent: Incumbent) -> Ints:
-    return np.unique(incumbent.touch.pair[incumbent.touch.at_end])
+    return np.unique(incumbent.active.pair[incumbent.active.at_end])
 
 
 def _few(incumbent: Incumbent) -> bool:

@@ -15,7 +15,7 @@ from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.retraction import Retraction
-from wiggleroom.search.incumbent import Leg
+from wiggleroom.search.incumbent import PathSegment
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.factorisation import Factor, factor
 
@@ -42,7 +42,7 @@ class CheckedPath:
         The same of their parts, about the reference points, which move straight in between.
     certain : int
         Up to so many way-points certainly no two parts overlap anywhere.
-    kept : tuple of Leg
+    kept : tuple of PathSegment
         The legs up to the last point of the search that is certain.
     missed : (p,) and (p,) int64
         Pairs of bodies that may overlap and are not in the program of the last of these legs.
@@ -51,7 +51,7 @@ class CheckedPath:
     motions: Floats
     waypoints: Floats
     certain: int
-    kept: tuple[Leg, ...]
+    kept: tuple[PathSegment, ...]
     missed: tuple[Ints, Ints]
 
     @property
@@ -64,33 +64,36 @@ class CheckedPath:
 class _Point:
     """A way-point: variables in the program of a leg, the point of the leg at or before it, and how often its piece was halved."""
 
-    leg: int
+    segment: int
     index: int
     u: Floats
     depth: int
 
 
-def whole_way(ready: Prepared, legs: Sequence[Leg], stop: Stop | None = None) -> CheckedPath:
+def whole_way(ready: Prepared, segments: Sequence[PathSegment], stop: Stop | None = None) -> CheckedPath:
     """Check a path that consists of legs, each inside the cells of one program.
 
     Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help.
     """
     parts = outlines(ready.assembly)
-    points = [_Point(0, 0, legs[0].points[0], 0)]
-    points += [_Point(k, i, u, 0) for k, leg in enumerate(legs) for i, u in enumerate(leg.points) if i]
-    waypoints = _waypoints(ready, legs, points)
+    points = [_Point(0, 0, segments[0].points[0], 0)]
+    points += [_Point(k, i, u, 0) for k, segment in enumerate(segments) for i, u in enumerate(segment.points) if i]
+    waypoints = _waypoints(ready, segments, points)
     audit = audit_path(parts, waypoints)
     free = audit.free
     if not free and audit.certain and not (stop is not None and stop.is_set()):
-        points, free = _refined(ready, legs, parts, points, audit)
-        waypoints = _waypoints(ready, legs, points)
+        points, free = _refined(ready, segments, parts, points, audit)
+        waypoints = _waypoints(ready, segments, points)
         audit = audit if free else audit_path(parts, waypoints)  # else every piece has been judged already
-    motions = np.array([legs[p.leg].program.motion(p.u) for p in points])
+    motions = np.array([segments[p.segment].program.motion(p.u) for p in points])
     if free:
         none = np.zeros(0, dtype=np.int64)
-        return CheckedPath(motions, waypoints, len(points), tuple(legs), (none, none))
+        return CheckedPath(motions, waypoints, len(points), tuple(segments), (none, none))
     last = points[max(audit.certain - 1, 0)]
-    kept = (*legs[: last.leg], Leg(legs[last.leg].program, legs[last.leg].points[: last.index + 1]))
+    kept = (
+        *segments[: last.segment],
+        PathSegment(segments[last.segment].program, segments[last.segment].points[: last.index + 1]),
+    )
     return CheckedPath(motions, waypoints, audit.certain, kept, missed(ready.bodies, audit, kept[-1].program))
 
 
@@ -102,24 +105,24 @@ def missed(bodies: Bodies, audit: PathAudit, program: Program) -> tuple[Ints, In
     return keys // n, keys % n
 
 
-def _waypoints(ready: Prepared, legs: Sequence[Leg], points: Sequence[_Point]) -> Floats:
-    return of_parts(ready.assembly, ready.bodies, np.array([legs[p.leg].program.motion(p.u) for p in points]))
+def _waypoints(ready: Prepared, segments: Sequence[PathSegment], points: Sequence[_Point]) -> Floats:
+    return of_parts(ready.assembly, ready.bodies, np.array([segments[p.segment].program.motion(p.u) for p in points]))
 
 
 def _refined(
-    ready: Prepared, legs: Sequence[Leg], parts: AuditOutlines, points: list[_Point], audit: PathAudit
+    ready: Prepared, segments: Sequence[PathSegment], parts: AuditOutlines, points: list[_Point], audit: PathAudit
 ) -> tuple[list[_Point], bool]:
     """The path with more points on the doubtful pieces, one stretch of them after the other; True where all are free now."""
     out: list[_Point] = []
     begin = 0
-    doubtful, refiner = audit.doubtful, _Refiner(legs)
+    doubtful, refiner = audit.doubtful, _Refiner(segments)
     while begin < len(points):
         out.append(points[begin])
         end = begin
         while end < len(doubtful) and doubtful[end]:
             end += 1
         if end > begin:
-            stretch, certain = _refined_stretch(ready, legs, parts, points[begin : end + 1], refiner)
+            stretch, certain = _refined_stretch(ready, segments, parts, points[begin : end + 1], refiner)
             out += stretch[1:-1]
             if not certain:  # what comes later is of no use
                 return [*out, *points[end:]], False
@@ -128,7 +131,7 @@ def _refined(
 
 
 def _refined_stretch(
-    ready: Prepared, legs: Sequence[Leg], parts: AuditOutlines, points: list[_Point], refiner: _Refiner
+    ready: Prepared, segments: Sequence[PathSegment], parts: AuditOutlines, points: list[_Point], refiner: _Refiner
 ) -> tuple[list[_Point], bool]:
     """Halve the doubtful pieces of a stretch until none is left, or that does not help; True where none is."""
     doubtful = np.ones(len(points) - 1, dtype=bool)
@@ -140,12 +143,12 @@ def _refined_stretch(
                 finer.append(refiner.middle(points[k], after))
             finer.append(replace(after, depth=after.depth + (k in halved)))
         points = finer
-        audit = audit_path(parts, _waypoints(ready, legs, points))
+        audit = audit_path(parts, _waypoints(ready, segments, points))
         doubtful = audit.doubtful
         if audit.free:
             return points, True
         k = int(doubtful.argmax())
-        stranger = len(missed(ready.bodies, audit, legs[points[k + 1].leg].program)[0]) > 0
+        stranger = len(missed(ready.bodies, audit, segments[points[k + 1].segment].program)[0]) > 0
         if audit.certain == 0 or points[k + 1].depth >= (MAX_UNKNOWN_SPLITS if stranger else MAX_SPLITS):
             return points, False
 
@@ -153,21 +156,21 @@ def _refined_stretch(
 class _Refiner:
     """Way-points in between, inside the cells of each leg's program."""
 
-    def __init__(self, legs: Sequence[Leg]) -> None:
-        self._legs = legs
+    def __init__(self, segments: Sequence[PathSegment]) -> None:
+        self._segments = segments
         self._tools: dict[int, tuple[Retraction, Factor]] = {}
 
     def middle(self, before: _Point, after: _Point) -> _Point:
         """The way-point half way between two that follow each other."""
-        leg = after.leg
-        program = self._legs[leg].program
-        if leg not in self._tools:
-            self._tools[leg] = Retraction(program), factor(program.pattern)
+        segment = after.segment
+        program = self._segments[segment].program
+        if segment not in self._tools:
+            self._tools[segment] = Retraction(program), factor(program.pattern)
         u = before.u
-        if before.leg != leg:
-            u = program.variables(self._legs[before.leg].program.motion(u))
-        index = before.index if before.leg == leg else 0
-        return _Point(leg, index, _middle(program, *self._tools[leg], u, after.u), after.depth + 1)
+        if before.segment != segment:
+            u = program.variables(self._segments[before.segment].program.motion(u))
+        index = before.index if before.segment == segment else 0
+        return _Point(segment, index, _middle(program, *self._tools[segment], u, after.u), after.depth + 1)
 
 
 def _middle(program: Program, retraction: Retraction, matrix: Factor, u: Floats, v: Floats) -> Floats:

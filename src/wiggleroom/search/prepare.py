@@ -14,7 +14,7 @@ from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
 from wiggleroom.freespace.models.pair_models import Walls
 from wiggleroom.geometry.bodies import Bodies, bodies
-from wiggleroom.geometry.neighbours import Pairs, classes, neighbours, placed, relative_rest
+from wiggleroom.geometry.neighbours import Pairs, classes, neighbours, placed, relative_pose
 from wiggleroom.program.objectives import Objective, objective
 
 Floats = NDArray[np.float64]
@@ -36,7 +36,7 @@ class Prepared:
     ----------
     assembly : Assembly
     bodies : Bodies
-    barred : (k,) int64
+    ignored : (k,) int64
         Keys a * n + b of pairs of bodies that never collide.
     clearance : float [mm]
         Typical clearance between neighbours.
@@ -51,7 +51,7 @@ class Prepared:
 
     assembly: Assembly
     bodies: Bodies
-    barred: Ints
+    ignored: Ints
     clearance: float
     size: float
     cells: Cells
@@ -89,12 +89,12 @@ def prepare(assembly: Assembly, *, ground: Survey | None = None, stop: Stop | No
     them, geometry, near = ground.bodies, ground.geometry, ground.near
     a, b = near.a, near.b
     go_on(stop)
-    first, label = classes(them, a, b, relative_rest(them, a, b))
+    first, label = classes(them, a, b, relative_pose(them, a, b))
     facing = _facing(geometry[a[first]], geometry[b[first]], ground.clearance)[label]
     go_on(stop)
     cells = cells_at(assembly, them, a[facing], b[facing], near.clearance[facing], stop)
     corners = a[~facing] * len(geometry) + b[~facing]
-    return Prepared(assembly, them, ground.barred, ground.clearance, ground.size, cells, corners)
+    return Prepared(assembly, them, ground.ignored, ground.clearance, ground.size, cells, corners)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +106,7 @@ class Survey:
     bodies : Bodies
     geometry : (n,) shapely geometries
         Material at rest.
-    barred : (k,) int64
+    ignored : (k,) int64
         Keys a * n + b of pairs of bodies that never collide.
     clearance : float [mm]
         Typical clearance between neighbours.
@@ -118,7 +118,7 @@ class Survey:
 
     bodies: Bodies
     geometry: NDArray[np.object_]
-    barred: Ints
+    ignored: Ints
     clearance: float
     size: float
     near: Pairs
@@ -130,13 +130,13 @@ def survey(assembly: Assembly) -> Survey:
     if them.fixed.all():
         finding = f"{assembly.drawing.source or 'the assembly'}: every part is fixed; at least one must be free to move"
         raise InputError(finding)
-    barred = _barred(assembly, them)
+    ignored = _ignored(assembly, them)
     geometry, size = placed(them), assembly.size
     clearance = _clearance(assembly.gap, geometry, size)
-    near = neighbours(them, geometry, NEIGHBOUR_REACH * clearance, barred=barred)
+    near = neighbours(them, geometry, NEIGHBOUR_REACH * clearance, ignored=ignored)
     if len(near.a) and near.clearance.min() < CONTACT_TOLERANCE * size:
         _refuse_touching(assembly, them, near, size)
-    return Survey(them, geometry, barred, clearance, size, near)
+    return Survey(them, geometry, ignored, clearance, size, near)
 
 
 def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) -> NDArray[np.bool_]:
@@ -147,7 +147,7 @@ def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) ->
 
 def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floats, stop: Stop | None = None) -> Cells:
     """Cells of some pairs round rest; congruent pairs are worked out once."""
-    pose = relative_rest(them, a, b)
+    pose = relative_pose(them, a, b)
     first, label = classes(them, a, b, pose)
     grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first], stop=stop)
     if not good.all():
@@ -174,7 +174,7 @@ def _clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
     return float(gap) if 0.3 * middle < gap < 3 * middle else middle
 
 
-def _barred(assembly: Assembly, them: Bodies) -> Ints:
+def _ignored(assembly: Assembly, them: Bodies) -> Ints:
     """Pairs of bodies that never collide; a body of several parts is barred only where all its parts are."""
     index = {name: k for k, name in enumerate(assembly.names)}
     said: dict[tuple[int, int], int] = {}

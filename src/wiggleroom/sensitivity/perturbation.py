@@ -116,7 +116,7 @@ def follow(base: PerturbationBase, inward: Floats) -> float:
     program = build(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
     solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
     motion = program.motion(solution.u)
-    overlapping = overlaps(bodies, motion, base.ready.barred).deepest > OVERLAP_TOLERANCE * base.ready.size
+    overlapping = overlaps(bodies, motion, base.ready.ignored).deepest > OVERLAP_TOLERANCE * base.ready.size
     return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
 
 
@@ -131,14 +131,14 @@ def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward:
         bodies = moved(ready.bodies, inward)
     except InputError:
         return afresh(ready.assembly, goals, inward)
-    if overlaps(bodies, np.zeros_like(bodies.rest), ready.barred).deepest > 0:
+    if overlaps(bodies, np.zeros_like(bodies.rest), ready.ignored).deepest > 0:
         return PerturbedObjective(np.nan, Verdict.TOUCHING)
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
     finder = LocalSearch(varied, objective, solve, WITHOUT_BRANCHES)
     found = finder.improve(at_rest(varied))
     if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
         return afresh(ready.assembly, goals, inward)
-    if overlaps(bodies, found.motion, ready.barred).deepest > OVERLAP_TOLERANCE * ready.size:
+    if overlaps(bodies, found.motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size:
         return afresh(ready.assembly, goals, inward)
     return PerturbedObjective(found.value, Verdict.OPTIMAL)
 

@@ -195,18 +195,18 @@ def rank_at_once(answer: Answer) -> Ranking:
 def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
     """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
     program, solution = found.program, found.solution
-    touch = touching(program, solution.u, solution.lam)
+    active = touching(program, solution.u, solution.lam)
     some = gains(program, solution.u)
     count = len(answer.assembly.parts)
     joint = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
     joints, of = np.unique(joint, axis=0, return_inverse=True)
     of = of.ravel()
-    one = face(program, solution.u, solution.lam, touch.row)
-    by_part = worths(some, touch.row, program.rows, (some.edge_part, some.corner_part), count) / 2
-    by_joint = worths(some, touch.row, program.rows, (of, of), len(joints)) / 2
+    one = face(program, solution.u, solution.lam, active.row)
+    by_part = worths(some, active.row, program.rows, (some.edge_part, some.corner_part), count) / 2
+    by_joint = worths(some, active.row, program.rows, (of, of), len(joints)) / 2
     low, high = one.spread(by_part)
     unique = is_unique(low, high)
-    whole = len(touch.row) <= most_rows
+    whole = len(active.row) <= most_rows
     middle = by_part @ one.force
     low, high = np.where(unique, middle, low), np.where(unique, middle, high)
     joint_low, joint_high = one.spread(by_joint)
@@ -220,11 +220,11 @@ def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MAX_LP_ROWS, st
                 break
             least[k], most[k] = one.range_of(worth[[k]].toarray()[0])
     held = joint_high > 1e-9 * joint_high.max(initial=0.0)
-    total = float(touch.force.sum())
+    total = float(active.force.sum())
     return Ranking(
         answer, "duals", low, high, unique, middle, joints[held], joint_low[held], joint_high[held],
         joint_unique[held],
-        "whole" if whole else "sampled", float(touch.force[touch.virtual].sum()) / total if total > 0 else 0.0,
+        "whole" if whole else "sampled", float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
     )  # fmt: skip
 
 

@@ -28,7 +28,7 @@ class RigidBodies:
         Which of x, y, z, rx, ry, rz may change.
     owner : tuple of (k,) int64
         Part of every piece.
-    barred : frozenset of (int, int)
+    ignored : frozenset of (int, int)
         Pairs a < b of parts that never collide.
     """
 
@@ -36,7 +36,7 @@ class RigidBodies:
     at: Floats
     free: Bools
     owner: tuple[Ints, ...] = ()
-    barred: frozenset[tuple[int, int]] = frozenset()
+    ignored: frozenset[tuple[int, int]] = frozenset()
 
     @property
     def moves(self) -> Bools:
@@ -97,10 +97,10 @@ def near_pieces(bodies: RigidBodies, pose: SpatialPose, reach: float) -> Ints:
     for a, b in near_bodies(low, high, bodies, reach):
         (al, ah), (bl, bh) = boxes[a], boxes[b]
         meets = ((al[:, None] <= bh[None] + reach) & (ah[:, None] >= bl[None] - reach)).all(axis=2)
-        if bodies.barred:
+        if bodies.ignored:
             parts = [(min(p, q), max(p, q)) for p in bodies.owner[a].tolist() for q in bodies.owner[b].tolist()]
-            barred = np.array([pair in bodies.barred for pair in parts])
-            meets &= ~barred.reshape(meets.shape)
+            ignored = np.array([pair in bodies.ignored for pair in parts])
+            meets &= ~ignored.reshape(meets.shape)
         i, j = np.nonzero(meets)
         found.append(np.column_stack([np.full(len(i), a), i, np.full(len(i), b), j]))
     return np.vstack(found)

@@ -82,8 +82,10 @@ def grouped(assembly: SpatialAssembly) -> Grouping:
         pieces[b] += [piece.placed(part.R, part.at - at[b]) for piece in made.pieces]
         owner[b] += [k] * len(made.pieces)
     index = {name: k for k, name in enumerate(assembly.names)}
-    barred = frozenset(
+    ignored = frozenset(
         (min(pair), max(pair)) for one, other in assembly.drawing.ignore if (pair := (index[one], index[other]))
     )
-    bodies = RigidBodies(tuple(map(tuple, pieces)), at, free, tuple(np.array(o, dtype=np.int64) for o in owner), barred)
+    bodies = RigidBodies(
+        tuple(map(tuple, pieces)), at, free, tuple(np.array(o, dtype=np.int64) for o in owner), ignored
+    )
     return Grouping(bodies, body_of, reference - at[body_of])

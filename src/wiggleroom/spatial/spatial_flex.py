@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.overlap_check import deepest_overlap
-from wiggleroom.spatial.plane_contacts import plane_contacts
-from wiggleroom.spatial.plane_solver import PlaneSolution
 from wiggleroom.spatial.rigid import SpatialPose
+from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import goal_findings
+from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
@@ -66,7 +66,7 @@ def flex_spatial(
     last = found.point.pose
     at_end = bool(np.abs(pose.T - last.T).max() + ready.size * np.abs(pose.R - last.R).max() < 1e-9 * ready.size)
     verdict, leaves, turns = _verdict(ready, search.objective, found, way, whole, at_end)
-    contacts = plane_contacts(its, ready.grouping, program, found) if at_end and found.status == "converged" else ()
+    contacts = spatial_contacts(its, ready.grouping, program, found) if at_end and found.status == "converged" else ()
     ended = time.perf_counter()
     spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
     value = None if verdict is Verdict.UNBOUNDED else _value(search.objective, ready, way)
@@ -99,7 +99,7 @@ def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str
 def _verdict(
     ready: SpatialPrepared,
     objective: SumOfTerms,
-    found: PlaneSolution,
+    found: SeparatingPlaneSolution,
     way: Floats,
     whole: bool,
     at_end: bool,
@@ -153,7 +153,7 @@ def leaving_parts(ready: SpatialPrepared, motion: Floats, objective: SumOfTerms)
     return np.flatnonzero(gone).tolist()
 
 
-def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: PlaneSolution) -> tuple[str, ...]:
+def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: SeparatingPlaneSolution) -> tuple[str, ...]:
     """Parts that are twisted without limit: a whole turn in place, from the end of the way, is free."""
     twists = [t for t in objective.terms if isinstance(t, Twist)]
     if len(twists) != 1 or len(objective.terms) != 1:

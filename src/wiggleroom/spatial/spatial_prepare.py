@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, TouchingError
-from wiggleroom.spatial.plane_program import best_axis
 from wiggleroom.spatial.rigid import near_pieces
+from wiggleroom.spatial.separating_plane_program import best_axis
 from wiggleroom.spatial.spatial_bodies import Grouping, grouped
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal, SpatialTurn, Weight
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.spatial.plane_program import PlaneProgram, best_axis, build_planes
-from wiggleroom.spatial.plane_solver import PlaneSolution, PlaneSolver
-from wiggleroom.spatial.plane_way import refined
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
+from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram, best_axis, build_planes
+from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.spatial_objectives import SumOfTerms, Twist
+from wiggleroom.spatial.spatial_path_check import refined
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.verdict import SolverStatus
 
@@ -28,7 +28,7 @@ MOST_ROUNDS = 8
 NEARLY = 1e-2
 """An end that is certain is taken before one that lies this share of a clearance further."""
 
-SearchEnd = tuple[PlaneProgram, PlaneSolution, Floats, bool]
+SearchEnd = tuple[SeparatingPlaneProgram, SeparatingPlaneSolution, Floats, bool]
 """Program, solution, way of the parts (k, n, 6), and whether that is free as far as the solution."""
 
 
@@ -79,7 +79,7 @@ class SpatialSearch:
         if not whole or first.status is not SolverStatus.FAILED:
             return done
         count, mu = first.inner
-        solve = PlaneSolver(program, horizon=HORIZON * self.ready.size, stop=self.stop, progress=self.tell)
+        solve = SeparatingPlaneSolver(program, horizon=HORIZON * self.ready.size, stop=self.stop, progress=self.tell)
         found = solve.solve(first.way[count - 1], mu=mu)
         self.iterations += found.iterations
         self.rounds += 1
@@ -93,7 +93,7 @@ class SpatialSearch:
         """Objective at the end of the way as far as it is free."""
         return self.objective.value(self.ready.grouping.pose_of(done[2][-1]))
 
-    def _with_missed(self, inside: bool) -> tuple[PlaneProgram, PlaneSolution]:
+    def _with_missed(self, inside: bool) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
         """Solve; pairs of pieces outside the program that meet on the way join it, and it is solved again from rest."""
         ready = self.ready
         limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
@@ -101,7 +101,7 @@ class SpatialSearch:
             program = build_planes(
                 ready.grouping.bodies, self.objective, self.pieces, length=ready.clearance, rest=self.begin
             )
-            solve = PlaneSolver(
+            solve = SeparatingPlaneSolver(
                 program,
                 inside=inside,
                 horizon=HORIZON * ready.size,
@@ -118,7 +118,7 @@ class SpatialSearch:
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
         return program, found
 
-    def _missed(self, found: PlaneSolution) -> Ints:
+    def _missed(self, found: SeparatingPlaneSolution) -> Ints:
         """Pairs of pieces outside the program that come nearer than a clearance at some way-point."""
         bodies = self.ready.grouping.bodies
         known = {tuple(sorted(((a, i), (b, j)))) for a, i, b, j in self.pieces.tolist()}

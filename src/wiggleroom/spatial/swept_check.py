@@ -15,7 +15,7 @@ from wiggleroom.geometry.jit_options import OPTIONS, njit
 from wiggleroom.spatial.convex import ConvexPiece
 from wiggleroom.spatial.overlap_check import free_pairs
 from wiggleroom.spatial.rotations import exponential, logarithm
-from wiggleroom.spatial.separation import separation
+from wiggleroom.spatial.separating_axis import separation
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]

@@ -58,7 +58,7 @@ class Enclosure:
         self.steps = len(self.corners) + sum(len(start) for start, _ in self.tracks) + EXACT
 
     def between(self, low: float, high: float) -> np.ndarray:
-        """Corners (k, 3) of all that the skin encloses between two turns: corners of loops, and tracks where they are cut."""
+        """Corners (k, 3) of all that the caging surface encloses between two turns: corners of loops, and tracks where they are cut."""
         turns = self.corners[:, 2]
         found = [self.corners[(low <= turns) & (turns <= high)]]
         for level in (low, high):

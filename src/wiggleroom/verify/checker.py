@@ -1,8 +1,8 @@
 """Whether a certificate proves what it says.
 
-Read this file, then `form`, `skins`, `ball_bounds`, `claim` and `ball_arithmetic`: that is all. What they rest on: python-flint (ball
-arithmetic), numpy, that coordinates are as given in the file, and that parts are rigid. Nothing is shared with the code that found
-the proof.
+Read this file, then `certificate_structure`, `caging_check`, `ball_bounds`, `claim` and `ball_arithmetic`: that is all. What they rest on:
+python-flint (ball arithmetic), numpy, that coordinates are as given in the file, and that parts are rigid. Nothing is shared with
+the code that found the proof.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from flint import arb, ctx
 
 from wiggleroom.verify.ball_arithmetic import Refused, exact, less, need, point, size, turned
 from wiggleroom.verify.ball_bounds import Case, Enclosure, Stage
+from wiggleroom.verify.caging_check import Material, check_caging_surface
+from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read
 from wiggleroom.verify.claim import Claim, claim_of, sentence
-from wiggleroom.verify.form import CHANGED, check_form, read
-from wiggleroom.verify.skins import Material, check_skin
 from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
 __all__ = ["Refused", "Verified", "read", "verify"]
@@ -58,12 +58,12 @@ class Verified:
 
 
 def verify(content: Any) -> Verified:
-    """Check a certificate: chords lie inside their parts, skins are shut, multipliers prove the bound.
+    """Check a certificate: chords lie inside their parts, caging surfaces are closed, multipliers prove the bound.
 
     Parameters
     ----------
     content : dict
-        `answer.bound.certificate`, or what `read` makes of a file. It is read strictly, see `form`.
+        `answer.bound.certificate`, or what `read` makes of a file. It is read strictly, see `certificate_structure`.
 
     Returns
     -------
@@ -82,11 +82,11 @@ def verify(content: Any) -> Verified:
 
 
 def _verify(content: Any) -> Verified:
-    work = WorkLimit(check_form(content))
+    work = WorkLimit(check_structure(content))
     rest = json.dumps({k: v for k, v in content.items() if k != "sha256"})
     need(hashlib.sha256(rest.encode()).hexdigest() == content["sha256"], CHANGED)
     for region in content["regions"]:
-        check_skin(region)
+        check_caging_surface(region)
     chords = _check_chords(content, work)
     bodies = content["bodies"]
     case = Case(

@@ -108,19 +108,19 @@ def sentence(claim: Claim, source: str = "", note: str = "") -> str:
     return f"no motion of {_asked(claim)} that starts at rest {_more(claim)}, where {', '.join(conditions[:-1])}, and {conditions[-1]}"
 
 
-def told_terms(terms: Iterable[Term]) -> str:
+def describe_terms(terms: Iterable[Term]) -> str:
     """Pulls and turns in a few words.
 
-    >>> told_terms([Term(("a",), (0.0, 1.0), (2.0, 3.0), 0.0), Term(("b",), (0.0, 0.0), None, -1.0)])
+    >>> describe_terms([Term(("a",), (0.0, 1.0), (2.0, 3.0), 0.0), Term(("b",), (0.0, 0.0), None, -1.0)])
     'point (2, 3) of a in direction +y; a turn of b clockwise'
     """
     return "; ".join(_told(term) for term in terms)
 
 
-def told_parts(parts: Iterable[str]) -> str:
+def describe_parts(parts: Iterable[str]) -> str:
     """Names one after the other; a name that could be taken for something else stands in quotation marks.
 
-    >>> told_parts(["b1", "b2 is fixed"])
+    >>> describe_parts(["b1", "b2 is fixed"])
     'b1, "b2 is fixed"'
     """
     return _list([_name(name) for name in parts])

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.grow import grow
 from wiggleroom.freespace.cells.pair_edges import outlines
-from wiggleroom.freespace.cells.separate_edges import SEED
+from wiggleroom.freespace.cells.wall_search import SEED
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
 
 Floats = NDArray[np.float64]
@@ -72,8 +72,8 @@ def grow_cells(
     clearance: Floats,
     *,
     keep: Floats | None = None,
-    bar: Ints | None = None,
-    wish: Floats | None = None,
+    excluded_edge: Ints | None = None,
+    target: Floats | None = None,
     to_the_end: NDArray[np.bool_] | None = None,
     span: float = MAX_ANGLE_SPAN,
     stop: Stop | None = None,
@@ -91,9 +91,9 @@ def grow_cells(
         Typical room of the pair; sets the first step of the march.
     keep : (P, k, 3) float64, optional
         Relative poses that no wall may cut off, besides the seed.
-    bar : (P, 2) int64, optional
+    excluded_edge : (P, 2) int64, optional
         Kind and edge of a line to avoid where there is a choice: the other branch at a corner; kind -1 for none.
-    wish : (P, 3) float64, optional
+    target : (P, 3) float64, optional
         Relative poses that the pairs would like to take: of two lines that part two edges, the one that leaves more room there is chosen.
     to_the_end : (P,) bool, optional
         Where the cell should reach the end of the turn as nearly as can be; elsewhere the march stops a little before.
@@ -121,8 +121,10 @@ def grow_cells(
     seeds["a"], seeds["b"] = bodies.shape[a], bodies.shape[b]
     seeds["x"], seeds["y"], seeds["psi"] = seed.T
     seeds["ends"] = seed[:, 2:]
-    seeds["wish_x"], seeds["wish_y"], seeds["wish_psi"] = np.full(3, np.nan) if wish is None else wish.T
-    seeds["bar"] = -1 if bar is None else _rows_of_lines(shapes, seeds["a"], seeds["b"], bar)
+    seeds["target_x"], seeds["target_y"], seeds["target_psi"] = np.full(3, np.nan) if target is None else target.T
+    seeds["excluded_edge"] = (
+        -1 if excluded_edge is None else _rows_of_lines(shapes, seeds["a"], seeds["b"], excluded_edge)
+    )
     seeds["half"], seeds["tiny"] = 10 * clearance, 1e-12 * radius
     seeds["margin"] = 0.005 * seeds["half"]
     step = np.minimum(clearance / (4 * radius), span / 4)

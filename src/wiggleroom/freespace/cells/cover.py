@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, grow_cells, joined, select
 from wiggleroom.freespace.cells.walls import clip
-from wiggleroom.freespace.slices import March, Slice
+from wiggleroom.freespace.slices import Slice, SliceSequence
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.relative_pose import Relative, turn
@@ -49,7 +49,9 @@ class Cover:
     coverage: float
 
 
-def cover(bodies: Bodies, pair: tuple[int, int], relation: Relative, space: March, stop: Stop | None = None) -> Cover:
+def cover(
+    bodies: Bodies, pair: tuple[int, int], relation: Relative, space: SliceSequence, stop: Stop | None = None
+) -> Cover:
     """Grow cells in the largest uncovered pieces until hardly anything is left or nothing is gained.
 
     Parameters
@@ -58,7 +60,7 @@ def cover(bodies: Bodies, pair: tuple[int, int], relation: Relative, space: Marc
     pair : (a, b)
         Rows of the bodies.
     relation : Relative
-    space : March
+    space : SliceSequence
         The exact free space.
     stop : optional
         Anything with `is_set()`, asked now and then; StoppedError is raised where it is set.
@@ -75,7 +77,7 @@ def cover(bodies: Bodies, pair: tuple[int, int], relation: Relative, space: Marc
     return Cover(cells, slices, 1.0 - _share(left, slices))
 
 
-def _evenly(space: March, count: int, stop: Stop | None) -> tuple[Slice, ...]:
+def _evenly(space: SliceSequence, count: int, stop: Stop | None) -> tuple[Slice, ...]:
     low, high = space.ends
     found = []
     for phi in low + (high - low) * (np.arange(count) + 0.5) / count:
@@ -93,7 +95,7 @@ class _Work:
     bodies: Bodies
     pair: tuple[int, int]
     relation: Relative
-    space: March
+    space: SliceSequence
     stop: Stop | None
 
     def grown(self, seeds: Floats) -> Cells:

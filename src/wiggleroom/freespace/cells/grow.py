@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.cells.pair_edges import EdgeTable, Pair, posed, put
-from wiggleroom.freespace.cells.separate_edges import hide_all
 from wiggleroom.freespace.cells.separating_lines import LINES, MAX_LINES, MAX_WALLS_PER_LINE, room_for
+from wiggleroom.freespace.cells.wall_search import hide_all
 from wiggleroom.freespace.cells.walls import joined, slice_middle
 from wiggleroom.geometry.jit_options import INLINED, NO_ALLOCATION, njit
 

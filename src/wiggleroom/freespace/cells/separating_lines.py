@@ -47,7 +47,7 @@ class Work(NamedTuple):
         How far each edge of a line's owner reaches in front of it, and each edge of the other part stays in front at least.
     run_ahead : (MOST_LINES, r) float64 [mm]
         The same for whole runs of edges.
-    meetings : (r / 2, r / 2) MEETING
+    run_pairs : (r / 2, r / 2) RUN_PAIR
         All runs of A with all of B.
     open_pairs : (n^2 / 4,) OPEN_PAIR
         Edge pairs that nothing hides, as far as they have been looked for.
@@ -61,7 +61,7 @@ class Work(NamedTuple):
     lines: np.ndarray
     ahead: NDArray[np.float64]
     run_ahead: NDArray[np.float64]
-    meetings: np.ndarray
+    run_pairs: np.ndarray
     open_pairs: np.ndarray
     polygons: NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def room_for(outlines: EdgeTable) -> Work:
         lines=np.empty(MAX_LINES, dtype=LINE),
         ahead=np.empty((MAX_LINES, 2 * n)),
         run_ahead=np.empty((MAX_LINES, 2 * r)),
-        meetings=np.empty((r, r), dtype=RUN_PAIR),
+        run_pairs=np.empty((r, r), dtype=RUN_PAIR),
         open_pairs=np.empty(n * n, dtype=OPEN_PAIR),
         polygons=np.empty((2, MAX_LINE_CORNERS, 2)),
     )
@@ -194,9 +194,9 @@ def first_look(pair, work, pose, tiny):
         b = pair.runs[j]
         x, y = pose.c * b.x - pose.s * b.y + pose.x, pose.s * b.x + pose.c * b.y + pose.y
         for i in range(pair.ra):
-            a, meeting = pair.runs[i], work.meetings[i, j - pair.ra]
-            meeting.state = COVERED if hidden(pair, work, work.run_ahead, i, j, tiny) else UNSEEN
-            meeting.bound = max(0.0, np.hypot(x - a.x, y - a.y) - b.radius - a.radius)
+            a, run_pair = pair.runs[i], work.run_pairs[i, j - pair.ra]
+            run_pair.state = COVERED if hidden(pair, work, work.run_ahead, i, j, tiny) else UNSEEN
+            run_pair.bound = max(0.0, np.hypot(x - a.x, y - a.y) - b.radius - a.radius)
 
 
 @njit(**COMPILED_CALLERS_ONLY)
@@ -210,12 +210,12 @@ def nearest_open(pair, work, tiny):
         near, a, b = np.sqrt(best), -1, -1
         for i in range(pair.ra):
             for j in range(pair.ra, pair.r):
-                meeting = work.meetings[i, j - pair.ra]
-                if meeting.state == UNSEEN and meeting.bound < near:
-                    near, a, b = meeting.bound, i, j
+                run_pair = work.run_pairs[i, j - pair.ra]
+                if run_pair.state == UNSEEN and run_pair.bound < near:
+                    near, a, b = run_pair.bound, i, j
         if a < 0:
             return where
-        work.meetings[a, b - pair.ra].state = SEEN
+        work.run_pairs[a, b - pair.ra].state = SEEN
         for i in range(pair.runs[a].begin, pair.runs[a].end):
             for j in range(pair.runs[b].begin, pair.runs[b].end):
                 if hidden(pair, work, work.ahead, i, j, tiny):
@@ -235,7 +235,7 @@ def cover(pair, work, k, tiny):
     for i in range(pair.ra):
         for j in range(pair.ra, pair.r):
             if hides(of_a, work.run_ahead, k, i, j, tiny):
-                work.meetings[i, j - pair.ra].state = COVERED
+                work.run_pairs[i, j - pair.ra].state = COVERED
     kept = 0
     for n in range(work.number[PAIRS]):
         one = work.open_pairs[n]

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.slices import Meeting, Slice, parallelograms
+from wiggleroom.freespace.slices import PairOutlines, Slice, parallelograms
 
 Floats = NDArray[np.float64]
 
@@ -22,7 +22,7 @@ BALL_CORNERS = 32
 """Corners of the polygon in the ball of Lemma 1."""
 
 
-def bounded(pair: Meeting, one: Slice, spot: Floats, window: float) -> Slice:
+def bounded(pair: PairOutlines, one: Slice, spot: Floats, window: float) -> Slice:
     """Convex bounded part of an open slice round `spot` (2,) [mm], or round a point of the slice where it does not hold `spot`.
 
     The lines of the nearby edges cut the window; the piece that holds B is taken, unless it takes in forbidden space. Then the ball of
@@ -83,7 +83,7 @@ def clip(ring: Floats, normal: Floats, off: float) -> Floats:
     return rows[np.stack([height > 0, crosses], axis=1).ravel()]
 
 
-def _ball(pair: Meeting, phi: float, spot: Floats, window: float) -> shapely.Polygon:
+def _ball(pair: PairOutlines, phi: float, spot: Floats, window: float) -> shapely.Polygon:
     """Ball of Lemma 1 round `spot`, cut by the line of the nearest side of every pair of edges.
 
     The radius is the least distance, over all pairs of edges, of an end of the side nearest to `spot`. Where a corner is nearest, both its

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.jit_options import njit
-from wiggleroom.geometry.neighbours import relative_rest
+from wiggleroom.geometry.neighbours import relative_pose
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -36,7 +36,7 @@ def half_planes(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: float) 
     Source: Lensgraf and others, "PuzzleFlex: kinematic motion of chains with loose joints" (ICRA 2020); which corners and lines make
     rows is ours, for the text that says so is not public.
     """
-    pose = relative_rest(bodies, a, b, motion)
+    pose = relative_pose(bodies, a, b, motion)
     shapes = bodies.shapes
     before = np.empty_like(shapes.after)
     before[shapes.after] = np.arange(len(before))

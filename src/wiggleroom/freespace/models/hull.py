@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.models.bounded_slices import bounded
 from wiggleroom.freespace.models.pair_models import Hull
-from wiggleroom.freespace.slices import Meeting, Slice, march, slice_near
+from wiggleroom.freespace.slices import PairOutlines, Slice, march, slice_near
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -49,12 +49,12 @@ class PairHull:
     closed: bool
 
 
-def pair_hull(pair: Meeting, model: Hull, reach: float) -> PairHull | None:
+def pair_hull(pair: PairOutlines, model: Hull, reach: float) -> PairHull | None:
     """Hull of a pair at rest, or None where rest is not free.
 
     Parameters
     ----------
-    pair : Meeting
+    pair : PairOutlines
         Its pivot is the point that B turns about.
     model : Hull
     reach : float [mm]
@@ -62,9 +62,9 @@ def pair_hull(pair: Meeting, model: Hull, reach: float) -> PairHull | None:
 
     Examples
     --------
-    >>> from wiggleroom.freespace.slices import meeting
+    >>> from wiggleroom.freespace.slices import pair_outlines
     >>> peg, ring = shapely.box(-0.9, -0.9, 0.9, 0.9), shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1)
-    >>> hull = pair_hull(meeting(ring, peg), Hull(), reach=1.0)
+    >>> hull = pair_hull(pair_outlines(ring, peg), Hull(), reach=1.0)
     >>> len(hull.offset), round(hull.ends[1], 5)  # two pyramids on a square, a lid on each; 0.9 (cos + sin) = 1
     (10, 0.11839)
 
@@ -92,7 +92,7 @@ def pair_hull(pair: Meeting, model: Hull, reach: float) -> PairHull | None:
     return PairHull(*_polyhedron(slices, pair.clearance), tuple(slices), ends, closed)
 
 
-def _centre(pair: Meeting, rest: Slice) -> Floats:
+def _centre(pair: PairOutlines, rest: Slice) -> Floats:
     """Translation (2,) [mm] that leaves B as much room as there is; open pairs are taken to rest there."""
     if not rest.closed:
         return np.zeros(2)
@@ -103,7 +103,7 @@ def _centre(pair: Meeting, rest: Slice) -> Floats:
     return shapely.get_coordinates(widest)[0]
 
 
-def _first_touch(pair: Meeting, centre: Floats, sense: float) -> float:
+def _first_touch(pair: PairOutlines, centre: Floats, sense: float) -> float:
     """Angle [rad] up to which B turns about the pivot, moved to `centre`, before it first touches A; half a turn where it never does.
 
     No point of B moves further than radius times angle, so a turn by distance over radius is free.
@@ -119,7 +119,7 @@ def _first_touch(pair: Meeting, centre: Floats, sense: float) -> float:
     return sense * min(angle, np.pi)
 
 
-def _slice(pair: Meeting, phi: float, centre: Floats, limit: float) -> Slice:
+def _slice(pair: PairOutlines, phi: float, centre: Floats, limit: float) -> Slice:
     """Slice that holds B at `centre`; that one point where there is no more room than to touch on all sides."""
     spot = shapely.Point(centre)
     found = slice_near(pair, phi, spot, limit)

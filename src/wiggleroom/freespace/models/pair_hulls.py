@@ -12,9 +12,9 @@ from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.models.halfspaces import Halfspaces, seen_point, spread
 from wiggleroom.freespace.models.hull import PairHull, pair_hull
 from wiggleroom.freespace.models.pair_models import Hull
-from wiggleroom.freespace.slices import meeting
+from wiggleroom.freespace.slices import pair_outlines
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.geometry.neighbours import classes, placed, relative_rest
+from wiggleroom.geometry.neighbours import classes, placed, relative_pose
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -59,7 +59,7 @@ def hulls(
     StoppedError
         If it was asked to stop.
     """
-    pose = relative_rest(bodies, a, b, motion)
+    pose = relative_pose(bodies, a, b, motion)
     first, label = classes(bodies, a, b, pose)
     key = np.column_stack([label, np.round(reference[b] / (1e-9 * bodies.radius[b, None]))])
     _, first, label = np.unique(key, axis=0, return_index=True, return_inverse=True)
@@ -78,7 +78,7 @@ def hulls(
             points[k] = reference[other]
             pivot = where[other, :2] + turn(points[k], where[other, 2:])[0]
         own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-where[one, 2]]))) for g in material]  # noqa: B023
-        hull = pair_hull(meeting(own[0], own[1]), model, float(bodies.radius[[one, other]].max()))
+        hull = pair_hull(pair_outlines(own[0], own[1]), model, float(bodies.radius[[one, other]].max()))
         if hull is None:
             return None
         found.append(hull)

@@ -16,7 +16,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.outer.outer_slices import Facing, corners_of, loops
+from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
 from wiggleroom.freespace.outer.outer_walls import corners_between, cut_corners
 from wiggleroom.geometry.relative_pose import turn
 
@@ -45,7 +45,7 @@ class LocalOuterRegion:
 
     Parameters
     ----------
-    facing : Facing
+    material : PairMaterial
     low, high : (K,) float64 [rad]
         Intervals of turns.
     corner : (N, 3) float64 [mm, mm, rad]
@@ -54,7 +54,7 @@ class LocalOuterRegion:
         Interval of each corner.
     """
 
-    facing: Facing
+    material: PairMaterial
     low: Floats
     high: Floats
     corner: Floats
@@ -68,7 +68,7 @@ class LocalOuterRegion:
     @cached_property
     def far(self) -> float:
         """Largest motion of the pivot [mm]."""
-        return float(np.hypot(*self.corner[:, :2].T).max()) + 4 * self.facing.margin
+        return float(np.hypot(*self.corner[:, :2].T).max()) + 4 * self.material.margin
 
     def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
         """Corners (M, 3) of the polyhedra, cut to turns between `low` and `high`, and the interval of each (M,)."""
@@ -85,14 +85,14 @@ class _Window:
     half: Floats
 
 
-def pocket(facing: Facing) -> LocalOuterRegion | None:
+def pocket(material: PairMaterial) -> LocalOuterRegion | None:
     """Walls round rest; None where they do not close in a window of a few clearances."""
-    sides = _Sides(facing)
-    most = facing.clearance * np.array([FIRST_WINDOW, FIRST_WINDOW, 2 * FIRST_WINDOW / sides.lever])
+    sides = _Sides(material)
+    most = material.clearance * np.array([FIRST_WINDOW, FIRST_WINDOW, 2 * FIRST_WINDOW / sides.lever])
     for _ in range(MAX_WINDOWS):
         ends = np.linspace(-most[2], most[2], ANGLE_INTERVALS + 1)
         window = _Window(ends[:-1], ends[1:], np.zeros((ANGLE_INTERVALS, 2)), np.tile(most[:2], (ANGLE_INTERVALS, 1)))
-        found = _left(facing, sides, window)
+        found = _left(material, sides, window)
         if found is None:
             return None
         open_ = np.abs(found.corner).max(0) > most * (1 - 1e-6)
@@ -102,7 +102,7 @@ def pocket(facing: Facing) -> LocalOuterRegion | None:
     else:
         return None
     for _ in range(TIGHTENING_ROUNDS):
-        closer = _left(facing, sides, _closer(found))
+        closer = _left(material, sides, _closer(found))
         if closer is None:
             break
         found = closer
@@ -118,17 +118,17 @@ def _closer(found: LocalOuterRegion) -> _Window:
         at = found.corner[there, :2]
         boxes.append((at.min(0), at.max(0)) if len(at) else (np.zeros(2), np.zeros(2)))
     box = np.array(boxes)
-    return _Window(ends[:-1], ends[1:], box.mean(1), (box[:, 1] - box[:, 0]) / 2 + 4 * found.facing.margin)
+    return _Window(ends[:-1], ends[1:], box.mean(1), (box[:, 1] - box[:, 0]) / 2 + 4 * found.material.margin)
 
 
 class _Sides:
     """Edges and convex corners of both parts that lie near the other, each in its own axes about the pivot."""
 
-    def __init__(self, facing: Facing) -> None:
-        reach = EDGE_REACH * facing.clearance
-        self.material = facing.a, facing.b
+    def __init__(self, material: PairMaterial) -> None:
+        reach = EDGE_REACH * material.clearance
+        self.material = material.a, material.b
         self.sides = []
-        for mine, other in ((facing.a, facing.b), (facing.b, facing.a)):
+        for mine, other in ((material.a, material.b), (material.b, material.a)):
             start, end, come, go = corners_of(mine)
             _, following = loops(mine)
             near = shapely.dwithin(shapely.linestrings(np.stack([start, end], 1)), other, reach)
@@ -141,16 +141,16 @@ class _Sides:
                 (start[near], end[near], go[near], start[touch], come[touch], go[touch], before[touch], after[touch])
             )
         seen = np.vstack([s[3] for s in self.sides])
-        self.lever = float(np.hypot(*seen.T).max()) if len(seen) else facing.radius
+        self.lever = float(np.hypot(*seen.T).max()) if len(seen) else material.radius
         for material in self.material:
             shapely.prepare(material)
 
 
-def _left(facing: Facing, sides: _Sides, window: _Window) -> LocalOuterRegion | None:
+def _left(material: PairMaterial, sides: _Sides, window: _Window) -> LocalOuterRegion | None:
     """What the walls that hold in a window leave of it; None where that is nothing at all, which only rounding can do."""
     half = (window.high - window.low) / 2 * (1 + 1e-9) + 1e-14
     middle = (window.low + window.high) / 2
-    planes = [_planes(facing, sides, kind, window, middle, half) for kind in (0, 1)]
+    planes = [_planes(material, sides, kind, window, middle, half) for kind in (0, 1)]
     corners = []
     for k in range(len(middle)):
         x, y = window.centre[k]
@@ -164,7 +164,7 @@ def _left(facing: Facing, sides: _Sides, window: _Window) -> LocalOuterRegion | 
     if not sum(count):
         return None
     return LocalOuterRegion(
-        facing, window.low, window.high, np.vstack(corners), np.repeat(np.arange(len(count)), count)
+        material, window.low, window.high, np.vstack(corners), np.repeat(np.arange(len(count)), count)
     )
 
 
@@ -181,7 +181,7 @@ def _least(key: Ints, value: Floats, most: int) -> Ints:
 
 
 def _planes(
-    facing: Facing, sides: _Sides, kind: int, window: _Window, middle: Floats, half: Floats
+    material: PairMaterial, sides: _Sides, kind: int, window: _Window, middle: Floats, half: Floats
 ) -> tuple[Floats, Ints]:
     """Walls (k, 4) of edges of A and points of B (`kind` 0), or of B and of A, that hold in the windows; and the window of each."""
     start, end, go = sides.sides[kind][:3]
@@ -197,7 +197,7 @@ def _planes(
         seen = turn(points - window.centre[:, None], -middle[:, None])
         arm = np.hypot(seen[..., 0], seen[..., 1]) + size[:, None]
         along_box, across_box = (np.abs(turn(v[None], middle[:, None])) for v in (go, normal))
-    swing = (2 * np.sin(half[:, None] / 2) * arm + facing.margin)[..., None]
+    swing = (2 * np.sin(half[:, None] / 2) * arm + material.margin)[..., None]
     # and how far with what the box adds (K, points, edges)
     sideways = (along_box * window.half[:, None]).sum(2)[:, None] + swing
     inwards = (across_box * window.half[:, None]).sum(2)[:, None] + swing
@@ -208,13 +208,13 @@ def _planes(
     few = _least(k * (2 * NORMAL_SECTORS) + _sector(normal)[j], front[k, i, j], WALLS_PER_SECTOR)
     k, i, j = k[few], i[few], j[few]
     depth = front[k, i, j][:, None]
-    top = seen[k, i] - (depth + facing.margin) * normal[j]
+    top = seen[k, i] - (depth + material.margin) * normal[j]
     side, deep = sideways[k, i, j][:, None] * go[j], (inwards[k, i, j][:, None] - depth) * normal[j]
     behind = shapely.polygons(np.stack([top - side, top + side, top + side - deep, top - side - deep], 1))
     holds = shapely.covers(sides.material[kind], behind)
     k, i, j = k[holds], i[holds], j[holds]
     n, p, d = normal[j], points[i], half[k]
-    bent = arm[k, i] * d * d / 2 + 2 * facing.margin
+    bent = arm[k, i] * d * d / 2 + 2 * material.margin
     if kind == 0:
         at = turn(p, middle[k])
         slope = n[:, 1] * at[:, 0] - n[:, 0] * at[:, 1]

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
 from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.freespace.outer.skin import Skin
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -44,7 +44,7 @@ class Facets:
     high: float
 
 
-def facets(outer: OuterRegion | Skin | LocalOuterRegion, low: float, high: float) -> Facets | None:
+def facets(outer: OuterRegion | CagingSurface | LocalOuterRegion, low: float, high: float) -> Facets | None:
     """Few facets round all that can be reached at turns between `low` and `high`; None where nothing can.
 
     Normals are those of the convex hull, alike ones merged. Offsets are the largest values at all corners, so whatever the
@@ -66,9 +66,9 @@ def facets(outer: OuterRegion | Skin | LocalOuterRegion, low: float, high: float
     except (QhullError, ValueError):
         pass  # flat or too few corners: the box alone
     normal = normal / box
-    normal = normal / np.abs(normal[:, :2]).max(1, initial=0.0, keepdims=True).clip(1.0 / outer.facing.radius)
-    margin = 4 * outer.facing.margin
-    angle_margin = margin / outer.facing.radius
+    normal = normal / np.abs(normal[:, :2]).max(1, initial=0.0, keepdims=True).clip(1.0 / outer.material.radius)
+    margin = 4 * outer.material.margin
+    angle_margin = margin / outer.material.radius
     offset = (points @ normal.T).max(0) + margin * np.hypot(*normal[:, :2].T) + angle_margin * np.abs(normal[:, 2])
     return Facets(normal, offset, points, margin, angle_margin, low, high)
 

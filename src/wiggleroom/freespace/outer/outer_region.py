@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.outer.outer_slices import Facing, Pieces, core, forbidden, uncovered
+from wiggleroom.freespace.outer.outer_slices import PairMaterial, Pieces, core, forbidden, uncovered
 from wiggleroom.freespace.outer.outer_walls import cut_corners, polyhedron
 
 Floats = NDArray[np.float64]
@@ -40,7 +40,7 @@ class OuterRegion:
 
     Parameters
     ----------
-    facing : Facing
+    material : PairMaterial
     lever : float [mm]
         A turn by one radian blurs an outer slice by this.
     low, high : (K,) float64 [rad]
@@ -53,7 +53,7 @@ class OuterRegion:
         Interval of each corner.
     """
 
-    facing: Facing
+    material: PairMaterial
     lever: float
     low: Floats
     high: Floats
@@ -69,7 +69,7 @@ class OuterRegion:
     @property
     def far(self) -> float:
         """Largest motion of the pivot [mm]."""
-        return float(np.hypot(*self.corner[:, :2].T).max()) + 4 * self.facing.margin
+        return float(np.hypot(*self.corner[:, :2].T).max()) + 4 * self.material.margin
 
     @property
     def blur(self) -> Floats:
@@ -81,16 +81,18 @@ class OuterRegion:
         return cut_corners(self.corner, self.which, self.low, self.high, low, high)
 
 
-def _outer(facing: Facing, lever: float, low: Floats, high: Floats, pieces: list[Pieces], known: Shapes) -> OuterRegion:
+def _outer(
+    material: PairMaterial, lever: float, low: Floats, high: Floats, pieces: list[Pieces], known: Shapes
+) -> OuterRegion:
     """Region of these intervals; polyhedra of intervals that were there before are taken over."""
     corners = [
         known[one, other]
         if (one, other) in known
-        else polyhedron(facing, facing.near(_apart(facing, one, other, _window(p))), one, other, p)
+        else polyhedron(material, material.near(_apart(material, one, other, _window(p))), one, other, p)
         for one, other, p in zip(low.tolist(), high.tolist(), pieces, strict=True)
     ]
     which = np.repeat(np.arange(len(corners)), [len(c) for c in corners])
-    return OuterRegion(facing, lever, low, high, tuple(pieces), np.vstack(corners), which)
+    return OuterRegion(material, lever, low, high, tuple(pieces), np.vstack(corners), which)
 
 
 def _window(pieces: Pieces) -> float:
@@ -98,17 +100,17 @@ def _window(pieces: Pieces) -> float:
     return float(np.abs(shapely.bounds(pieces)).max())
 
 
-def _apart(facing: Facing, low: float, high: float, window: float) -> float:
+def _apart(material: PairMaterial, low: float, high: float, window: float) -> float:
     """How far from each other parts of A and B may lie that meet at these turns within a window [mm]."""
-    return 3 * window + 2 * np.sin(min(max(-low, high), np.pi) / 2) * facing.radius
+    return 3 * window + 2 * np.sin(min(max(-low, high), np.pi) / 2) * material.radius
 
 
 def outer_region(
-    facing: Facing, lever: float, limit: float, over: Callable[[], bool] | None = None
+    material: PairMaterial, lever: float, limit: float, over: Callable[[], bool] | None = None
 ) -> OuterRegion | None:
     """Outer region in coarse intervals; None where it does not end within `limit` [mm], or is cut short by `over`."""
-    found = reached_slices(facing, lever, limit, over)
-    return None if found is None else _outer(facing, lever, found.low, found.high, list(found.pieces), {})
+    found = reached_slices(material, lever, limit, over)
+    return None if found is None else _outer(material, lever, found.low, found.high, list(found.pieces), {})
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,13 +123,13 @@ class ReachedSlices:
 
 
 def reached_slices(
-    facing: Facing, lever: float, limit: float, over: Callable[[], bool] | None = None
+    material: PairMaterial, lever: float, limit: float, over: Callable[[], bool] | None = None
 ) -> ReachedSlices | None:
     """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm], or is cut short.
 
     Parameters
     ----------
-    facing : Facing
+    material : PairMaterial
     lever : float [mm]
         From `pivot_of`.
     limit : float [mm]
@@ -135,10 +137,10 @@ def reached_slices(
     over : callable, optional
         Asked now and then; True cuts the work short.
     """
-    half = min(FIRST_BLUR * facing.clearance / (2 * lever), MAX_HALF_WIDTH)
-    window = min(4 * facing.clearance, limit)
+    half = min(FIRST_BLUR * material.clearance / (2 * lever), MAX_HALF_WIDTH)
+    window = min(4 * material.clearance, limit)
     while True:
-        found = _followed(facing, half, window, over)
+        found = _followed(material, half, window, over)
         if found is None:
             return None
         if isinstance(found, dict):
@@ -157,7 +159,7 @@ def reached_slices(
 
 
 def _followed(
-    facing: Facing, half: float, window: float, over: Callable[[], bool] | None
+    material: PairMaterial, half: float, window: float, over: Callable[[], bool] | None
 ) -> dict[int, Pieces] | bool | None:
     """Reached pieces of all intervals; True where one meets the rim of the window, False where B turns all the way round.
 
@@ -169,9 +171,9 @@ def _followed(
 
     def reach(k: int, met: shapely.Geometry) -> None:
         if k not in slices:
-            slices[k] = leftover(facing, 2 * k * half, half, window)
+            slices[k] = leftover(material, 2 * k * half, half, window)
             reached[k] = np.zeros(len(slices[k].pieces), dtype=bool)
-        new = ~reached[k] & shapely.dwithin(slices[k].pieces, met, facing.margin)
+        new = ~reached[k] & shapely.dwithin(slices[k].pieces, met, material.margin)
         new[new] = slices[k].open(new)
         if new.any():
             reached[k] |= new
@@ -206,11 +208,11 @@ class Leftover:
         return ~forbidden(self.a, self.core, self.pieces[which], self.margin)
 
 
-def leftover(facing: Facing, middle: float, half: float, window: float) -> Leftover:
+def leftover(material: PairMaterial, middle: float, half: float, window: float) -> Leftover:
     """Pieces of the window at all turns within `half` of `middle`."""
-    near = facing.near(_apart(facing, middle - half, middle + half, window))
-    smaller = core(near.b, middle, half, facing.margin)
-    return Leftover(uncovered(near.a, smaller, window), near.a, smaller, facing.margin)
+    near = material.near(_apart(material, middle - half, middle + half, window))
+    smaller = core(near.b, middle, half, material.margin)
+    return Leftover(uncovered(near.a, smaller, window), near.a, smaller, material.margin)
 
 
 def refined(outer: OuterRegion, wanted: Ints) -> OuterRegion:
@@ -227,9 +229,9 @@ def refined(outer: OuterRegion, wanted: Ints) -> OuterRegion:
             if cut[k]:
                 window = 1.001 * _window(mine)
                 # the ends are rounded: what is looked at is a little wider
-                found = leftover(outer.facing, (one + other) / 2, (other - one) / 2 + 1e-14, window)
+                found = leftover(outer.material, (one + other) / 2, (other - one) / 2 + 1e-14, window)
                 spots = shapely.point_on_surface(found.pieces)
-                inside = shapely.dwithin(spots, shapely.multipolygons(mine), outer.facing.margin)
+                inside = shapely.dwithin(spots, shapely.multipolygons(mine), outer.material.margin)
                 left = found.pieces[inside][found.open(inside)]
             if len(left):
                 lows.append(one)
@@ -240,7 +242,7 @@ def refined(outer: OuterRegion, wanted: Ints) -> OuterRegion:
         for k, (one, other) in enumerate(zip(outer.low.tolist(), outer.high.tolist(), strict=True))
         if not cut[k]
     }
-    return _outer(outer.facing, outer.lever, np.array(lows), np.array(highs), pieces, known)
+    return _outer(outer.material, outer.lever, np.array(lows), np.array(highs), pieces, known)
 
 
 def pivot_of(a: shapely.Geometry, b: shapely.Geometry, reach: float) -> tuple[Floats, float]:

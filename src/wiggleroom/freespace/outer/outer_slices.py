@@ -30,7 +30,7 @@ MAX_UNCULLED_CORNERS = 120
 
 
 @dataclass(frozen=True, eq=False)
-class Facing:
+class PairMaterial:
     """A pair in the axes of A's body, the pivot's place at rest at the origin, B turned as at rest.
 
     Parameters
@@ -56,7 +56,7 @@ class Facing:
         low_x, low_y, high_x, high_y = shapely.total_bounds(np.array([self.a, self.b], dtype=object))
         return SAFETY_MARGIN * float(max(high_x, high_y, -low_x, -low_y))
 
-    def near(self, reach: float) -> Facing:
+    def near(self, reach: float) -> PairMaterial:
         """Less of both parts, all within `reach` [mm] of each other: with less to meet, outer slices stay outer."""
         if shapely.get_num_coordinates(self.a) + shapely.get_num_coordinates(self.b) < MAX_UNCULLED_CORNERS:
             return self
@@ -65,13 +65,13 @@ class Facing:
 
 
 @lru_cache(maxsize=256)
-def _near(facing: Facing, reach: float) -> Facing:
+def _near(material: PairMaterial, reach: float) -> PairMaterial:
     try:
-        a = _areas(shapely.intersection(facing.a, shapely.buffer(facing.b, reach, join_style="mitre")))
-        b = _areas(shapely.intersection(facing.b, shapely.buffer(facing.a, reach, join_style="mitre")))
+        a = _areas(shapely.intersection(material.a, shapely.buffer(material.b, reach, join_style="mitre")))
+        b = _areas(shapely.intersection(material.b, shapely.buffer(material.a, reach, join_style="mitre")))
     except shapely.errors.GEOSException:
-        return facing
-    return Facing(a, b, facing.clearance)
+        return material
+    return PairMaterial(a, b, material.clearance)
 
 
 def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shapely.Geometry:

@@ -12,7 +12,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.outer.outer_slices import Facing, Pieces, corners_of
+from wiggleroom.freespace.outer.outer_slices import PairMaterial, Pieces, corners_of
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -26,12 +26,12 @@ NORMAL_TOLERANCE = 1e-8
 """Planes whose normals differ by less are left to others."""
 
 
-def polyhedron(facing: Facing, near: Facing, low: float, high: float, pieces: Pieces) -> Floats:
+def polyhedron(material: PairMaterial, near: PairMaterial, low: float, high: float, pieces: Pieces) -> Floats:
     """Corners (n, 3) [mm, mm, rad] of a polyhedron that holds all that is free of `pieces` at turns between `low` and `high`."""
     region = shapely.multipolygons(pieces)
     hull = shapely.convex_hull(region)
     if shapely.area(hull) < MIN_HULL_AREA * shapely.length(hull) ** 2:
-        hull = shapely.envelope(shapely.buffer(hull, facing.margin))
+        hull = shapely.envelope(shapely.buffer(hull, material.margin))
     ring = shapely.get_coordinates(shapely.orient_polygons(hull))
     along = np.diff(ring, axis=0)
     long = np.hypot(*along.T)
@@ -39,11 +39,11 @@ def polyhedron(facing: Facing, near: Facing, low: float, high: float, pieces: Pi
     out = np.column_stack([along[:, 1], -along[:, 0]]) / long[:, None]
     flat = np.column_stack([out, np.zeros(len(out)), (out * start).sum(1)])
     try:
-        slanted = _walls(facing, near, low, high, region, start + along / 2, out, long)
+        slanted = _walls(material, near, low, high, region, start + along / 2, out, long)
     except shapely.errors.GEOSException:
         slanted = []
     for planes in (np.vstack([flat, *slanted]), flat):
-        planes[:, 3] += facing.margin
+        planes[:, 3] += material.margin
         corners = corners_between(planes, low, high)
         if len(corners):
             break
@@ -51,8 +51,8 @@ def polyhedron(facing: Facing, near: Facing, low: float, high: float, pieces: Pi
 
 
 def _walls(
-    facing: Facing,
-    near: Facing,
+    material: PairMaterial,
+    near: PairMaterial,
     low: float,
     high: float,
     region: shapely.Geometry,
@@ -74,14 +74,14 @@ def _walls(
         corner, _, come, away = corners
         normal = np.column_stack([go[:, 1], -go[:, 0]])
         alike = -sign * normal @ out.T > 1 - 0.51 * (2 * half + 1e-6) ** 2
-        for side in np.flatnonzero(long > 1e-3 * facing.clearance):
+        for side in np.flatnonzero(long > 1e-3 * material.clearance):
             rows = np.flatnonzero(alike[:, side])
             n, e = normal[rows], go[rows]
             place = corner + sign * at[side]
             room = n @ place.T - (n * start[rows]).sum(1)[:, None]
             foot = e @ place.T
             lever = np.hypot(*(corner.T if kind == 0 else place.T))
-            can = (n @ away.T >= -reach) & (n @ come.T <= reach) & (np.abs(room) <= 3 * reach * lever + facing.margin)
+            can = (n @ away.T >= -reach) & (n @ come.T <= reach) & (np.abs(room) <= 3 * reach * lever + material.margin)
             can &= foot >= (e * start[rows]).sum(1)[:, None] - width
             can &= foot <= (e * end[rows]).sum(1)[:, None] + width
             i, j = np.nonzero(can)
@@ -93,7 +93,7 @@ def _walls(
                 # where the corner may slip off the end of the edge, a point of the side that lies along it takes its place
                 points += [corner[v] + width * w for w in (away[v], -come[v]) if abs(normal[edge] @ w) <= reach]
                 for point in points:
-                    plane = wall(facing, low, high, region, normal[edge], start[edge], point)
+                    plane = wall(material, low, high, region, normal[edge], start[edge], point)
                     tried[kind, edge, v] = plane
                     if plane is not None:
                         break
@@ -101,36 +101,36 @@ def _walls(
 
 
 def _corner_of_b(
-    facing: Facing, low: float, high: float, region: shapely.Geometry, n: Floats, a: Floats, v: Floats
+    material: PairMaterial, low: float, high: float, region: shapely.Geometry, n: Floats, a: Floats, v: Floats
 ) -> Floats | None:
     """Wall of A's edge (a, n) and B's corner v, turned to the middle: n . (tau + R v - a) >= 0."""
     half = (high - low) / 2 * (1 + 1e-9) + 1e-14
     ends = [turn(v, np.array([t]))[0] for t in (-half, half)]
     swept = np.array([*ends, v / np.cos(half)])
-    beyond = _beyond(region, -n, float((swept @ n).min() - n @ a), facing.margin)
+    beyond = _beyond(region, -n, float((swept @ n).min() - n @ a), material.margin)
     for part in shapely.get_parts(beyond):
         places = (shapely.get_coordinates(part)[:, None] + swept).reshape(-1, 2)
-        if not _inside(facing.a, places, n, a, facing.margin):
+        if not _inside(material.a, places, n, a, material.margin):
             return None
     c = [float(n @ a - n @ v) for v in ends]
-    return _plane(-n, [-c[0], -c[1]], low, high, float(np.hypot(*v)), facing.margin)
+    return _plane(-n, [-c[0], -c[1]], low, high, float(np.hypot(*v)), material.margin)
 
 
 def _corner_of_a(
-    facing: Facing, low: float, high: float, region: shapely.Geometry, n: Floats, b: Floats, u: Floats
+    material: PairMaterial, low: float, high: float, region: shapely.Geometry, n: Floats, b: Floats, u: Floats
 ) -> Floats | None:
     """Wall of B's edge (b, n), turned to the middle, and A's corner u: R n . (u - tau) >= R n . R b."""
     half = (high - low) / 2 * (1 + 1e-9) + 1e-14
     middle = (low + high) / 2
     spots = shapely.get_coordinates(shapely.convex_hull(region))
     far = float(np.hypot(*(u - spots).T).max())
-    beyond = _beyond(region, n, float(n @ u - n @ b) - 2 * np.sin(half / 2) * far, facing.margin)
+    beyond = _beyond(region, n, float(n @ u - n @ b) - 2 * np.sin(half / 2) * far, material.margin)
     for part in shapely.get_parts(beyond):
         seen = u - shapely.get_coordinates(part)
         places = np.vstack([*(turn(seen, np.full(len(seen), t)) for t in (-half, half)), seen / np.cos(half)])
         back = turn(places, np.full(len(places), -middle))
         m, start = turn(np.stack([n, b]), np.full(2, -middle))
-        if not _inside(facing.b, back, m, start, facing.margin):
+        if not _inside(material.b, back, m, start, material.margin):
             return None
     centre = (spots.min(0) + spots.max(0)) / 2
     round_it = float(np.hypot(*(spots - centre).T).max())
@@ -138,7 +138,7 @@ def _corner_of_a(
     mean = (normals[0] + normals[1]) / 2
     # n(t) . (u - tau) >= n . b, about the slice's middle
     level = [float(m @ (u - centre) - n @ b + mean @ centre) for m in normals]
-    return _plane(mean, level, low, high, far, facing.margin + np.sin(half) * round_it)
+    return _plane(mean, level, low, high, far, material.margin + np.sin(half) * round_it)
 
 
 def _plane(normal: Floats, level: list[float], low: float, high: float, bend: float, more: float) -> Floats:

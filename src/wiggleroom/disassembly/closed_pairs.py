@@ -1,0 +1,169 @@
+"""Which bodies certainly never leave each other, by enclosure and pair by pair: the cheap proof that something interlocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from wiggleroom.disassembly.enclosure import Enclosed, holds
+from wiggleroom.errors import Stop
+from wiggleroom.freespace.subdivision.passage import Passage, passage
+from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_pose
+from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
+
+Ints = NDArray[np.int64]
+
+PAIR_BATCH = 50
+"""Pairs that are measured between two looks at `stop`."""
+BOXES_PER_PAIR = 20_000
+"""Boxes judged at most for a pair among many."""
+BOXES_PER_DECISIVE_PAIR = 400_000
+"""Boxes judged at most for a pair on which it depends whether all are tied: near the gap at which a tab slips out, each takes seconds."""
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedPairs:
+    """Bodies tied to each other.
+
+    Parameters
+    ----------
+    group : (n,) int64
+        Bodies of the same number certainly never leave each other.
+    held : (n,) int64
+        Bodies of the same number certainly never turn half round against each other either.
+    undecided : (k, 2) int64
+        Pairs that a few boxes do not decide, those that lie along each other longest first.
+    """
+
+    group: Ints
+    held: Ints
+    undecided: Ints
+
+    @property
+    def all_tied(self) -> bool:
+        """True where all bodies are tied together."""
+        return bool((self.group == self.group[0]).all())
+
+
+def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> ClosedPairs:
+    """Tie together what stands, and what lies in closed holes to what it lies in.
+
+    Parameters
+    ----------
+    fixed : (n,) bool
+        Bodies that stand.
+    around : Enclosed
+    """
+    ground = np.flatnonzero(fixed)
+    standing = [(int(ground[0]), int(k)) for k in ground]
+    pairs = [(int(a), int(b)) for a, b in around.pairs]
+    still = [(a, b) for a, b in pairs if around.held[a] and around.held[b]]
+    none = np.zeros((0, 2), dtype=np.int64)
+    return ClosedPairs(_labels(len(fixed), standing + pairs), _labels(len(fixed), standing + still), none)
+
+
+def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:
+    """Tie bodies together wherever the free space of a pair alone is certainly closed.
+
+    What two bodies cannot do while all others are taken away they cannot do among them either. Pairs that lie along each other longest come
+    first, congruent pairs are looked at once, and pairs that are held already are left out.
+
+    Parameters
+    ----------
+    ready : Prepared
+    begin : Links
+        What is tied to begin with; of that nothing more is asked.
+    stop : optional
+        Asked before every pair.
+    """
+    bodies, n = ready.bodies, len(ready.bodies.fixed)
+    if stop is not None and stop.is_set():
+        return begin
+    geometry = placed(bodies)
+    near = neighbours(bodies, geometry, NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
+    tied, held = _ties(begin.group), _ties(begin.held)
+    undecided: list[tuple[int, int]] = []
+    if len(near.a):
+        first, label = classes(bodies, near.a, near.b, relative_pose(bodies, near.a, near.b))
+        along = _along(geometry[near.a[first]], geometry[near.b[first]], ready.clearance, stop)[label]
+        known: dict[int, Passage] = {}
+        for k in np.argsort(-along, kind="stable"):
+            a, b, c = int(near.a[k]), int(near.b[k]), int(label[k])
+            if stop is not None and stop.is_set():
+                break
+            labels = _labels(n, held)
+            if labels[a] == labels[b] or begin.group[a] == begin.group[b]:
+                continue
+            if c not in known:
+                known[c] = passage(geometry[a], geometry[b], most=BOXES_PER_PAIR, stop=stop)
+                if not known[c].closed and known[c].way is None and _one_holds_other(geometry[a], geometry[b]):
+                    known[c] = replace(known[c], closed=True)
+            if known[c].held:
+                held.append((a, b))
+            if known[c].closed:
+                tied.append((a, b))
+            elif known[c].way is None:
+                undecided.append((a, b))
+    return ClosedPairs(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
+
+
+def surer(ready: Prepared, known: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:
+    """Look again, with many more boxes, at pairs that were not decided, for as long as that can still tie all bodies together.
+
+    The group with the fewest such pairs comes first: where none of them is closed, the others need not be looked at.
+    """
+    bodies, geometry = ready.bodies, placed(ready.bodies)
+    a, b = known.undecided.T
+    _, label = classes(bodies, a, b, relative_pose(bodies, a, b))
+    seen: dict[int, Passage] = {}
+    group, held = known.group, known.held
+    while True:
+        open_ = group[a] != group[b]
+        count = np.bincount(group[np.concatenate([a[open_], b[open_]])], minlength=group.max() + 1)[np.unique(group)]
+        weakest = np.unique(group)[count.argmin()]
+        for k in np.flatnonzero(open_ & ((group[a] == weakest) | (group[b] == weakest))):
+            if stop is not None and stop.is_set():
+                return replace(known, group=group, held=held)
+            c = int(label[k])
+            if c not in seen:
+                seen[c] = passage(geometry[a[k]], geometry[b[k]], most=BOXES_PER_DECISIVE_PAIR, stop=stop)
+            if seen[c].closed:
+                held = np.where(held == held[b[k]], held[a[k]], held) if seen[c].held else held
+                group = np.where(group == group[b[k]], group[a[k]], group)
+                break
+        else:
+            return replace(known, group=group, held=held)
+
+
+def _one_holds_other(one: shapely.Geometry, other: shapely.Geometry) -> bool:
+    return holds(one, other) or holds(other, one)
+
+
+def _ties(group: Ints) -> list[tuple[int, int]]:
+    """Pairs that tie together what has the same number."""
+    _, first, label = np.unique(group, return_index=True, return_inverse=True)
+    return [(int(first[g]), k) for k, g in enumerate(label.tolist())]
+
+
+def _along(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float, stop: Stop | None) -> NDArray[np.float64]:
+    """How long two bodies lie along each other [mm], zero for those that come after `stop`."""
+    found = np.zeros(len(a))
+    for k in range(0, len(a), PAIR_BATCH):
+        if stop is not None and stop.is_set():
+            break
+        some = slice(k, k + PAIR_BATCH)
+        near = shapely.buffer(b[some], 1.5 * NEIGHBOUR_REACH * clearance, quad_segs=2)
+        found[some] = shapely.length(shapely.intersection(shapely.boundary(a[some]), near))
+    return found
+
+
+def _labels(n: int, ties: list[tuple[int, int]]) -> Ints:
+    """Number of the group (n,) that each body is tied to."""
+    table = np.array(ties, dtype=np.int64).reshape(-1, 2)
+    graph = coo_array((np.ones(len(table)), (table[:, 0], table[:, 1])), shape=(n, n))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)

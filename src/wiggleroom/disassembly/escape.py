@@ -1,0 +1,272 @@
+"""The next bodies that leave, with their way: straight, as one rigid piece, or found by search; or what shows that none do."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.bound.displacement_bound import furthest
+from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
+from wiggleroom.disassembly.enclosure import enclosed_by_held
+from wiggleroom.disassembly.explore import MAX_QUESTIONS, explore, way_out
+from wiggleroom.disassembly.remaining import without
+from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
+from wiggleroom.disassembly.slide_search import WORK_BUDGET, SlideSearch, slide_search
+from wiggleroom.disassembly.slide_space import SlideSpace
+from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
+from wiggleroom.errors import Stop
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.rigid_motions import of_parts
+from wiggleroom.search.loop import Progress
+from wiggleroom.search.prepare import Prepared, Survey, prepare
+from wiggleroom.verdict import Certainty, Separability
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+BOXES_FOR_ONE_BODY = 150_000
+"""Boxes judged at most where one body alone can leave; a few seconds."""
+BOXES_FOR_NEAR_EXIT = 40_000
+"""Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
+MAX_QUESTIONS_BESIDE_SLIDES = 24
+"""Largest motions searched at most where all states to which slides lead were visited."""
+EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
+"""So much further inward outlines lie then, as shares of the clearance."""
+MAX_NEAR_EXITS = 8
+FRAME_SECONDS = 2.0
+"""Seconds that a distance may take which no part of a frame exceeds."""
+EXIT_DISTANCE = 0.1
+"""Parts that left end this share of the drawing's size beyond all others."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stage:
+    """What becomes of the bodies that are left: a way of some of them, or the end.
+
+    Parameters
+    ----------
+    ended : Separability
+    certainty : Certainty
+    who : (k,) int64
+        Bodies that leave.
+    way : (k, n, 3) float64 [mm, mm, rad] or None
+        Motions of all bodies on which they leave, from where all are to where those who leave are beyond all others.
+    held : (n,) int64
+        Bodies of the same number certainly never turn half round against each other; empty where something leaves.
+    questions : int
+        Largest motions that were searched.
+    states : int
+        States that slides led to.
+    whole : bool
+        True where these are all states to which slides lead.
+    slides : int
+        So many pieces of the way, before the last one, are slides one after the other; -1 where it is one motion.
+    """
+
+    ended: Separability
+    certainty: Certainty
+    who: Ints
+    way: Floats | None
+    held: Ints
+    questions: int = 0
+    states: int = 0
+    whole: bool = True
+    slides: int = -1
+
+
+@dataclass(frozen=True, eq=False)
+class EscapeEffort:
+    """How long is looked for the next parts that leave.
+
+    Parameters
+    ----------
+    boxes : int
+        Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
+    questions : int
+        Largest motions searched at most.
+    work : float
+        Work of the search over slides, in pairs of edges compared.
+    """
+
+    boxes: int = BOXES_FOR_ONE_BODY
+    questions: int = MAX_QUESTIONS
+    work: float = WORK_BUDGET
+
+
+def next_stage(
+    assembly: Assembly,
+    ground: Survey,
+    begin: ClosedPairs,
+    effort: EscapeEffort,
+    targets: Ints,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+) -> Stage:
+    """The next parts that leave, the cheapest ways of finding them first.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        At rest where all parts are now.
+    ground : Survey
+        Of the assembly.
+    begin : ClosedPairs
+        What is tied already.
+    effort : EscapeEffort
+    targets : (k,) int64
+        Bodies that are to leave, rather than others; none where all are to.
+    stop, tell
+        As for `flex`.
+    """
+    bodies, n = ground.bodies, len(ground.bodies.fixed)
+    stands = int(np.flatnonzero(bodies.fixed)[0])
+    rest = np.zeros((1, n, 3))
+    tell(Progress("straight ways"))
+    found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
+    first = min(found, key=lambda e: (not _wanted(e.who, targets), len(e.who)), default=None)
+    if first is not None and _wanted(first.who, targets):
+        return _leave(assembly, ground, rest, first, slides=0)
+    tell(Progress("slides"))
+    slid = _slide(ground, targets, effort.work, stop, tell)
+    if slid.way is not None:
+        out = TranslationEscape(slid.way.slides[-1].who, slid.way.slides[-1].direction)
+        if first is None or _wanted(out.who, targets):
+            stage = _leave(assembly, ground, slid.way.states, out, slides=len(slid.way.slides) - 1)
+            if stage.way is not None:
+                return replace(stage, states=slid.states, whole=slid.whole)
+    if first is not None:
+        return _leave(assembly, ground, rest, first, slides=0)
+    stage = _beyond_slides(assembly, ground, begin, effort, slid, stop, tell)
+    return replace(stage, states=slid.states, whole=slid.whole)
+
+
+def _wanted(who: Ints, targets: Ints) -> bool:
+    return not len(targets) or bool(np.isin(targets, who).any())
+
+
+def _slide(
+    ground: Survey, targets: Ints, work: float, stop: Stop | None, tell: Callable[[Progress], None]
+) -> SlideSearch:
+    """What leaves by slides from where all are."""
+    bodies, n = ground.bodies, len(ground.bodies.fixed)
+    rest = np.zeros((n, 3))
+    space = SlideSpace(bodies, ground.ignored, ground.clearance, ground.size, rest, np.ones(n, dtype=np.bool_))
+    return slide_search(space, rest, targets, stop=stop, tell=tell, budget=work)
+
+
+def _beyond_slides(
+    assembly: Assembly,
+    ground: Survey,
+    begin: ClosedPairs,
+    effort: EscapeEffort,
+    slid: SlideSearch,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+) -> Stage:
+    """Bodies that leave otherwise than by slides, or what shows that none do."""
+    bodies = ground.bodies
+    stands = int(np.flatnonzero(bodies.fixed)[0])
+    none = np.zeros(0, dtype=np.int64)
+    tell(Progress("free spaces"))
+    ready = prepare(assembly, ground=ground, stop=stop)
+    known, tries = _rigid(ready, begin, effort.boxes, stop)
+    if known.all_tied:
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
+    known = _walled_in(ready, known, stop)
+    if known.all_tied:
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
+    nearly = _nearly(ready, stands, known.group, stop)
+    for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, stop) for e in nearly)):
+        if stop is not None and stop.is_set():
+            break
+        out = None if rigid.way is None else way_out(ready, stands, known.group, rigid.way, stop=stop)
+        if out is not None and (stage := _leave(assembly, ground, *out)).way is not None:
+            return stage
+    known = surer(ready, known, stop)
+    if known.all_tied:
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
+    loose = slid.states > 1 and slid.whole and slid.on_lattice
+    questions = min(effort.questions, MAX_QUESTIONS_BESIDE_SLIDES) if loose else effort.questions
+    searched = explore(ready, stands, known.group, nearly, stop, tell, questions)
+    if searched.way is not None and searched.exit is not None:
+        return replace(_leave(assembly, ground, searched.way, searched.exit), questions=searched.questions)
+    stopped = stop is not None and stop.is_set()
+    whole = slid.whole and (searched.whole or loose) and not stopped
+    ended: Separability = Separability.INTERLOCKED if whole else Separability.UNKNOWN
+    return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
+
+
+def _rigid(
+    ready: Prepared, begin: ClosedPairs, boxes: int, stop: Stop | None
+) -> tuple[ClosedPairs, Iterator[RigidEscape]]:
+    """What is tied to what, and for each group that may leave what is known about its leaving as one."""
+    free = np.flatnonzero(~ready.bodies.fixed)
+    if len(free) == 1:
+        rigid = leaves_as_one(ready, free, boxes, stop)
+        alone = (~ready.bodies.fixed).astype(np.int64)
+        return ClosedPairs(
+            alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)
+        ), iter([rigid])
+    known = closed_pairs(ready, begin, stop)
+    ground = known.group[np.flatnonzero(ready.bodies.fixed)[0]]
+    groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
+    return known, (
+        leaves_as_one(ready, who, BOXES_PER_PAIR, stop) for who in groups if stop is None or not stop.is_set()
+    )
+
+
+def _walled_in(ready: Prepared, known: ClosedPairs, stop: Stop | None) -> ClosedPairs:
+    """Tie what lies inside a frame of several bodies that are tied together and can move but little."""
+    bodies, geometry = ready.bodies, placed(ready.bodies)
+    ground = known.group[np.flatnonzero(bodies.fixed)[0]]
+    frame = np.flatnonzero(known.group == ground)
+    if stop is not None and stop.is_set():
+        return known
+    if bodies.fixed[frame].all() or not len(enclosed_by_held(geometry, frame, ready.ignored, 0.0, stop)):
+        return known
+    others = np.flatnonzero(known.group[bodies.body_of] != ground)
+    far = furthest(without(ready.assembly, others), FRAME_SECONDS, stop)
+    inside = np.zeros(0, dtype=np.int64) if far is None else enclosed_by_held(geometry, frame, ready.ignored, far, stop)
+    return replace(known, group=np.where(np.isin(known.group, known.group[inside]), ground, known.group))
+
+
+def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> list[TranslationEscape]:
+    """Sets of bodies that would leave straight if there were a little more room: the first to look at."""
+    if len(np.unique(group)) < 3:
+        return []
+    rest = np.zeros((len(group), 3))
+    found: dict[tuple[int, ...], TranslationEscape] = {}
+    for share in EXTRA_CLEARANCES:
+        thinner = share * ready.clearance
+        for e in translation_escapes(ready.bodies, rest, ground, ready.ignored, ready.size, group, thinner, stop):
+            found.setdefault(tuple(e.who.tolist()), e)
+        if len(found) >= MAX_NEAR_EXITS or (stop is not None and stop.is_set()):
+            break
+    return list(found.values())[:MAX_NEAR_EXITS]
+
+
+def _leave(assembly: Assembly, ground: Survey, way: Floats, found: TranslationEscape, slides: int = -1) -> Stage:
+    """The way continued straight until those who leave are beyond all others."""
+    bodies, who = ground.bodies, found.who
+    others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
+
+    def along(some: Ints, motion: Floats) -> Floats:
+        return np.asarray(shapely.get_coordinates(placed(bodies, motion, some)[some]) @ found.direction)
+
+    # beyond where the others are now, and wherever they pass on their way back
+    length = max(along(others, m).max() for m in way) - along(who, way[-1]).min()
+    length += EXIT_DISTANCE * ground.size
+    out = way[-1].copy()
+    out[who, :2] += max(length, EXIT_DISTANCE * ground.size) * found.direction
+    whole = np.concatenate([way, out[None]])
+    none = np.zeros(0, dtype=np.int64)
+    if not audit_path(assembly, of_parts(assembly, bodies, whole)).free:
+        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none)
+    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, slides=slides)

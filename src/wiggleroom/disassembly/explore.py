@@ -1,0 +1,178 @@
+"""The search for a way apart: everything is pulled and turned every way, the rest is carried along, and from new places it goes on."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.disassembly.translation import TranslationEscape, translation_escape
+from wiggleroom.drawing.model import Goal, Pull, Turn
+from wiggleroom.errors import Stop, WiggleroomError
+from wiggleroom.geometry.neighbours import neighbours, placed, relative_pose
+from wiggleroom.geometry.rigid_motions import of_bodies
+from wiggleroom.maximise import witness
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.loop import Progress
+from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
+from wiggleroom.verdict import Verdict
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+PULL_DIRECTIONS = 8
+"""Directions in which every group is pulled."""
+MAX_QUESTIONS = 300
+"""So many questions are asked; beyond that the search counts as cut short."""
+MAX_STATES = 12
+"""From so many places besides rest it goes on at most."""
+NOVELTY_DISTANCE = 3.0
+"""A place is new where some neighbours lie otherwise than in all places before by more than this multiple of the clearance."""
+EXIT_TESTS = 8
+"""So many way-points of an answer are looked at for a straight way out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Explored:
+    """What the search came to.
+
+    Parameters
+    ----------
+    way : (k, n, 3) float64 [mm, mm, rad] or None
+        Checked motions of all bodies to where `exit` begins.
+    exit : Exit or None
+    whole : bool
+        True where every question that was planned was answered.
+    questions : int
+    """
+
+    way: Floats | None
+    exit: TranslationEscape | None
+    whole: bool
+    questions: int
+
+
+def explore(
+    ready: Prepared,
+    ground: int,
+    group: Ints,
+    nearly: list[TranslationEscape],
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+    most: int = MAX_QUESTIONS,
+) -> Explored:
+    """Pull and turn every group every way, look for a straight way out along each answer, and go on from new places.
+
+    Parameters
+    ----------
+    ready : Prepared
+    ground : int
+        Body that stands.
+    group : (n,) int64
+        Bodies of the same number are known not to leave each other.
+    nearly : list of Exit
+        Sets of bodies that are pulled as one first.
+    stop, tell
+        As for `flex`.
+    most : int
+        Questions asked at most.
+    """
+    bodies = ready.bodies
+    if stop is not None and stop.is_set():
+        return Explored(None, None, False, 0)
+    near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
+    places = [relative_pose(bodies, near.a, near.b)]
+    waiting: deque[Answer | None] = deque([None])
+    questions, open_questions = 0, 0
+    while waiting:
+        start = waiting.popleft()
+        for goals in _questions(ready, ground, group, nearly):
+            if questions >= most or (stop is not None and stop.is_set()):
+                return Explored(None, None, False, questions)
+            questions += 1
+            tell(Progress("search", questions))
+            answer = _ask(ready, goals, start, stop)
+            if answer is None or answer.path != "checked":
+                open_questions += 1
+                continue
+            open_questions += answer.verdict is Verdict.STOPPED
+            motions = of_bodies(ready.assembly, bodies, answer.waypoints)
+            found = way_out(ready, ground, group, motions, EXIT_TESTS, stop)
+            if found is not None:
+                return Explored(*found, True, questions)
+            place = relative_pose(bodies, near.a, near.b, motions[-1])
+            if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
+                places.append(place)
+                waiting.append(answer)
+    return Explored(None, None, open_questions == 0 and len(places) <= MAX_STATES, questions)
+
+
+def _ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
+    """The answer to one question, or None where the engine gave up."""
+    try:
+        return witness(ready, goals, start=start, stop=stop)
+    except WiggleroomError:
+        return None
+
+
+def way_out(
+    ready: Prepared,
+    ground: int,
+    group: Ints,
+    motions: Floats,
+    looks: int | None = None,
+    stop: Stop | None = None,
+) -> tuple[Floats, TranslationEscape] | None:
+    """Return the way (k, n, 3) up to where bodies leave straight; `looks` of its way-points are looked at, or all."""
+    last = len(motions) - 1
+    for k in np.unique(np.linspace(last, 1, min(looks or last, last)).round().astype(int)):
+        found = translation_escape(ready.bodies, motions[k], ground, ready.ignored, ready.size, group, stop)
+        if found is not None:
+            return motions[: k + 1], found
+    return None
+
+
+def _differ(ready: Prepared, b: Ints, one: Floats, other: Floats) -> bool:
+    """True where any pair lies otherwise."""
+    change = one - other
+    moved = np.hypot(change[:, 0], change[:, 1]) + ready.bodies.radius[b] * np.abs(change[:, 2])
+    return bool(moved.max(initial=0.0) > NOVELTY_DISTANCE * ready.clearance)
+
+
+def _questions(
+    ready: Prepared, ground: int, group: Ints, nearly: list[TranslationEscape]
+) -> Iterator[tuple[Goal, ...]]:
+    """Sets that nearly leave, then all at once, then every group: outwards first, then the other ways and turns."""
+    bodies, rest = ready.bodies, ready.bodies.rest
+    middle = rest[ground, :2]
+    out = rest[:, :2] - middle
+    parts = ready.assembly.names
+    names = [parts[members[0]] for members in bodies.members]
+    free = np.flatnonzero(~bodies.fixed)
+    for e in nearly:
+        yield tuple(Pull(names[b], _pair(e.direction), _pair(rest[b, :2]), 1.0 / len(e.who)) for b in e.who)
+    weight = 1.0 / len(free)
+    for sign in (1.0, -1.0):
+        yield tuple(
+            Pull(names[b], _pair(sign * out[b]), _pair(rest[b, :2]), weight) for b in free if np.hypot(*out[b]) > 0
+        )
+    groups = [np.flatnonzero(group == g) for g in np.unique(group[free]) if g != group[ground]]
+    for rank in range(PULL_DIRECTIONS):
+        for who in groups:
+            away = out[who].mean(0)
+            base = np.arctan2(away[1], away[0])
+            step = (rank + 1) // 2 * (1 if rank % 2 else -1)
+            # whole eighths of a turn, the one nearest to outwards first: drawings lie along the axes
+            angle = (np.round(base / (2 * np.pi) * PULL_DIRECTIONS) + step) * 2 * np.pi / PULL_DIRECTIONS
+            d = (float(np.cos(angle)), float(np.sin(angle)))
+            yield tuple(Pull(names[b], d, _pair(rest[b, :2]), 1.0 / len(who)) for b in who)
+    for sense in ("ccw", "cw"):
+        for who in groups:
+            yield tuple(Turn(names[b], sense, 1.0 / len(who)) for b in who)
+
+
+def _pair(v: Floats) -> tuple[float, float]:
+    return float(v[0]), float(v[1])

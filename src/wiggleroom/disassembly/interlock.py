@@ -1,0 +1,288 @@
+"""Does it come apart: which parts leave, in which order, along which motion; or what shows that none do."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.build import assemble
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.bound.displacement_bound import furthest
+from wiggleroom.deadline import Deadline
+from wiggleroom.disassembly.departures import Departure, Disassembly, disassemble
+from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
+from wiggleroom.disassembly.explore import MAX_QUESTIONS
+from wiggleroom.disassembly.remaining import only
+from wiggleroom.drawing.model import Turn
+from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
+from wiggleroom.form_closure.mobility import tight_verdict
+from wiggleroom.maximise import witness
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.loop import Progress, silent
+from wiggleroom.search.prepare import prepare
+from wiggleroom.verdict import Certainty, Separability, Tightness
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+TRIAL_GAP = 1e-4
+"""Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
+MIN_BOUND_SECONDS = 1.0
+"""A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
+MIN_REFINED_SECONDS = 0.1
+"""The same where a distance is known already and a nearer one is looked for."""
+
+
+@dataclass(frozen=True, eq=False)
+class Escape:
+    """Parts that leave together.
+
+    Parameters
+    ----------
+    parts : tuple of names
+    path : (k, n, 3) float64 [mm, mm, rad]
+        Motions of all parts about their reference points, from rest to where `parts` are beyond all others and go on straight without
+        limit; straight between. Parts of earlier escapes stay where those ended and are out of the game. Every step is checked for overlap.
+    """
+
+    parts: tuple[str, ...]
+    path: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class Interlock(Drawable):
+    """Whether an assembly comes apart, and how sure that is.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    verdict : Separability
+    certainty : Certainty
+        A way apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
+        together; else every planned question was asked and no way was found.
+    escapes : tuple of Escape
+        In the order in which they leave.
+    spins : tuple of names
+        Parts that turn in place without limit.
+    remains : tuple of names
+        Parts that are left where nothing more was found to leave; none where only what stands is left.
+    questions : int
+        Largest motions that were searched.
+    states : int
+        States to which slides of parts led, each visited once.
+    tight : bool
+        True where parts touch at rest and the first-order test says that they are locked.
+    at_most : float or None [mm]
+        A distance that no point of any part exceeds in any motion that starts at rest, proven; None where none was found as quickly as the
+        verdict.
+    """
+
+    assembly: Assembly
+    verdict: Separability
+    certainty: Certainty
+    escapes: tuple[Escape, ...] = ()
+    spins: tuple[str, ...] = ()
+    remains: tuple[str, ...] = ()
+    questions: int = 0
+    states: int = 0
+    seconds: float = 0.0
+    tight: bool = False
+    at_most: float | None = None
+
+
+def check(
+    assembly: Assembly,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    boxes: int = BOXES_FOR_ONE_BODY,
+    questions: int = MAX_QUESTIONS,
+    every: bool = True,
+    seconds: float | None = None,
+) -> Interlock:
+    """Whether some parts can be moved without limit away from the others.
+
+    Fixed parts stand; where none is fixed, the largest part stands. Turning in place is not coming apart.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    stop : optional
+        Anything with `is_set()`, for example a `threading.Event`; the verdict is then "unknown" unless a way apart is known already.
+    progress : callable, optional
+        Told a `Progress` now and then.
+    boxes : int
+        Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
+    questions : int
+        Largest motions searched at most, each time some parts have left.
+    every : bool
+        False: the first parts that leave are enough; what of the others is not asked, nor what turns in place.
+    seconds : float, optional
+        Time that it may take; then the verdict is what is known so far, as after `stop`.
+
+    Raises
+    ------
+    TouchingError
+        If two parts overlap at rest.
+    InputError
+        If there is only one body, or all are fixed; if `seconds` is not more than 0.
+
+    Notes
+    -----
+    Parts that touch at rest are locked where the first-order test proves it. Else they are looked at with a little gap: what interlocks
+    with it does so without.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.check(wr.patterns.chain(3, joint="swallowtail", gap=0.02))
+    >>> str(found.verdict), str(found.certainty)
+    ('interlocked', 'proven')
+    """
+    began = time.perf_counter()
+    if seconds is not None:
+        if not 0 < seconds < np.inf:
+            finding = f"seconds {seconds:g}: it must be more than 0"
+            raise InputError(finding)
+        stop = Deadline(seconds, stop)
+    tell = progress or silent
+    standing = with_ground(assembly)
+    effort = EscapeEffort(boxes, questions)
+    try:
+        done = disassemble(standing, effort=effort, every=every, stop=stop, tell=tell)
+    except TouchingError:
+        return _tight(assembly, standing, stop, progress, boxes, questions, every)
+    escapes, stage = _escapes(standing, done), done.last
+    spins = _spins(done.left, stage.held, stop) if every else ()
+    verdict: Separability = Separability.COMES_APART if escapes else stage.ended
+    at_most = None
+    if verdict is Separability.INTERLOCKED and every and done.around is not None:
+        whole = (
+            done.around.far.max()
+        )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
+        spent = max(time.perf_counter() - began, MIN_BOUND_SECONDS if np.isinf(whole) else MIN_REFINED_SECONDS)
+        found = furthest(done.left, spent, stop)
+        at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
+    held = stage.ended is Separability.INTERLOCKED and not all(p.fixed for p in done.left.parts)
+    return Interlock(
+        assembly,
+        verdict,
+        Certainty.PROVEN if escapes or at_most is not None else stage.certainty,
+        escapes,
+        spins,
+        done.left.names if held else (),
+        done.questions,
+        done.states,
+        time.perf_counter() - began,
+        at_most=at_most,
+    )
+
+
+def _escapes(assembly: Assembly, done: Disassembly) -> tuple[Escape, ...]:
+    """The departures, each as a way from rest after which all that did not leave are at rest again."""
+    names = assembly.names
+    return tuple(
+        Escape(tuple(names[k] for k in departure.parts), _from_rest(assembly, done.departures[: k + 1]))
+        for k, departure in enumerate(done.departures)
+    )
+
+
+def _from_rest(assembly: Assembly, departures: tuple[Departure, ...]) -> Floats:
+    """The way of the last of some departures, from rest and back to rest, without what is not needed for it."""
+    last = departures[-1]
+    who, stay = last.parts, last.there.copy()
+    stay[who] = False
+    begin, there = last.way[0], np.flatnonzero(last.there)
+    moved = np.abs(begin[there]).max(axis=1) > 0
+    if not moved.any():
+        return np.concatenate([last.way, _back(last.way, stay)])
+    direct = last.way.copy()
+    direct[:, stay] -= begin[stay]
+    if not begin[who].any() and audit_path(only(assembly, there), direct[:, there]).free:
+        return np.concatenate([direct, _back(direct, stay)])
+    before = np.concatenate([d.way for d in departures[:-1]])
+    before[:, ~last.there] = begin[~last.there]
+    whole = _without_standstill(np.concatenate([before, last.way]))
+    return np.concatenate([whole, _back(whole, stay)])
+
+
+def _back(way: Floats, stay: NDArray[np.bool_]) -> Floats:
+    """The way backwards for what stays, while what left is where it is in the end."""
+    if not way[-1, stay].any():
+        return way[:0]
+    back = way[::-1][1:].copy()
+    back[:, ~stay] = way[-1, ~stay]
+    return _without_standstill(back)
+
+
+def _without_standstill(way: Floats) -> Floats:
+    """The way without points that are the same as the one before."""
+    keep = np.ones(len(way), dtype=np.bool_)
+    keep[1:] = (way[1:] != way[:-1]).any(axis=(1, 2))
+    return way[keep]
+
+
+def _tight(
+    assembly: Assembly,
+    left: Assembly,
+    stop: Stop | None,
+    progress: Callable[[Progress], None] | None,
+    boxes: int,
+    questions: int,
+    every: bool,
+) -> Interlock:
+    """The same for parts that touch at rest."""
+    began = time.perf_counter()
+    if tight_verdict(left).verdict is Tightness.LOCKED:
+        # a curve drawn tight may turn where the polygon that stands for it does not
+        exact = Path(assembly.drawing.source).suffix.lower() in ("", ".json")
+        sure: Certainty = Certainty.PROVEN if exact else Certainty.SEARCHED
+        names = tuple(assembly.names)
+        return Interlock(
+            assembly, Separability.INTERLOCKED, sure, remains=names, seconds=time.perf_counter() - began, tight=True
+        )
+    loose = assemble(left.drawing, gap=left.gap + TRIAL_GAP * left.size)
+    found = check(loose, stop=stop, progress=progress, boxes=boxes, questions=questions, every=every)
+    apart = found.verdict is Separability.COMES_APART  # with the little gap, which is not quite the drawing
+    return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)
+
+
+def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]:
+    """Names of the parts that turn in place without limit."""
+    if not len(held) or (held == held[0]).all():
+        return ()
+    try:
+        ready = prepare(assembly, stop=stop)
+    except WiggleroomError:
+        return ()
+    bodies, names = ready.bodies, assembly.names
+    found: set[str] = set()
+    for b in np.flatnonzero(held != held[int(np.flatnonzero(bodies.fixed)[0])]):
+        name = names[bodies.members[b][0]]
+        if name in found or (stop is not None and stop.is_set()):
+            continue
+        answer = witness(ready, Turn(name), stop=stop)
+        if answer.path == "checked":
+            found |= set(answer.turns)
+    return tuple(n for n in names if n in found)
+
+
+def with_ground(assembly: Assembly) -> Assembly:
+    """The assembly with something that stands: the largest part where nothing is fixed."""
+    if any(p.fixed for p in assembly.parts):
+        return assembly
+    area = [sum(shapely.Polygon(r.outer, r.holes).area for r in p.regions) for p in assembly.parts]
+    largest = int(np.argmax(area))
+    parts = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.parts))
+    if len(parts) < 2:
+        finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; draw at least two"
+        raise InputError(finding)
+    return replace(assembly, parts=parts, drawing=replace(assembly.drawing, parts=parts))

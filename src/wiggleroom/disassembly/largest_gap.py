@@ -1,0 +1,142 @@
+"""The gap at which an assembly comes apart, with a verified state on both sides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.build import assemble
+from wiggleroom.deadline import Deadline
+from wiggleroom.disassembly.interlock import Interlock, check
+from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
+from wiggleroom.search.loop import Progress
+
+RELATIVE_TOLERANCE = 1e-3
+"""Both sides end no further apart than this share of the gap."""
+BOXES_PER_GAP, QUESTIONS_PER_GAP = 40_000, 40
+"""Of `check`, at every gap that is tried."""
+MIN_GAP_SHARE = 1e-4
+"""The search for a gap that holds ends below this share of the drawing's size."""
+FIRST_GAP_SHARE = 1e-2
+"""Where the drawing gives no gap, the search begins at this share of its size."""
+NOT_HELD = {"comes apart", "gone"}
+
+
+@dataclass(frozen=True, eq=False)
+class LargestGap:
+    """Where interlock is lost.
+
+    Parameters
+    ----------
+    holds : float or None [mm]
+        Largest gap that was seen to interlock; None where no gap does.
+    parts_at : float or None [mm]
+        Smallest gap at which a way apart was found; None where the parts fall to pieces before they come apart.
+    interlocked, apart : Interlock or None
+        The verified states on both sides.
+    """
+
+    holds: float | None
+    parts_at: float | None
+    interlocked: Interlock | None
+    apart: Interlock | None
+
+
+def largest_gap(
+    assembly: Assembly,
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    seconds: float | None = None,
+) -> LargestGap:
+    """The gap of the whole assembly at which it comes apart, to 0.1 %.
+
+    Parts only get smaller as the gap grows, so a way apart stays a way apart, and bisection finds the border. Gaps of single joints and
+    offsets of parts stay as they are. Where some gaps cannot be decided, both sides stay further apart.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Its own gap is where the search begins.
+    stop, progress
+        As for `check`.
+    seconds : float, optional
+        Time that it may take; then both sides are those that are known so far.
+
+    Raises
+    ------
+    InputError
+        As for `check`.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.largest_gap(wr.patterns.chain(2, joint="finger", gap=0.02))
+    >>> found.holds is None
+    True
+    """
+    if seconds is not None:
+        if not 0 < seconds < float("inf"):
+            finding = f"seconds {seconds:g}: it must be more than 0"
+            raise InputError(finding)
+        stop = Deadline(seconds, stop)
+    tried: dict[float, Interlock | None] = {}
+
+    def at(gap: float) -> str:
+        """The verdict at a gap; "gone" where no parts are left at it, "unknown" where they touch."""
+        if gap not in tried:
+            go_on(stop)
+            try:
+                made = assemble(assembly.drawing, gap=gap)
+            except InputError:
+                tried[gap] = None
+                return "gone"
+            try:
+                verdict = check(
+                    made, stop=stop, progress=progress, boxes=BOXES_PER_GAP, questions=QUESTIONS_PER_GAP, every=False
+                )
+            except TouchingError:
+                return "unknown"
+            if verdict.verdict == "unknown":
+                go_on(stop)  # a check that was cut short says nothing about its gap
+            tried[gap] = verdict
+        found = tried[gap]
+        return "gone" if found is None else found.verdict
+
+    def known(verdict: str) -> list[float]:
+        return [g for g in tried if at(g) == verdict]
+
+    with suppress(StoppedError):
+        _bracket(assembly, at, known)
+    holds, parts_at = max(known("interlocked"), default=None), min(known("comes apart"), default=None)
+    return LargestGap(
+        holds, parts_at, None if holds is None else tried[holds], None if parts_at is None else tried[parts_at]
+    )
+
+
+def _bracket(assembly: Assembly, at: Callable[[float], str], known: Callable[[str], list[float]]) -> None:
+    """Try gaps until one that interlocks and one that does not are near each other, or none interlocks."""
+    begin = assembly.gap or FIRST_GAP_SHARE * assembly.size
+    low: float | None = begin if assembly.gap or at(0.0) != "interlocked" else 0.0
+    while low and at(low) != "interlocked":
+        low = low / 2 if low > MIN_GAP_SHARE * assembly.size else None
+    if low is not None:
+        high = max(begin, 2 * low)
+        while at(high) not in NOT_HELD:
+            high *= 2
+        _narrow(at, low, high, NOT_HELD)
+        low = max(known("interlocked"))
+        above = [g for bad in (*NOT_HELD, "unknown") for g in known(bad) if g > low]
+        _narrow(at, low, min(above), {*NOT_HELD, "unknown"})
+
+
+def _narrow(at: Callable[[float], str], low: float, high: float, bad: set[str]) -> None:
+    """Halve the interval between a gap that is not `bad` and one that is, until it is narrow enough."""
+    while high - low > RELATIVE_TOLERANCE * high:
+        middle = (low + high) / 2
+        if at(middle) in bad:
+            high = middle
+        else:
+            low = middle

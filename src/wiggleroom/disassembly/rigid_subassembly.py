@@ -1,0 +1,85 @@
+"""Ways on which some bodies leave as one while all others stay at rest."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.audit.audit_outlines import outlines
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.errors import Stop
+from wiggleroom.freespace.subdivision.passage import passage
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.rigid_motions import about, of_parts
+from wiggleroom.search.prepare import Prepared
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MAX_TURN_STEP = 0.02
+"""Way-points are no further apart than this [rad]."""
+MAX_SPLITS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class RigidEscape:
+    """What is known about some bodies leaving as one.
+
+    Parameters
+    ----------
+    held : bool
+        True where they certainly neither leave nor turn half round.
+    closed : bool
+        True where they certainly do not leave.
+    way : (k, n, 3) float64 [mm, mm, rad] or None
+        Motions of all bodies on which they leave.
+    """
+
+    held: bool
+    closed: bool
+    way: Floats | None
+
+
+def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = None) -> RigidEscape:
+    """Look for a way on which the bodies `who` leave as one, the others staying where they are.
+
+    Parameters
+    ----------
+    ready : Prepared
+    who : (k,) int64
+    most : int
+        Boxes judged at most.
+    stop : optional
+        Asked now and then.
+    """
+    bodies, n = ready.bodies, len(ready.bodies.fixed)
+    geometry = placed(bodies)
+    others = np.setdiff1d(np.arange(n), who)
+    a, b = ready.ignored // n, ready.ignored % n
+    if (np.isin(a, who) != np.isin(b, who)).any():  # pairs that pass through each other are not one solid
+        return RigidEscape(False, False, None)
+    found = passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most, stop=stop)
+    if found.way is None:
+        return RigidEscape(found.held, found.closed, None)
+    points = _finer(found.way)
+    parts = outlines(ready.assembly)
+    for _ in range(MAX_SPLITS):
+        motions = np.zeros((len(points), n, 3))
+        motions[:, who] = about(np.repeat(points[:, None], len(who), 1), bodies.rest[who, :2] - found.pivot)
+        if audit_path(parts, of_parts(ready.assembly, bodies, motions)).free:
+            return RigidEscape(False, False, motions)
+        points = np.insert(points, np.arange(1, len(points)), (points[1:] + points[:-1]) / 2, axis=0)
+    return RigidEscape(False, False, None)
+
+
+def _finer(points: Floats) -> Floats:
+    """The same way with points in between where it turns: those of other points of the body are straight only nearly."""
+    count = np.maximum(1, np.ceil(np.abs(np.diff(points[:, 2])) / MAX_TURN_STEP)).astype(int)
+    pieces = [
+        one + (other - one) * np.arange(k)[:, None] / k
+        for one, other, k in zip(points[:-1], points[1:], count, strict=True)
+    ]
+    return np.concatenate([*pieces, points[-1:]])

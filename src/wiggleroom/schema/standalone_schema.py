@@ -1,0 +1,117 @@
+"""What a page in one file carries: the drawing, and what was found about it."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import UNSET, Meta, Struct, UnsetType
+
+from wiggleroom.schema.fields import Ring
+from wiggleroom.schema.replies import CheckReply, FlexReply, Pose, RankReply, SpaceReply, StepReply, Terms
+from wiggleroom.schema.requests import Design
+
+Cell = Annotated[
+    str | list[str] | float | None, Meta(description="a word, names of parts, or a number; null where it is not known")
+]
+
+
+class PackedFrames(Struct):
+    """Motions of all parts along a path: k frames of n parts."""
+
+    k: int
+    n: int
+    data: Annotated[str, Meta(description="base64 of float32 dx [mm], dy [mm], turn [rad]")]
+
+
+class SharedOutlines(Struct):
+    """Outlines about the parts' reference points, each shape once."""
+
+    shapes: list[list[Ring]]
+    of: Annotated[list[int], Meta(description="number of the shape of each part")]
+
+
+class PlacedPart(Struct):
+    """A part without its outline."""
+
+    name: str
+    at: Pose
+
+
+class StandaloneDrawing(Struct, kw_only=True):
+    """The drawing as it is shown at rest, and what is asked of it."""
+
+    kind: Literal["opened"] = "opened"
+    id: int = 0
+    name: str
+    gap: float
+    unit: str
+    notes: list[str]
+    size: tuple[float, float, float, float]
+    parts: list[PlacedPart]
+    design: Design
+    outlines: SharedOutlines
+
+
+class StandaloneAnswer(Struct):
+    """The answer at one gap."""
+
+    gap: float
+    flex: FlexReply
+    way: PackedFrames
+    outlines: Annotated[SharedOutlines | UnsetType, Meta(description="where they are not those of the drawing")] = UNSET
+
+
+class StandaloneCheck(Struct):
+    """Whether it comes apart, with a path for each escape."""
+
+    reply: CheckReply
+    ways: list[PackedFrames]
+
+
+class Piece(Struct):
+    """A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean."""
+
+    title: str
+    text: str
+    columns: list[str]
+    rows: list[list[Cell]]
+    terms: Terms
+    svg: str
+
+
+class StudyTab(Struct):
+    """A tab of pieces."""
+
+    tab: str
+    sections: list[Piece]
+
+
+class Tints(Struct):
+    """Colours of the parts while the tab of a study is open."""
+
+    per: Annotated[str, Meta(description="unit of the values")]
+    values: dict[str, float]
+
+
+class Title(Struct):
+    """What stands in place of the answer's headline."""
+
+    title: str
+    facts: list[str]
+
+
+class StandalonePage(Struct, kw_only=True, omit_defaults=True):
+    """Everything in the file; all but the drawing may be missing."""
+
+    opened: StandaloneDrawing
+    begin: Annotated[float | UnsetType, Meta(description="the gap that is shown first [mm]")] = UNSET
+    tab: Literal["answer", "gaps", "apart", "space", "study", "sure"] | UnsetType = UNSET
+    answers: Annotated[list[StandaloneAnswer] | UnsetType, Meta(description="one for each gap of the slider")] = UNSET
+    steps: list[StepReply] | UnsetType = UNSET
+    lost: tuple[float, float] | UnsetType | None = UNSET
+    rank: RankReply | UnsetType = UNSET
+    check: StandaloneCheck | UnsetType = UNSET
+    space: SpaceReply | UnsetType = UNSET
+    study: StudyTab | UnsetType = UNSET
+    tints: Tints | UnsetType = UNSET
+    said: Title | UnsetType = UNSET

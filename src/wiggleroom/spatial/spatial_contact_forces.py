@@ -1,0 +1,44 @@
+"""Contacts of a solution: where pieces touch, along which normal, and with which force."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
+from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
+from wiggleroom.spatial.spatial_answer import SpatialContact
+from wiggleroom.spatial.spatial_bodies import Grouping
+from wiggleroom.spatial.spatial_model import SpatialAssembly
+
+WEAK = 1e-5
+"""Contacts with less than this share of the largest force are not reported."""
+
+
+def spatial_contacts(
+    assembly: SpatialAssembly, grouping: Grouping, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
+) -> tuple[SpatialContact, ...]:
+    """Contacts in assembly coordinates, strongest first.
+
+    The corners of one piece that touch the plane, weighted by their multipliers, have the point of contact as their mean; it lies in that
+    piece, and as the plane holds no moment, the other piece's mean is the same point.
+    """
+    P, lam, pose = program, found.lam, found.point.pose
+    contacts = []
+    total = np.add.reduceat(lam, P.row[:-1]) if P.planes else np.zeros(0)
+    strongest = total.max(initial=0.0)
+    pair = np.repeat(np.arange(len(P.a)), np.diff(P.plane))
+    for k in np.flatnonzero(total > WEAK * strongest).tolist():
+        a, b = int(P.a[pair[k]]), int(P.b[pair[k]])
+        first, last = int(P.row[k] + P.own[k]), int(P.row[k + 1])
+        force = float(lam[first:last].sum())
+        if force <= WEAK * strongest:
+            continue
+        corner = lam[first:last] @ P.V[first:last] / force
+        point = pose.T[b] + pose.R[b] @ corner
+        normal = pose.R[a] @ found.point.n[k]
+        _, pi, _, pj = P.pieces[k].tolist()
+        names = tuple(assembly.names[int(grouping.bodies.owner[body][piece])] for body, piece in ((a, pi), (b, pj)))
+        contacts.append(
+            SpatialContact((names[0], names[1]), tuple(point.tolist()), tuple(normal.tolist()), force)  # type: ignore[arg-type]
+        )
+    return tuple(sorted(contacts, key=lambda c: -c.force))

@@ -1,0 +1,321 @@
+"""Does it come apart, in space: which parts leave, in which order, along which way."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.spatial.convex import distinct_axes
+from wiggleroom.spatial.rigid import SpatialPose
+from wiggleroom.spatial.spatial_flex import leaving_parts
+from wiggleroom.spatial.spatial_model import SpatialAssembly
+from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
+from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
+from wiggleroom.spatial.spatial_search import SpatialSearch
+from wiggleroom.verdict import Certainty, Separability
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MOST_DIRECTIONS = 13
+"""Straight ways are tried along so many axes, both ways: those of most faces."""
+MOST_PLACES, MOST_PULLED = 200, 3
+"""Places, each reached by a checked way, from which straight ways are tried, and from which largest motions are searched."""
+NEW_PLACE = 3.0
+"""A place is new where a part lies elsewhere by more than this multiple of the clearance."""
+FAR = 3.0
+"""A part that left is shown so many sizes away."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialEscape:
+    """Parts that leave together.
+
+    Parameters
+    ----------
+    parts : tuple of names
+    path : (k, n, 6) float64 [mm, rad]
+        Motions of all parts from rest to where `parts` go on straight without limit; every step is checked for overlap.
+        Parts of earlier escapes stay where those ended and are out of the game.
+    """
+
+    parts: tuple[str, ...]
+    path: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialDisassembly:
+    """Whether an assembly in space comes apart, and how sure that is.
+
+    Parameters
+    ----------
+    assembly : SpatialAssembly
+    verdict : Separability
+    certainty : Certainty
+        A way apart is proven, as every step was checked. Interlocked rests on a search.
+    escapes : tuple of SpatialEscape
+        In the order in which they leave.
+    remains : tuple of names
+        Parts of which none was found to leave.
+    questions : int
+        Largest motions that were searched.
+    """
+
+    assembly: SpatialAssembly
+    verdict: Separability
+    certainty: Certainty
+    escapes: tuple[SpatialEscape, ...] = ()
+    remains: tuple[str, ...] = ()
+    questions: int = 0
+    seconds: float = 0.0
+
+
+def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> SpatialDisassembly:
+    """Whether some parts can be moved without limit away from the others.
+
+    Fixed parts stand; where none is fixed, the part of the largest volume stands.
+
+    Raises
+    ------
+    TouchingError
+        If two parts touch or overlap at rest.
+    InputError
+        If there is only one part, or all are fixed.
+    """
+    began = time.perf_counter()
+    left = _standing(assembly)
+    names = assembly.names
+    alive = list(range(len(names)))
+    far = np.zeros((len(names), 6))
+    escapes: list[SpatialEscape] = []
+    asked, cut = 0, False
+    while True:
+        stage = _Stage(prepare_spatial(left), stop)
+        found = stage.way_out()
+        asked += stage.questions
+        if found is None:
+            cut = stage.cut
+            break
+        who, way = found
+        path = np.repeat(far[None], len(way), axis=0)
+        path[:, alive] = way
+        escapes.append(SpatialEscape(tuple(names[alive[k]] for k in who), path))
+        far = np.zeros_like(far)
+        for e in escapes:
+            gone = [names.index(n) for n in e.parts]
+            far[gone] = e.path[-1, gone]
+        keep = [k for k in range(len(alive)) if k not in set(who)]
+        alive = [alive[k] for k in keep]
+        left = _reduced(left, keep)
+        if len(alive) < 2 or all(p.fixed for p in left.parts):
+            break
+    if escapes:
+        verdict, sure = Separability.COMES_APART, Certainty.PROVEN
+    else:
+        verdict, sure = (Separability.UNKNOWN if cut else Separability.INTERLOCKED), Certainty.SEARCHED
+    remains = tuple(names[k] for k in alive)
+    return SpatialDisassembly(assembly, verdict, sure, tuple(escapes), remains, asked, time.perf_counter() - began)
+
+
+@dataclass(eq=False)
+class _Stage:
+    """Looks for the next parts that leave."""
+
+    ready: SpatialPrepared
+    stop: Stop | None
+    questions: int = 0
+    cut: bool = False
+
+    def way_out(self) -> tuple[list[int], Floats] | None:
+        """Parts that leave, and the way of all (k, n, 6); None where none was found."""
+        rest = np.zeros((len(self.ready.assembly.parts), 6))
+        places: list[Floats] = [rest[None]]
+        axes = self._axes()
+        asked = 0
+        while asked < len(places):
+            # straight ways are cheap: all of them from all places first
+            for way in places[asked:]:
+                for axis in axes:
+                    for direction in (axis, -axis):
+                        group = self._straight(way[-1], direction)
+                        if group:
+                            end = way[-1].copy()
+                            end[group, :3] += FAR * self.ready.size * direction
+                            return group, np.concatenate([way, end[None]])
+                self._slide(way, axes, places)
+                asked += 1
+                if self.cut_short():
+                    return None
+        known = len(places)
+        for way in places[:MOST_PULLED]:
+            out = self._pulled(way, axes, places)
+            if out is not None or self.cut_short():
+                return out
+        self.cut |= known > MOST_PULLED or len(places) > known
+        return None
+
+    def _slide(self, way: Floats, axes: Floats, places: list[Floats]) -> None:
+        """Places that a body alone reaches by going straight until little more than its clearance is left."""
+        ready, body_of = self.ready, self.ready.grouping.body_of
+        moves = ready.grouping.bodies.free[:, :3]
+        for b in np.flatnonzero(moves.any(axis=1)):
+            mine = np.flatnonzero(body_of == b)
+            for direction in (*axes, *-axes):
+                if not moves[b][np.abs(direction) > 1e-12].all():
+                    continue
+                far = self._room(way[-1], mine, direction)
+                if NEW_PLACE * ready.clearance < far < ready.size:
+                    end = way[-1].copy()
+                    end[mine, :3] += (far - ready.clearance) * direction
+                    self._add_place(np.concatenate([way, end[None]]), places)
+
+    def _room(self, motion: Floats, mine: Ints, direction: Floats) -> float:
+        """How far some parts can go straight [mm], to a tenth of the clearance; the size where that is further."""
+        ready = self.ready
+
+        def free(far: float) -> bool:
+            end = motion.copy()
+            end[mine, :3] += far * direction
+            return not ready.checker.doubtful(motion, end, first=True, only=mine.tolist())
+
+        low, high = 0.0, NEW_PLACE * ready.clearance
+        while free(high):
+            low, high = high, 2 * high
+            if low > ready.size:
+                return ready.size
+        while high - low > ready.clearance / 10:
+            middle = (low + high) / 2
+            low, high = (middle, high) if free(middle) else (low, middle)
+        return low
+
+    def cut_short(self) -> bool:
+        """True once somebody asked to stop."""
+        if self.stop is not None and self.stop.is_set():
+            self.cut = True
+        return self.cut and self.stop is not None and self.stop.is_set()
+
+    def _axes(self) -> Floats:
+        """Normals of faces in the world, those of most faces first."""
+        normals: list[Floats] = []
+        count: list[int] = []
+        for body in self.ready.grouping.bodies.pieces:
+            for piece in body:
+                for n in piece.normals:
+                    for k, known in enumerate(normals):
+                        if np.linalg.norm(np.cross(known, n)) < 1e-6:
+                            count[k] += 1
+                            break
+                    else:
+                        normals.append(n)
+                        count.append(1)
+                if len(normals) > 400:
+                    break
+        order = np.argsort(-np.array(count), kind="stable")
+        found = [normals[k] for k in order[:MOST_DIRECTIONS]]
+        return distinct_axes(np.array([*found, *np.eye(3)]), 1e-6)
+
+    def _straight(self, motion: Floats, direction: Floats) -> list[int]:
+        """Parts that can go straight in a direction, for ever, from a motion; empty where none can.
+
+        Source: the blocking graph of Wilson and Latombe 1994.
+        """
+        ready = self.ready
+        parts, body_of = ready.assembly.parts, ready.grouping.body_of
+        moves = ready.grouping.bodies.free[:, :3]
+        loose = [bool(moves[b][np.abs(direction) > 1e-12].all()) for b in body_of]
+        blocked: dict[int, set[int]] = {}
+        far = FAR * ready.size * direction
+
+        def ahead(body: int) -> set[int]:
+            if body not in blocked:
+                mine = np.flatnonzero(body_of == body)
+                end = motion.copy()
+                end[mine, :3] += far
+                pairs = ready.checker.doubtful(motion, end, only=mine.tolist())
+                blocked[body] = {int(body_of[k]) for pair in pairs for k in pair} - {body}
+            return blocked[body]
+
+        for start in range(len(moves)):
+            group, todo = {start}, [start]
+            while todo:
+                body = todo.pop()
+                if not loose[int(np.flatnonzero(body_of == body)[0])]:
+                    group = set()
+                    break
+                for other in ahead(body) - group:
+                    group.add(other)
+                    todo.append(other)
+            if group and len(group) < len(moves):
+                return [k for k in range(len(parts)) if int(body_of[k]) in group]
+        return []
+
+    def _pulled(self, way: Floats, axes: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
+        """Pull every body in every direction from the end of a way: a way out, or else new places are added."""
+        ready = self.ready
+        bodies = ready.grouping.bodies
+        begin = ready.grouping.pose_of(way[-1])
+        for b in np.flatnonzero(bodies.moves):
+            for axis in axes[:3]:
+                for direction in (axis, -axis):
+                    if self.cut_short():
+                        return None
+                    goal = SumOfTerms((Displacement(int(b), np.zeros(3), direction, begin.T[b]),))
+                    found = self._largest(goal, begin)
+                    if found is None:
+                        continue
+                    status, more = found
+                    whole = np.concatenate([way, more[1:]])
+                    if status == "escaping":
+                        gone = leaving_parts(ready, whole[-1], goal)
+                        if gone:
+                            return gone, whole
+                    self._add_place(whole, places)
+        return None
+
+    def _largest(self, goal: SumOfTerms, begin: SpatialPose) -> tuple[str, Floats] | None:
+        """Way (k, n, 6) of a largest motion from a place, as far as it is checked."""
+        search = SpatialSearch(self.ready, goal, "interior-point", self.stop, None, begin)
+        self.questions += 1
+        program, found, way, whole = search.run()
+        if not len(program.a):
+            return None
+        if not whole or found.status not in ("converged", "escaping"):
+            self.cut |= found.error > 1e-2
+        return found.status if whole else "failed", way
+
+    def _add_place(self, way: Floats, places: list[Floats]) -> None:
+        """Take the end of a way in among the places where nothing near it is known."""
+        apart = min(np.abs(way[-1, :, :3] - p[-1, :, :3]).max() for p in places)
+        if apart > NEW_PLACE * self.ready.clearance:
+            if len(places) < MOST_PLACES:
+                places.append(way)
+            else:
+                self.cut = True
+
+
+def _standing(assembly: SpatialAssembly) -> SpatialAssembly:
+    """The assembly with something that stands: the part of the largest volume where nothing is fixed."""
+    if len(assembly.parts) < 2:
+        finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; give at least two"
+        raise InputError(finding)
+    if any(p.fixed for p in assembly.parts):
+        return assembly
+    largest = int(np.argmax([m.volume for m in assembly.made]))
+    parts = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.parts))
+    return replace(assembly, drawing=replace(assembly.drawing, parts=parts))
+
+
+def _reduced(assembly: SpatialAssembly, keep: Sequence[int]) -> SpatialAssembly:
+    """The assembly as made, with only some of its parts."""
+    parts = tuple(assembly.parts[k] for k in keep)
+    names = {p.name for p in parts}
+    old = assembly.drawing
+    glue = tuple(g for g in (tuple(n for n in g if n in names) for g in old.glue) if len(g) > 1)
+    ignore = tuple(p for p in old.ignore if set(p) <= names)
+    drawing = replace(old, parts=parts, glue=glue, ignore=ignore, goals=())
+    return SpatialAssembly(drawing, tuple(assembly.made[k] for k in keep))

@@ -1,0 +1,95 @@
+"""The way from rest: way-points of the solver, and more between them until every piece of the way is checked."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.spatial import separating_plane_constraints as kernel
+from wiggleroom.spatial.rigid import SpatialPose
+from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.separating_plane_program import (
+    GraphRetraction,
+    SeparatingPlanePoint,
+    SeparatingPlaneProgram,
+    parted,
+)
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_prepare import SpatialPrepared
+
+Floats = NDArray[np.float64]
+
+MOST_HALVINGS = 7
+
+
+def refined(
+    ready: SpatialPrepared, program: SeparatingPlaneProgram, points: Sequence[SeparatingPlanePoint]
+) -> tuple[Floats, bool]:
+    """Motions (k, n, 6) of the parts along a way through legal points, as far as every piece of it is free.
+
+    Returns
+    -------
+    (k, n, 6) float64 [mm, rad]
+        From rest.
+    bool
+        True where the way goes to the last point.
+    """
+    retraction = GraphRetraction(program)
+    motions = [ready.grouping.part_motion(points[0].pose)]
+    for one, other in itertools.pairwise(points):
+        if not _join(ready, retraction, program, one, other, motions, MOST_HALVINGS):
+            return np.array(motions), False
+    return np.array(motions), True
+
+
+def _join(
+    ready: SpatialPrepared,
+    retraction: GraphRetraction,
+    program: SeparatingPlaneProgram,
+    one: SeparatingPlanePoint,
+    other: SeparatingPlanePoint,
+    motions: list[Floats],
+    left: int,
+) -> bool:
+    """Add motions from one point to another; False, with those as far as it is free, where that fails."""
+    end = ready.grouping.part_motion(other.pose)
+    if not ready.checker.overlaps(motions[-1], end):
+        motions.append(end)
+        return True
+    if left == 0:
+        return False
+    middle = halfway(retraction, program, one, other)
+    if middle is None:
+        return False
+    return all(
+        _join(ready, retraction, program, start, stop, motions, left - 1)
+        for start, stop in ((one, middle), (middle, other))
+    )
+
+
+def halfway(
+    retraction: GraphRetraction, program: SeparatingPlaneProgram, one: SeparatingPlanePoint, other: SeparatingPlanePoint
+) -> SeparatingPlanePoint | None:
+    """A legal point half way between two: middle turns, every pair seen half way between; None where none is found."""
+    P = program
+    R = one.pose.R @ exponential(logarithm(np.einsum("nji,njk->nik", one.pose.R, other.pose.R)) / 2)
+    q = (P.frames(one.pose)[0] + P.frames(other.pose)[0]) / 2
+    T = retraction.placed((one.pose.T + other.pose.T) / 2, R, q)
+    pose = SpatialPose(T, R)
+    n = one.n + other.n
+    length = np.linalg.norm(n, axis=1)
+    n, d = n / length[:, None], (one.d + other.d) / 2
+    goal = (P.values(one) + P.values(other)) / 2 * P.length
+    q, Psi = P.frames(pose)
+    weight = 1 / np.maximum(goal, 1e-14) ** 2
+    kernel.fit_planes(q, Psi, P.plane, P.row, P.own, P.V, P.c, P.lever, goal, weight, 5, np.empty((8, 12, 12)), n, d)
+    point = SeparatingPlanePoint(pose, n, d)
+    h = P.values(point)
+    if h.min(initial=np.inf) <= 0:
+        point = parted(P, point, h)
+    return point if P.values(point).min(initial=np.inf) > 0 else None
