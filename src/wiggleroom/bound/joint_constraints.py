@@ -24,7 +24,7 @@ ROUNDING_MARGIN = 1e-12
 """Sums of turns are wider by this [rad], far above their rounding."""
 
 
-class Region(Protocol):
+class BoundedRegion(Protocol):
     """All that one body of a pair can reach, seen from the other, and some more."""
 
     @property
@@ -98,14 +98,14 @@ class AngleRanges:
     far: Floats
 
 
-def turn_differences(joints: JointConstraints, regions: Sequence[Region]) -> TurnDifferences:
+def turn_differences(joints: JointConstraints, regions: Sequence[BoundedRegion]) -> TurnDifferences:
     """What the regions of joints say of turns."""
     turns = np.array([regions[k].turns for k in joints.kind]).reshape(-1, 2)
     return TurnDifferences(joints.a, joints.b, turns[:, 0], turns[:, 1])
 
 
 def first_ranges(
-    fixed: Bools, joints: JointConstraints, regions: Sequence[Region], turns: TurnDifferences | None = None
+    fixed: Bools, joints: JointConstraints, regions: Sequence[BoundedRegion], turns: TurnDifferences | None = None
 ) -> AngleRanges:
     """Turns and shifts add up along ways to fixed bodies; the shortest way counts."""
     turns = turn_differences(joints, regions) if turns is None else turns

@@ -151,7 +151,7 @@ class Case:
         ]
 
 
-class Stage:
+class RangedCase:
     """One step of a proof: ranges of turns, of bodies and of pairs, in which multipliers are asked.
 
     `low`, `high` and `far` are of bodies, `turns` of pairs [[low, high], ..], all at least as wide as what is known.

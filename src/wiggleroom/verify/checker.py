@@ -15,7 +15,7 @@ from typing import Any
 from flint import arb, ctx
 
 from wiggleroom.verify.ball_arithmetic import Refused, exact, less, need, point, size, turned
-from wiggleroom.verify.ball_bounds import Case, Enclosure, Stage
+from wiggleroom.verify.ball_bounds import Case, Enclosure, RangedCase
 from wiggleroom.verify.caging_check import Material, check_caging_surface
 from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read
 from wiggleroom.verify.claim import Claim, claim_of, sentence
@@ -214,7 +214,7 @@ def _cut(
     case: Case, step: dict[str, Any], ranges: tuple[list, list, list], counted: list[int], worth: bool = True
 ) -> tuple[list, list, list]:
     """Ranges after the cuts of a step, each of which its multipliers prove."""
-    stage = Stage(case, *ranges, step["turns"])
+    stage = RangedCase(case, *ranges, step["turns"])
     low, high = list(ranges[0]), list(ranges[1])
     for body, sign, end, multipliers in step["cuts"]:
         counted[0] += 1
@@ -234,7 +234,7 @@ def _bound(case: Case, step: dict[str, Any], ranges: tuple[list, list, list], co
     ranges = _stated(case, step, ranges)
     if "empty" in step:
         p = step["empty"]
-        stage = Stage(case, *ranges, [list(case.known[k][2:]) for k in range(len(case.pairs))])
+        stage = RangedCase(case, *ranges, [list(case.known[k][2:]) for k in range(len(case.pairs))])
         least, most = stage.pair(p)
         enclosure = case.enclosures[case.pairs[p][2]]
         case.work.spend(enclosure.steps)
@@ -243,7 +243,7 @@ def _bound(case: Case, step: dict[str, Any], ranges: tuple[list, list, list], co
         return arb.neg_inf()
     if "best" in step:
         counted[0] += 1
-        return Stage(case, *ranges, step["turns"]).most(step["best"], None)
+        return RangedCase(case, *ranges, step["turns"]).most(step["best"], None)
     low, high, far = _cut(case, step, ranges, counted)
     if _empty(low, high):
         return arb.neg_inf()
