@@ -24,8 +24,8 @@ SPANS = (2, 4, 6)
 """Windows hold all shortest ways between two bodies so many joints apart."""
 MAX_BODIES = 16
 """Larger windows cost more than they tell."""
-CONGRUENCE_TOLERANCE = 1e-7
-"""Windows are congruent where their bodies agree to this share of their radius."""
+CONGRUENCE_TOLERANCE = 1e-10
+"""Windows are congruent where their bodies agree to this share of their radius: far less than what ranges of turns are widened by."""
 
 
 @dataclass(frozen=True, eq=False)

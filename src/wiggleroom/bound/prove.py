@@ -53,7 +53,7 @@ def prove(
     stop : optional
         Anything with `is_set()`; ends it like the time.
     progress : callable, optional
-        Told a `Progress` with the bound so far.
+        Told a `Progress`: what is being done and for how long, and the bound so far.
 
     Returns
     -------
@@ -93,7 +93,8 @@ def prove(
 
     def tell(stage: str, most: float) -> None:
         if progress is not None:
-            progress(Progress(stage, 0, 0, most))
+            shown = most if math.isfinite(most) else math.nan
+            progress(Progress(f"proof, {clock.spent:.0f} s: {stage}", 0, 0, shown))
 
     tell("caging surfaces" if certify else "outer regions", math.nan)
     joints, regions = outer_regions(ground, clock.is_set, certify)
