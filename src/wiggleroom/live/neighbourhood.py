@@ -93,7 +93,7 @@ def neighbourhood(ready: Prepared, state: State, body: int, count: int) -> Neigh
         return a[kept] * len(who) + b[kept]
 
     small = Prepared(
-        assembly, here, keys(ready.ignored), ready.clearance, ready.size, some, keys(ready.corners), ready.model
+        assembly, here, keys(ready.ignored), ready.clearance, ready.size, some, keys(ready.corners), model=ready.model
     )
     still = [p for b in who[~moves[who] & ~bodies.fixed[who]] for p in bodies.members[b]]
     return Neighbourhood(small, who, pair, frozenset(ready.assembly.parts[p].name for p in still), reach)
