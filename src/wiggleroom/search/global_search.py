@@ -23,6 +23,8 @@ MAX_BODIES = 50
 """Assemblies of more free bodies are climbed once."""
 WORK_BUDGET = 4000.0
 """Work that a direct question may take, in iterations of a small program: about a millisecond each."""
+FEW_BODIES, WORK_BUDGET_OF_FEW = 12, 10_000.0
+"""Up to so many free bodies the climbs meet a fair share of all hills, and more of them pay."""
 ROUND_WORK, GROWTH_WORK, ROW_WORK = 4.0, 0.02, 2e-3
 """Work of a round and of its new cells for every row, and of an iteration for every row, in the same unit."""
 MAX_KNOWN_PAIRS = 200
@@ -122,7 +124,8 @@ class _GlobalSearch:
     def goes_on(self, starts: int | None) -> bool:
         """True while there is more to do."""
         free = int((~self.first.ready.bodies.fixed).sum())
-        more = self.made < starts if starts is not None else free <= MAX_BODIES and self.work < WORK_BUDGET
+        budget = WORK_BUDGET_OF_FEW if free <= FEW_BODIES else WORK_BUDGET
+        more = self.made < starts if starts is not None else free <= MAX_BODIES and self.work < budget
         return more and not self.first.stopped and not self.free and not (starts is None and self._saturated)
 
     @property
