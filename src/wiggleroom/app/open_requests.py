@@ -9,7 +9,6 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 import msgspec
 import numpy as np
 
-from wiggleroom.app.resource_limits import UPLOAD_MB
 from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.drawing.layers import ReadOptions
@@ -20,7 +19,6 @@ from wiggleroom.report.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import OpenRequest
 
-MAX_BYTES = UPLOAD_MB * 1_000_000
 CHORD_ERROR_SHARE = 1e-4
 """Chord error of curves as a share of the median part size, where there is no gap to tell."""
 
@@ -58,11 +56,6 @@ def opened(request: OpenRequest) -> File:
     InputError
         With one line per finding; names of folders are left out.
     """
-    if len(request.data) > MAX_BYTES and not request.path:
-        finding = (
-            f"{len(request.data) / 1e6:.1f} MB: a drawing may have {MAX_BYTES / 1e6:g} MB here; use the command line"
-        )
-        raise InputError(finding)
     name = plain_name(request.name)
     with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
         path = Path(folder) / name

@@ -18,15 +18,21 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from wiggleroom.app.message_timeout import MessageTimeout
+from wiggleroom.app.http_limits import LimitedHttp
 from wiggleroom.app.messages import encode, failed
 from wiggleroom.app.process import MAX_PAGES, Pool
+from wiggleroom.app.refusal import REFUSAL, REFUSAL_POLICY
 from wiggleroom.app.resource_limits import UPLOAD_MB
 from wiggleroom.app.session import Session
+from wiggleroom.app.websocket_limits import LimitedWebSocket
 from wiggleroom.schema.replies import ExtraLimits, Hello
 
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
+MESSAGES_PER_SECOND = 500
+"""A page may send so many messages a second on average, and as many at once; further ones wait. A moving hand sends up to 240."""
+MAX_HEADER_BYTES = 16 * 1024
+"""Bytes of the headers of one request."""
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob: data:; "
@@ -97,8 +103,9 @@ class Page:
         if not self._known(request):
             return PlainTextResponse("this server answers to its own address only", 421, HEADERS)
         name = request.url.path.lstrip("/") or "index.html"
-        if name == "index.html" and "token" in request.query_params and not self._trusted(request):
-            return PlainTextResponse("the address must be the one that wiggleroom serve printed", 403, HEADERS)
+        if request.url.path == "/" and not self._trusted(request):
+            headers = HEADERS | {"Content-Security-Policy": REFUSAL_POLICY}
+            return Response(REFUSAL, 403, headers, media_type="text/html")
         kind = MEDIA_TYPES.get(name.rpartition(".")[2], "application/octet-stream")
         return Response(self._files[name], media_type=kind, headers=HEADERS)
 
@@ -151,9 +158,15 @@ class Page:
 
 
 async def _listen(socket: WebSocket, session: Session) -> None:
-    """Pass frames of a page on until it goes."""
+    """Pass frames of a page on until it goes, no faster than it may send them: a token bucket."""
+    clock = asyncio.get_running_loop().time
+    left, before = float(MESSAGES_PER_SECOND), clock()
     with contextlib.suppress(WebSocketDisconnect):
         while (said := await socket.receive())["type"] != "websocket.disconnect":
+            now = clock()
+            left = min(left + (now - before) * MESSAGES_PER_SECOND, MESSAGES_PER_SECOND) - 1
+            before = now
+            await asyncio.sleep(max(0.0, -left / MESSAGES_PER_SECOND))  # where nothing waits, other pages have their turn
             if said.get("text") is None:
                 await session.refuse("message: a text frame is expected, this was a binary one")
             else:
@@ -191,15 +204,15 @@ class Server(uvicorn.Server):
     def __init__(self, page: Page) -> None:
         config = uvicorn.Config(
             page.app,
-            http="h11",
-            ws=MessageTimeout,
+            http=LimitedHttp,
+            h11_max_incomplete_event_size=MAX_HEADER_BYTES,
+            ws=LimitedWebSocket,
             ws_max_size=MAX_MESSAGE_BYTES,
             ws_per_message_deflate=False,  # nothing to win on one machine, and no bombs
             log_config=None,
             log_level="critical",
             access_log=False,
             server_header=False,
-            limit_concurrency=64,
             timeout_graceful_shutdown=2,
         )
         super().__init__(config)
