@@ -18,9 +18,9 @@ SHOWN = {
     "answer": lambda: wr.flex(CHAIN, PULL),
     "check": lambda: wr.check(CHAIN),
     "rank": lambda: wr.rank(CHAIN, PULL),
-    "tighten": lambda: wr.tighten(CHAIN, PULL, parts=1),
-    "sweep": lambda: wr.sweep(CHAIN, PULL, gaps=[0.01, 0.02]),
-    "sample": lambda: wr.sample(CHAIN, PULL, spread=wr.Spread(0.002), draws=4, workers=1),
+    "tighten": lambda: wr.tighten(CHAIN, PULL, parts=1, workers=1),
+    "sweep": lambda: wr.sweep(CHAIN, [0.01, 0.02], PULL),
+    "sample": lambda: wr.sample(CHAIN, 0.002, PULL, draws=4, workers=1),
     "gap": lambda: wr.allowable_gap(CHAIN, PULL, at_most=0.1),
 }
 

@@ -17,14 +17,15 @@ class LimitedHttp(H11Protocol):
     """Ends connections whose request does not end or whose reply is not read; others always find a place."""
 
     _limit: asyncio.TimerHandle | None = None
+    _since: float = 0.0
 
     def connection_made(self, transport: Any) -> None:
         """Make place where there is none, and start the clock."""
         super().connection_made(transport)
+        self._start()
         open_ = [c for c in self.connections if isinstance(c, LimitedHttp) and not c.transport.is_closing()]
         if len(open_) > MAX_CONNECTIONS:
             min(open_, key=lambda c: c._since).transport.abort()
-        self._start()
 
     def on_response_complete(self) -> None:
         """Give the next request its own time."""
