@@ -17,8 +17,11 @@ ELSEWHERE = {
     "CHANGELOG.md": "changelog.md",
     "extras/inkscape/README.md": "extras-inkscape.md",
     "extras/freecad/README.md": "extras-freecad.md",
+    "examples/drawings/SOURCES.md": "drawings-sources.md",
 }
 """Pages that stand outside docs/, and their places in the site."""
+TYPED = ("json.md", "page-protocol.md")
+"""Pages whose tables hold types with brackets, which are no links."""
 LINK = re.compile(r"(?<=\]\()([^)\s#:]+)(#[^)\s]*)?(?=\))")
 PICTURE = re.compile(r"^!\[[^\]]*\]\(pictures/([\w.-]+)\)$", re.MULTILINE)
 
@@ -29,6 +32,7 @@ def on_files(files: Files, config: Any) -> Files:
         text = (TOP / source).read_text(encoding="utf-8")
         files.append(File.generated(config, place, content=with_links(text, source)))
     files.append(File.generated(config, "reference.md", content=reference()))
+    files.append(File.generated(config, "schema/README.md", content=schemas()))
     for page in sorted(LIVE.glob("*.html")):
         files.append(File.generated(config, f"live/{page.name}", abs_src_path=str(page)))
     return files
@@ -37,8 +41,10 @@ def on_files(files: Files, config: Any) -> Files:
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str:  # noqa: ARG001
     """Make links between files of the repository links of the site; in the gallery show live pages."""
     source = page.file.src_uri
-    if source in ELSEWHERE.values() or source == "reference.md":
+    if page.file.generated_by is not None:
         return markdown
+    if source in TYPED:
+        markdown = re.sub(r"^\| `.*$", lambda m: m[0].replace("[", "&#91;").replace("]", "&#93;"), markdown, flags=re.MULTILINE)
     if source == "gallery.md":
         markdown = PICTURE.sub(live, markdown)
     return with_links(markdown, f"docs/{source}")
@@ -54,6 +60,8 @@ def place_of(link: str, source: str) -> str:
     target = posixpath.normpath(posixpath.join(posixpath.dirname(source), link))
     if target in ELSEWHERE:
         return ELSEWHERE[target]
+    if target == "docs/schema":
+        return "schema/README.md"
     if target.startswith("docs/"):
         return target.removeprefix("docs/")
     return link
@@ -98,6 +106,12 @@ def reference() -> str:
         text.append(f"## {title}\n")
         text += [f"::: {home(name)}\n" for name in names]
     return "\n".join(text)
+
+
+def schemas() -> str:
+    """The folder of JSON schemas as a page."""
+    names = sorted(path.name for path in (TOP / "docs" / "schema").glob("*.json"))
+    return "# JSON schemas\n\n" + "".join(f"- [{name}]({name})\n" for name in names)
 
 
 def home(name: str) -> str:

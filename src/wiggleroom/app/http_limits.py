@@ -10,7 +10,11 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 REQUEST_SECONDS = 20.0
 """A request must be there, and its reply read, within this time [s]."""
 MAX_CONNECTIONS = 64
-"""So many connections that are no socket of a page may be open; the one that is longest at its request makes place."""
+"""Of more connections that are no socket of a page, the one that is longest at its request makes place."""
+GRACE_SECONDS = 1.0
+"""No connection makes place before [s]: a newcomer must have time to ask."""
+HARD_LIMIT = 512
+"""Of more connections, the oldest makes place at any age."""
 
 
 class LimitedHttp(H11Protocol):
@@ -23,9 +27,11 @@ class LimitedHttp(H11Protocol):
         """Make place where there is none, and start the clock."""
         super().connection_made(transport)
         self._start()
-        open_ = [c for c in self.connections if isinstance(c, LimitedHttp) and not c.transport.is_closing()]
-        if len(open_) > MAX_CONNECTIONS:
-            min(open_, key=lambda c: c._since).transport.abort()
+        waiting = [c for c in self.connections if isinstance(c, LimitedHttp) and not c.transport.is_closing()]
+        if len(waiting) > MAX_CONNECTIONS:
+            oldest = min(waiting, key=lambda c: c._since)
+            if len(waiting) > HARD_LIMIT or self._since - oldest._since > GRACE_SECONDS:
+                oldest.transport.abort()
 
     def on_response_complete(self) -> None:
         """Give the next request its own time."""

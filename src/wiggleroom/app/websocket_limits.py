@@ -9,8 +9,10 @@ from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIO
 
 MESSAGE_SECONDS = 60.0
 """A message must be there whole within this time of its beginning [s]."""
-SLICE_BYTES = 4096
-"""So much is parsed in one turn of the event loop: a flood of tiny frames lets other connections in between."""
+TURN_SECONDS = 0.002
+"""So long is parsed in one turn of the event loop [s]: a flood of tiny frames lets other connections in between."""
+SLICE_BYTES = (512, 8192)
+"""Bytes parsed between two looks at the clock: few where they are slow to parse, more where they are the inside of a large frame."""
 
 
 class LimitedWebSocket(WebSocketsSansIOProtocol):
@@ -18,6 +20,7 @@ class LimitedWebSocket(WebSocketsSansIOProtocol):
 
     _limit: asyncio.TimerHandle | None = None
     _turn: asyncio.Handle | None = None
+    _slice = SLICE_BYTES[0]
 
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
@@ -29,17 +32,22 @@ class LimitedWebSocket(WebSocketsSansIOProtocol):
         self._parse()
 
     def _parse(self) -> None:
-        """Parse one slice."""
+        """Parse as much as fits into one turn."""
         self._turn = None
         if self.transport.is_closing():
             self._unparsed.clear()
             return
-        if not self.read_paused and self.writable.is_set():
-            piece = bytes(self._unparsed[:SLICE_BYTES])
-            del self._unparsed[:SLICE_BYTES]
+        least, most = SLICE_BYTES
+        begin = before = self.loop.time()
+        while self._unparsed and before - begin < TURN_SECONDS and not self.read_paused and self.writable.is_set():
+            piece = bytes(self._unparsed[: self._slice])
+            del self._unparsed[: self._slice]
             super().data_received(piece)
-            if (self.frames or self.conn.reader.buffer) and self._limit is None:
-                self._limit = self.loop.call_later(MESSAGE_SECONDS, self.transport.abort)
+            now = self.loop.time()
+            self._slice = min(2 * self._slice, most) if now - before < TURN_SECONDS / 10 else least
+            before = now
+        if (self.frames or self.conn.reader.buffer) and self._limit is None:
+            self._limit = self.loop.call_later(MESSAGE_SECONDS, self.transport.abort)
         self._go_on()
 
     def _go_on(self) -> None:
