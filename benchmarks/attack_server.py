@@ -192,7 +192,8 @@ def questions(target: Target, stop: Stop) -> None:
 
 
 def large_designs(target: Target, stop: Stop) -> None:
-    glue = [["a", "b"]] * 300_000
+    """Designs just below the largest that is taken."""
+    glue = [["a", "b"]] * 99_000
     asked = json.dumps({"kind": "flex", "id": 2, "design": {"glue": glue}}, separators=(",", ":"))
     push(target, stop, target.page, frame(asked.encode()))
 

@@ -30,7 +30,11 @@ from wiggleroom.schema.replies import ExtraLimits, Hello
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
 MESSAGES_PER_SECOND = 500
-"""A page may send so many messages a second on average, and as many at once; further ones wait. A moving hand sends up to 240."""
+"""A page may send so many messages a second on average; further ones wait. A moving hand sends up to 240."""
+BURST_SECONDS = 1.0
+"""A page that was silent may send at once what else it might in this time [s]."""
+LOOP_SHARE = 0.2
+"""Share of the server's time that reading the messages of one page may take, where that is more."""
 MAX_HEADER_BYTES = 16 * 1024
 """Bytes of the headers of one request."""
 HEADERS = {
@@ -158,19 +162,21 @@ class Page:
 
 
 async def _listen(socket: WebSocket, session: Session) -> None:
-    """Pass frames of a page on until it goes, no faster than it may send them: a token bucket."""
+    """Pass frames of a page on until it goes, no faster than it may send them: a token bucket, filled with seconds."""
     clock = asyncio.get_running_loop().time
-    left, before = float(MESSAGES_PER_SECOND), clock()
+    left, before = BURST_SECONDS, clock()
     with contextlib.suppress(WebSocketDisconnect):
         while (said := await socket.receive())["type"] != "websocket.disconnect":
-            now = clock()
-            left = min(left + (now - before) * MESSAGES_PER_SECOND, MESSAGES_PER_SECOND) - 1
-            before = now
-            await asyncio.sleep(max(0.0, -left / MESSAGES_PER_SECOND))  # where nothing waits, other pages have their turn
+            began = clock()
             if said.get("text") is None:
                 await session.refuse("message: a text frame is expected, this was a binary one")
             else:
                 await session.submit(said["text"].encode())
+            now = clock()
+            cost = max(1 / MESSAGES_PER_SECOND, (now - began) / LOOP_SHARE)
+            left = min(left + now - before, BURST_SECONDS) - cost
+            before = now
+            await asyncio.sleep(max(0.0, -left))  # at least one turn for others
 
 
 def hello() -> Hello:
