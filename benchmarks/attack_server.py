@@ -128,14 +128,16 @@ def idle_sockets(target: Target, stop: Stop) -> None:
 
 
 def slow_bodies(target: Target, stop: Stop) -> None:
-    hold(target, stop, f"POST / HTTP/1.1\r\nHost: {target.host}\r\nContent-Length: 1000000000\r\n\r\n".encode(), b"a", 80)
+    hold(
+        target, stop, f"POST / HTTP/1.1\r\nHost: {target.host}\r\nContent-Length: 1000000000\r\n\r\n".encode(), b"a", 80
+    )
 
 
 def replies_that_nobody_reads(target: Target, stop: Stop) -> None:
     hold(target, stop, f"GET /space-view.js HTTP/1.1\r\nHost: {target.host}\r\n\r\n".encode() * 20, b"", 80)
 
 
-def push(target: Target, stop: Stop, begin: Callable[[], socket.socket], data: bytes) -> None:
+def push(stop: Stop, begin: Callable[[], socket.socket], data: bytes) -> None:
     """Send the same data on and on, on a new connection where the old one was closed."""
     while not stop.is_set():
         try:
@@ -151,56 +153,64 @@ def push(target: Target, stop: Stop, begin: Callable[[], socket.socket], data: b
 
 
 def giant_headers(target: Target, stop: Stop) -> None:
-    push(target, stop, target.socket, b"GET / HTTP/1.1\r\nX: " + b"a" * 4_000_000)
+    push(stop, target.socket, b"GET / HTTP/1.1\r\nX: " + b"a" * 4_000_000)
 
 
 def giant_bodies(target: Target, stop: Stop) -> None:
     head = f"POST / HTTP/1.1\r\nHost: {target.host}\r\nContent-Length: 100000000000\r\n\r\n".encode()
-    push(target, stop, target.socket, head + b"a" * 4_000_000)
+    push(stop, target.socket, head + b"a" * 4_000_000)
 
 
 def requests_in_a_row(target: Target, stop: Stop) -> None:
-    push(target, stop, target.socket, f"GET /page.css HTTP/1.1\r\nHost: {target.host}\r\n\r\n".encode() * 1000)
+    push(stop, target.socket, f"GET /page.css HTTP/1.1\r\nHost: {target.host}\r\n\r\n".encode() * 1000)
 
 
 def giant_frames(target: Target, stop: Stop) -> None:
-    push(target, stop, target.page, b"\x81\xff" + struct.pack(">Q", 1 << 40) + bytes(4) + b"a" * 4_000_000)
+    push(stop, target.page, b"\x81\xff" + struct.pack(">Q", 1 << 40) + bytes(4) + b"a" * 4_000_000)
 
 
 def full_frames(target: Target, stop: Stop) -> None:
     """Messages just below the largest that is taken, all of them nonsense."""
-    push(target, stop, target.page, frame(b'{"kind": "open", "id": 1, "name": "' + b"a" * 27_000_000))
+    push(stop, target.page, frame(b'{"kind": "open", "id": 1, "name": "' + b"a" * 27_000_000))
 
 
 def pieces_of_nothing(target: Target, stop: Stop) -> None:
-    push(target, stop, target.page, frame(b"a", last=False) + frame(b"", 0, last=False) * 100_000)
+    push(stop, target.page, frame(b"a", last=False) + frame(b"", 0, last=False) * 100_000)
 
 
 def pings(target: Target, stop: Stop) -> None:
-    push(target, stop, target.page, frame(b"a" * 100, 9) * 10_000)
+    push(stop, target.page, frame(b"a" * 100, 9) * 10_000)
 
 
 def nonsense(target: Target, stop: Stop) -> None:
-    push(target, stop, target.page, frame(b"x") * 10_000)
+    push(stop, target.page, frame(b"x") * 10_000)
 
 
 def questions(target: Target, stop: Stop) -> None:
     """Valid requests as fast as they go, whose replies nobody reads."""
-    opening = json.dumps({"kind": "open", "id": 1, "name": "a.json", "data": base64.b64encode(json.dumps(BOXES).encode()).decode()})
+    opening = json.dumps(
+        {"kind": "open", "id": 1, "name": "a.json", "data": base64.b64encode(json.dumps(BOXES).encode()).decode()}
+    )
     asked = json.dumps({"kind": "shape", "id": 2, "design": {"gap": 0.1}})
-    push(target, stop, target.page, frame(opening.encode()) + frame(asked.encode()) * 10_000)
+    push(stop, target.page, frame(opening.encode()) + frame(asked.encode()) * 10_000)
 
 
 def large_designs(target: Target, stop: Stop) -> None:
     """Designs just below the largest that is taken."""
     glue = [["a", "b"]] * 99_000
     asked = json.dumps({"kind": "flex", "id": 2, "design": {"glue": glue}}, separators=(",", ":"))
-    push(target, stop, target.page, frame(asked.encode()))
+    push(stop, target.page, frame(asked.encode()))
 
 
 def strangers(target: Target, stop: Stop) -> None:
     """Wrong hosts, origins and tokens; each must be refused."""
-    others = ({"host": "evil.example"}, {"origin": "http://evil.example"}, {"origin": "null"}, {"token": "x"}, {"token": ""})
+    others = (
+        {"host": "evil.example"},
+        {"origin": "http://evil.example"},
+        {"origin": "null"},
+        {"token": "x"},
+        {"token": ""},
+    )
     while not stop.is_set():
         for other in others:
             with contextlib.suppress(OSError), target.socket() as raw:
@@ -237,7 +247,9 @@ def well_behaved(target: Target, stop: Stop, ready: Stop, waits: Waits) -> None:
     """A page that asks, waits, and asks again."""
     try:
         with connect(
-            f"ws://{target.host}/socket?token={target.token}", origin=f"http://{target.host}", max_size=None  # type: ignore[arg-type]
+            f"ws://{target.host}/socket?token={target.token}",
+            origin=f"http://{target.host}",
+            max_size=None,  # type: ignore[arg-type]
         ) as page:
             design = None
             data = base64.b64encode(json.dumps(BOXES).encode()).decode()
@@ -273,7 +285,9 @@ def newcomers(target: Target, stop: Stop, waits: Waits) -> None:
     while not stop.is_set():
         began = time.perf_counter()
         try:
-            with contextlib.closing(http.client.HTTPConnection("127.0.0.1", target.port, timeout=2 * PATIENCE)) as asked:
+            with contextlib.closing(
+                http.client.HTTPConnection("127.0.0.1", target.port, timeout=2 * PATIENCE)
+            ) as asked:
                 asked.request("GET", f"/?token={target.token}", headers={"Host": target.host})
                 reply = asked.getresponse()
                 reply.read()
@@ -354,6 +368,8 @@ def serving() -> Iterator[Target]:
         finally:
             child.terminate()
             child.wait(20)
+            if child.stdout is not None:
+                child.stdout.close()
         said.seek(0)
         if noise := said.read():
             message = f"the server complained: {noise[:400]}"
@@ -369,7 +385,9 @@ def main() -> None:
             found = under(attack, target, seconds)
         numbers = (found.page.median, found.page.worst, found.newcomers.median, found.newcomers.worst)
         said = "held" if found.held else f"NOT HELD {found.page.failed} {found.newcomers.failed}"
-        print(f"| {found.attack} | {' | '.join(f'{n:.3f}' for n in numbers)} | {found.memory:.0f} | {said} |", flush=True)
+        print(
+            f"| {found.attack} | {' | '.join(f'{n:.3f}' for n in numbers)} | {found.memory:.0f} | {said} |", flush=True
+        )
 
 
 if __name__ == "__main__":

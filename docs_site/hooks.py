@@ -44,7 +44,9 @@ def on_page_markdown(markdown: str, page: Any, config: Any, files: Files) -> str
     if page.file.generated_by is not None:
         return markdown
     if source in TYPED:
-        markdown = re.sub(r"^\| `.*$", lambda m: m[0].replace("[", "&#91;").replace("]", "&#93;"), markdown, flags=re.MULTILINE)
+        markdown = re.sub(
+            r"^\| `.*$", lambda m: m[0].replace("[", "&#91;").replace("]", "&#93;"), markdown, flags=re.MULTILINE
+        )
     if source == "gallery.md":
         markdown = PICTURE.sub(live, markdown)
     return with_links(markdown, f"docs/{source}")
@@ -80,7 +82,18 @@ def live(found: re.Match[str]) -> str:
 
 
 GROUPS = {
-    "Ask": ("read", "assemble", "flex", "check", "prove", "prepare", "free_space", "largest_gap", "tight_verdict", "blocking"),
+    "Ask": (
+        "read",
+        "assemble",
+        "flex",
+        "check",
+        "prove",
+        "prepare",
+        "free_space",
+        "largest_gap",
+        "tight_verdict",
+        "blocking",
+    ),
     "Study": ("rank", "tighten", "sweep", "sample", "allowable_gap", "worst_case", "read_tolerances"),
     "Show and make": ("film", "patterns", "coupon"),
     "Goals": ("Pull", "Turn", "W", "Towards", "Translation", "Closer"),

@@ -11,8 +11,8 @@ import tempfile
 from pathlib import Path
 
 from benchmarks.redraw import PICTURES, TOP
-from docs_site.hooks import PICTURE
 
+from docs_site.hooks import PICTURE
 from wiggleroom.cli import main as wiggleroom
 
 SKIPPED = ("15_grid", "14_shelf_0", "14_shelf_1")

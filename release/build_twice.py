@@ -24,7 +24,9 @@ def epoch() -> int:
     """Time of everything in the archives [s since 1970]."""
     said = os.environ.get("SOURCE_DATE_EPOCH")
     if said is None:
-        said = subprocess.run(["git", "log", "-1", "--format=%ct"], cwd=TOP, capture_output=True, text=True, check=True).stdout
+        said = subprocess.run(
+            ["git", "log", "-1", "--format=%ct"], cwd=TOP, capture_output=True, text=True, check=True
+        ).stdout
     return int(said)
 
 
@@ -36,7 +38,11 @@ def build(folder: Path, when: int) -> list[Path]:
     with tempfile.TemporaryDirectory() as place:
         copy = Path(place) / "source"
         listed = subprocess.run(
-            ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"], cwd=TOP, capture_output=True, text=True, check=True
+            ["git", "ls-files", "--cached", "--others", "--exclude-standard", "-z"],
+            cwd=TOP,
+            capture_output=True,
+            text=True,
+            check=True,
         )
         for name in listed.stdout.split("\0"):
             if name and (TOP / name).is_file():

@@ -54,10 +54,14 @@ class KernelCacheFile(IndexDataCacheFile):
             return None
 
     def ship(self, folder: Path) -> int:
-        """Copy what is kept into a folder that a wheel carries; how many files."""
+        """Copy what is kept into a folder that a wheel carries; how many files.
+
+        The listing of inferred types is left out: nothing reads it, and it names the folder of the build.
+        """
         overloads = self._load_index()
         for key, name in overloads.items():
-            self._shipped(folder, key).write_bytes(Path(self._data_path(name)).read_bytes())
+            kept = tuple("" if isinstance(item, str) else item for item in self._load_data(name))
+            self._shipped(folder, key).write_bytes(self._dump(kept))
         return len(overloads)
 
     def _shipped(self, folder: Path, key: Any) -> Path:
