@@ -32,6 +32,7 @@ ORDER = [
     "form_closure",
     "disassembly",
     "sensitivity",
+    "planning",
     "live",
     "spatial",
     "questions",

@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from wiggleroom.live.live_result import LiveResult, Mode
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
+    from wiggleroom.planning.plan import Plan, plan
+    from wiggleroom.planning.steps import Step
     from wiggleroom.questions import check, flex, read
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
@@ -80,6 +82,7 @@ _HOME = {
     "MissingExtraError": "errors",
     "Mode": "live.live_result",
     "Part": "drawing.model",
+    "Plan": "planning.plan",
     "Polyhedron": "freespace.models.polyhedron",
     "Prepared": "search.prepare",
     "Pull": "drawing.model",
@@ -88,6 +91,7 @@ _HOME = {
     "Sample": "sensitivity.sample",
     "LiveResult": "live.live_result",
     "Spread": "sensitivity.gap_distribution",
+    "Step": "planning.steps",
     "StoppedError": "errors",
     "Sweep": "sensitivity.sweep",
     "Tightening": "sensitivity.tighten",
@@ -111,6 +115,7 @@ _HOME = {
     "free_space": "freespace.free_space",
     "largest_gap": "disassembly.largest_gap",
     "patterns": "assembly",
+    "plan": "planning.plan",
     "prepare": "maximise",
     "prove": "bound.prove",
     "rank": "sensitivity.rank",
@@ -145,6 +150,7 @@ __all__ = [
     "MissingExtraError",
     "Mode",
     "Part",
+    "Plan",
     "Polyhedron",
     "Prepared",
     "Pull",
@@ -152,6 +158,7 @@ __all__ = [
     "Region",
     "Sample",
     "Spread",
+    "Step",
     "StoppedError",
     "Sweep",
     "TightVerdict",
@@ -175,6 +182,7 @@ __all__ = [
     "free_space",
     "largest_gap",
     "patterns",
+    "plan",
     "prepare",
     "prove",
     "rank",

@@ -26,11 +26,13 @@ from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.complete_search import PROVEN_GAP, complete
+from wiggleroom.search.distance_climb import climbed
 from wiggleroom.search.global_search import search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
+from wiggleroom.search.periodic_motion import periodic_motion
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.linear_programming import linear_solver
@@ -218,11 +220,17 @@ def witness(
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
         return _from_several(climb, first, asked, solver, began)
-    climb.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
-    if search == 0:
-        return answer_of(climb, asked, solver, began)
+    climb.improve(climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start())
+    climb, repeats = periodic_motion(climb, asked)
+    if search == 0 or repeats is not None:
+        return answer_of(climb, asked, solver, began, repeats)
+    first_climb = climb
     climb, effort = search_on(climb, search)
-    answer = replace(answer_of(climb, asked, solver, began), search=effort)
+    if climb is not first_climb:
+        climb, repeats = periodic_motion(climb, asked)
+    answer = replace(answer_of(climb, asked, solver, began, repeats), search=effort)
+    if answer.objective is None:
+        return answer
     several = int((~ready.bodies.fixed).sum()) > 1
     if several or (search is None and with_quick_bound(answer).verdict is Verdict.PROVEN):
         return answer  # only one body alone is searched completely, where there is anything left to find
