@@ -251,7 +251,7 @@ def well_behaved(target: Target, stop: Stop, ready: Stop, waits: Waits) -> None:
             origin=f"http://{target.host}",
             max_size=None,  # type: ignore[arg-type]
         ) as page:
-            design = None
+            design, loaded = None, False
             data = base64.b64encode(json.dumps(BOXES).encode()).decode()
             page.send(json.dumps({"kind": "open", "id": 1, "name": "boxes.json", "data": data}))
             number = 1
@@ -261,8 +261,11 @@ def well_behaved(target: Target, stop: Stop, ready: Stop, waits: Waits) -> None:
                     number += 1
                     page.send(json.dumps({"kind": "shape", "id": number, "design": design}))
                 while True:
-                    said = page.recv(timeout=60 if design is None else 2 * PATIENCE)
+                    said = page.recv(
+                        timeout=2 * PATIENCE if ready.is_set() else 600
+                    )  # its process may have kernels to compile
                     reply = json.loads(said) if isinstance(said, str) else {}
+                    loaded = loaded or (reply.get("kind"), reply.get("state")) == ("worker", "ready")
                     if reply.get("id") == number and reply["kind"] in ("opened", "shape", "failed"):
                         break
                 if reply["kind"] == "failed":
@@ -270,8 +273,9 @@ def well_behaved(target: Target, stop: Stop, ready: Stop, waits: Waits) -> None:
                     return
                 if design is None:
                     design = reply["design"]
+                elif loaded and not ready.is_set():
                     ready.set()
-                else:
+                elif loaded:
                     waits.seconds.append(time.perf_counter() - began)
                 stop.wait(0.05)
     except Exception as problem:
@@ -337,7 +341,7 @@ def under(attack: Callable[[Target, Stop], None] | None, target: Target, seconds
 
     asking = threading.Thread(target=well_behaved, args=(target, stop, ready, page))
     asking.start()
-    ready.wait(120)
+    ready.wait(600)
     others = [threading.Thread(target=attacking), threading.Thread(target=newcomers, args=(target, stop, visits))]
     for one in others:
         one.start()
