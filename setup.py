@@ -1,4 +1,7 @@
-"""The build of a wheel compiles the numerical kernels, so that a fresh installation answers without a compiler."""
+"""The build of a wheel compiles the numerical kernels, so that a fresh installation answers without a compiler.
+
+With `WIGGLEROOM_KERNELS=none` it does not: then the wheel is the same wherever it is built.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,7 @@ class BuildWithKernels(build_py):
     def run(self) -> None:
         """Build."""
         super().run()
-        if self.editable_mode:
+        if self.editable_mode or os.environ.get("WIGGLEROOM_KERNELS") == "none":
             return
         built = Path(self.build_lib).resolve()
         folder = built / "wiggleroom" / "geometry" / "kernels"

@@ -1,6 +1,7 @@
 """Build the source distribution and the wheel, twice, and compare: `python -m release.build_twice FOLDER`.
 
-The time in the archives is `SOURCE_DATE_EPOCH`, by default that of the last commit. The wheel is built from the source distribution.
+The time in the archives is `SOURCE_DATE_EPOCH`, by default that of the last commit. The wheel is built from the source distribution, without
+compiled kernels: numba's machine code is not the same twice.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ def epoch() -> int:
 
 def build(folder: Path, when: int) -> list[Path]:
     """Build both in a place of its own; the archives."""
-    here = os.environ | {"SOURCE_DATE_EPOCH": str(when), "PYTHONHASHSEED": "0"}
+    here = os.environ | {"SOURCE_DATE_EPOCH": str(when), "WIGGLEROOM_KERNELS": "none"}
     here.pop("PYTHONPATH", None)
     folder.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as place:
