@@ -1,7 +1,7 @@
 """Build the source distribution and the wheel, twice, and compare: `python -m release.build_twice FOLDER`.
 
-The time in the archives is `SOURCE_DATE_EPOCH`, by default that of the last commit. The wheel is built from the source distribution, without
-compiled kernels: numba's machine code is not the same twice.
+The time in the archives is `SOURCE_DATE_EPOCH`, by default that of the last commit. The wheel is built from the source distribution,
+without compiled kernels: numba's machine code is not the same twice.
 """
 
 from __future__ import annotations

@@ -6,10 +6,12 @@ import html
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture, study_plots
 from wiggleroom.report.answer_words import facts, headline, sentence
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence
 from wiggleroom.report.pages import assembly_lines, page_of_answer, page_of_assembly
+from wiggleroom.report.plan_results import plan_facts, plan_title
 from wiggleroom.report.separability import check_facts, check_title
 from wiggleroom.report.separability_picture import Checked
 from wiggleroom.report.study_results import lost_sentence
@@ -68,6 +70,8 @@ def lines(found: Assembly | Answer | Interlock | Study) -> list[str]:
             return [check_title(found), *check_facts(found, None)]
         case Checked():
             return [check_title(found.found), *check_facts(found.found, found.border)]
+        case Plan():
+            return [plan_title(found), *plan_facts(found)]
         case Ranking():
             return [headline(found.answer), *importance_picture.ranking_facts(found)]
         case Tightening():
