@@ -40,7 +40,7 @@ def mime_bundle(found: Assembly | Answer | Interlock | Study) -> dict[str, str]:
     >>> bundle = mime_bundle(wr.patterns.chain(2, gap=0.02))
     >>> print(bundle["text/plain"])
     2 parts, gap 0.02 mm
-    b1 stands; nothing is asked
+    b1 stands; asked: b2 in +y
     >>> sorted(bundle)
     ['text/html', 'text/plain']
     """
