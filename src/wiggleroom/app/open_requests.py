@@ -8,7 +8,9 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import msgspec
 import numpy as np
+from msgspec.structs import replace
 
+from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.drawing.layers import ReadOptions
@@ -56,6 +58,9 @@ def opened(request: OpenRequest) -> File:
     InputError
         With one line per finding; names of folders are left out.
     """
+    if request.sample:
+        name = plain_name(f"{request.name}.json")
+        return opened(replace(request, name=name, path=saved_name(name), data=sample_file(request.name), sample=False))
     name = plain_name(request.name)
     with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
         path = Path(folder) / name
@@ -96,6 +101,11 @@ def first_open(
             design=design,
         )
     )
+
+
+def saved_name(name: str, ending: str = "-design.json") -> str:
+    """Name of what is saved of a drawing of this name."""
+    return PurePosixPath(name).stem + ending
 
 
 def plain_name(name: str) -> str:

@@ -23,6 +23,7 @@ from wiggleroom.app.messages import encode, failed
 from wiggleroom.app.process import MAX_PAGES, Pool
 from wiggleroom.app.refusal import REFUSAL, REFUSAL_POLICY
 from wiggleroom.app.resource_limits import UPLOAD_MB
+from wiggleroom.app.samples import sample_entries
 from wiggleroom.app.session import Session
 from wiggleroom.app.websocket_limits import LimitedWebSocket
 from wiggleroom.schema.replies import ExtraLimits, Hello
@@ -37,6 +38,8 @@ LOOP_SHARE = 0.2
 """Share of the server's time that reading the messages of one page may take, where that is more."""
 MAX_HEADER_BYTES = 16 * 1024
 """Bytes of the headers of one request."""
+USUAL_PORT = 8459
+"""A browser keeps recent files by address: the same port from day to day finds them again."""
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob: data:; "
@@ -184,7 +187,15 @@ def hello() -> Hello:
     from importlib.metadata import version
 
     can = [extra for extra, needs in EXTRAS.items() if all(find_spec(n) is not None for n in needs)]
-    return Hello(version=version("wiggleroom"), can=can, limits=ExtraLimits(UPLOAD_MB))
+    return Hello(version=version("wiggleroom"), can=can, limits=ExtraLimits(UPLOAD_MB), samples=list(sample_entries()))
+
+
+def listen_anywhere(port: int) -> socket.socket:
+    """Socket at a port, or where that is taken at one that is free."""
+    try:
+        return listen(port)
+    except OSError:
+        return listen(0)
 
 
 def listen(port: int) -> socket.socket:

@@ -13,13 +13,14 @@ from pathlib import Path
 
 
 def compile_kernels() -> None:
-    """Answer tiny questions by every model; what they compile is kept beside the package."""
+    """Answer tiny questions by every model and one about many bodies; what they compile is kept beside the package."""
     from wiggleroom.assembly import patterns
     from wiggleroom.disassembly.interlock import check
     from wiggleroom.maximise import flex
 
     for model in ("walls", "hull", "halfplane"):
         flex(patterns.chain(2), model=model)
+    flex(patterns.grid(19, 19), search=0)
     check(patterns.chain(2, joint="swallowtail", gap=0.08))
 
 
