@@ -13,7 +13,7 @@ _STYLE = (
 _SCRIPT = (
     "try{const kept=sessionStorage.getItem('wiggleroom.token');"
     "if(kept&&!new URL(location.href).searchParams.has('token'))"
-    "location.replace('/?token='+encodeURIComponent(kept))}catch{}"
+    "location.replace('/?token='+encodeURIComponent(kept)+location.hash)}catch{}"
 )
 
 

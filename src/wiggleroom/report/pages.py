@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+import numpy as np
 from msgspec.structs import asdict
 
 from wiggleroom.assembly.assembly import Assembly
