@@ -1,5 +1,5 @@
 # What developers type: make demo, make test, make doctest, make slow, make lint, make types, make browser, make web,
-# make pictures.
+# make pictures, make docs, make dist.
 # The environment .venv is made when it is needed and again only when pyproject.toml changes.
 
 BIN := .venv/bin
@@ -8,7 +8,7 @@ FITS := import sys; sys.exit(not (3, 11) <= sys.version_info[:2] <= (3, 13))
 PYTHON := $(shell for p in python3 python3.13 python3.12 python3.11; do \
 	$$p -c '$(FITS)' 2>/dev/null && { echo $$p; break; }; done)
 
-.PHONY: demo test doctest slow browser web pictures pictures-check lint types clean
+.PHONY: demo test doctest slow browser web pictures pictures-check docs dist lint types clean
 
 demo: .venv/ready-demo
 	@mkdir -p out
@@ -37,6 +37,14 @@ pictures: .venv/ready-test # all of docs/pictures but those that show measured t
 pictures-check: .venv/ready-test
 	$(BIN)/python -m benchmarks.redraw --check
 
+docs: .venv/ready-docs # the site, in out/site; without the network once the environment is there
+	$(BIN)/python -m docs_site.live_pages out/live
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
+	$(BIN)/python -m docs_site.check_links out/site
+
+dist: .venv/ready-dist # the sdist and the wheel, in dist; built twice and compared
+	$(BIN)/python -m release.build_twice dist
+
 lint: .venv/ready-lint
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
@@ -59,6 +67,14 @@ clean:
 .venv/ready-test: pyproject.toml | .venv/bin/python
 	$(BIN)/python -m pip install --quiet --editable '.[bench,cluster,dxf,fast,film,halfplane,image,ipopt,page,prove,solid,test,verify]'
 	$(BIN)/python -m wiggleroom.cli.compile
+	@touch $@
+
+.venv/ready-docs: pyproject.toml | .venv/ready-test
+	$(BIN)/python -m pip install --quiet --editable '.[docs]'
+	@touch $@
+
+.venv/ready-dist: pyproject.toml | .venv/ready-test
+	$(BIN)/python -m pip install --quiet --editable '.[dist]'
 	@touch $@
 
 .venv/ready-lint: pyproject.toml | .venv/bin/python

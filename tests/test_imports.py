@@ -15,6 +15,7 @@ ORDER = [
     "deadline",
     "provenance",
     "files",
+    "displayable",
     "verdict",
     "drawing",
     "assembly",

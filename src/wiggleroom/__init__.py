@@ -12,6 +12,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from wiggleroom.displayable import Displayable
 from wiggleroom.search.drawable import Drawable
 
 if TYPE_CHECKING:
@@ -221,7 +222,14 @@ def _draw(found: Any, path: Any) -> None:
     draw(found, path)
 
 
+def _mime_bundle(found: Any) -> dict[str, str]:
+    from wiggleroom.report.notebook import mime_bundle  # slow to import, and needed in notebooks only
+
+    return mime_bundle(found)
+
+
 Drawable.writer = staticmethod(_draw)
+Displayable.mime_bundle = staticmethod(_mime_bundle)
 
 
 def __getattr__(name: str) -> object:

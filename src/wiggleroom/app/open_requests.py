@@ -10,7 +10,6 @@ import msgspec
 import numpy as np
 from msgspec.structs import replace
 
-from wiggleroom.app.resource_limits import UPLOAD_MB
 from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing.assembly_schema import PullEntry
@@ -22,7 +21,6 @@ from wiggleroom.report.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import OpenRequest
 
-MAX_BYTES = UPLOAD_MB * 1_000_000
 CHORD_ERROR_SHARE = 1e-4
 """Chord error of curves as a share of the median part size, where there is no gap to tell."""
 
@@ -63,11 +61,6 @@ def opened(request: OpenRequest) -> File:
     if request.sample:
         name = plain_name(f"{request.name}.json")
         return opened(replace(request, name=name, path=saved_name(name), data=sample_file(request.name), sample=False))
-    if len(request.data) > MAX_BYTES and not request.path:
-        finding = (
-            f"{len(request.data) / 1e6:.1f} MB: a drawing may have {MAX_BYTES / 1e6:g} MB here; use the command line"
-        )
-        raise InputError(finding)
     name = plain_name(request.name)
     with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
         path = Path(folder) / name

@@ -1,4 +1,4 @@
-"""Limits of resources: size of an upload, and memory of a solver process."""
+"""Limits of resources: sizes of messages, and memory of a solver process."""
 
 from __future__ import annotations
 
@@ -6,6 +6,8 @@ import os
 
 UPLOAD_MB = 20
 """Largest drawing that may be dropped on a page [MB]."""
+DESIGN_MB = 1
+"""Largest message that is no drawing [MB]: designs of 4,096 parts have a third of it."""
 MEMORY_SHARE = 0.5
 """Share of the machine's memory that a solver process may take."""
 

@@ -18,16 +18,26 @@ from starlette.responses import PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from wiggleroom.app.message_timeout import MessageTimeout
+from wiggleroom.app.http_limits import LimitedHttp
 from wiggleroom.app.messages import encode, failed
 from wiggleroom.app.process import MAX_PAGES, Pool
+from wiggleroom.app.refusal import REFUSAL, REFUSAL_POLICY
 from wiggleroom.app.resource_limits import UPLOAD_MB
 from wiggleroom.app.samples import sample_entries
 from wiggleroom.app.session import Session
+from wiggleroom.app.websocket_limits import LimitedWebSocket
 from wiggleroom.schema.replies import ExtraLimits, Hello
 
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
+MESSAGES_PER_SECOND = 500
+"""A page may send so many messages a second on average; further ones wait. A moving hand sends up to 240."""
+BURST_SECONDS = 1.0
+"""A page that was silent may send at once what else it might in this time [s]."""
+LOOP_SHARE = 0.2
+"""Share of the server's time that reading the messages of one page may take, where that is more."""
+MAX_HEADER_BYTES = 16 * 1024
+"""Bytes of the headers of one request."""
 USUAL_PORT = 8459
 """A browser keeps recent files by address: the same port from day to day finds them again."""
 HEADERS = {
@@ -100,8 +110,9 @@ class Page:
         if not self._known(request):
             return PlainTextResponse("this server answers to its own address only", 421, HEADERS)
         name = request.url.path.lstrip("/") or "index.html"
-        if name == "index.html" and "token" in request.query_params and not self._trusted(request):
-            return PlainTextResponse("the address must be the one that wiggleroom serve printed", 403, HEADERS)
+        if request.url.path == "/" and not self._trusted(request):
+            headers = HEADERS | {"Content-Security-Policy": REFUSAL_POLICY}
+            return Response(REFUSAL, 403, headers, media_type="text/html")
         kind = MEDIA_TYPES.get(name.rpartition(".")[2], "application/octet-stream")
         return Response(self._files[name], media_type=kind, headers=HEADERS)
 
@@ -154,13 +165,21 @@ class Page:
 
 
 async def _listen(socket: WebSocket, session: Session) -> None:
-    """Pass frames of a page on until it goes."""
+    """Pass frames of a page on until it goes, no faster than it may send them: a token bucket, filled with seconds."""
+    clock = asyncio.get_running_loop().time
+    left, before = BURST_SECONDS, clock()
     with contextlib.suppress(WebSocketDisconnect):
         while (said := await socket.receive())["type"] != "websocket.disconnect":
+            began = clock()
             if said.get("text") is None:
                 await session.refuse("message: a text frame is expected, this was a binary one")
             else:
                 await session.submit(said["text"].encode())
+            now = clock()
+            cost = max(1 / MESSAGES_PER_SECOND, (now - began) / LOOP_SHARE)
+            left = min(left + now - before, BURST_SECONDS) - cost
+            before = now
+            await asyncio.sleep(max(0.0, -left))  # at least one turn for others
 
 
 def hello() -> Hello:
@@ -202,15 +221,15 @@ class Server(uvicorn.Server):
     def __init__(self, page: Page) -> None:
         config = uvicorn.Config(
             page.app,
-            http="h11",
-            ws=MessageTimeout,
+            http=LimitedHttp,
+            h11_max_incomplete_event_size=MAX_HEADER_BYTES,
+            ws=LimitedWebSocket,
             ws_max_size=MAX_MESSAGE_BYTES,
             ws_per_message_deflate=False,  # nothing to win on one machine, and no bombs
             log_config=None,
             log_level="critical",
             access_log=False,
             server_header=False,
-            limit_concurrency=64,
             timeout_graceful_shutdown=2,
         )
         super().__init__(config)

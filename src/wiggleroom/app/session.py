@@ -14,10 +14,11 @@ from itertools import count
 
 from wiggleroom.app.messages import decode, encode, failed, head, kind_of
 from wiggleroom.app.process import LostError, Pool, Process
+from wiggleroom.app.resource_limits import DESIGN_MB, UPLOAD_MB
 from wiggleroom.app.worker_protocol import Done, Outgoing, Ready, StartOrder
 from wiggleroom.errors import InputError
 from wiggleroom.schema.replies import Reply, WorkerState
-from wiggleroom.schema.requests import CancelRequest, FlexRequest
+from wiggleroom.schema.requests import AnyRequest, CancelRequest, FlexRequest, OpenRequest
 
 Send = Callable[[list[bytes], bytes], Awaitable[None]]
 """Sends binary frames and then one text frame."""
@@ -99,7 +100,7 @@ class Session:
     async def submit(self, text: bytes) -> None:
         """Take a text frame of the page."""
         try:
-            request = decode(text)
+            request = _allowed(text)
         except InputError as problem:
             await self._tell(failed(*head(text), problem.findings))
             return
@@ -277,3 +278,15 @@ class Session:
 
     async def _tell(self, reply: Reply) -> None:
         await self._send([], encode(reply))
+
+
+def _allowed(text: bytes) -> AnyRequest:
+    """Request in a text frame; raises InputError where it is none, or larger than its kind may be."""
+    if len(text) > DESIGN_MB * 1_000_000 and head(text)[1] != "open":
+        message = f"message: {len(text) / 1e6:.1f} MB; a message that is no drawing may have {DESIGN_MB} MB"
+        raise InputError(message)
+    request = decode(text)
+    if isinstance(request, OpenRequest) and len(request.data) > UPLOAD_MB * 1_000_000:
+        message = f"{len(request.data) / 1e6:.1f} MB: a drawing may have {UPLOAD_MB} MB here; use the command line"
+        raise InputError(message)
+    return request

@@ -7,11 +7,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.displayable import Displayable
 from wiggleroom.drawing.model import Drawing, Goal, Part
 
 
 @dataclass(frozen=True, eq=False)
-class Assembly:
+class Assembly(Displayable):
     """Parts as made, at rest, and their roles.
 
     Parameters

@@ -3,6 +3,10 @@
 What was compiled is kept beside the package. numba looks whether the file of a function has changed; what the function calls in
 other files is compiled into it unseen. So here the name of its cache holds a hash of the sources of all modules that its own
 module imports, and theirs.
+
+A wheel carries the functions that Python calls as machine code for the least processor of its kind, so that the first answer does
+not wait for a compiler. It is taken where nothing better was compiled here, and only if sources, signature, Python, numba and
+platform are the same.
 """
 
 from __future__ import annotations
@@ -26,8 +30,51 @@ COMPILED_CALLERS_ONLY = {**NO_ALLOCATION, "no_cpython_wrapper": True}
 INLINED = {**COMPILED_CALLERS_ONLY, "inline": "always"}
 """For long functions with one caller: compiled as part of it, not twice."""
 
+SHIPPED = Path(__file__).with_name("kernels")
+"""Where a wheel carries machine code."""
+_caches: list[KernelCacheFile] = []
 _ROOT = Path(__file__).parents[1]
 _IMPORT = re.compile(r"^from wiggleroom\.([\w.]+) import", re.MULTILINE)
+
+
+class KernelCacheFile(IndexDataCacheFile):
+    """Cache of a function; what it does not hold may be in the wheel.
+
+    Parameters are those of numba's class.
+    """
+
+    def load(self, key: Any) -> Any:
+        """Compiled function of this signature, processor and byte code; None where there is none."""
+        found = super().load(key)
+        if found is not None or not SHIPPED.is_dir():
+            return found
+        try:
+            return self._load_data(self._shipped(SHIPPED, key))
+        except FileNotFoundError:
+            return None
+
+    def ship(self, folder: Path) -> int:
+        """Copy what is kept into a folder that a wheel carries; how many files.
+
+        The listing of inferred types is left out: nothing reads it, and it names the folder of the build.
+        """
+        overloads = self._load_index()
+        for key, name in overloads.items():
+            kept = tuple("" if isinstance(item, str) else item for item in self._load_data(name))
+            self._shipped(folder, key).write_bytes(self._dump(kept))
+        return len(overloads)
+
+    def _shipped(self, folder: Path, key: Any) -> Path:
+        """File of a signature, for any processor of the platform."""
+        signature, (platform, *_), code = key
+        said = repr((signature, platform, code, numba.__version__))
+        return folder / f"{self._index_name.removesuffix('.nbi')}.{hashlib.sha256(said.encode()).hexdigest()[:16]}.nbc"
+
+
+def ship(folder: Path) -> int:
+    """Copy all functions that Python calls and that were compiled into a folder that a wheel carries; how many files."""
+    folder.mkdir(parents=True, exist_ok=True)
+    return sum(one.ship(folder) for one in _caches)
 
 
 def njit(**options: Any) -> Callable[[Callable], Any]:
@@ -40,7 +87,9 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
         cache = made._cache
         old = cache._cache_file
         name = f"{old._index_name.removesuffix('.nbi')}.{source_key(Path(function.__code__.co_filename))[:16]}"
-        cache._cache_file = IndexDataCacheFile(old._cache_path, name, old._source_stamp)
+        cache._cache_file = KernelCacheFile(old._cache_path, name, old._source_stamp)
+        if "no_cpython_wrapper" not in options:  # callable from Python
+            _caches.append(cache._cache_file)
         return made
 
     return compiled

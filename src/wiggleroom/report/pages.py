@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, cast
 
+import numpy as np
 from msgspec.structs import asdict
 
 from wiggleroom.assembly.assembly import Assembly
@@ -12,7 +13,7 @@ from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
-from wiggleroom.report.answer_words import headline, unit
+from wiggleroom.report.answer_words import asked, few, headline, number, unit
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
 from wiggleroom.report.importance_picture import ranking_facts
 from wiggleroom.report.separability import check_facts, check_title
@@ -51,6 +52,26 @@ def page_of_answer(answer: Answer, found: Interlock | None = None) -> str:
     if answer.model == "walls" and can_be_ranked(answer):
         told["rank"] = ranking_message(rank_at_once(answer), answer.command)
     return standalone_page(headline(answer), **told)
+
+
+def page_of_assembly(assembly: Assembly) -> str:
+    """Assembly as one HTML page: the parts as they are made, at rest, and what the file asks."""
+    title, *more = assembly_lines(assembly)
+    rows: list[list[str | float]] = []
+    for part in assembly.parts:
+        width, height = np.ptp(np.vstack([region.outer for region in part.regions]), axis=0).tolist()
+        rows.append([part.name, width, height, "stands" if part.fixed else ""])
+    table = section("Parts", columns=["part", "width mm", "height mm", ""], rows=rows)
+    shown = opened(assembly, assembly.goals)
+    return standalone_page(title, opened=shown, said=Title(title, more), tab="study", study=StudyTab("Parts", [table]))
+
+
+def assembly_lines(assembly: Assembly) -> list[str]:
+    """What an assembly is, in two lines: its size and gap, then what stands and what is asked."""
+    fixed = [part.name for part in assembly.parts if part.fixed]
+    stands = f"{few(fixed)} {'stands' if len(fixed) == 1 else 'stand'}" if fixed else "nothing stands"
+    wanted = f"asked: {asked(assembly.goals, 3)}" if assembly.goals else "nothing is asked"
+    return [f"{len(assembly.parts)} parts, gap {number(assembly.gap)} mm", f"{stands}; {wanted}"]
 
 
 def page_of_ranking(ranking: Ranking, *, command: str = "") -> str:

@@ -41,7 +41,7 @@ def draw_study(
     elif kind in FILMS and isinstance(found, Plan):
         film_of_plan(found, path, command=command, progress=progress)
     elif kind == PAGE:
-        write_whole(path, _page(found, command))
+        write_whole(path, page_of_study(found, command))
     else:
         write_svg(_picture(found, command), path)
 
@@ -66,7 +66,8 @@ def _picture(found: Study, command: str) -> str:
             return picture_of_tolerances(found, command=command)
 
 
-def _page(found: Study, command: str) -> str:
+def page_of_study(found: Study, command: str = "") -> str:
+    """Study or check as one HTML page."""
     match found:
         case Checked():
             return pages.page_of_check(found, command=command)

@@ -1,4 +1,4 @@
-"""What answers and studies have in common: they can be drawn into a file."""
+"""What answers and studies have in common: they can be drawn into a file, and show themselves in notebooks."""
 
 from __future__ import annotations
 
@@ -6,8 +6,10 @@ from collections.abc import Callable
 from os import PathLike
 from typing import Any, ClassVar
 
+from wiggleroom.displayable import Displayable
 
-class Drawable:
+
+class Drawable(Displayable):
     """Something that can be drawn."""
 
     writer: ClassVar[Callable[[Any, str | PathLike[str]], None]]

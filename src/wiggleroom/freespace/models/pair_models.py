@@ -20,6 +20,8 @@ class Walls:
 class Hull:
     """The paper's model: convex hull of the free slices at the angles nc, 0 and pc.
 
+    Source: Mind the Gap, sections 4.1 to 4.3.
+
     Parameters
     ----------
     about : str
@@ -28,8 +30,6 @@ class Hull:
         3, as in the paper, or more: then evenly spaced over all angles that B can reach, shifting as it turns.
     rounds : int
         So often the hulls are worked out; from the second time on round the motion found before (the paper's outlook).
-
-    Source: Mind the Gap, sections 4.1 to 4.3.
     """
 
     about: str = "reference"
@@ -54,13 +54,13 @@ class Hull:
 class HalfPlane:
     """PuzzleFlex: distances of corners from lines of edges, linearised; linear programs instead of a nonlinear one.
 
+    Source: Lensgraf and others, "PuzzleFlex: kinematic motion of chains with loose joints" (ICRA 2020), as far as it is public.
+
     Parameters
     ----------
     iterated : bool
         True: small steps, linearised again after each and put right, until nothing is gained. False: one linear program at rest, which
         promises too much where parts turn.
-
-    Source: Lensgraf and others, "PuzzleFlex: kinematic motion of chains with loose joints" (ICRA 2020), as far as it is public.
     """
 
     iterated: bool = True
