@@ -140,10 +140,10 @@ def test_what_goes_far_away_fades_and_the_frame_stays_near() -> None:
     scene_of = made(leaving())
     drawer = scene_of.tracks[0]
     assert drawer.opacity[0] == 1
-    assert drawer.opacity[-1] <= scenes._FAINT
+    assert drawer.opacity[-1] <= scenes.MIN_OPACITY
     assert (np.diff(drawer.opacity) <= 0).all()
     assert scene_of.stage[2] < 2.5 * scene_of.stage[3]
-    seen = (drawer.opacity > scenes._FAINT).mean()
+    seen = (drawer.opacity > scenes.MIN_OPACITY).mean()
     assert seen > 0.5  # the film ends soon after it is gone
 
 

@@ -20,7 +20,7 @@ PICTURE_SIDE = 100.0
 
 
 @dataclass(frozen=True)
-class Sample:
+class SampleDrawing:
     """An assembly to begin with, and a smaller one of its kind for its picture."""
 
     words: str
@@ -29,27 +29,27 @@ class Sample:
 
 
 SAMPLES = {
-    "jigsaw": Sample(
+    "jigsaw": SampleDrawing(
         "Pieces with knobs, a fine cut between them",
         lambda: patterns.jigsaw(5, 4, gap=0.3, pitch=40),
         lambda: patterns.jigsaw(5, 4, gap=1.5, pitch=40),
     ),
-    "chain": Sample(
+    "chain": SampleDrawing(
         "Blocks in a row: how far does the last one go?",
         lambda: patterns.chain(6, "tee", gap=0.4, pitch=20),
         lambda: patterns.chain(4, "tee", gap=0.8, pitch=20),
     ),
-    "swallowtails": Sample(
+    "swallowtails": SampleDrawing(
         "A frame of swallowtail joints",
         lambda: patterns.frame(5, 4, "swallowtail", gap=0.3, pitch=20),
         lambda: patterns.frame(5, 4, "swallowtail", gap=0.8, pitch=20),
     ),
-    "panel": Sample(
+    "panel": SampleDrawing(
         "Blocks that hold each other on all sides",
         lambda: patterns.grid(10, 10, "tee", gap=0.2, pitch=20),
         lambda: patterns.grid(6, 5, "tee", gap=0.8, pitch=20),
     ),
-    "large": Sample(
+    "large": SampleDrawing(
         "As many as in a floor",
         lambda: patterns.grid(27, 25, "tee", gap=0.2, pitch=20),
         lambda: patterns.grid(12, 10, "tee", gap=1.2, pitch=20),

@@ -183,6 +183,15 @@ class BranchAndBound:
         facet = program.linear.facet
         rows = y[-len(facet) :]
         active = np.flatnonzero(np.abs(rows) > ACTIVE_MULTIPLIER * np.abs(y).max(initial=0.0))
+        if self._narrower(program, active):
+            return True
+        # Where the range of the only turn holds it up, a region that is too wide there shows in no multiplier.
+        alone = int((program.linear.column >= 0).sum()) == 1
+        return alone and self._narrower(program, np.arange(len(rows)))
+
+    def _narrower(self, program: RelaxationInRanges, active: Ints) -> bool:
+        """Make the intervals of some facets narrower; False where they are narrow enough."""
+        facet = program.linear.facet
         wanted: dict[int, list[Ints]] = {}
         for p in np.unique(facet[active, 0]):
             which = facet[active[facet[active, 0] == p], 1]
