@@ -74,7 +74,7 @@ def test_shares_of_a_confusion_matrix() -> None:
     said = np.array([1, 1, 1, 0, 1, 0, 0, 0, 0, 0], dtype=bool)
     found = accuracy.confusion(free, (said, said & ~free))
     assert found["accuracy_percent"] == 80
-    assert [found[k] for k in published._CELLS] == [50, 10, 10, 30]
+    assert [found[k] for k in published.CONFUSION_CELLS] == [50, 10, 10, 30]
     assert found["lost_of_free_percent"] == 25
     assert found["unsafe_samples"] == 1
 
@@ -83,7 +83,7 @@ def test_shares_of_a_confusion_matrix() -> None:
 def test_models_of_closed_joints(name: str) -> None:
     rows = {r["method"]: r for r in accuracy.of_pair(name, PAIRS[name](), 20_000)}
     for row in rows.values():
-        assert sum(row[k] for k in published._CELLS) == pytest.approx(100)
+        assert sum(row[k] for k in published.CONFUSION_CELLS) == pytest.approx(100)
     assert rows["walls"]["unsafe_samples"] == 0
     assert rows["walls"]["lost_of_free_percent"] <= 0.5
     for hull in accuracy.HULLS:
@@ -136,7 +136,7 @@ def test_a_run_that_is_stopped_says_so() -> None:
 
 
 def test_published_cells_add_up_as_printed() -> None:
-    sums = [sum(r[k] for k in published._CELLS) for r in published.ACCURACY if "valid_valid_percent" in r]
+    sums = [sum(r[k] for k in published.CONFUSION_CELLS) for r in published.ACCURACY if "valid_valid_percent" in r]
     np.testing.assert_allclose(sums, [100, 99.93, 100, 100], atol=1e-9)
     tees = published.speed(4096, "tee")
     assert [r["total_seconds"] for r in tees] == [128.2, 1130.0]

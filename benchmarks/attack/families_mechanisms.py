@@ -6,24 +6,8 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from benchmarks.attack.drawing import (
-    Json,
-    Random,
-    assembly,
-    band,
-    box,
-    cut,
-    disc,
-    goal,
-    moved,
-    part,
-    pieces,
-    polar,
-    pull,
-    turn,
-    union,
-    wider,
-)
+from benchmarks.attack import drawing as draw
+from benchmarks.attack.drawing import Json, Random
 from benchmarks.attack.families_fitted import gap_of
 
 
@@ -40,7 +24,7 @@ def gear(teeth: int, pitch: float, play: float, phase: float = 0.0) -> Polygon:
 
 def on_axle(shape: Polygon, at: tuple[float, float], radius: float, g: float) -> tuple[Polygon, Polygon]:
     """A wheel with a hole at a place, and the axle in it."""
-    return cut(moved(shape, *at), disc(radius + g, 20, at)), disc(radius, 20, at)
+    return draw.cut(draw.moved(shape, *at), draw.disc(radius + g, 20, at)), draw.disc(radius, 20, at)
 
 
 def gears(rng: Random) -> Json:
@@ -53,106 +37,114 @@ def gears(rng: Random) -> Json:
             x += (before + teeth) * pitch / (2 * np.pi) + rng.uniform(0.0, 0.05)
         phase = np.pi / teeth + np.pi if k % 2 else 0.0
         wheel, axle = on_axle(gear(teeth, pitch, play, phase if k % 2 else 0.0), (x, 0.0), 0.15, g)
-        made += [part(f"axle{k}", axle, fixed=True), part(f"gear{k}", wheel)]
+        made += [draw.part(f"axle{k}", axle, fixed=True), draw.part(f"gear{k}", wheel)]
         before = teeth
-    return assembly(made, [turn("gear0", str(rng.choice(["cw", "ccw"])))])
+    return draw.assembly(made, [draw.turn("gear0", str(rng.choice(["cw", "ccw"])))])
 
 
 def keyed_gears(rng: Random) -> Json:
     """A gear on a shaft with a key, in mesh with a rack that stands."""
     g, teeth = gap_of(rng, 0.01, 0.05), int(rng.integers(7, 13))
-    key = box(0.1, -0.06, 0.3, 0.06)
-    shaft = cut(disc(0.25, 24), wider(key, g / 2))
-    wheel = cut(gear(teeth, 0.5, 0.2), wider(union(disc(0.25, 24), key), g))
-    made = [part("shaft", shaft, fixed=True), part("key", wider(key, -g / 4)), part("gear", wheel)]
-    goals = [turn("gear", str(rng.choice(["cw", "ccw"])))] if rng.random() < 0.7 else [goal(rng, ["key", "gear"])]
-    return assembly(made, goals)
+    key = draw.box(0.1, -0.06, 0.3, 0.06)
+    shaft = draw.cut(draw.disc(0.25, 24), draw.wider(key, g / 2))
+    wheel = draw.cut(gear(teeth, 0.5, 0.2), draw.wider(draw.union(draw.disc(0.25, 24), key), g))
+    made = [draw.part("shaft", shaft, fixed=True), draw.part("key", draw.wider(key, -g / 4)), draw.part("gear", wheel)]
+    goals = (
+        [draw.turn("gear", str(rng.choice(["cw", "ccw"])))] if rng.random() < 0.7 else [draw.goal(rng, ["key", "gear"])]
+    )
+    return draw.assembly(made, goals)
 
 
 def ratchets(rng: Random) -> Json:
     """A wheel of saw teeth and a pawl that slides in a guide."""
     g, teeth = gap_of(rng, 0.01, 0.06), int(rng.integers(6, 12))
-    wheel = polar(np.tile([1.0, 0.75], teeth), 0.0)
+    wheel = draw.polar(np.tile([1.0, 0.75], teeth), 0.0)
     saw = []
     for k in range(teeth):
         a = 2 * np.pi * k / teeth
         saw += [(np.cos(a), np.sin(a)), (0.75 * np.cos(a + 0.05), 0.75 * np.sin(a + 0.05))]
     wheel, axle = on_axle(Polygon(saw), (0.0, 0.0), 0.2, g)
     half = 0.12
-    pawl = union(box(0.82, -half, 1.6, half), Polygon([(0.83, -half), (0.83, half * 0.2), (0.72, -half)]))
-    pawl = moved(pawl, turn=rng.uniform(0, 2 * np.pi / teeth))
-    pawl = cut(pawl, wider(wheel, g))
-    pawl = max(pieces(pawl), key=lambda p: p.area)
+    pawl = draw.union(draw.box(0.82, -half, 1.6, half), Polygon([(0.83, -half), (0.83, half * 0.2), (0.72, -half)]))
+    pawl = draw.moved(pawl, turn=rng.uniform(0, 2 * np.pi / teeth))
+    pawl = draw.cut(pawl, draw.wider(wheel, g))
+    pawl = max(draw.pieces(pawl), key=lambda p: p.area)
     x = pawl.bounds[2]
-    guide = cut(box(1.15, -0.6, x + rng.uniform(0.05, 0.3), 0.6), wider(pawl, g), box(1.0, -half, 1.3, half))
-    guide = [p for p in pieces(guide) if shapely.distance(p, wheel) > 0.01]
-    made = [part("axle", axle, fixed=True), part("wheel", wheel), part("pawl", pawl)]
-    made += [part(f"guide{k}", p, fixed=True) for k, p in enumerate(guide)]
-    return assembly(made, [turn("wheel", str(rng.choice(["cw", "ccw"])))])
+    guide = draw.cut(
+        draw.box(1.15, -0.6, x + rng.uniform(0.05, 0.3), 0.6), draw.wider(pawl, g), draw.box(1.0, -half, 1.3, half)
+    )
+    guide = [p for p in draw.pieces(guide) if shapely.distance(p, wheel) > 0.01]
+    made = [draw.part("axle", axle, fixed=True), draw.part("wheel", wheel), draw.part("pawl", pawl)]
+    made += [draw.part(f"guide{k}", p, fixed=True) for k, p in enumerate(guide)]
+    return draw.assembly(made, [draw.turn("wheel", str(rng.choice(["cw", "ccw"])))])
 
 
 def cams(rng: Random) -> Json:
     """A cam on an axle below a follower in a guide."""
     g = gap_of(rng, 0.01, 0.06)
     angle = 2 * np.pi * np.arange(24) / 24
-    cam = polar(
+    cam = draw.polar(
         0.7 + rng.uniform(0.1, 0.3) * np.cos(angle) + rng.uniform(0, 0.1) * np.cos(2 * angle), rng.uniform(0, 6)
     )
     cam, axle = on_axle(cam, (0.0, 0.0), 0.15, g)
     top = cam.bounds[3] + g
-    follower = union(box(-0.12, top + 0.05, 0.12, top + 1.2), disc(0.15, 12, (0, top + 0.16)))
-    follower = cut(follower, wider(cam, g / 2))
-    wall = cut(box(-0.6, top + 0.5, 0.6, top + 0.9), wider(box(-0.12, 0, 0.12, 9), g))
+    follower = draw.union(draw.box(-0.12, top + 0.05, 0.12, top + 1.2), draw.disc(0.15, 12, (0, top + 0.16)))
+    follower = draw.cut(follower, draw.wider(cam, g / 2))
+    wall = draw.cut(draw.box(-0.6, top + 0.5, 0.6, top + 0.9), draw.wider(draw.box(-0.12, 0, 0.12, 9), g))
     made = [
-        part("axle", axle, fixed=True),
-        part("cam", cam),
-        part("follower", max(pieces(follower), key=lambda p: p.area)),
+        draw.part("axle", axle, fixed=True),
+        draw.part("cam", cam),
+        draw.part("follower", max(draw.pieces(follower), key=lambda p: p.area)),
     ]
-    made += [part(f"wall{k}", p, fixed=True) for k, p in enumerate(pieces(wall))]
+    made += [draw.part(f"wall{k}", p, fixed=True) for k, p in enumerate(draw.pieces(wall))]
     if rng.random() < 0.5:
-        made.append(part("roof", box(-0.5, top + 1.25, 0.5, top + 1.4), fixed=True))
-    return assembly(made, [goal(rng, ["cam", "cam", "follower"]) if rng.random() < 0.5 else turn("cam", "ccw")])
+        made.append(draw.part("roof", draw.box(-0.5, top + 1.25, 0.5, top + 1.4), fixed=True))
+    return draw.assembly(
+        made, [draw.goal(rng, ["cam", "cam", "follower"]) if rng.random() < 0.5 else draw.turn("cam", "ccw")]
+    )
 
 
 def latches(rng: Random) -> Json:
     """Hooks that hold each other in a frame; the first has to give way before the next."""
     g, count = gap_of(rng, 0.02, 0.08), int(rng.integers(2, 4))
-    frame, made = box(-0.5, -0.5, 2.5, count + 0.3), []
+    frame, made = draw.box(-0.5, -0.5, 2.5, count + 0.3), []
     for k in range(count):
-        hook = union(box(0, k, 1.2 + 0.2 * rng.random(), k + 0.4), box(0.2, k + 0.3, 0.5, k + 0.7))
-        room = union(box(-0.0, k - 0.0, 2.0, k + 0.4), box(0.2, k + 0.3, rng.uniform(0.7, 1.4), k + 0.7))
-        frame = cut(frame, wider(room, g / 2))
-        made.append(part(f"hook{k}", wider(hook, -g / 2)))
+        hook = draw.union(draw.box(0, k, 1.2 + 0.2 * rng.random(), k + 0.4), draw.box(0.2, k + 0.3, 0.5, k + 0.7))
+        room = draw.union(draw.box(-0.0, k - 0.0, 2.0, k + 0.4), draw.box(0.2, k + 0.3, rng.uniform(0.7, 1.4), k + 0.7))
+        frame = draw.cut(frame, draw.wider(room, g / 2))
+        made.append(draw.part(f"hook{k}", draw.wider(hook, -g / 2)))
         if k and rng.random() < 0.6:
-            frame = cut(frame, box(0.5, k - 0.5, 0.9, k + 0.1))
-    exits = box(1.5, -0.0, 3.0, 0.4)
-    frame = cut(frame, wider(exits, g / 2)) if rng.random() < 0.5 else frame
-    solid = [p for p in pieces(frame) if p.area > 0.05]
-    made = [*(part(f"frame{k}", p, fixed=True) for k, p in enumerate(solid)), *made]
-    return assembly(made, [goal(rng, [p["name"] for p in made[len(solid) :]])])
+            frame = draw.cut(frame, draw.box(0.5, k - 0.5, 0.9, k + 0.1))
+    exits = draw.box(1.5, -0.0, 3.0, 0.4)
+    frame = draw.cut(frame, draw.wider(exits, g / 2)) if rng.random() < 0.5 else frame
+    solid = [p for p in draw.pieces(frame) if p.area > 0.05]
+    made = [*(draw.part(f"frame{k}", p, fixed=True) for k, p in enumerate(solid)), *made]
+    return draw.assembly(made, [draw.goal(rng, [p["name"] for p in made[len(solid) :]])])
 
 
 def notched_rings(rng: Random) -> Json:
     """A toothed disc in a ring with notches."""
     g, count = gap_of(rng, 0.01, 0.08), int(rng.integers(2, 7))
     angle = np.sort(rng.uniform(0, 2 * np.pi, count))
-    teeth = [moved(box(0.9, -0.12, 1.25, 0.12), turn=a) for a in angle]
-    wheel = union(disc(1.0, 24), *teeth)
+    teeth = [draw.moved(draw.box(0.9, -0.12, 1.25, 0.12), turn=a) for a in angle]
+    wheel = draw.union(draw.disc(1.0, 24), *teeth)
     wide = rng.uniform(0.01, 0.12)
-    room = union(disc(1.0, 24), *(moved(box(0.9, -0.12 - wide, 1.25, 0.12 + wide), turn=a) for a in angle))
-    ring = cut(disc(1.8, 16), wider(room, g))
-    made = [part("ring", ring, fixed=True), part("wheel", wheel)]
-    return assembly(made, [turn("wheel", "cw") if rng.random() < 0.6 else goal(rng, ["wheel"])])
+    room = draw.union(
+        draw.disc(1.0, 24), *(draw.moved(draw.box(0.9, -0.12 - wide, 1.25, 0.12 + wide), turn=a) for a in angle)
+    )
+    ring = draw.cut(draw.disc(1.8, 16), draw.wider(room, g))
+    made = [draw.part("ring", ring, fixed=True), draw.part("wheel", wheel)]
+    return draw.assembly(made, [draw.turn("wheel", "cw") if rng.random() < 0.6 else draw.goal(rng, ["wheel"])])
 
 
 def ball_and_socket(g: float, around: float, long: float, r: float = 0.2) -> Polygon:
     """A bar along x with a ball at its right end and a socket, open to the left, at its left end."""
-    ball = union(disc(r, 16, (long, 0)), box(r * 1.6, -r * 0.45, long, r * 0.45))
-    shell = cut(disc(r * 1.75, 18), disc(r + g, 18))
+    ball = draw.union(draw.disc(r, 16, (long, 0)), draw.box(r * 1.6, -r * 0.45, long, r * 0.45))
+    shell = draw.cut(draw.disc(r * 1.75, 18), draw.disc(r + g, 18))
     mouth = Polygon(
         [(0, 0), (-9 * np.cos(around), 9 * np.sin(around)), (-9, 0), (-9 * np.cos(around), -9 * np.sin(around))]
     )
-    return union(cut(shell, mouth), cut(ball, disc(r * 1.65, 18)))
+    return draw.union(draw.cut(shell, mouth), draw.cut(ball, draw.disc(r * 1.65, 18)))
 
 
 def linkages(rng: Random) -> Json:
@@ -162,10 +154,10 @@ def linkages(rng: Random) -> Json:
     for k in range(int(rng.integers(2, 6))):
         long = rng.uniform(1.0, 1.6)
         bar = ball_and_socket(g, rng.uniform(0.6, 0.9), long, r)
-        made.append(part(f"bar{k}", moved(moved(bar, turn=angle), *at), fixed=k == 0))
+        made.append(draw.part(f"bar{k}", draw.moved(draw.moved(bar, turn=angle), *at), fixed=k == 0))
         at = at + long * np.array([np.cos(angle), np.sin(angle)])
         angle += rng.uniform(-0.3, 0.3)
-    return assembly(made, [goal(rng, [p["name"] for p in made[1:]])])
+    return draw.assembly(made, [draw.goal(rng, [p["name"] for p in made[1:]])])
 
 
 def four_bars(rng: Random) -> Json:
@@ -179,10 +171,10 @@ def four_bars(rng: Random) -> Json:
 
     def bar(one: str, other: str) -> Polygon:
         solid = shapely.buffer(shapely.LineString([spots[one], spots[other]]), 0.2, quad_segs=3)
-        return cut(solid, *(disc(r + g, 16, spots[s]) for s in (one, other)))
+        return draw.cut(solid, *(draw.disc(r + g, 16, spots[s]) for s in (one, other)))
 
-    made = [part("crank", bar("a", "b")), part("rod", bar("b", "c")), part("rocker", bar("c", "d"))]
-    made += [part(f"pin{s}", disc(r, 16, spots[s]), fixed=s in "ad") for s in spots]
+    made = [draw.part("crank", bar("a", "b")), draw.part("rod", bar("b", "c")), draw.part("rocker", bar("c", "d"))]
+    made += [draw.part(f"pin{s}", draw.disc(r, 16, spots[s]), fixed=s in "ad") for s in spots]
     ignore = [["crank", "rod"], ["rod", "rocker"], ["crank", "rocker"]]
     ignore += [
         ["rod", "pina"],
@@ -192,7 +184,7 @@ def four_bars(rng: Random) -> Json:
         ["rocker", "pina"],
         ["rocker", "pinb"],
     ]
-    return assembly(made, [turn("crank", str(rng.choice(["cw", "ccw"])))], ignore=ignore)
+    return draw.assembly(made, [draw.turn("crank", str(rng.choice(["cw", "ccw"])))], ignore=ignore)
 
 
 def scissors(rng: Random) -> Json:
@@ -212,24 +204,24 @@ def scissors(rng: Random) -> Json:
     pins["foot"] = bars["u0"][0], ("u0",)
     for name, ends in bars.items():
         solid = shapely.buffer(shapely.LineString(ends), 0.18, quad_segs=3)
-        holes = [disc(r + g, 14, at) for at, who in pins.values() if name in who]
-        made.append(part(name, cut(solid, *holes)))
-    made += [part(name, disc(r, 14, at), fixed=name == "foot") for name, (at, _) in pins.items()]
+        holes = [draw.disc(r + g, 14, at) for at, who in pins.values() if name in who]
+        made.append(draw.part(name, draw.cut(solid, *holes)))
+    made += [draw.part(name, draw.disc(r, 14, at), fixed=name == "foot") for name, (at, _) in pins.items()]
     names = list(bars)
     ignore = [[one, other] for k, one in enumerate(names) for other in names[k + 1 :]]
     ignore += [[b, p] for p, (_, who) in pins.items() for b in names if b not in who]
-    rail = box(-0.5, -0.35, 3.5, -0.22)
+    rail = draw.box(-0.5, -0.35, 3.5, -0.22)
     if rng.random() < 0.6:
-        made.append(part("rail", rail, fixed=True))
-    return assembly(made, [goal(rng, names)], ignore=ignore)
+        made.append(draw.part("rail", rail, fixed=True))
+    return draw.assembly(made, [draw.goal(rng, names)], ignore=ignore)
 
 
 def hinges(rng: Random) -> Json:
     """A leaf that turns in a socket until it meets a stop."""
     g, r = gap_of(rng, 0.01, 0.06), 0.3
     stop = rng.uniform(0.4, 1.3)
-    leaf = union(disc(r, 20), box(0, -0.12, 1.2, 0.12))
-    shell = cut(disc(r * 1.8, 20), disc(r + g, 20))
+    leaf = draw.union(draw.disc(r, 20), draw.box(0, -0.12, 1.2, 0.12))
+    shell = draw.cut(draw.disc(r * 1.8, 20), draw.disc(r + g, 20))
     mouth = Polygon(
         [
             (0, 0),
@@ -239,12 +231,14 @@ def hinges(rng: Random) -> Json:
             (9 * np.cos(stop), -9 * np.sin(stop)),
         ]
     )
-    frame = cut(union(shell, box(-1.2, -0.3, -0.4, 0.3)), mouth, wider(leaf, g))
-    made = [part("frame", max(pieces(frame), key=lambda p: p.area), fixed=True), part("leaf", leaf)]
+    frame = draw.cut(draw.union(shell, draw.box(-1.2, -0.3, -0.4, 0.3)), mouth, draw.wider(leaf, g))
+    made = [draw.part("frame", max(draw.pieces(frame), key=lambda p: p.area), fixed=True), draw.part("leaf", leaf)]
     if rng.random() < 0.4:
-        bolt = disc(0.1, 10, (1.0, 0.12 + 0.1 + g))
-        made.append(part("bolt", bolt, fixed=rng.random() < 0.5))
-    return assembly(made, [turn("leaf", str(rng.choice(["cw", "ccw"]))) if rng.random() < 0.6 else goal(rng, ["leaf"])])
+        bolt = draw.disc(0.1, 10, (1.0, 0.12 + 0.1 + g))
+        made.append(draw.part("bolt", bolt, fixed=rng.random() < 0.5))
+    return draw.assembly(
+        made, [draw.turn("leaf", str(rng.choice(["cw", "ccw"]))) if rng.random() < 0.6 else draw.goal(rng, ["leaf"])]
+    )
 
 
 def zips(rng: Random) -> Json:
@@ -264,18 +258,21 @@ def zips(rng: Random) -> Json:
         ]
     )
     pitch = 0.72 + g + rng.uniform(0, 0.05)
-    left = [moved(head, 0, k * pitch) for k in range(count)]
+    left = [draw.moved(head, 0, k * pitch) for k in range(count)]
     right = [
-        moved(moved(head, turn=np.pi), 1.0 + g + rng.uniform(0, 0.02), (k + 0.5) * pitch) for k in range(count - 1)
+        draw.moved(draw.moved(head, turn=np.pi), 1.0 + g + rng.uniform(0, 0.02), (k + 0.5) * pitch)
+        for k in range(count - 1)
     ]
-    tape = union(box(-0.5, -0.3, 0.05, count * pitch), *left)
+    tape = draw.union(draw.box(-0.5, -0.3, 0.05, count * pitch), *left)
     x = right[0].bounds[2] if right else 2.0
-    made = [part("tape", wider(tape, -g / 4), fixed=True)]
+    made = [draw.part("tape", draw.wider(tape, -g / 4), fixed=True)]
     if rng.random() < 0.5:
-        made.append(part("other", wider(union(box(x - 0.05, -0.3, x + 0.4, count * pitch), *right), -g / 4)))
+        made.append(
+            draw.part("other", draw.wider(draw.union(draw.box(x - 0.05, -0.3, x + 0.4, count * pitch), *right), -g / 4))
+        )
     else:
-        made += [part(f"tooth{k}", wider(t, -g / 4)) for k, t in enumerate(right)]
-    return assembly(made, [goal(rng, [p["name"] for p in made[1:]])])
+        made += [draw.part(f"tooth{k}", draw.wider(t, -g / 4)) for k, t in enumerate(right)]
+    return draw.assembly(made, [draw.goal(rng, [p["name"] for p in made[1:]])])
 
 
 def geneva_drives(rng: Random) -> Json:
@@ -284,25 +281,26 @@ def geneva_drives(rng: Random) -> Json:
     half = np.pi / slots
     apart, crank, wheel_r = 1.0, np.sin(half), np.cos(half)
     pin = 0.09
-    wheel = disc(wheel_r, 8 * slots, phase=np.pi / slots)
+    wheel = draw.disc(wheel_r, 8 * slots, phase=np.pi / slots)
     deep = apart - crank - pin - 0.03
-    wheel = cut(
-        wheel, *(moved(box(deep, -pin - g, 2, pin + g), turn=np.pi + half + 2 * half * k) for k in range(slots))
+    wheel = draw.cut(
+        wheel,
+        *(draw.moved(draw.box(deep, -pin - g, 2, pin + g), turn=np.pi + half + 2 * half * k) for k in range(slots)),
     )
     wheel, axle = on_axle(wheel, (apart, 0.0), 0.1, g)
-    arm = union(
-        disc(pin, 14, (crank * np.cos(t := rng.uniform(1.2, 5.0)), crank * np.sin(t))),
-        band([(0, 0), (crank * np.cos(t), crank * np.sin(t))], 0.1),
-        disc(0.22, 14),
+    arm = draw.union(
+        draw.disc(pin, 14, (crank * np.cos(t := rng.uniform(1.2, 5.0)), crank * np.sin(t))),
+        draw.band([(0, 0), (crank * np.cos(t), crank * np.sin(t))], 0.1),
+        draw.disc(0.22, 14),
     )
     driver, drive_axle = on_axle(arm, (0.0, 0.0), 0.1, g)
     made = [
-        part("axle0", drive_axle, fixed=True),
-        part("axle1", axle, fixed=True),
-        part("driver", driver),
-        part("wheel", wheel),
+        draw.part("axle0", drive_axle, fixed=True),
+        draw.part("axle1", axle, fixed=True),
+        draw.part("driver", driver),
+        draw.part("wheel", wheel),
     ]
-    return assembly(made, [turn("driver", str(rng.choice(["cw", "ccw"])))])
+    return draw.assembly(made, [draw.turn("driver", str(rng.choice(["cw", "ccw"])))])
 
 
 def discs_off_centre(rng: Random) -> Json:
@@ -310,14 +308,14 @@ def discs_off_centre(rng: Random) -> Json:
     g, count = gap_of(rng, 0.01, 0.08), int(rng.integers(8, 33))
     off = rng.uniform(0.1, 0.5)
     if rng.random() < 0.5:
-        wheel = cut(disc(1, count), disc(0.2 + g, 16, (off, 0)))
-        made = [part("peg", disc(0.2, 16, (off, 0)), fixed=True), part("wheel", wheel)]
+        wheel = draw.cut(draw.disc(1, count), draw.disc(0.2 + g, 16, (off, 0)))
+        made = [draw.part("peg", draw.disc(0.2, 16, (off, 0)), fixed=True), draw.part("wheel", wheel)]
     else:
         made = [
-            part("plate", cut(box(-2, -2, 2, 2), disc(1 + g, count)), fixed=True),
-            part("wheel", cut(disc(1, count), disc(0.3, 12, (off, 0)))),
+            draw.part("plate", draw.cut(draw.box(-2, -2, 2, 2), draw.disc(1 + g, count)), fixed=True),
+            draw.part("wheel", draw.cut(draw.disc(1, count), draw.disc(0.3, 12, (off, 0)))),
         ]
     angle = rng.uniform(0, 6)
     spot = made[1]["at"][:2]
-    asked = pull("wheel", (np.cos(angle), np.sin(angle)), (spot[0] + rng.uniform(-0.3, 0.3), spot[1]))
-    return assembly(made, [asked if rng.random() < 0.7 else goal(rng, ["wheel"])])
+    asked = draw.pull("wheel", (np.cos(angle), np.sin(angle)), (spot[0] + rng.uniform(-0.3, 0.3), spot[1]))
+    return draw.assembly(made, [asked if rng.random() < 0.7 else draw.goal(rng, ["wheel"])])

@@ -28,7 +28,7 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 
 SHORT = {LOCKED: "locked", APART: "apart"}
-FAN = 8
+PULL_FAN = 8
 """Directions in which every part is pulled."""
 
 Method = Callable[[Assembly, Stop | None], str]
@@ -109,7 +109,7 @@ def interlock(*, stop: Stop | None = None, progress: Callable[[int, int], None] 
             )  # fmt: skip
     notes = (
         "A cross: it says the opposite. Spinning in place is not coming apart. Check: `wiggleroom check`. Walls, hull and "
-        f"half-planes: every part pulled in {FAN} directions and turned both ways, until a part leaves: walls say so; the "
+        f"half-planes: every part pulled in {PULL_FAN} directions and turned both ways, until a part leaves: walls say so; the "
         "others keep everything within a window, so parts count as out where, from the end of their motion, they leave straight. "
         "Hull: about the reference point, then about the joint; the latter in one round as in the paper, and in eight, "
         "its outlook.",
@@ -142,7 +142,7 @@ def _gets_out(ready: PreparedModel | ApproximateModel, answer: Answer) -> bool:
 
 def _goals(assembly: Assembly) -> Iterator[Goal]:
     """Pulls and turns of every part that is not fixed."""
-    angles = 2 * np.pi * np.arange(FAN) / FAN
+    angles = 2 * np.pi * np.arange(PULL_FAN) / PULL_FAN
     for part in assembly.parts:
         if part.fixed:
             continue

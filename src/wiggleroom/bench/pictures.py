@@ -33,8 +33,10 @@ STYLES = {
 OTHER = Style(_OTHER, "diamond")
 """Methods without a style of their own."""
 LEFT, TOP, HIGH, WIDE, BETWEEN = 70.0, 60.0, 320.0, 440.0, 80.0
-_ROW = 34.0
-_NAMES = 150.0
+ROW_HEIGHT = 34.0
+"""[px]"""
+NAME_WIDTH = 150.0
+"""[px]"""
 
 
 def picture(found: Bench, command: str = "") -> str:
@@ -64,7 +66,7 @@ def speed_picture(found: Bench, command: str) -> str:
         body += panel.axes("Grids of tee blocks", ("parts", "total [s]"))
         for curve in curves[::-1]:
             body += panel.curve(curve)
-        left += WIDE + BETWEEN + _NAMES
+        left += WIDE + BETWEEN + NAME_WIDTH
     timed = [r for r in found.records if "total_seconds" in r]
     names = list(dict.fromkeys(r["assembly"] for r in timed))
     if names:
@@ -150,7 +152,7 @@ PICTURES: dict[str, Callable[[Bench, str], str]] = {
 def _two_panels_of_rows(found: Bench, command: str, group: str, names: Sequence[str], titles: dict[str, str]) -> str:
     body, top = frame.header(found.title, _facts(found), 2 * WIDE)
     top += TOP
-    left, high = palette.MARGIN + _NAMES, _ROW * len(names)
+    left, high = palette.MARGIN + NAME_WIDTH, ROW_HEIGHT * len(names)
     for k, (key, title) in enumerate(titles.items()):
         shown = [r for r in found.records if r.get(key) is not None]
         panel = Panel(left, top, WIDE, high, (-3.0, 103.0), (len(names) - 0.5, -0.5))

@@ -18,7 +18,7 @@ _TABLE_1 = (
     (99.02, 31.89, 0.48, 0.49, 67.14, 49.56),
     (84.24, 46.94, 1.35, 14.41, 37.30, 75.61),
 )
-_CELLS = ("invalid_invalid_percent", "invalid_valid_percent", "valid_invalid_percent", "valid_valid_percent")
+CONFUSION_CELLS = ("invalid_invalid_percent", "invalid_valid_percent", "valid_invalid_percent", "valid_valid_percent")
 
 _TABLE_2 = (
     # parts, joint, preprocess, solve, total, PuzzleFlex total [s]
@@ -42,7 +42,7 @@ def _accuracy() -> tuple[Record, ...]:
         pair = f"Table 1, row {k}"
         rows.append(
             {"pair": pair, "method": PAPER, "published": True, "accuracy_percent": right}
-            | dict(zip(_CELLS, cells, strict=True))
+            | dict(zip(CONFUSION_CELLS, cells, strict=True))
             | {"lost_of_free_percent": lost}
         )
         rows.append({"pair": pair, "method": PUZZLEFLEX, "published": True, "accuracy_percent": theirs})

@@ -24,9 +24,9 @@ from wiggleroom.solve.linear_programming import linear_solver
 
 PATIENCE, SHORTEST, LONGEST = 30.0, 60.0, 600.0
 """Others may take so many times as long as walls, and at least and at most so many seconds."""
-GRACE = 1.5
+TIME_LIMIT_FACTOR = 1.5
 """A method that does not heed the limit is ended after so many times the limit."""
-LOOK = 0.2
+POLL_INTERVAL = 0.2
 """How often a running process is looked at [s]."""
 
 COLUMNS = (
@@ -177,10 +177,10 @@ def _heard(process: subprocess.Popen[str], limit: float | None, stop: Stop | Non
     asked = False
     while True:
         try:
-            said, wrong = process.communicate(timeout=LOOK)
+            said, wrong = process.communicate(timeout=POLL_INTERVAL)
         except subprocess.TimeoutExpired:
             asked = asked or (stop is not None and stop.is_set())
-            end = end or (None if limit is None else time.monotonic() + GRACE * limit + SHORTEST)
+            end = end or (None if limit is None else time.monotonic() + TIME_LIMIT_FACTOR * limit + SHORTEST)
             if asked or (end is not None and time.monotonic() > end):
                 process.kill()
         else:

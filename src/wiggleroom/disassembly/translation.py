@@ -18,6 +18,7 @@ from scipy.sparse.csgraph import connected_components
 from wiggleroom.disassembly.translation_blocking import block
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.slices import edges_of
+from wiggleroom.geometry.blocking import unblocked
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import placed
 
@@ -117,11 +118,8 @@ def translation_escapes(
 
 def _leaving(arcs: NDArray[np.bool_], count: int, label: Ints, ground: int) -> Ints:
     """Nodes of the smallest component that no arc leads out of and that does not hold the ground."""
-    i, j = np.nonzero(arcs)
-    out = np.zeros(count, dtype=bool)
-    out[label[i[label[i] != label[j]]]] = True
-    out[label[ground]] = True
-    sinks = np.flatnonzero(~out)
+    tail, head = np.nonzero(arcs)
+    sinks = unblocked(tail, head, label, ground)
     if not len(sinks):
         return np.zeros(0, dtype=np.int64)
     sizes = np.bincount(label, minlength=count)

@@ -21,18 +21,14 @@ from wiggleroom.drawing.assembly_schema import (
     ShapeEntry,
     ToleranceEntry,
     convert,
-    decode,
 )
+from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
 from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Tolerance, Turn, W
-from wiggleroom.drawing.name_checks import NameChecks
 from wiggleroom.drawing.rings import clean_ring, signed_area
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.tolerances import tolerance_findings
-from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
-
-_FILE_UNITS = {unit: UNITS[unit] for unit in ("mm", "cm", "m", "in")}
 
 
 def read_assembly(source: str | Path) -> Drawing:
@@ -55,25 +51,11 @@ def read_assembly(source: str | Path) -> Drawing:
     'a'
     """
     text = load(source, opening="{[", name="assembly")
-    findings: list[str] = []
-    raw = decode(text)
-    if not isinstance(raw, dict):
-        message = f'{text.name}: must be one JSON object with "format" and "parts"'
-        raise InputError(message)
-    entry = convert(raw, FileEntry, text.name, findings)
-    if entry is None:
-        raise InputError(findings)
-    return _Reader(text.name, entry, findings).drawing()
+    return _Reader(text.name, entry_of(text, FileEntry)).drawing()
 
 
-class _Reader(NameChecks):
+class _Reader(EntryReader[FileEntry]):
     """Goes through one file and collects what is wrong with it."""
-
-    def __init__(self, file: str, entry: FileEntry, findings: list[str]) -> None:
-        self._file, self._entry, self._findings = file, entry, findings
-        self._mm = _FILE_UNITS.get(entry.unit, 1.0)
-        self._names: set[str] = set()
-        self._fixed: set[str] = set()
 
     def drawing(self) -> Drawing:
         """Return the drawing, or raise an InputError with every finding."""
@@ -81,7 +63,7 @@ class _Reader(NameChecks):
         self._head()
         gap = self._length(entry.gap, self._file, "gap", least=0.0)
         shapes = {name: self._shape(name, value) for name, value in entry.shapes.items()}
-        self._all_names()
+        self._check_names()
         parts = [part for i, value in enumerate(entry.parts) if (part := self._part(i, value, shapes))]
         self._fixed = {part.name for part in parts if part.fixed}
         glue = tuple(self._together(f"glue[{i}]", value) for i, value in enumerate(entry.glue))
@@ -100,17 +82,12 @@ class _Reader(NameChecks):
 
     def _head(self) -> None:
         entry = self._entry
-        if entry.format != FORMAT:
-            self._say("", f'format is "{entry.format[:40]}"; it must be "{FORMAT}"')
-        if entry.unit not in _FILE_UNITS:
-            self._say("", f'unit is "{entry.unit[:40]}"; it must be one of {", ".join(_FILE_UNITS)}')
+        self._check_head(FORMAT)
         if entry.objective is not None and entry.objective not in WHOLE:
             known = " or ".join(f'"{name}"' for name in WHOLE)
             self._say("", f'objective is "{entry.objective[:40]}"; it must be {known}')
         if entry.objective is not None and entry.pull:
             self._say("", '"objective" stands in place of "pull"; leave one of them out')
-        if not entry.parts:
-            self._say("", "has no parts; at least one is needed")
 
     def _length(self, value: float, where: str, what: str, *, least: float = -LARGEST) -> float:
         """Scale a number to [mm]; `what` is said where it is out of bounds."""
@@ -120,14 +97,6 @@ class _Reader(NameChecks):
             self._say("" if where == self._file else where, f"{what} is {value:g}; it must be {asked}")
             return 0.0
         return scaled
-
-    def _all_names(self) -> None:
-        found = [value["name"] for value in self._entry.parts if isinstance(value, dict) and "name" in value]
-        names = [name for name in found if isinstance(name, str)]
-        self._names = set(names)
-        for name, count in Counter(names).items():
-            if count > 1:
-                self._say(f'part "{name}"', f"name is used {count} times; every part needs its own")
 
     def _twice(self, keys: Iterable[frozenset[str]], what: str) -> None:
         for pair, count in Counter(keys).items():

@@ -76,19 +76,24 @@ class PullEntry(Entry, omit_defaults=True):
     weight: float = 1.0
 
 
-class FileEntry(Entry):
-    """The whole file; its parts are looked at one by one, so that every finding is told at once."""
+class HeadEntry(Entry):
+    """What files of every format hold; their parts are looked at one by one, so that every finding is told at once."""
 
     format: str
     parts: list[Any]
     unit: str = "mm"
     gap: float = 0.0
-    shapes: dict[str, Any] = {}
     glue: list[Any] = []
     ignore: list[Any] = []
     gaps: list[Any] = []
-    tolerances: list[Any] = []
     pull: list[Any] = []
+
+
+class FileEntry(HeadEntry):
+    """The whole file in the plane."""
+
+    shapes: dict[str, Any] = {}
+    tolerances: list[Any] = []
     objective: str | None = None
 
 

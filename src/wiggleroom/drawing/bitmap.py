@@ -15,9 +15,9 @@ from wiggleroom.errors import InputError, see_extra
 if TYPE_CHECKING:
     from PIL.Image import Image as Picture
 
-ACROSS = 60
+DEFAULT_COLUMNS = 60
 """Cells in the width of a picture that has more pixels, unless told otherwise."""
-LARGEST = 1_000_000
+MAX_CELLS = 1_000_000
 """Grids with more cells are refused."""
 
 
@@ -32,7 +32,7 @@ def read_bitmap(path: str | Path, across: int | None = None, threshold: float = 
     path : str or Path
         A picture in any format that Pillow reads; of several frames the first counts.
     across : int, optional
-        Cells in the width of the picture; by default one a pixel, but at most `ACROSS`.
+        Cells in the width of the picture; by default one a pixel, but at most `DEFAULT_COLUMNS`.
     threshold : float
         Cells darker than this are dark: between 0 (black) and 1 (white).
 
@@ -63,10 +63,10 @@ def read_bitmap(path: str | Path, across: int | None = None, threshold: float = 
         message = f"{name}: this is no picture that can be read ({' '.join(str(problem).split()) or 'damaged'})"
         raise InputError(message) from None
     height, width = grey.shape
-    columns = min(width, ACROSS) if across is None else across
+    columns = min(width, DEFAULT_COLUMNS) if across is None else across
     rows = max(1, round(height * columns / width))
-    if not (columns >= 1 and columns * rows <= LARGEST):
-        most = math.isqrt(int(LARGEST * width / height))
+    if not (columns >= 1 and columns * rows <= MAX_CELLS):
+        most = math.isqrt(int(MAX_CELLS * width / height))
         message = f"{name}: {columns} blocks across: it must be between 1 and {most}"
         raise InputError(message)
     cells = image.fromarray(grey).resize((columns, rows), image.Resampling.BOX)

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-_CELLS = 64
+QUADRATURE_CELLS = 64
 """Cells in which the bend of a curve is summed up; a power of two keeps the grid symmetric to the last bit."""
-_SLACK = 1e-9
+ROUNDING_SHARE = 1e-9
 """Share of the tolerance given to rounding, so that copies of a curve elsewhere in the plane get as many chords."""
-_MOST = 65536
+MAX_CHORDS = 65536
 """More chords than this for one curve are not made."""
 
 
@@ -219,24 +219,24 @@ def _distinct(
 
 def _divide(curves: Curves, tolerance: float) -> list[Complex]:
     """Chord ends are spread by the root of the bend, which makes all deviations alike; then as few as will do."""
-    middles = np.broadcast_to((np.arange(_CELLS) + 0.5) / _CELLS, (len(curves), _CELLS))
+    middles = np.broadcast_to((np.arange(QUADRATURE_CELLS) + 0.5) / QUADRATURE_CELLS, (len(curves), QUADRATURE_CELLS))
     # The small constant moves chord ends along even where a curve turns back on itself without bending.
     bend = curves.bend(middles)
     density = np.sqrt(bend + 1e-12 * bend.max(axis=1, keepdims=True) + 1e-300)
     total = density.mean(axis=1)
-    shares = np.zeros((len(curves), _CELLS + 1))
+    shares = np.zeros((len(curves), QUADRATURE_CELLS + 1))
     np.cumsum(density, axis=1, out=shares[:, 1:])
     shares /= shares[:, -1:]
     unit = curves.multiple()
     estimate = total / np.sqrt(8 * tolerance) - 2  # an asymptotic figure: two fewer are tried first
-    count = np.maximum(1, np.ceil(np.minimum(estimate, _MOST) / unit - 1e-6)).astype(np.intp) * unit
+    count = np.maximum(1, np.ceil(np.minimum(estimate, MAX_CHORDS) / unit - 1e-6)).astype(np.intp) * unit
     corners: list[Complex] = [np.empty(0, complex)] * len(curves)
     pending = np.arange(len(curves))
     while len(pending):
         for n in np.unique(count[pending]):
             rows = pending[count[pending] == n]
             batch, t = curves.take(rows), _spread(shares[rows], int(n))
-            done = (batch.deviation(t) <= tolerance * (1 + _SLACK)) | (n >= _MOST)
+            done = (batch.deviation(t) <= tolerance * (1 + ROUNDING_SHARE)) | (n >= MAX_CHORDS)
             for row, points in zip(rows[done], batch.point(t)[done], strict=True):
                 corners[row] = points[1:-1]
             failed = rows[~done]
@@ -251,9 +251,9 @@ def _spread(shares: Real, n: int) -> Real:
     t[:, 0], t[:, -1] = 0, 1
     row = np.arange(len(shares))
     for i in range(1, n):
-        cell = np.clip((shares <= i / n).sum(axis=1) - 1, 0, _CELLS - 1)
+        cell = np.clip((shares <= i / n).sum(axis=1) - 1, 0, QUADRATURE_CELLS - 1)
         low, high = shares[row, cell], shares[row, cell + 1]
-        t[:, i] = (cell + (i / n - low) / np.where(high > low, high - low, 1)) / _CELLS
+        t[:, i] = (cell + (i / n - low) / np.where(high > low, high - low, 1)) / QUADRATURE_CELLS
     return t
 
 

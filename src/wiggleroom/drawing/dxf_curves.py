@@ -12,9 +12,9 @@ from wiggleroom.drawing.nurbs import cubics_of
 from wiggleroom.drawing.pathdata import Arc, Cubic, Line, Segment, Subpath
 from wiggleroom.drawing.strokes import bulge_arc, trace
 
-_FRAME = 16
+SPLINE_FRAME_FLAG = 16
 """Flag of the vertices of a polyline that only steer its curve."""
-_ROUND = 1e-9
+FULL_TURN_TOLERANCE = 1e-9
 """A sweep this near to a full turn [rad] is one."""
 
 
@@ -61,11 +61,11 @@ def _ellipse(entity: Any) -> Subpath:
         raise ValueError("an axis is 0; it must be larger")
     first, last = entity.dxf.start_param, entity.dxf.end_param
     sweep = (last - first) % (2 * math.pi)
-    return _turn(_flat(entity.dxf.center), major, minor, first, sweep if sweep > _ROUND else 2 * math.pi)
+    return _turn(_flat(entity.dxf.center), major, minor, first, sweep if sweep > FULL_TURN_TOLERANCE else 2 * math.pi)
 
 
 def _turn(centre: complex, u: complex, v: complex, start: float, sweep: float) -> Subpath:
-    closed = sweep >= 2 * math.pi - _ROUND
+    closed = sweep >= 2 * math.pi - FULL_TURN_TOLERANCE
     ends = [centre + u * math.cos(a) + v * math.sin(a) for a in (start, start + (0.0 if closed else sweep))]
     return Subpath(ends[0], [Arc(centre, u, v, start, 2 * math.pi if closed else sweep, False, ends[1])], closed)
 
@@ -84,7 +84,7 @@ def _lwpolyline(entity: Any) -> Subpath | None:
 
 
 def _old_polyline(entity: Any) -> Subpath | None:
-    drawn = [vertex.dxf for vertex in entity.vertices if not vertex.dxf.flags & _FRAME]
+    drawn = [vertex.dxf for vertex in entity.vertices if not vertex.dxf.flags & SPLINE_FRAME_FLAG]
     bulged = entity.is_2d_polyline
     corners = [(_flat(dxf.location), dxf.get("bulge", 0.0) if bulged else 0.0) for dxf in drawn]
     return _polyline(corners, bool(entity.is_closed))

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from wiggleroom.drawing.dxf_curves import STROKES, stroke_of
-from wiggleroom.drawing.elements import MOST, Group, Lettering, Stroke
+from wiggleroom.drawing.elements import MAX_ELEMENTS, Group, Lettering, Stroke
 from wiggleroom.drawing.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.strokes import mapped, reach
@@ -19,12 +19,12 @@ NAME = "WIGGLEROOM"
 """Extended data of this application hold a part's name, the number of this outline and how many there are."""
 HOLES = "holes"
 """Outlines that we write on this layer are holes of the part around them."""
-_UNSEEN = ("defpoints", LABELS)
-_TEXTS = ("TEXT", "MTEXT")
-_SILENT = ("VIEWPORT", "POINT", "ATTDEF", "ATTRIB", "SEQEND")
+HIDDEN_LAYERS = ("defpoints", LABELS)
+TEXT_KINDS = ("TEXT", "MTEXT")
+IGNORED_KINDS = ("VIEWPORT", "POINT", "ATTDEF", "ATTRIB", "SEQEND")
 _SPELLED = re.compile(r"\\U\+([0-9A-Fa-f]{4})")
-_DEEPEST = 50
-_FLAT = 1e-9
+MAX_NESTING = 50
+TILT_TOLERANCE = 1e-9
 """An entity whose plane is tilted by more than this is not in the drawing's plane."""
 
 
@@ -77,7 +77,7 @@ class DxfWalk:
                 continue
             own = text_of(str(entity.dxf.get("layer", "0")))
             layer = state.layer if own == "0" else own
-            if entity.dxf.get("invisible", 0) or layer.lower() in _UNSEEN:
+            if entity.dxf.get("invisible", 0) or layer.lower() in HIDDEN_LAYERS:
                 continue
             if layer.lower() in self._off:
                 self.hidden.add(layer)
@@ -98,21 +98,21 @@ class DxfWalk:
 
     def _count(self) -> None:
         self._visited += 1
-        if self._visited > MOST:
-            message = f"{self.file}: draws more than {MOST} elements, copies counted; split the drawing"
+        if self._visited > MAX_ELEMENTS:
+            message = f"{self.file}: draws more than {MAX_ELEMENTS} elements, copies counted; split the drawing"
             raise InputError(message)
 
     def _entity(self, entity: Any, state: _DxfState) -> None:
         kind = entity.dxftype()
-        if kind in _SILENT:
+        if kind in IGNORED_KINDS:
             return
         if kind == "INSERT":
             self._insert(entity, state)
-        elif kind in _TEXTS:
+        elif kind in TEXT_KINDS:
             self._text(entity, state)
         elif kind not in STROKES or (kind == "POLYLINE" and not (entity.is_2d_polyline or entity.is_3d_polyline)):
             self.left_out[kind] += 1
-        elif abs(entity.dxf.get("extrusion", (0, 0, 1))[2]) < 1 - _FLAT and kind not in ("LINE", "SPLINE"):
+        elif abs(entity.dxf.get("extrusion", (0, 0, 1))[2]) < 1 - TILT_TOLERANCE and kind not in ("LINE", "SPLINE"):
             self.left_out[f"tilted {kind}"] += 1
         else:
             self._stroke(entity, state)
@@ -181,15 +181,15 @@ class DxfWalk:
         name = text_of(insert.dxf.get("name", ""))
         named = f'block "{name}" on layer "{state.layer}"'
         block = insert.block()
-        if block is None or name in state.blocks or len(state.blocks) > _DEEPEST:
+        if block is None or name in state.blocks or len(state.blocks) > MAX_NESTING:
             reason = "is not in the file" if block is None else "holds itself" if name in state.blocks else ""
             self.findings.append(f"{self.file}: {named}: {reason or 'is nested too deep'}; explode it or draw it once")
             return
-        if abs(insert.dxf.extrusion.z) < 1 - _FLAT:
+        if abs(insert.dxf.extrusion.z) < 1 - TILT_TOLERANCE:
             self.left_out["tilted INSERT"] += 1
             return
-        if insert.mcount > MOST:
-            self.findings.append(f"{self.file}: {named}: has more than {MOST} copies; it must have fewer")
+        if insert.mcount > MAX_ELEMENTS:
+            self.findings.append(f"{self.file}: {named}: has more than {MAX_ELEMENTS} copies; it must have fewer")
             return
         grouped = self._grouped.get(insert.dxf.get("handle"))
         for copy in insert.multi_insert() if insert.mcount > 1 else (insert,):

@@ -15,7 +15,7 @@ from wiggleroom.drawing.svg_writer import merged, placed_rings
 
 _LAYERS = {"cut": 7, "fixed": 1, HOLES: 3, LABELS: 5}
 """Layers and their colours: black or white, red, green, blue."""
-_CHUNK = 30
+CHUNK_LENGTH = 30
 """Characters of a name in one string of extended data, which holds 255, where one may take 7."""
 
 
@@ -64,7 +64,7 @@ def _document(ezdxf: Any, drawing: Drawing, labels: Sequence[Label]) -> Any:
             line = space.add_lwpolyline(
                 outer.tolist(), close=True, dxfattribs={"layer": "fixed" if part.fixed else "cut"}
             )
-            chunks = [(1000, part.name[i : i + _CHUNK]) for i in range(0, len(part.name), _CHUNK)]
+            chunks = [(1000, part.name[i : i + CHUNK_LENGTH]) for i in range(0, len(part.name), CHUNK_LENGTH)]
             line.set_xdata(NAME, [*chunks, (1070, number + 1), (1070, len(part.regions))])
             outers[part.name].append(line)
             for hole in holes:

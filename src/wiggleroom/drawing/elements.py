@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from wiggleroom.drawing.pathdata import Subpath
 
-MOST = 100_000
+MAX_ELEMENTS = 100_000
 """A drawing of more elements than this, copies counted, is refused."""
 
 

@@ -15,11 +15,11 @@ from wiggleroom.drawing.model import Points
 
 Ints = NDArray[np.int64]
 
-JOIN = 0.05
+JOIN_DISTANCE = 0.05
 """Open ends nearer than this [mm] are joined, ..."""
 JOIN_SHARE = 0.01
 """... and nearer than this share of the shortest line."""
-_SAME = 1e-9
+COINCIDENCE_TOLERANCE = 1e-9
 """Ends nearer than this share of the drawing's size are one."""
 
 
@@ -57,7 +57,7 @@ def join_ends(lines: Sequence[Points], tolerance: float, size: float) -> Ends:
     ends = np.array([point for line in lines for point in (line[0], line[-1])]).reshape(-1, 2)
     points = shapely.points(ends)
     tree = shapely.STRtree(points)
-    first, second = tree.query(points, predicate="dwithin", distance=_SAME * size)
+    first, second = tree.query(points, predicate="dwithin", distance=COINCIDENCE_TOLERANCE * size)
     label = _components(len(ends), first, second)
     count = np.bincount(label)
     loose = count == 1

@@ -17,13 +17,13 @@ from wiggleroom.drawing.elements import Artwork, Stroke
 from wiggleroom.drawing.strokes import trace
 from wiggleroom.errors import InputError
 
-_ENGRAVED = (
+ENGRAVING_WORDS = (
     "engrav", "etch", "raster", "scor", "gravur", "gravier", "gravure", "graver", "gravyr", "grabad", "grabar",
     "gravac", "gravar", "incision", "incid", "ritz", "marquage", "marcad", "marcatur", "grawer", "gravirov",
     "гравир", "雕刻", "刻字", "彫刻", "刻印", "각인", "kazima",
 )  # fmt: skip
 """How words for what is engraved or scored begin; enough to leave out a single element that is called so."""
-_ASIDE = (
+AUXILIARY_WORDS = (
     "mark", "fold", "crease", "bend", "falz", "falt", "rill", "pli", "plieg", "piega", "dobra", "gesto", "折",
     "guide", "guia", "guida", "helper", "construct", "konstruktion", "hilfs", "hulp", "centerline", "centreline",
     "mittellinie", "ガイド", "辅助", "參考", "参考",
@@ -39,7 +39,7 @@ _ASIDE = (
 _WHOLE = {"mark", "fold", "bend", "pli", "note", "dim", "dims", "cote", "cotes", "cota", "cotas", "quote", "masse",
           "info", "font", "cache", "fond", "guide", "text", "texte", "texto", "letter", "label"}  # fmt: skip
 """Those that must be the whole word, or its plural or its number: "marks", "text12"."""
-_HOLES = (
+HOLE_WORDS = (
     "hole",
     "loch",
     "locher",
@@ -58,9 +58,9 @@ _HOLES = (
 )
 LABELS = "labels"
 """Names for people to read stand in a layer of this name; nothing is said about it."""
-_PLACED = ("inner", "outer", "cut", "through")
+CUT_WORDS = ("inner", "outer", "cut", "through")
 """Words that say that a line is cut whatever stands beside them, as in "text cut"."""
-_PAGE = 0.01
+PAGE_TOLERANCE = 0.01
 """A rectangle that misses the sheet by less than this share of its size is the sheet."""
 _REFERENCE = re.compile(r"burn:\s*[\d.]+\s*mm")
 """What stands in the bar by which the scale of a boxes.py sheet is checked."""
@@ -129,7 +129,7 @@ def is_engraved(word: str) -> bool:
     >>> is_engraved("Gravur 2"), is_engraved("lid")
     (True, False)
     """
-    return any(token.startswith(_ENGRAVED) for token in _tokens(word))
+    return any(token.startswith(ENGRAVING_WORDS) for token in _tokens(word))
 
 
 def is_aside(word: str) -> bool:
@@ -141,12 +141,12 @@ def is_aside(word: str) -> bool:
     [True, True, True, True, False, False, False]
     """
     tokens = _tokens(word)
-    if set(tokens) & set(_PLACED):
+    if set(tokens) & set(CUT_WORDS):
         return False
     phrase = " ".join(tokens)
     return is_engraved(word) or any(
         (token in (stem, f"{stem}s", f"{stem}n") if stem in _WHOLE else token.startswith(stem))
-        for stem in _ASIDE
+        for stem in AUXILIARY_WORDS
         for token in (*tokens, phrase)
     )
 
@@ -159,7 +159,7 @@ def is_hole_layer(word: str) -> bool:
     >>> [is_hole_layer(word) for word in ("Hole_3mm", "Löcher", "whole")]
     [True, True, False]
     """
-    return any(token.startswith(_HOLES) for token in _tokens(word)[:1])
+    return any(token.startswith(HOLE_WORDS) for token in _tokens(word)[:1])
 
 
 def _tokens(word: str) -> list[str]:
@@ -240,7 +240,7 @@ def _sheet(artwork: Artwork, reasons: list[str]) -> None:
             continue
         points = np.array(trace(stroke.paths[0], 2))
         low, high = np.array([points.real.min(), points.imag.min()]), np.array([points.real.max(), points.imag.max()])
-        slack = _PAGE * np.array([width, height])
+        slack = PAGE_TOLERANCE * np.array([width, height])
         covers = bool(
             (low <= np.array([x, y]) + slack).all() and (high >= np.array([x + width, y + height]) - slack).all()
         )

@@ -13,9 +13,9 @@ from wiggleroom.drawing.model import Part, Points
 from wiggleroom.drawing.rings import signed_area
 
 _CAPITAL, _BASE, _SPACE = 6.0, 2.0, 1.7
-_FILL = 0.85
+FILL_SHARE = 0.85
 """Share of the largest circle in a part that its name may fill, ..."""
-_TALLEST = 0.35
+MAX_HEIGHT_SHARE = 0.35
 """... and its height as a share of that circle's radius."""
 
 # Strokes by pairs of digits x, y: base line at 2, small letters to 6, capitals to 8, tails to 0.
@@ -105,7 +105,7 @@ def labels_of(parts: Sequence[Part]) -> tuple[Label, ...]:
         x, y, angle = part.at
         turned = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
         across = np.hypot(width_of(part.name, 1.0), 1.0)
-        rows.append((part.name, at @ turned + (x, y), min(2 * _FILL * radius / across, _TALLEST * radius)))
+        rows.append((part.name, at @ turned + (x, y), min(2 * FILL_SHARE * radius / across, MAX_HEIGHT_SHARE * radius)))
     tallest = float(np.median([height for *_, height in rows])) if rows else 0.0
     return tuple(Label(name, (float(at[0]), float(at[1])), min(height, tallest)) for name, at, height in rows)
 

@@ -8,10 +8,10 @@ from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
-from wiggleroom.drawing.elements import MOST, Artwork, Group, Lettering, Stroke
+from wiggleroom.drawing.elements import MAX_ELEMENTS, Artwork, Group, Lettering, Stroke
 from wiggleroom.drawing.layers import is_hole_layer
 from wiggleroom.drawing.limits import LARGEST
-from wiggleroom.drawing.pathdata import HUGE, NUMBER, Arc, Cubic, Line, Segment, Subpath
+from wiggleroom.drawing.pathdata import MAX_COORDINATE, NUMBER, Arc, Cubic, Line, Segment, Subpath
 from wiggleroom.drawing.shapes import subpaths_of
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.strokes import mapped, reach
@@ -20,18 +20,18 @@ from wiggleroom.drawing.units import millimetres
 from wiggleroom.drawing.xmltree import Element, parse_xml
 from wiggleroom.errors import InputError
 
-_COLOURS = (
+LAYER_COLOURS = (
     "#000000", "#0000ff", "#ff0000", "#00e000", "#d0d000", "#ff8000", "#00e0e0", "#ff00ff", "#b4b4b4", "#0000a0",
     "#a00000", "#00a000", "#a0a000", "#c08000", "#00a0ff", "#a000a0", "#808080", "#7d87b9", "#bb7784", "#4a6fe3",
     "#d33f6a", "#8cd78c", "#f0b98d", "#f6c4e1", "#fa9ed4", "#500a78", "#b45a00", "#004754", "#86fa88", "#ffdb66",
 )  # fmt: skip
 """Colours of the layers 00 to 29 in the program's palette."""
-_TOOLS = (30, 31)
+TOOL_LAYERS = (30, 31)
 """Layers T1 and T2, which are never cut."""
 _VERTEX = re.compile(rf"V({NUMBER})\s+({NUMBER})((?:c[01][xy]{NUMBER})*)")
 _CONTROL = re.compile(rf"c([01])([xy])({NUMBER})")
 _PRIMITIVE = re.compile(r"([LB])\s*(\d+)\s+(\d+)")
-_DEEPEST = 100
+MAX_NESTING = 100
 
 
 def lightburn_artwork(path: str | Path, unit: str | None = None) -> Artwork:
@@ -107,14 +107,14 @@ class _Walk:
 
     def shapes(self, parent: Element, matrix: Affine, groups: tuple[Group, ...], depth: int) -> None:
         """Collect all shapes below an element, which `matrix` maps to the page."""
-        if depth > _DEEPEST:
-            message = f"{self.file}: line {parent.line}: groups are nested deeper than {_DEEPEST}; ungroup them"
+        if depth > MAX_NESTING:
+            message = f"{self.file}: line {parent.line}: groups are nested deeper than {MAX_NESTING}; ungroup them"
             raise InputError(message)
         for element in parent.children:
             if element.tag != "Shape":
                 continue
-            if len(self.strokes) > MOST:
-                message = f"{self.file}: draws more than {MOST} elements; split the drawing"
+            if len(self.strokes) > MAX_ELEMENTS:
+                message = f"{self.file}: draws more than {MAX_ELEMENTS} elements; split the drawing"
                 raise InputError(message)
             try:
                 self._shape(element, matrix, groups, depth)
@@ -146,7 +146,7 @@ class _Walk:
     def _stroke(self, element: Element, kind: str, name: str, matrix: Affine, groups: tuple[Group, ...]) -> None:
         index = int(element.attributes.get("CutIndex", "0"))
         layer = self._layers.setdefault(index, Group(_layer_name(index), False, (_layer_name(index),)))
-        if index in _TOOLS or index in self._engraved:
+        if index in TOOL_LAYERS or index in self._engraved:
             what = self._engraved.get(index, "tool layer")
             self.left_out[f'{kind} (on {what} "{layer.name}")'] += 1
             return
@@ -162,7 +162,7 @@ class _Walk:
                 label=name,
                 groups=(Group("", layer.glue, layer.marks), *groups),
                 layer=layer.name,
-                colour=_COLOURS[index] if 0 <= index < len(_COLOURS) else "#000000",
+                colour=LAYER_COLOURS[index] if 0 <= index < len(LAYER_COLOURS) else "#000000",
                 fixed="fixed" in {layer.name.lower(), name.lower(), *(group.name.lower() for group in groups)},
                 even_odd=True,
                 hole=is_hole_layer(layer.name),
@@ -266,7 +266,7 @@ def _chained(
 
 def _matrix(text: str) -> Affine:
     values = [float(number) for number in text.split()]
-    if len(values) != 6 or not all(abs(value) <= HUGE for value in values):
+    if len(values) != 6 or not all(abs(value) <= MAX_COORDINATE for value in values):
         raise ValueError("its place (XForm) cannot be read; it takes six numbers")
     return Affine(*values)
 
@@ -277,17 +277,17 @@ def _number(element: Element, key: str, otherwise: str = "") -> float:
         value = float(text)
     except ValueError:
         value = math.nan
-    if not 0 <= value <= HUGE:
+    if not 0 <= value <= MAX_COORDINATE:
         message = f'{key} is "{text[:20]}"; it must be a number of 0 or more'
         raise ValueError(message)
     return value
 
 
 def _checked(point: complex) -> complex:
-    if not (abs(point.real) <= HUGE and abs(point.imag) <= HUGE):
+    if not (abs(point.real) <= MAX_COORDINATE and abs(point.imag) <= MAX_COORDINATE):
         raise ValueError("has a vertex that is no number")
     return point
 
 
 def _layer_name(index: int) -> str:
-    return f"T{index - 29}" if index in _TOOLS else f"C{index:02d}"
+    return f"T{index - 29}" if index in TOOL_LAYERS else f"C{index:02d}"

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.elements import Lettering, Stroke
 
-_LONGEST = 80
+MAX_LABEL_LENGTH = 80
 Polygons = Sequence[shapely.Polygon] | NDArray[np.object_]
 
 
@@ -29,7 +29,7 @@ def texts_inside(polygons: Polygons, texts: Sequence[Lettering]) -> tuple[list[s
         point = shapely.Point(lettering.at.real, lettering.at.imag)
         around = tree.query(point, predicate="intersects").tolist()
         owner = min(around, key=lambda i: area[i], default=None)
-        if owner is not None and lettering.text.isprintable() and 0 < len(lettering.text) <= _LONGEST:
+        if owner is not None and lettering.text.isprintable() and 0 < len(lettering.text) <= MAX_LABEL_LENGTH:
             said.setdefault(owner, []).append(lettering.text)
     names = [said[i][0] if len(said.get(i, [])) == 1 else "" for i in range(len(polygons))]
     return names, len(texts) - sum(map(bool, names))

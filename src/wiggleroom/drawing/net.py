@@ -11,7 +11,7 @@ import shapely
 from wiggleroom.drawing.joining import Ends
 from wiggleroom.drawing.model import Points
 
-_GRID = 1e-8
+SNAP_GRID = 1e-8
 """Crossings are rounded to a grid of about this share of the drawing's size."""
 
 
@@ -62,7 +62,7 @@ def net_of(lines: Sequence[Points], ends: Ends, rings: Sequence[Points], *, join
     corners = np.vstack(drawn)
     size = float(np.ptp(corners, axis=0).max())
     drawn = _ends_on_lines(drawn, len(lines), ends, join, chord, size)
-    grid = 10.0 ** np.floor(np.log10(_GRID * max(size, float(np.abs(corners).max()) * 1e-4)))
+    grid = 10.0 ** np.floor(np.log10(SNAP_GRID * max(size, float(np.abs(corners).max()) * 1e-4)))
     noded = shapely.unary_union(shapely.multilinestrings([shapely.linestrings(line) for line in drawn]), grid_size=grid)
     faces, cuts, dangles, _ = shapely.polygonize_full(shapely.get_parts(noded))
     polygons = shapely.get_parts(faces)

@@ -9,11 +9,11 @@ from wiggleroom.drawing.curves import Complex
 
 Real = NDArray[np.float64]
 
-CLOSE = 1e-6
+APPROXIMATION_TOLERANCE = 1e-6
 """Cubics that stand for other curves stray from them by no more than this share of the curve's size."""
-_DEEPEST = 12
+MAX_HALVINGS = 12
 """Halvings of one span; only a curve with a spike needs as many."""
-_TRIED = np.linspace(0.0, 1.0, 9)[1:-1]
+SAMPLE_PARAMETERS = np.linspace(0.0, 1.0, 9)[1:-1]
 
 
 def cubics_of(degree: int, knots: Real, control: Real, weights: Real) -> Complex:
@@ -44,13 +44,13 @@ def cubics_of(degree: int, knots: Real, control: Real, weights: Real) -> Complex
     plain = np.ptp(weights) <= 1e-12 * weights.max()
     if plain and degree <= 3:
         return np.array([_elevated((span[:, 0] + 1j * span[:, 1]) / weights[0]) for span in spans])
-    tolerance = CLOSE * float(np.ptp(control, axis=0).max())
+    tolerance = APPROXIMATION_TOLERANCE * float(np.ptp(control, axis=0).max())
     pending = [(span, 0) for span in reversed(spans)]
     done: list[Complex] = []
     while pending:
         span, depth = pending.pop()
         cubic = _hermite(span)
-        if _strays(span, cubic) <= tolerance or depth == _DEEPEST:
+        if _strays(span, cubic) <= tolerance or depth == MAX_HALVINGS:
             done.append(cubic)
         else:
             first, second = _halves(span)
@@ -120,9 +120,9 @@ def _hermite(span: Real) -> Complex:
 
 def _strays(span: Real, cubic: Complex) -> float:
     """Largest distance between a rational Bézier and a cubic [mm], to first order and across the cubic."""
-    away = _points(span, _TRIED) - _bezier(cubic, _TRIED)
-    step, s = np.diff(cubic), 1 - _TRIED
-    tangent = s**2 * step[0] + 2 * s * _TRIED * step[1] + _TRIED**2 * step[2]
+    away = _points(span, SAMPLE_PARAMETERS) - _bezier(cubic, SAMPLE_PARAMETERS)
+    step, s = np.diff(cubic), 1 - SAMPLE_PARAMETERS
+    tangent = s**2 * step[0] + 2 * s * SAMPLE_PARAMETERS * step[1] + SAMPLE_PARAMETERS**2 * step[2]
     speed = np.abs(tangent)
     across = np.abs((np.conj(tangent) * away).imag) / np.where(speed > 0, speed, 1)
     return float(np.where(speed > 0, across, np.abs(away)).max())

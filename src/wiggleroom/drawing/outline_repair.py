@@ -10,11 +10,11 @@ import shapely
 from wiggleroom.drawing.model import Points
 from wiggleroom.drawing.rings import clean_ring, signed_area
 
-LOOP = 1.0
+MAX_FAULT_SIZE = 1.0
 """Loops and pieces no larger than this [mm] are faults, ..."""
-LOOP_SHARE = 0.02
+MAX_FAULT_SHARE = 0.02
 """... and no larger than this share of their outline."""
-_SPIKE = 1e-6
+SPIKE_WIDTH = 1e-6
 """A spike narrower than this share of its outline has no width."""
 
 
@@ -55,13 +55,13 @@ def mend(ring: Points) -> RepairedOutline:
     if polygon.is_valid:
         return RepairedOutline((ring,))
     size = float(np.ptp(ring, axis=0).max())
-    bare, tips = _without_spikes(clean_ring(ring, clockwise=signed_area(ring) < 0), _SPIKE * size)
+    bare, tips = _without_spikes(clean_ring(ring, clockwise=signed_area(ring) < 0), SPIKE_WIDTH * size)
     if len(bare) < 3:
         return RepairedOutline((ring,))
     spikes = tuple(("spike", (float(x), float(y))) for x, y in tips)
     if shapely.Polygon(bare).is_valid:
         return RepairedOutline((bare,), spikes)
-    return _from_faces(ring, bare, min(LOOP, LOOP_SHARE * size), spikes)
+    return _from_faces(ring, bare, min(MAX_FAULT_SIZE, MAX_FAULT_SHARE * size), spikes)
 
 
 def _without_spikes(ring: Points, width: float) -> tuple[Points, list[Points]]:

@@ -11,14 +11,14 @@ import shapely
 
 from wiggleroom.drawing.elements import Artwork, Stroke
 from wiggleroom.drawing.flatten import Curved
-from wiggleroom.drawing.joining import JOIN, JOIN_SHARE, join_ends, loops, outline_of
+from wiggleroom.drawing.joining import JOIN_DISTANCE, JOIN_SHARE, join_ends, loops, outline_of
 from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST
 from wiggleroom.drawing.model import Points, Region
 from wiggleroom.drawing.nesting import regions_by_fill_rule
 from wiggleroom.drawing.net import net_of
 from wiggleroom.drawing.outline_repair import mend
 from wiggleroom.drawing.pathdata import Subpath
-from wiggleroom.drawing.rings import REPEATED, clean_ring
+from wiggleroom.drawing.rings import COINCIDENT_CORNERS, clean_ring
 from wiggleroom.drawing.strokes import extent
 from wiggleroom.errors import InputError
 
@@ -132,7 +132,7 @@ def traced(artwork: Artwork, *, flatten: float | None, gap: float | None, join: 
     tolerance, size = _chord_error(artwork, paths, closed, flatten, gap)
     lengths = [extent(path) for (path, _), is_closed in zip(paths, closed, strict=True) if not is_closed]
     real = [length for length in lengths if length > 1e-6 * size]
-    within = join if join is not None else min([JOIN, *(JOIN_SHARE * length for length in real)])
+    within = join if join is not None else min([JOIN_DISTANCE, *(JOIN_SHARE * length for length in real)])
     found = Traced(artwork.file, tolerance, within)
     curved = Curved()
     for path, _ in paths:
@@ -162,7 +162,7 @@ def traced(artwork: Artwork, *, flatten: float | None, gap: float | None, join: 
 def _is_closed(path: Subpath) -> bool:
     ends = [path.start, *(segment.end for segment in path.segments)]
     size = max(abs(end - path.start) for end in ends)
-    return path.closed or abs(ends[-1] - path.start) <= REPEATED * size
+    return path.closed or abs(ends[-1] - path.start) <= COINCIDENT_CORNERS * size
 
 
 def _chord_error(

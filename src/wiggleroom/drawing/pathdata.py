@@ -13,9 +13,9 @@ NUMBER = r"[-+]?+(?:\d++\.?+\d*+|\.\d++)(?:[eE][-+]?+\d++)?+"
 _NUMBER = re.compile(NUMBER)
 _ARC = re.compile(r"[\s,]*+".join([f"({NUMBER})"] * 3 + ["([01])"] * 2 + [f"({NUMBER})"] * 2))
 _ARGUMENTS = {"M": 2, "Z": 0, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7}
-HUGE = 1e15
+MAX_COORDINATE = 1e15
 """Numbers beyond this are no coordinates in any unit; below it squares and products stay finite."""
-_HALF = 1e-13
+OPPOSITE_TOLERANCE = 1e-13
 """Ends this near to opposite each other (relative) are opposite: rounding would else move the centre by its root."""
 
 
@@ -125,8 +125,8 @@ def parse_numbers(text: str, place: str, size: int) -> list[float]:
         message = f"{place} has {len(words)} numbers where {size} at a time are needed"
         raise ValueError(message)
     numbers = [float(word) for word in words]
-    if any(abs(number) > HUGE for number in numbers):
-        message = f"{place} has a number beyond {HUGE:g}; move or scale the drawing"
+    if any(abs(number) > MAX_COORDINATE for number in numbers):
+        message = f"{place} has a number beyond {MAX_COORDINATE:g}; move or scale the drawing"
         raise ValueError(message)
     return numbers
 
@@ -246,7 +246,7 @@ def arc_between(start: complex, end: complex, rx: float, ry: float, turn: float,
     half = (a - b) / 2 * axis.conjugate()
     z = complex(half.real / rx, half.imag / ry)  # the start, where the ellipse is the unit circle, from the middle
     square = z.real**2 + z.imag**2
-    if square > 1 - _HALF:  # too small radii grow until the ends are opposite
+    if square > 1 - OPPOSITE_TOLERANCE:  # too small radii grow until the ends are opposite
         grow = math.sqrt(square)
         rx, ry, z, square = rx * grow, ry * grow, z / grow, 1.0
     centre = (-1j if large != positive else 1j) * z * math.sqrt(1 / square - 1)

@@ -6,9 +6,9 @@ import numpy as np
 
 from wiggleroom.drawing.model import Part, Points, Region
 
-REPEATED = 1e-9
+COINCIDENT_CORNERS = 1e-9
 """Corners closer together than this share of the outline's size are one corner."""
-STRAIGHT = 1e-12
+COLLINEAR_TOLERANCE = 1e-12
 """A corner nearer than this share of the size to the line of its neighbours is none."""
 ROUNDING = 1e-15
 """The same as a share of the coordinates, which far from the origin are rounded more coarsely."""
@@ -52,8 +52,10 @@ def clean_ring(ring: Points, *, clockwise: bool = False) -> Points:
            [0., 0.]])
     """
     size = float(np.ptp(ring, axis=0).max()) if len(ring) else 0.0
-    ring = _without_repeats(ring, REPEATED * size)
-    ring = _without_straight(ring, STRAIGHT * size + ROUNDING * (float(np.abs(ring).max()) if len(ring) else 0.0))
+    ring = _without_repeats(ring, COINCIDENT_CORNERS * size)
+    ring = _without_straight(
+        ring, COLLINEAR_TOLERANCE * size + ROUNDING * (float(np.abs(ring).max()) if len(ring) else 0.0)
+    )
     if (signed_area(ring) < 0) != clockwise:
         ring = ring[::-1]
     return np.ascontiguousarray(ring)

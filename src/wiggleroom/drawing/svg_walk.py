@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from wiggleroom.drawing.colours import RED, colour_of
 from wiggleroom.drawing.css import Rules, parse_rules, properties
-from wiggleroom.drawing.elements import MOST, Group, Lettering, Stroke
+from wiggleroom.drawing.elements import MAX_ELEMENTS, Group, Lettering, Stroke
 from wiggleroom.drawing.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.shapes import SHAPES, subpaths_of
 from wiggleroom.drawing.strokes import mapped
@@ -17,15 +17,15 @@ from wiggleroom.drawing.transforms import Affine, Box, fit, parse_length, parse_
 from wiggleroom.drawing.xmltree import Element
 from wiggleroom.errors import InputError
 
-_GROUPS = ("g", "a", "switch")
-_LEFT_OUT = ("image", "foreignObject")
-_NOT_DRAWN = (
+GROUP_ELEMENTS = ("g", "a", "switch")
+UNSUPPORTED_ELEMENTS = ("image", "foreignObject")
+INVISIBLE_ELEMENTS = (
     "defs", "symbol", "metadata", "style", "title", "desc", "script", "clipPath", "mask", "marker", "pattern", "filter",
     "linearGradient", "radialGradient", "view", "font", "cursor", "animate", "animateTransform", "set", "namedview",
     "font-face", "color-profile", "solidcolor", "hatch", "mesh", "meshgradient", "animateMotion", "animateColor",
 )  # fmt: skip
 """Elements that draw nothing where they stand."""
-_DEEPEST = 200
+MAX_NESTING = 200
 
 T = TypeVar("T")
 
@@ -60,7 +60,7 @@ class Walk:
         elements = list(_everything(self.root))
         self._visited = 0
         self._rules: Rules = parse_rules(element.text for element in elements if element.tag == "style")
-        drawn = (*SHAPES, *_GROUPS, "use", "symbol", "svg")
+        drawn = (*SHAPES, *GROUP_ELEMENTS, "use", "symbol", "svg")
         named = [element for element in elements if element.tag in drawn and element.attributes.get("id")]
         self._by_id = {element.attributes["id"]: element for element in reversed(named)}
         counts = Counter(element.attributes["id"] for element in named)
@@ -84,21 +84,21 @@ class Walk:
         return replace(state, matrix=matrix, style=style, fixed=fixed)
 
     def _children(self, element: Element, state: _SvgState) -> None:
-        if state.depth > _DEEPEST:
-            message = f"{self.file}: line {element.line}: groups are nested deeper than {_DEEPEST}; ungroup them"
+        if state.depth > MAX_NESTING:
+            message = f"{self.file}: line {element.line}: groups are nested deeper than {MAX_NESTING}; ungroup them"
             raise InputError(message)
         for child in element.children:
             self._visit(child, replace(state, depth=state.depth + 1))
 
     def _visit(self, element: Element, outer: _SvgState) -> None:
         tag = element.tag
-        if tag not in (*SHAPES, *_GROUPS, *_LEFT_OUT, "text", "use", "svg"):
-            if tag and tag not in _NOT_DRAWN:
+        if tag not in (*SHAPES, *GROUP_ELEMENTS, *UNSUPPORTED_ELEMENTS, "text", "use", "svg"):
+            if tag and tag not in INVISIBLE_ELEMENTS:
                 self.left_out[f"unknown {tag}"] += 1
             return
         self._visited += 1
-        if self._visited > MOST:
-            message = f"{self.file}: draws more than {MOST} elements, copies counted; split the drawing"
+        if self._visited > MAX_ELEMENTS:
+            message = f"{self.file}: draws more than {MAX_ELEMENTS} elements, copies counted; split the drawing"
             raise InputError(message)
         state = self._inherit(element, outer)
         if state.style.get("display") == "none":
@@ -113,7 +113,7 @@ class Walk:
         if tag == "text":
             self._text(element, state)
             return
-        if tag in _LEFT_OUT:
+        if tag in UNSUPPORTED_ELEMENTS:
             self.left_out[tag] += 1
             return
         glue = not state.copies and any(mark.startswith("glue") for mark in _marks(element))

@@ -6,7 +6,7 @@ import math
 import re
 from typing import NamedTuple
 
-from wiggleroom.drawing.pathdata import HUGE, NUMBER
+from wiggleroom.drawing.pathdata import MAX_COORDINATE, NUMBER
 from wiggleroom.drawing.units import UNITS
 
 _FUNCTION = re.compile(r"([A-Za-z]+)\s*\(([^()]*)\)[\s,]*")
@@ -129,7 +129,7 @@ def parse_length(text: str, whole: float) -> float:
     unit = (match.group(2) or "px").lower() if match else ""
     if match and unit == "%":
         return float(match.group(1)) / 100 * whole
-    if not match or unit not in SVG_UNITS or not abs(float(match.group(1))) <= HUGE:
+    if not match or unit not in SVG_UNITS or not abs(float(match.group(1))) <= MAX_COORDINATE:
         message = f'"{text[:30]}" is not a length; it must be a number, with or without {", ".join(SVG_UNITS)} or %'
         raise ValueError(message)
     return float(match.group(1)) * (SVG_UNITS[unit] / SVG_UNITS["px"])

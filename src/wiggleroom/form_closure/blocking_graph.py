@@ -21,6 +21,7 @@ from scipy.sparse import csgraph
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.form_closure.point_contacts import ANGLE_TOLERANCE, PointContacts, point_contacts
+from wiggleroom.geometry.blocking import unblocked
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -121,10 +122,8 @@ def _movable(
     found: dict[tuple[int, ...], tuple[float, float]] = {}
     for way, graph, label in zip(directions, graphs, components, strict=True):
         i, j = graph.nonzero()
-        between = label[i] != label[j]
-        stands = label[contacts.ground]
-        for sign, leaves in ((1.0, label[i[between]]), (-1.0, label[j[between]])):
-            for k in np.setdiff1d(label, np.append(leaves, stands)):
+        for sign, tail, head in ((1.0, i, j), (-1.0, j, i)):
+            for k in unblocked(tail, head, label, contacts.ground):
                 found.setdefault(tuple(np.flatnonzero(label == k).tolist()), _pair(sign * way))
     return list(found.items())
 

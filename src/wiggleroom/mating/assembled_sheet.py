@@ -20,15 +20,33 @@ from wiggleroom.mating.refinement import pressed_panel, refined, relief_needed
 
 Floats = NDArray[np.float64]
 
-EFFORTS = (Effort(8, 0.5), Effort(6, 1.0), Effort(20, 0.5))
-"""Beams that are tried one after the other while needed flanks stay open."""
-_LOOSE = 0.5
-"""A panel of which less than this share of the flanks meet belongs elsewhere, if there is more than one body."""
-_RELIEF = 0.12
-"""Outlines are relieved by at most this share of the thickness; what still overlaps then is taken out again."""
-_APART = 20.0
-_SECONDS = 3.0
-"""Processor time of the exhaustive search for one body."""
+
+@dataclass(frozen=True)
+class SheetSettings:
+    """How hard a sheet is tried, and what counts as a body.
+
+    Parameters
+    ----------
+    efforts : tuple of Effort
+        Beams that are tried one after the other while needed flanks stay open.
+    min_met_share : float in (0, 1)
+        A panel of which a smaller share of the flanks meets belongs elsewhere, if there is more than one body.
+    max_relief : float in (0, 0.5)
+        Outlines are relieved by at most this share of the thickness; what still overlaps then is taken out again.
+    body_distance : float > 0 [mm]
+        Free room between two bodies in the file that is written.
+    exhaustive_seconds : float > 0 [s]
+        Processor time of the exhaustive search for one body.
+    """
+
+    efforts: tuple[Effort, ...] = (Effort(8, 0.5), Effort(6, 1.0), Effort(20, 0.5))
+    min_met_share: float = 0.5
+    max_relief: float = 0.12
+    body_distance: float = 20.0
+    exhaustive_seconds: float = 3.0
+
+
+SETTINGS = SheetSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,7 +235,7 @@ def _body(
     """One body of some of the panels, and why it may be wrong."""
     root = max(left, key=lambda row: (len(bench.flanks[row]), bench.plates[row].polygon.area))
     start = joined_start(bench, hints, left) or bench.start(root)
-    closed = closed_placements(bench, start, left, seconds=_SECONDS, stop=stop)
+    closed = closed_placements(bench, start, left, seconds=SETTINGS.exhaustive_seconds, stop=stop)
     if closed.placements:
         body = min(closed.placements, key=lambda placed: extent(bench, placed))
         doubts = []
@@ -227,7 +245,7 @@ def _body(
             doubts.append(f"not every other way to put panels round {bench.plates[root].name} was tried")
         return body, doubts
     best: tuple[float, Placement] | None = None
-    for effort in EFFORTS:  # the first one is always brought to its end: half a body helps nobody
+    for effort in SETTINGS.efforts:  # the first one is always brought to its end: half a body helps nobody
         until = np.inf if best is None else deadline
         found = grow(bench, start, left, effort, deadline=until, stop=stop, progress=progress)[0]
         met = sum(len(pairs) for *_, pairs in bench.met(found)[0])
@@ -248,7 +266,7 @@ def _trimmed(bench: BeamState, body: Placement) -> Placement:
         _, flags = bench.met(body)
         share = {row: flags[row].mean() for row in body.rows[1:]}
         worst = min(share, key=lambda row: share[row])
-        if share[worst] >= _LOOSE:
+        if share[worst] >= SETTINGS.min_met_share:
             return body
         body = without(body, worst)
     return body
@@ -269,11 +287,11 @@ def _relieved(
     pressed: list[int] = []
     for body in bodies:
         while len(body.rows) > 1:
-            needed = relief_needed(bench, body, real, _RELIEF * thickness)
+            needed = relief_needed(bench, body, real, SETTINGS.max_relief * thickness)
             if np.isfinite(needed):
                 relief = max(relief, needed)
                 break
-            row = pressed_panel(bench, body, real, _RELIEF * thickness)
+            row = pressed_panel(bench, body, real, SETTINGS.max_relief * thickness)
             pressed.append(row)
             body = refined(bench, without(body, row))
         if len(body.rows) > 1:
@@ -318,6 +336,6 @@ def _side_by_side(bench: BeamState, bodies: list[Placement]) -> list[Placement]:
         thick = max(plate.thickness for plate in bench.plates)
         points = np.vstack(bench.places(body))
         shift = np.array([reach - points[:, 0].min() + thick, 0.0, 0.0]) if result else np.zeros(3)
-        reach = float((points + shift)[:, 0].max() + thick + _APART)
+        reach = float((points + shift)[:, 0].max() + thick + SETTINGS.body_distance)
         result.append(Placement(body.rows, body.turns, body.moves + shift, body.met, {}))
     return result

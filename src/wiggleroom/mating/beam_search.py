@@ -11,22 +11,39 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.mating.candidates import TOLERANCE, fits
+from wiggleroom.mating.candidates import VOTING, fits
 from wiggleroom.mating.contact import blocked_pairs, crossing_volume, meeting, scores
 from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
 
-SHARED = 0.08
-"""Two panels overlap where they share more than this times the cube of the thickness, both eroded."""
-_EROSION = 0.08
-"""Panels are eroded by this share of the thickness before overlap is sought."""
-_PARALLEL = 0.05
-"""Sine of the angle below which two planes count as parallel."""
-_LEAST = 0.5
-"""A pose that scores less than this is not taken."""
-_HOPELESS = 6.0
-"""A pose whose score is below minus this is not looked at again, not even when more panels are placed."""
+
+@dataclass(frozen=True)
+class BeamSettings:
+    """Parameters of placing one panel more.
+
+    Parameters
+    ----------
+    max_shared_volume : float > 0
+        Two eroded panels overlap where they share more than this times the cube of the thickness: less is what laser cuts are off by.
+    erosion : float in (0, 0.5)
+        Panels are eroded by this share of the thickness before overlap is sought, so that faces which touch do not count.
+    max_parallel_sine : float in (0, 1)
+        Two planes with a smaller sine of the angle between them count as parallel.
+    min_score : float
+        A pose that scores less, in flanks that meet, is not taken.
+    hopeless_score : float > 0
+        A pose whose score is below minus this is not looked at again, not even when more panels are placed.
+    """
+
+    max_shared_volume: float = 0.08
+    erosion: float = 0.08
+    max_parallel_sine: float = 0.05
+    min_score: float = 0.5
+    hopeless_score: float = 6.0
+
+
+SETTINGS = BeamSettings()
 _PRIMES = np.random.default_rng(7).integers(2**61, 2**63, size=12)
 
 
@@ -73,14 +90,14 @@ class BeamState:
 
     def __init__(self, plates: Sequence[SheetPlate]) -> None:
         self.plates = plates
-        self.eroded = [inset(p.polygon, _EROSION * p.thickness) for p in plates]
+        self.eroded = [inset(p.polygon, SETTINGS.erosion * p.thickness) for p in plates]
         self.edges = [_edges(polygon) for polygon in self.eroded]
         self.filled = [_edges(_filled(p)) for p in plates]
         self.radius = [p.radius for p in plates]
         self.corners = [_edges(p.polygon)[:, :2] for p in plates]
         self.first = {kind: i for i, kind in reversed(list(enumerate(p.kind for p in plates)))}
-        self.tolerance = TOLERANCE * min(p.thickness for p in plates)
-        self.most = SHARED * min(p.thickness for p in plates) ** 3
+        self.tolerance = VOTING.midpoint_tolerance * min(p.thickness for p in plates)
+        self.most = SETTINGS.max_shared_volume * min(p.thickness for p in plates) ** 3
         self._fits: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self.flanks = [np.column_stack([p.middle, p.inward, p.along, p.length]).reshape(-1, 7) for p in plates]
         self._flat: dict[tuple[int, ...], float] = {}
@@ -158,8 +175,8 @@ class BeamState:
         """Material [mm3] that panels `a` and `b` share, both eroded, for a pose of b in a's frame."""
         if float(move @ move) > (self.radius[a] + self.radius[b] + self.plates[a].thickness) ** 2:
             return 0.0
-        half = (0.5 - _EROSION) * self.plates[a].thickness, (0.5 - _EROSION) * self.plates[b].thickness
-        if 1.0 - turn[2, 2] ** 2 > _PARALLEL**2:
+        half = (0.5 - SETTINGS.erosion) * self.plates[a].thickness, (0.5 - SETTINGS.erosion) * self.plates[b].thickness
+        if 1.0 - turn[2, 2] ** 2 > SETTINGS.max_parallel_sine**2:
             return float(crossing_volume(self.edges[a], half[0], self.edges[b], half[1], turn, move))
         depth = half[0] + half[1] - abs(float(move[2]))
         if depth <= 0:
@@ -246,7 +263,7 @@ class BeamState:
             inner = np.einsum("ji,kjl->kil", state.turns[k], turns[fresh])
             shift = (moves[fresh] - state.moves[k]) @ state.turns[k]
             score[fresh] += self.scores(a, sample, inner, shift, power)
-        keep = keep[score[keep] > -_HOPELESS]
+        keep = keep[score[keep] > -SETTINGS.hopeless_score]
         return BeamPool(turns[keep], moves[keep], score[keep])
 
 
@@ -358,7 +375,7 @@ def _children(bench: BeamState, state: Placement, free: frozenset[int], effort: 
     for at in np.argsort(-scores, kind="stable").tolist():
         kind, k = rows[at]
         score = float(scores[at])
-        if score < _LEAST:
+        if score < SETTINGS.min_score:
             break
         if len(children) >= effort.width:
             break

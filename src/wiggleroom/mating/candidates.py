@@ -2,21 +2,37 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.mating.flanks import LENGTH, FlankLine, SheetPlate
+from wiggleroom.mating.flanks import FLANKS, FlankLine, SheetPlate
 
 Floats = NDArray[np.float64]
 
-TOLERANCE = 0.18
-"""Flanks meet when their midpoints are nearer than this share of the thickness."""
-_VOTES = 4
-"""Shifts that are kept for two lines."""
-_SHARE = 0.5
-"""A shift with fewer votes than this share of the best one's is not kept."""
+
+@dataclass(frozen=True)
+class VotingSettings:
+    """Parameters of the votes for shifts.
+
+    Parameters
+    ----------
+    midpoint_tolerance : float in (0, 0.5)
+        Flanks meet when their midpoints are nearer than this share of the thickness: half a thickness would reach the next one.
+    max_shifts : int
+        Shifts that are kept for two lines.
+    min_vote_share : float in (0, 1)
+        A shift with fewer votes than this share of the best one's is not kept.
+    """
+
+    midpoint_tolerance: float = 0.18
+    max_shifts: int = 4
+    min_vote_share: float = 0.5
+
+
+VOTING = VotingSettings()
 
 
 class Fit(NamedTuple):
@@ -46,7 +62,7 @@ def fits(a: SheetPlate, b: SheetPlate) -> list[Fit]:
 
 def line_fits(a: FlankLine, b: FlankLine, thick_a: float, thick_b: float) -> list[Fit]:
     """The same for one line of each; thicknesses of both panels [mm]."""
-    tolerance = TOLERANCE * min(thick_a, thick_b)
+    tolerance = VOTING.midpoint_tolerance * min(thick_a, thick_b)
     found = []
     for sign in (1.0, -1.0):
         for shift, votes in _shifts(a, b, sign, tolerance, thick_a, thick_b):
@@ -60,8 +76,8 @@ def _shifts(
     a: FlankLine, b: FlankLine, sign: float, tolerance: float, thick_a: float, thick_b: float
 ) -> list[tuple[float, int]]:
     """Shifts of `b` along `a` for which flanks face each other, most votes first."""
-    in_a = np.abs(a.length - thick_b) < LENGTH * 1.4 * thick_b
-    in_b = np.abs(b.length - thick_a) < LENGTH * 1.4 * thick_a
+    in_a = np.abs(a.length - thick_b) < FLANKS.length_tolerance * 1.4 * thick_b
+    in_b = np.abs(b.length - thick_a) < FLANKS.length_tolerance * 1.4 * thick_a
     if not in_a.any() or not in_b.any():
         return []
     at_a, sense_a, at_b, sense_b = a.at[in_a], a.sense[in_a], sign * b.at[in_b], sign * b.sense[in_b]
@@ -73,7 +89,7 @@ def _shifts(
     for k in np.argsort(-counts, kind="stable").tolist():
         count = int(counts[k])
         shift = float(votes[k : k + count].mean())
-        if kept and (count < _SHARE * kept[0][1] or len(kept) == _VOTES):
+        if kept and (count < VOTING.min_vote_share * kept[0][1] or len(kept) == VOTING.max_shifts):
             break
         if any(abs(shift - other) < 3 * tolerance for other, _ in kept):
             continue

@@ -19,12 +19,27 @@ from wiggleroom.mating.congruence import congruent
 
 Floats = NDArray[np.float64]
 
-_LINES = 3
-"""So many open flanks, of different panels and lines, are compared before the search branches."""
-_ALIKE = 1e-3
-"""Placements whose moments differ by more than this cannot be congruent."""
-_ENOUGH = 2
-"""Different assemblies after which the search stops: more only say again that there is a choice."""
+
+@dataclass(frozen=True)
+class ExhaustiveSettings:
+    """Parameters of the exhaustive search; none of them decides what is found, only when.
+
+    Parameters
+    ----------
+    branching_flanks : int
+        Open flanks, of different panels and lines, that are compared before the search branches at the one with the fewest choices.
+    moment_tolerance : float > 0
+        Placements whose moments differ by more than this cannot be congruent.
+    max_assemblies : int > 1
+        Different assemblies after which the search stops: more only say again that there is a choice.
+    """
+
+    branching_flanks: int = 3
+    moment_tolerance: float = 1e-3
+    max_assemblies: int = 2
+
+
+SETTINGS = ExhaustiveSettings()
 
 
 @dataclass
@@ -76,10 +91,13 @@ class _Search:
         """Depth first; every placement once."""
         go_on(self.stop)
         mark = self.bench.signature(state)
-        if any(np.abs(other - mark).max() < _ALIKE and self._same(placed, state) for other, placed in self._seen):
+        if any(
+            np.abs(other - mark).max() < SETTINGS.moment_tolerance and self._same(placed, state)
+            for other, placed in self._seen
+        ):
             return
         self._seen.append((mark, state))
-        if time.process_time() > self.deadline or len(self.result.placements) >= _ENOUGH:
+        if time.process_time() > self.deadline or len(self.result.placements) >= SETTINGS.max_assemblies:
             self.result.exhausted = False
             return
         left = self.bench.open(state)
@@ -118,7 +136,7 @@ class _Search:
                 mine = [k for k in line.rows.tolist() if k in opened]
                 if mine:
                     asked.append((len(mine) == len(line.rows), -len(mine), row, mine[len(mine) // 2]))
-        return [(row, flank) for *_, row, flank in sorted(asked)[:_LINES]]
+        return [(row, flank) for *_, row, flank in sorted(asked)[: SETTINGS.branching_flanks]]
 
     def _answers(self, state: Placement, row: int, flank: int, waiting: dict[int, int]) -> list[Placement]:
         """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank."""

@@ -6,9 +6,11 @@ import numpy as np
 
 from wiggleroom.geometry.jit_options import njit
 
-_OPPOSED = -0.98
-_UPRIGHT = 0.98
-_LONGEST = 0.21
+MAX_OPPOSED_COSINE = -0.98
+"""Normals of two flanks that meet point against each other: the cosine of their angle is below this."""
+MIN_UPRIGHT_COSINE = 0.98
+"""A flank runs along the thickness of the other panel: the cosine of their angle is above this."""
+LENGTH_TOLERANCE = 0.21
 """Lengths of flanks differ from the partner's thickness by at most this share."""
 
 
@@ -42,7 +44,7 @@ def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
         turn, move = turns[k].T.copy(), -turns[k].T @ moves[k]
         blocked = _blocked(fb, ta, oa, turns[k], moves[k], tolerance) - met
         blocked += _blocked(fa, tb, ob, turn, move, tolerance) - met
-        found[k] = met**power - BLOCKED * max(0, blocked) ** power
+        found[k] = met**power - BLOCKED_PENALTY * max(0, blocked) ** power
     return found
 
 
@@ -71,7 +73,7 @@ def blocked_pairs(fa, ta, oa, na, fb, tb, ob, nb, turns, moves, tolerance):
     return found
 
 
-BLOCKED = 0.5
+BLOCKED_PENALTY = 0.5
 """What a flank that can meet nothing any more takes off the score."""
 
 
@@ -80,12 +82,12 @@ def _blocked(flanks, thickness, outline, turn, move, tolerance):
     """How many flanks stand in the plane of another panel inside its filled outline; the pose is from theirs to its frame."""
     found = 0
     for j in range(len(flanks)):
-        if abs(flanks[j, 6] - thickness) > _LONGEST * thickness:
+        if abs(flanks[j, 6] - thickness) > LENGTH_TOLERANCE * thickness:
             continue
         x, y = flanks[j, 0], flanks[j, 1]
         if abs(turn[2, 0] * x + turn[2, 1] * y + move[2]) > tolerance:
             continue
-        if abs(turn[2, 0] * flanks[j, 4] + turn[2, 1] * flanks[j, 5]) < _UPRIGHT:
+        if abs(turn[2, 0] * flanks[j, 4] + turn[2, 1] * flanks[j, 5]) < MIN_UPRIGHT_COSINE:
             continue
         px = turn[0, 0] * x + turn[0, 1] * y + move[0]
         py = turn[1, 0] * x + turn[1, 1] * y + move[1]
@@ -113,13 +115,13 @@ def meeting(fa, ta, fb, tb, turn, move, tolerance, pairs):
         return 0
     found = 0
     for j in range(len(fb)):
-        if abs(fb[j, 6] - ta) > _LONGEST * ta:
+        if abs(fb[j, 6] - ta) > LENGTH_TOLERANCE * ta:
             continue
         x, y = fb[j, 0], fb[j, 1]
         pz = turn[2, 0] * x + turn[2, 1] * y + move[2]
         if abs(pz) > tolerance:
             continue
-        if abs(turn[2, 0] * fb[j, 4] + turn[2, 1] * fb[j, 5]) < _UPRIGHT:
+        if abs(turn[2, 0] * fb[j, 4] + turn[2, 1] * fb[j, 5]) < MIN_UPRIGHT_COSINE:
             continue
         px = turn[0, 0] * x + turn[0, 1] * y + move[0]
         py = turn[1, 0] * x + turn[1, 1] * y + move[1]
@@ -129,11 +131,11 @@ def meeting(fa, ta, fb, tb, turn, move, tolerance, pairs):
         for i in range(len(fa)):
             ax, ay = fa[i, 0] - px, fa[i, 1] - py
             apart = ax * ax + ay * ay + pz * pz
-            if apart >= nearest or abs(fa[i, 6] - tb) > _LONGEST * tb:
+            if apart >= nearest or abs(fa[i, 6] - tb) > LENGTH_TOLERANCE * tb:
                 continue
-            if fa[i, 2] * dx + fa[i, 3] * dy > _OPPOSED:
+            if fa[i, 2] * dx + fa[i, 3] * dy > MAX_OPPOSED_COSINE:
                 continue
-            if abs(fa[i, 4] * turn[0, 2] + fa[i, 5] * turn[1, 2]) < _UPRIGHT:
+            if abs(fa[i, 4] * turn[0, 2] + fa[i, 5] * turn[1, 2]) < MIN_UPRIGHT_COSINE:
                 continue
             best, nearest = i, apart
         if best >= 0:

@@ -12,11 +12,11 @@ from shapely import affinity
 from wiggleroom.drawing.read import reading
 from wiggleroom.errors import InputError
 
-FLATTEN = 0.01
+CHORD_ERROR = 0.01
 """Chord error of curves on a sheet [mm]."""
-_SPECK = 1.0
+MIN_PANEL_AREA = 1.0
 """Outlines that enclose less than this [mm2] are no panels."""
-_BURN = re.compile(r"burn: *(\d+(?:\.\d+)?) ?mm")
+BURN_TEXT = re.compile(r"burn: *(\d+(?:\.\d+)?) ?mm")
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +71,12 @@ def read_sheet(path: str | Path, *, unit: str | None = None) -> CuttingSheet:
         With one line per finding.
     """
     path = Path(path)
-    read = reading(path, unit=unit, flatten=None if path.suffix.lower() == ".json" else FLATTEN)
+    read = reading(path, unit=unit, flatten=None if path.suffix.lower() == ".json" else CHORD_ERROR)
     notes = [*read.drawing.notes, *read.findings]
     panels, specks = [], 0
     for part in read.drawing.parts:
         pieces = [shapely.Polygon(region.outer, region.holes) for region in part.regions]
-        sound = [piece for piece in map(_valid, pieces) if piece.area > _SPECK]
+        sound = [piece for piece in map(_valid, pieces) if piece.area > MIN_PANEL_AREA]
         specks += len(pieces) - len(sound)
         x, y, angle = part.at
         for k, piece in enumerate(sound, 1):
@@ -85,7 +85,7 @@ def read_sheet(path: str | Path, *, unit: str | None = None) -> CuttingSheet:
     if not panels:
         raise InputError([*read.findings] or [f"{path.name}: has no closed outline; every panel must be closed"])
     if specks:
-        notes.append(f"{path.name}: {specks} outlines of less than {_SPECK:g} mm2 are left out")
+        notes.append(f"{path.name}: {specks} outlines of less than {MIN_PANEL_AREA:g} mm2 are left out")
     burn = _burn(path)
     if burn is not None:
         notes.append(f"{path.name}: says that burn is {burn:g} mm")
@@ -104,5 +104,5 @@ def _burn(path: Path) -> float | None:
     """Burn that boxes.py writes beside its reference bar [mm]."""
     if path.suffix.lower() != ".svg":
         return None
-    found = _BURN.search(path.read_text(encoding="utf-8", errors="replace"))
+    found = BURN_TEXT.search(path.read_text(encoding="utf-8", errors="replace"))
     return float(found[1]) if found else None

@@ -15,14 +15,30 @@ from shapely.geometry.polygon import orient
 
 Floats = NDArray[np.float64]
 
-LENGTH = 0.15
-"""A flank's length differs from a thickness by at most this share of it."""
-_ROUNDED = 0.05
-"""Edges shorter than this [mm] round a corner."""
-_SQUARE = 0.1
-"""Cosine below which a neighbouring edge stands square on a flank."""
-_RELIEF = 0.3
-"""Reliefs at corners (dog bones) up to twice this share of the thickness wide are filled before flanks are sought."""
+
+@dataclass(frozen=True)
+class FlankSettings:
+    """Which edges of an outline count as flanks.
+
+    Parameters
+    ----------
+    length_tolerance : float in (0, 1)
+        A flank's length differs from a thickness by at most this share of it: kerf and play change it.
+    corner_edge : float > 0 [mm]
+        Edges shorter than this round a corner.
+    max_square_cosine : float in (0, 1)
+        A neighbouring edge stands square on a flank where the cosine of their angle is below this.
+    relief_width : float in (0, 1)
+        Reliefs at corners (dog bones) up to twice this share of the thickness wide are filled before flanks are sought.
+    """
+
+    length_tolerance: float = 0.15
+    corner_edge: float = 0.05
+    max_square_cosine: float = 0.1
+    relief_width: float = 0.3
+
+
+FLANKS = FlankSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +205,7 @@ def plates_of(
     kinds: list[tuple[shapely.Polygon, float]] = []
     plates = []
     for name, polygon, thick in zip(names, polygons, thickness, strict=True):
-        cut = sharpened(inset(polygon, burn), max(_ROUNDED, 2 * burn))
+        cut = sharpened(inset(polygon, burn), max(FLANKS.corner_edge, 2 * burn))
         centre = np.array(cut.centroid.coords[0])
         cut = shapely.transform(cut, lambda points, centre=centre: points - centre)
         kind = next(
@@ -208,7 +224,7 @@ def _congruent(a: shapely.Polygon, b: shapely.Polygon) -> bool:
 
 
 def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> SheetPlate:
-    smooth = _without_reliefs(cut, _RELIEF * float(wanted.min()))
+    smooth = _without_reliefs(cut, FLANKS.relief_width * float(wanted.min()))
     middle, inward, along, length, neighbours, bottom = _flanks(smooth, wanted)
     lines = _lines(middle, inward, length, 0.12 * float(wanted.min()))
     needed = bottom.copy()
@@ -242,12 +258,12 @@ def _flanks(
         there = np.roll(here, -1, axis=0)
         size = np.hypot(*(there - here).T)
         unit = (there - here) / np.maximum(size, 1e-9)[:, None]
-        square = np.abs((unit * np.roll(unit, 1, axis=0)).sum(1)) < _SQUARE
+        square = np.abs((unit * np.roll(unit, 1, axis=0)).sum(1)) < FLANKS.max_square_cosine
         square |= np.roll(square, -1)
         turn = np.roll(unit[:, 0], 1) * unit[:, 1] - np.roll(unit[:, 1], 1) * unit[:, 0]
         convex = turn > 0
         reflex_end = ~convex | ~np.roll(convex, -1)  # the tip of a tab, convex at both ends, holds nothing
-        fits = (np.abs(size[:, None] - wanted) < LENGTH * wanted).any(1) & square & reflex_end
+        fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1) & square & reflex_end
         number: NDArray[np.int64] = np.full(len(here), -1, dtype=np.int64)
         number[fits] = np.arange(fits.sum()) + len(middle)
         before, after = np.roll(number, 1)[fits], np.roll(number, -1)[fits]

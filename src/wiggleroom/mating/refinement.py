@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,13 +15,30 @@ from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
 
-_FREE = 1e-9
-"""Volume [mm3] that two plates may share through rounding, for every mm of the smaller outline's length."""
-_FINEST = 1e-6
-_LIGHT = 1e-6
-"""Weight of staying in place against one flank that meets another."""
-_SKIN = 2e-6
-"""Added to the relief that was found to be enough [mm]."""
+
+@dataclass(frozen=True)
+class RefinementSettings:
+    """Parameters of the last adjustment of poses.
+
+    Parameters
+    ----------
+    free_volume : float > 0 [mm2]
+        Volume that two plates may share through rounding, for every mm of the smaller outline's length.
+    relief_resolution : float > 0 [mm]
+        How closely the relief that frees the panels is found.
+    stay_weight : float > 0
+        Weight of staying in place against one flank that meets another: it only fixes what no joint fixes.
+    relief_margin : float > 0 [mm]
+        Added to the relief that was found to be enough; a little more than its resolution.
+    """
+
+    free_volume: float = 1e-9
+    relief_resolution: float = 1e-6
+    stay_weight: float = 1e-6
+    relief_margin: float = 2e-6
+
+
+SETTINGS = RefinementSettings()
 
 
 def refined(bench: BeamState, state: Placement) -> Placement:
@@ -36,8 +54,8 @@ def refined(bench: BeamState, state: Placement) -> Placement:
     place = {row: k for k, row in enumerate(state.rows)}
     count = len(state.rows)
     # A panel that no joint holds, such as one whose place was told, stays where it is.
-    matrix = np.vstack([np.zeros((len(joints), count)), _LIGHT * np.eye(count)])
-    wanted = np.vstack([np.zeros((len(joints), 3)), _LIGHT * state.moves])
+    matrix = np.vstack([np.zeros((len(joints), count)), SETTINGS.stay_weight * np.eye(count)])
+    wanted = np.vstack([np.zeros((len(joints), 3)), SETTINGS.stay_weight * state.moves])
     for q, (a, b, found) in enumerate(joints):
         i, j = place[a], place[b]
         apart = bench.flanks[b][found[:, 1], :2] @ state.turns[j][:, :2].T
@@ -87,13 +105,13 @@ def relief_needed(bench: BeamState, state: Placement, thickness: list[float], mo
     left = _pressing(bench, state, thickness, near, most)
     if left:
         return float("inf")
-    while high - low > max(_FINEST, 0.02 * high):
+    while high - low > max(SETTINGS.relief_resolution, 0.02 * high):
         middle = (low + high) / 2
         if _pressing(bench, state, thickness, near, middle):
             low = middle
         else:
             high = middle
-    return high + _SKIN
+    return high + SETTINGS.relief_margin
 
 
 def pressed_panel(bench: BeamState, state: Placement, thickness: list[float], relief: float) -> int:
@@ -127,5 +145,5 @@ def _pressing(
     for k in used:
         row = state.rows[k]
         solids[k] = solid(bench.plates[row], thickness[row], state.turns[k], state.moves[k], relief)
-    least = _FREE * min((bench.plates[row].polygon.length for row in state.rows), default=1.0)
+    least = SETTINGS.free_volume * min((bench.plates[row].polygon.length for row in state.rows), default=1.0)
     return any((solids[i] ^ solids[j]).volume() > least for i, j in near)

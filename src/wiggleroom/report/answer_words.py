@@ -9,8 +9,10 @@ from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, T
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
 
-_NAME_LENGTH = 40
-_MOST_GOALS = 4
+MAX_NAME_LENGTH = 40
+"""Longer names are cut in the middle [characters]."""
+MAX_GOALS = 4
+"""Goals that a headline names; the others are counted."""
 
 
 def number(value: float, digits: int = 4) -> str:
@@ -30,8 +32,8 @@ def number(value: float, digits: int = 4) -> str:
 
 def short(name: str) -> str:
     """Part's name, its middle left out where it is very long."""
-    half = _NAME_LENGTH // 2
-    return name if len(name) <= _NAME_LENGTH else f"{name[: half - 1]}…{name[-half:]}"
+    half = MAX_NAME_LENGTH // 2
+    return name if len(name) <= MAX_NAME_LENGTH else f"{name[: half - 1]}…{name[-half:]}"
 
 
 def towards(direction: tuple[float, float]) -> str:
@@ -112,7 +114,7 @@ def headline(answer: Answer) -> str:
                 return f"sum of squared translations {number(own)} mm²"
             case Closer():
                 return f"neighbours closer: their squared distances lose {number(own)} mm²"
-    return f"{number(value)} {unit(goals)}".strip() + f": {asked(goals, _MOST_GOALS)}"
+    return f"{number(value)} {unit(goals)}".strip() + f": {asked(goals, MAX_GOALS)}"
 
 
 def sentence(answer: Answer) -> str:

@@ -18,10 +18,14 @@ from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]
 
-_SHORTEST = 16.0
+MIN_ARROW_LENGTH = 16.0
+"""A shorter arrow cannot be seen as one [px]."""
 PULL_LENGTH = 44.0
-_MOST_CONTACTS = 300
-_FAINT = 1e-3
+"""Length of the arrow of a pull [px]."""
+MAX_CONTACTS = 300
+"""Contacts that are drawn, those with the largest forces first."""
+MIN_FORCE_SHARE = 1e-3
+"""Contacts with less than this share of the largest force are not drawn."""
 _SMALL, _SLIGHT = 30.0, 0.1
 """Parts of fewer pixels are too small for all their contacts: those with less than this share of the largest force are left out."""
 
@@ -67,7 +71,9 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
     way = way / np.hypot(*way) * (1, -1)
     start, end = view.pixels(point), view.pixels(carry(point, rest[k], shown[k]))
     gain = float((end - start) @ way)
-    if gain < _SHORTEST:  # too short to be seen as an arrow: from where the point is now, in the direction of the pull
+    if (
+        gain < MIN_ARROW_LENGTH
+    ):  # too short to be seen as an arrow: from where the point is now, in the direction of the pull
         return _pull(end, end + PULL_LENGTH * way)
     return _pull(start, start + gain * way, end)
 
@@ -120,13 +126,13 @@ def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: 
     """
     largest = max((c.force for c in answer.contacts), default=0.0)
     held = sorted(
-        (c for c in answer.contacts if c.force > _FAINT * largest), key=lambda c: (-c.force, c.parts, c.point)
+        (c for c in answer.contacts if c.force > MIN_FORCE_SHARE * largest), key=lambda c: (-c.force, c.parts, c.point)
     )
     if not held:
         return Mark("")
     if room < _SMALL:  # arrows longer than their parts: of each pair the largest
         held = [c for c in {c.parts: c for c in reversed(held)}.values() if c.force > _SLIGHT * largest][::-1]
-    held, row = held[:_MOST_CONTACTS], {name: k for k, name in enumerate(answer.assembly.names)}
+    held, row = held[:MAX_CONTACTS], {name: k for k, name in enumerate(answer.assembly.names)}
     radius, longest = min(max(0.035 * room, 1.5), 3.0), min(max(0.45 * room, 16.0), 38.0)
     moved = rest + answer.motion
     dots, shafts, heads, lines = [], [], [], []

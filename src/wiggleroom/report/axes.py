@@ -17,7 +17,7 @@ Floats = NDArray[np.float64]
 
 WIDTH, HEIGHT = 840.0, 440.0
 """Size of the field between the axes [px]."""
-_MOST_TICKS = 8
+MAX_TICKS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +50,8 @@ def ticks(low: float, high: float) -> Floats:
     >>> ticks(0.0, 1.3).round(3).tolist()
     [0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2]
     """
-    power = 10.0 ** math.floor(math.log10((high - low) / _MOST_TICKS))
-    step = next(power * s for s in (1, 2, 5, 10) if (high - low) / (power * s) <= _MOST_TICKS)
+    power = 10.0 ** math.floor(math.log10((high - low) / MAX_TICKS))
+    step = next(power * s for s in (1, 2, 5, 10) if (high - low) / (power * s) <= MAX_TICKS)
     return np.float64(step) * np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)
 
 

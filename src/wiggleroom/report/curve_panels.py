@@ -17,8 +17,10 @@ from wiggleroom.report.text import elide, width
 Floats = NDArray[np.float64]
 
 MARKS = ("circle", "square", "triangle", "diamond", "cross")
-_SIZE = 5.0
-_ROOM = 30.0
+MARKER_SIZE = 5.0
+"""Half the width of a marker [px]."""
+LEGEND_SPACING = 30.0
+"""Between two entries of the legend [px]."""
 
 
 @dataclass(frozen=True)
@@ -127,7 +129,7 @@ def around(
 def mark(u: float, v: float, style: Style) -> str:
     """One mark at a place [px]."""
     fill = palette.PAPER if style.hollow else style.colour
-    s = _SIZE
+    s = MARKER_SIZE
     path = {
         "square": f"M{-s:g},{-s:g}h{2 * s:g}v{2 * s:g}h{-2 * s:g}z",
         "triangle": f"M0,{-s - 1:g}l{s + 1:g},{2 * s:g}h{-2 * s - 2:g}z",
@@ -143,8 +145,8 @@ def legend(entries: Sequence[tuple[str, Style]], left: float, top: float, room: 
     """Marks with their names in as many lines as they need, and where they end [px]."""
     x, y, found = left, top, []
     for name, style in entries:
-        long = 16 + width(name, palette.TEXT_SIZE) + _ROOM
-        if x > left and x + long - _ROOM > left + room:
+        long = 16 + width(name, palette.TEXT_SIZE) + LEGEND_SPACING
+        if x > left and x + long - LEGEND_SPACING > left + room:
             x, y = left, y + 24
         found.append(mark(x + 5, y - 5, style) + text(x + 18, y, palette.TEXT_SIZE, palette.INK, name))
         x += long

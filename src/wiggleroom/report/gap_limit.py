@@ -19,8 +19,9 @@ from wiggleroom.verdict import Certainty
 if TYPE_CHECKING:
     from rich.console import Group
 
-_MOST = 12
-_DIGITS = 5
+MAX_TRIALS = 12
+"""Rows of the table: the trials nearest the answer."""
+GAP_DIGITS = 5
 
 
 def gap_result(found: AllowableGap, command: str = "", kerf: float | None = None) -> GapResult:
@@ -58,7 +59,7 @@ def gap_sentence(found: AllowableGap) -> str:
     what, limit = unit(found.goals), number(found.limit or 0.0)
     if found.gap is None:
         return f"no gap: {found.why}"
-    gap = f"{number(found.gap, _DIGITS)} mm"
+    gap = f"{number(found.gap, GAP_DIGITS)} mm"
     match found.question:
         case "at most":
             return f"largest gap {gap}: {asked(found.goals)} stays below {limit} {what}".rstrip()
@@ -76,10 +77,10 @@ def gap_sure(found: AllowableGap) -> list[tuple[str, str]]:
         said.append(("beyond", _beyond(found, found.beyond)))
     proven, searched = found.proven_gap, found.searched_gap
     if found.question == "at most" and found.certainty is Certainty.SEARCHED:
-        lower = "no gap was proven" if proven is None else f"proven up to {number(proven, _DIGITS)} mm"
+        lower = "no gap was proven" if proven is None else f"proven up to {number(proven, GAP_DIGITS)} mm"
         said.append(("proof", lower))
     elif found.question == "at most" and searched is not None and searched != found.gap:
-        said.append(("searched", f"nothing further was found up to {number(searched, _DIGITS)} mm either"))
+        said.append(("searched", f"nothing further was found up to {number(searched, GAP_DIGITS)} mm either"))
     if found.why and found.gap is not None:
         said.append(("note", found.why))
     if found.stopped:
@@ -105,11 +106,13 @@ def _certainty(found: AllowableGap) -> str:
 
 def _beyond(found: AllowableGap, gap: float) -> str:
     trial = next((t for t in found.trials if t.gap == gap), None)
-    at = f"at {number(gap, _DIGITS)} mm"
+    at = f"at {number(gap, GAP_DIGITS)} mm"
     match found.question:
         case "at most":
             value = None if trial is None else trial.value
-            moves = "nothing stops it" if value is None or math.isinf(value) else f"it moves {number(value, _DIGITS)}"
+            moves = (
+                "nothing stops it" if value is None or math.isinf(value) else f"it moves {number(value, GAP_DIGITS)}"
+            )
             return f"{at} {moves}, by a way that was checked"
         case "holds":
             return f"{at} it comes apart, by a way that was checked"
@@ -141,9 +144,9 @@ def gap_table(found: AllowableGap, kerf: float | None = None) -> Group:
     what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
     rows = columns("gap mm", what, "at most", "verdict")
     for t in _nearest(found):
-        value = "" if t.value is None or math.isinf(t.value) else number(t.value, _DIGITS)
+        value = "" if t.value is None or math.isinf(t.value) else number(t.value, GAP_DIGITS)
         rows.add_row(
-            number(t.gap, _DIGITS), value, "" if t.at_most is None else number(t.at_most, _DIGITS), str(t.verdict)
+            number(t.gap, GAP_DIGITS), value, "" if t.at_most is None else number(t.at_most, GAP_DIGITS), str(t.verdict)
         )
     return Group(*lines, Text(), rows)
 
@@ -151,7 +154,7 @@ def gap_table(found: AllowableGap, kerf: float | None = None) -> Group:
 def _nearest(found: AllowableGap) -> list[Trial]:
     """Trials nearest the answer, in order of the gap."""
     middle = found.gap if found.gap is not None else found.trials[0].gap
-    return sorted(sorted(found.trials, key=lambda t: abs(t.gap - middle))[:_MOST], key=lambda t: t.gap)
+    return sorted(sorted(found.trials, key=lambda t: abs(t.gap - middle))[:MAX_TRIALS], key=lambda t: t.gap)
 
 
 def gap_facts(found: AllowableGap) -> list[str]:
@@ -168,9 +171,9 @@ def picture_of_gap(found: AllowableGap, *, command: str = "", framed: bool = Tru
         return picture_of_check(Checked(state), command=command)
     gaps = np.array([t.gap for t in found.trials])
     values = np.array([np.nan if t.value is None or math.isinf(t.value) else t.value for t in found.trials])
-    marks = [] if found.gap is None else [(found.gap, f"{found.certainty}: {number(found.gap, _DIGITS)} mm")]
+    marks = [] if found.gap is None else [(found.gap, f"{found.certainty}: {number(found.gap, GAP_DIGITS)} mm")]
     if found.beyond is not None:
-        marks.append((found.beyond, f"fails: {number(found.beyond, _DIGITS)} mm"))
+        marks.append((found.beyond, f"fails: {number(found.beyond, GAP_DIGITS)} mm"))
     level = (found.limit, f"limit {number(found.limit)}") if found.question == "at most" and found.limit else None
     what = "overlap mm" if found.question == "fits" else f"motion {unit(found.goals)}".rstrip()
     return curve(

@@ -13,10 +13,14 @@ from wiggleroom.report import palette
 
 Floats = NDArray[np.float64]
 
-_VISIBLE = 0.008
-_WANTED = 0.04
-_LARGEST_TURN = 0.4
-_FARTHEST = 2.0
+MIN_VISIBLE_SHARE = 0.008
+"""Motions of a smaller share of the drawing's size are drawn enlarged."""
+ENLARGED_SHARE = 0.04
+"""They are enlarged to this share of the size, ..."""
+MAX_ENLARGED_TURN = 0.4
+"""... and no turn beyond this [rad]."""
+MAX_SHOWN_SHARE = 2.0
+"""Motions beyond this multiple of the drawing's size are drawn shortened."""
 
 
 @dataclass(frozen=True)
@@ -79,12 +83,12 @@ def magnification(assembly: Assembly, motion: Floats) -> float:
     A motion below 0.8 % of the drawing is drawn about 4 % large, by a round factor.
     """
     size, moved = assembly.size, reach(assembly, motion)
-    if moved > _FARTHEST * size:
-        return round_down(_FARTHEST * size / moved)
-    if moved <= 1e-9 * size or moved >= _VISIBLE * size:
+    if moved > MAX_SHOWN_SHARE * size:
+        return round_down(MAX_SHOWN_SHARE * size / moved)
+    if moved <= 1e-9 * size or moved >= MIN_VISIBLE_SHARE * size:
         return 1.0
     turn = float(np.abs(motion[:, 2]).max())
-    return max(1.0, round_down(min(_WANTED * size / moved, _LARGEST_TURN / max(turn, 1e-12))))
+    return max(1.0, round_down(min(ENLARGED_SHARE * size / moved, MAX_ENLARGED_TURN / max(turn, 1e-12))))
 
 
 def round_down(value: float) -> float:

@@ -10,7 +10,7 @@ from wiggleroom.report.text import escape
 
 UNASSIGNED = "\u0378"
 """No font has this one: what stands for it stands for every letter that is missing."""
-MOST = 200
+MAX_LETTERS = 200
 """So many different letters are looked for."""
 
 
@@ -29,7 +29,7 @@ def missing_letters(texts: Iterable[str], *, own_font_only: bool = False) -> str
     >>> missing_letters(["lid 2", "Größe"])
     ''
     """
-    some = sorted({c for text in texts for c in text if not c.isascii() and _is_seen(c)})[:MOST]
+    some = sorted({c for text in texts for c in text if not c.isascii() and _is_seen(c)})[:MAX_LETTERS]
     if not some:
         return ""
     blank = {_set(c, own_font_only) for c in (UNASSIGNED, " ")}

@@ -16,12 +16,15 @@ from wiggleroom.report.part_paths import PartPath
 from wiggleroom.report.text import escape, width
 
 _SMALLEST, _LARGEST = 7.0, 15.0
-_MOST_MEASURED = 400
-_CROWDED = 10.0
-_STEPS = (0.0, 0.3, -0.3, 0.6, -0.6)
+MAX_MEASURED = 400
+"""Names that are measured to find the size of the text."""
+MIN_NAME_SIZE = 10.0
+"""Names that fit only in smaller text are left out, but for the first ones [px]."""
+OFFSET_STEPS = (0.0, 0.3, -0.3, 0.6, -0.6)
+"""Where a name is tried beside its place, in sizes of the text."""
 Floats = NDArray[np.float64]
 Place = tuple[float, float, float]
-_PLACES = sorted(((dx, dy) for dy in _STEPS for dx in _STEPS), key=lambda d: d[0] ** 2 + d[1] ** 2)
+_PLACES = sorted(((dx, dy) for dy in OFFSET_STEPS for dx in OFFSET_STEPS), key=lambda d: d[0] ** 2 + d[1] ** 2)
 """Where a name may go, from the middle of the part outwards, in diameters of the circle that fits into it."""
 
 
@@ -84,7 +87,7 @@ def usual(named: Sequence[tuple[str, PartPath]], room: float) -> float:
 
     Most names fit in this size; those that do not are written smaller, or left out.
     """
-    sizes = sorted(fitting(name, shape) for name, shape in named[:_MOST_MEASURED])
+    sizes = sorted(fitting(name, shape) for name, shape in named[:MAX_MEASURED])
     return min(0.23 * room, _LARGEST, max(sizes[len(sizes) // 5], _SMALLEST) if sizes else _LARGEST)
 
 
@@ -105,7 +108,7 @@ def names_group(
     size = usual([(short(name), shape) for name, shape, _ in named], room)
     found: dict[str, list[str]] = {palette.SUBDUED: [], palette.INK: []}
     for name, shape, place in named:
-        quiet = size < _CROWDED and name not in first
+        quiet = size < MIN_NAME_SIZE and name not in first
         found[palette.SUBDUED if quiet else palette.INK].append(label(short(name), shape, place, size, marks))
     return "".join(
         f'<g fill="{colour}" text-anchor="middle">{"".join(texts)}</g>' for colour, texts in found.items() if any(texts)

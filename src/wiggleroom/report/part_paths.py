@@ -15,7 +15,7 @@ from wiggleroom.report.layout import View
 
 Floats = NDArray[np.float64]
 
-_DETAIL = 0.04
+SIMPLIFY_TOLERANCE = 0.04
 """Corners that change an outline by less than this [px] are not written."""
 
 
@@ -71,7 +71,7 @@ def middle(part: Part) -> Floats:
 
 
 def _ring(points: Floats) -> str:
-    ring = shapely.simplify(shapely.LinearRing(points), _DETAIL)
+    ring = shapely.simplify(shapely.LinearRing(points), SIMPLIFY_TOLERANCE)
     corners = shapely.get_coordinates(ring)[:-1]
     return ("M" + "%.2f,%.2f " * len(corners)) % tuple(corners.ravel().tolist()) + "z"
 

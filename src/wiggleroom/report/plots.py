@@ -18,7 +18,8 @@ Mark = tuple[float, str]
 """A value on the x axis and what is written beside its line."""
 
 _BAR, _BETWEEN = 20.0, 8.0
-_NAMES = 220.0
+NAME_WIDTH = 220.0
+"""Room for the names of bars [px]."""
 
 
 def curve(
@@ -158,20 +159,20 @@ def bars(
     order = np.argsort(-np.abs(values), kind="stable")[:most]
     body, y = frame.header(title, facts, WIDTH + 40)
     low, high = min(float(values.min(initial=0.0)), 0.0), max(float(values.max(initial=0.0)), 0.0)
-    scale = (WIDTH - _NAMES - 90) / ((high - low) or 1.0)
-    zero = palette.MARGIN + _NAMES - low * scale
+    scale = (WIDTH - NAME_WIDTH - 90) / ((high - low) or 1.0)
+    zero = palette.MARGIN + NAME_WIDTH - low * scale
     y += 34
-    body.append(text(palette.MARGIN + _NAMES, y, palette.TEXT_SIZE, palette.INK, label))
+    body.append(text(palette.MARGIN + NAME_WIDTH, y, palette.TEXT_SIZE, palette.INK, label))
     y += 14
     top = y
     for k in order.tolist():
         value, long = float(values[k]), abs(float(values[k])) * scale
         fill, stroke = palette.PULLED if value >= 0 else palette.FIXED
         left = zero if value >= 0 else zero - long
-        name = elide(names[k], palette.TEXT_SIZE, _NAMES - 12)
+        name = elide(names[k], palette.TEXT_SIZE, NAME_WIDTH - 12)
         said = number(value)
         middle = y + _BAR / 2 + 5
-        body.append(text(palette.MARGIN + _NAMES - 10, middle, palette.TEXT_SIZE, palette.INK, name, "end"))
+        body.append(text(palette.MARGIN + NAME_WIDTH - 10, middle, palette.TEXT_SIZE, palette.INK, name, "end"))
         body.append(
             f'<rect x="{left:.2f}" y="{y:.2f}" width="{long:.2f}" height="{_BAR}" fill="{fill}" stroke="{stroke}"/>'
         )

@@ -12,8 +12,10 @@ from wiggleroom.sensitivity.rank import Ranking
 if TYPE_CHECKING:
     from rich.console import Group
 
-_MOST = 15
-_MOST_JOINTS = 8
+MAX_RANKED_PARTS = 15
+"""Rows of the table of parts."""
+MAX_RANKED_JOINTS = 8
+"""Rows of the table of joints."""
 
 
 def rank_result(ranking: Ranking, command: str = "") -> RankResult:
@@ -63,22 +65,22 @@ def rank_table(ranking: Ranking) -> Group:
     both = not ranking.unique.all()
     per = per_gap(answer.goals)
     found = columns("part", per, *(["if tighter"] if both else []), "%")
-    for k in ranking.order[:_MOST].tolist():
+    for k in ranking.order[:MAX_RANKED_PARTS].tolist():
         side = [number(ranking.tighter[k])] if both else []
         found.add_row(short(names[k]), number(ranking.looser[k]), *side, f"{ranking.percent[k]:.1f}")
-    rest = len(names) - _MOST
+    rest = len(names) - MAX_RANKED_PARTS
     if rest > 0:
-        left = 100 - ranking.percent[ranking.order[:_MOST]].sum()
+        left = 100 - ranking.percent[ranking.order[:MAX_RANKED_PARTS]].sum()
         found.add_row(f"... and {rest} more", "", *([""] if both else []), f"{max(left, 0.0):.1f}", style="dim")
     ranged = not ranking.joint_unique.all()
     joints = columns("joint", per, *(["if tighter"] if ranged else []), "%")
     order = ranking.joint_order
-    for k in order[:_MOST_JOINTS].tolist():
+    for k in order[:MAX_RANKED_JOINTS].tolist():
         pair = " | ".join(short(names[i]) for i in ranking.joints[k].tolist())
         side = [number(ranking.joint_tighter[k])] if ranged else []
         joints.add_row(pair, number(ranking.joint_looser[k]), *side, f"{ranking.joint_percent[k]:.1f}")
-    if len(order) > _MOST_JOINTS:
-        joints.add_row(f"... and {len(order) - _MOST_JOINTS} more", "", *([""] if ranged else []), "", style="dim")
+    if len(order) > MAX_RANKED_JOINTS:
+        joints.add_row(f"... and {len(order) - MAX_RANKED_JOINTS} more", "", *([""] if ranged else []), "", style="dim")
     lines = [Text(f"{term + ':':<9} {line}") for term, line in ranking_sure(ranking)]
     return Group(Text(headline(answer), style="bold"), Text(), found, Text(), joints, Text(), *lines)
 

@@ -19,9 +19,12 @@ from wiggleroom.report.layout import View
 from wiggleroom.report.picture import drawn_parts
 from wiggleroom.report.text import escape, wrap
 
-_GAP = 30.0
-_MOST_ROWS = 60
-_MOST_LINES = 24
+HEAD_SPACING = 30.0
+"""Between the text and the drawing [px]."""
+MAX_ROWS = 60
+"""Rows of the list of parts."""
+MAX_LINES = 24
+"""Lines of notes."""
 _WRONG = "#c1121f"
 _STYLES = {
     "left out": ("left out", f'stroke="{palette.SUBDUED}" stroke-dasharray="5 4"'),
@@ -32,9 +35,11 @@ _STYLES = {
     "overlap": ("overlap", f'stroke="{_WRONG}" fill="{_WRONG}" fill-opacity="0.6"'),
 }
 """What each kind of remark is called, and how it is drawn."""
-_DOTS = ("mended", "open end")
-_RADIUS = 5.0
-_SAME = 2.0
+POINT_REMARKS = ("mended", "open end")
+"""Remarks that are drawn as points."""
+POINT_RADIUS = 5.0
+"""Of these points [px]."""
+MERGE_DISTANCE = 2.0
 """Marks of one kind nearer than this [px] are drawn once."""
 
 
@@ -71,7 +76,7 @@ def picture_of_reading(
     said += [f"{len(findings)} faults" if len(findings) != 1 else "1 fault"] if findings else []
     canvas = layout.view(box, 0.0).canvas
     head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
-    view = layout.view(box, below + _GAP)
+    view = layout.view(box, below + HEAD_SPACING)
     body: list[str] = []
     if assembly.parts:
         own = layout.boxes(assembly, rest)
@@ -87,7 +92,7 @@ def picture_of_reading(
     legend = [(_swatch(kind), _STYLES[kind][0]) for kind in kinds]
     if any(part.fixed for part in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
-    foot, y = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
+    foot, y = frame.footer(view, view.y + view.height + HEAD_SPACING + 16, legend, command)
     lists, height = _lists(view, y, rows, findings, assembly.drawing.notes)
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot, *lists])
 
@@ -116,16 +121,20 @@ def _drawn(view: View, kind: str, marks: Sequence[Remark]) -> list[str]:
     lines = [view.pixels(line) for mark in marks for line in mark.lines]
     style = _STYLES[kind][1]
     plain = "" if "fill=" in style else ' fill="none"'
-    if kind in _DOTS:
+    if kind in POINT_REMARKS:
         points = np.vstack([line[:1] for line in lines])
-        _, first = np.unique(np.round(points / _SAME), axis=0, return_index=True)
-        shapes = [f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{_RADIUS:g}"/>' for x, y in points[np.sort(first)].tolist()]
+        _, first = np.unique(np.round(points / MERGE_DISTANCE), axis=0, return_index=True)
+        shapes = [
+            f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{POINT_RADIUS:g}"/>' for x, y in points[np.sort(first)].tolist()
+        ]
     else:
         closed = "z" if kind in ("hole", "overlap") else ""
         shapes = [f'<path d="{_data(line)}{closed}"/>' for line in lines if len(line) > 1]
         if kind in ("crossing", "overlap"):  # what is small must be seen, too
-            middles = [line.mean(axis=0) for line in lines if len(line) and np.ptp(line, axis=0).max() < 2 * _RADIUS]
-            shapes += [f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{2 * _RADIUS:g}" fill="none"/>' for x, y in middles]
+            middles = [
+                line.mean(axis=0) for line in lines if len(line) and np.ptp(line, axis=0).max() < 2 * POINT_RADIUS
+            ]
+            shapes += [f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{2 * POINT_RADIUS:g}" fill="none"/>' for x, y in middles]
     return [f"<g{plain} {style}>" + "".join(shapes) + "</g>"] if shapes else []
 
 
@@ -138,8 +147,8 @@ def _data(line: Points) -> str:
 def _swatch(kind: str) -> str:
     style = _STYLES[kind][1]
     plain = "" if "fill=" in style else ' fill="none"'
-    if kind in _DOTS:
-        return f'<circle cx="8" cy="6" r="{_RADIUS:g}"{plain} {style}/>'
+    if kind in POINT_REMARKS:
+        return f'<circle cx="8" cy="6" r="{POINT_RADIUS:g}"{plain} {style}/>'
     return f'<path d="M0.5,0.500h15v11h-15z"{plain} {style}/>'
 
 
@@ -150,19 +159,19 @@ def _lists(
     found: list[str] = []
     size, room = palette.SMALL_SIZE + 1, view.canvas - 2 * palette.MARGIN
     for colour, lines in ((_WRONG, findings), (palette.INK, notes)):
-        rest = len(lines) - _MOST_LINES
-        shown = [*lines[:_MOST_LINES], *([f"... and {rest} more"] if rest > 0 else [])]
+        rest = len(lines) - MAX_LINES
+        shown = [*lines[:MAX_LINES], *([f"... and {rest} more"] if rest > 0 else [])]
         for line in shown:
             for text in wrap(line.split(" "), " ", size, room, 4):
                 y += size + 5
                 found.append(_cell(palette.MARGIN, y, size, colour, text))
         y += 8 if lines else 0
     table: list[tuple[str, ...]] = [("part", "width mm", "height mm", "x mm", "y mm", "holes", "layer")]
-    for row in rows[:_MOST_ROWS]:
+    for row in rows[:MAX_ROWS]:
         lengths = (f"{value:.2f}" for value in (row.width, row.height, row.x, row.y))
         table.append((short(row.name), *lengths, str(row.holes), short(row.layer)))
-    if len(rows) > _MOST_ROWS:
-        table.append((f"... and {len(rows) - _MOST_ROWS} more", "", "", "", "", "", ""))
+    if len(rows) > MAX_ROWS:
+        table.append((f"... and {len(rows) - MAX_ROWS} more", "", "", "", "", "", ""))
     columns = (0.0, 0.40, 0.52, 0.64, 0.76, 0.84, 0.87)
     for k, cells in enumerate(table if rows else []):
         y += size + 5

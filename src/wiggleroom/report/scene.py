@@ -22,14 +22,18 @@ from wiggleroom.report.text import escape
 
 Floats = NDArray[np.float64]
 
-_GAP = 30.0
-_NEAR = 1.0
+HEAD_SPACING = 30.0
+"""Between the text and the drawing [px]."""
+MAX_WHOLE_SHARE = 1.0
 """A motion no further than this, as a share of the drawing's size, is shown as a whole."""
-_PAN = 0.55
+FRAME_SHARE = 0.55
 """Of one that goes further the frame shows so much on each side of the parts at rest; the rest fades."""
-_SECONDS = (2.0, 4.5)
-_MOST_PLACES = 150_000
-_FAINT = 0.02
+DURATION = (2.0, 4.5)
+"""Shortest and longest film [s]."""
+MAX_PLACES = 150_000
+"""Places of parts in all frames together."""
+MIN_OPACITY = 0.02
+"""Parts that are fainter are not drawn."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,23 +147,27 @@ def scene(
     points = way_points(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
     way = TimedPath(assembly, points * factor)
-    pan = math.inf if np.abs(factor * points[:, :, :2]).max() <= _NEAR * assembly.size else _PAN * assembly.size
+    pan = (
+        math.inf
+        if np.abs(factor * points[:, :, :2]).max() <= MAX_WHOLE_SHARE * assembly.size
+        else FRAME_SHARE * assembly.size
+    )
     shown = _seen_length(assembly, way, pan)
-    seconds = float(np.clip(_SECONDS[0] + 1.2 * shown / assembly.size, *_SECONDS))
-    count = max(min(round(seconds * rate), _MOST_PLACES // len(assembly.parts)), 8) + 1
+    seconds = float(np.clip(DURATION[0] + 1.2 * shown / assembly.size, *DURATION))
+    count = max(min(round(seconds * rate), MAX_PLACES // len(assembly.parts)), 8) + 1
     poses = assembly.rest + way.at(shown * eased(count))
     said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
     box = _box(assembly, poses, pan)
     canvas = layout.view(box, 0.0).canvas
     top, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
-    view = layout.view(box, below + _GAP)
+    view = layout.view(box, below + HEAD_SPACING)
     defs, tracks, still = _tracks(view, assembly, poses, goals, pan)
     legend = [(frame.swatch("none", palette.REST), "at rest")]
     if any(p.fixed for p in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
     if goals:
         legend.insert(1, (frame.swatch(*palette.PULLED), "pulled"))
-    foot, height = frame.footer(view, view.y + view.height + _GAP + 16, legend, command)
+    foot, height = frame.footer(view, view.y + view.height + HEAD_SPACING + 16, legend, command)
     stage = (view.x - 12, view.y - 12, view.width + 24, view.height + 24)
     words = "; ".join(said)
     # video needs even sizes
@@ -194,7 +202,7 @@ def _seen_length(assembly: Assembly, way: TimedPath, pan: float) -> float:
         return way.length
     lengths = np.linspace(0.0, way.length, 400)
     poses = assembly.rest + way.at(lengths)
-    clear = _opacity(assembly, poses, pan) > _FAINT
+    clear = _opacity(assembly, poses, pan) > MIN_OPACITY
     step = np.abs(np.diff(poses, axis=0)).max(axis=2) > 1e-4 * way.length / 400
     moving = (step & clear[1:]).any(axis=1)
     return float(lengths[min(np.flatnonzero(moving)[-1] + 2, 399)]) if moving.any() else way.length

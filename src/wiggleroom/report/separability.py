@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from rich.console import Group
 
 _COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
-_MOST_ESCAPES = 12
-STILL = 1e-12
+MAX_ESCAPES = 12
+"""Escapes that the table lists."""
+MIN_MOTION = 1e-12
+"""Parts that never move further are left out of paths [mm, rad]."""
 
 
 def check_result(found: Interlock, border: LargestGap | None = None, command: str = "") -> CheckResult:
@@ -65,7 +67,7 @@ def _separability(found: Interlock) -> SeparabilityEntry:
 
 def _waypoints(names: tuple[str, ...], escape: Escape) -> list[dict[str, PartMotion]]:
     """Way-points; each says only the parts that are not at rest anywhere on the path."""
-    moved = np.flatnonzero((np.abs(escape.path) > STILL).any(axis=(0, 2)))
+    moved = np.flatnonzero((np.abs(escape.path) > MIN_MOTION).any(axis=(0, 2)))
     return [
         {names[k]: PartMotion(float(m[k, 0]), float(m[k, 1]), math.degrees(m[k, 2])) for k in moved}
         for m in escape.path
@@ -79,10 +81,10 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
 
     verdict = (found.verdict, f"bold {_COLOURS[found.verdict]}")
     lines = [Text.assemble(verdict, f" at gap {number(found.assembly.gap)} mm: {why(found)}")]
-    for k, escape in enumerate(found.escapes[:_MOST_ESCAPES]):
+    for k, escape in enumerate(found.escapes[:MAX_ESCAPES]):
         lines.append(Text(f"{k + 1:3}. {leaves(found, escape)}"))
-    if len(found.escapes) > _MOST_ESCAPES:
-        lines.append(Text(f"     ... and {len(found.escapes) - _MOST_ESCAPES} more"))
+    if len(found.escapes) > MAX_ESCAPES:
+        lines.append(Text(f"     ... and {len(found.escapes) - MAX_ESCAPES} more"))
     if found.escapes and len(found.remains) > 1:
         lines.append(Text(_remains(found)))
     if found.spins:

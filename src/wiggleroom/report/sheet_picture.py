@@ -16,9 +16,12 @@ from wiggleroom.report.text import escape
 
 Floats = NDArray[np.float64]
 
-_WIDE = 1120.0
-_HALF = (_WIDE - 3 * palette.MARGIN) / 2
-_TALL = 760.0
+PICTURE_WIDTH = 1120.0
+"""[px]"""
+COLUMN_WIDTH = (PICTURE_WIDTH - 3 * palette.MARGIN) / 2
+"""Of the sheet, and of the bodies beside it [px]."""
+PICTURE_HEIGHT = 760.0
+"""[px]"""
 _OPEN = "#d00000"
 _VIEW = np.array([[0.82, 0.57, 0.0], [-0.27, 0.39, 0.88], [0.5, -0.72, 0.48]])
 """Rows: where the picture's right, its up and the eye lie in space."""
@@ -28,9 +31,9 @@ def sheet_picture(found: AssembledSheet, *, command: str = "") -> str:
     """SVG text: left the sheet, right the bodies; red crosses are flanks that meet nothing, hatched panels are not placed."""
     title = sheet_headline(found)
     said = [*found.doubts] or ["every flank meets another, and no other way to put the panels together does as well"]
-    head, y = frame.header(title, said, _WIDE - 2 * palette.MARGIN)
-    body = [*head, _sheet(found, palette.MARGIN, y + 20), _bodies(found, 2 * palette.MARGIN + _HALF, y + 20)]
-    return frame.document(_WIDE, y + _TALL + 2 * palette.MARGIN, title, said, command, body)
+    head, y = frame.header(title, said, PICTURE_WIDTH - 2 * palette.MARGIN)
+    body = [*head, _sheet(found, palette.MARGIN, y + 20), _bodies(found, 2 * palette.MARGIN + COLUMN_WIDTH, y + 20)]
+    return frame.document(PICTURE_WIDTH, y + PICTURE_HEIGHT + 2 * palette.MARGIN, title, said, command, body)
 
 
 def _colour(k: int) -> str:
@@ -42,7 +45,7 @@ def _colour(k: int) -> str:
 def _fitted(points: Floats, x: float, y: float) -> tuple[float, Floats]:
     """Scale, and the shift of points with y up that fits them into one half of the picture."""
     low, high = points.min(axis=0), points.max(axis=0)
-    scale = min(_HALF / max(high[0] - low[0], 1e-9), _TALL / max(high[1] - low[1], 1e-9))
+    scale = min(COLUMN_WIDTH / max(high[0] - low[0], 1e-9), PICTURE_HEIGHT / max(high[1] - low[1], 1e-9))
     return scale, np.array([x - scale * low[0], y + scale * high[1]])
 
 

@@ -28,10 +28,13 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-_BESIDE = 430.0
-_TILE = 150.0
-_TILES = 5
-_MOST_CELLS = 12
+SIDE_WIDTH = 430.0
+"""Width of the text beside the stack of slices [px]."""
+TILE_SIZE = 150.0
+"""Side of the picture of one cell [px]."""
+TILES_PER_ROW = 5
+MAX_CELLS = 12
+"""Cells that are drawn."""
 
 
 def headline(space: FreeSpace) -> str:
@@ -110,11 +113,11 @@ def space_table(space: FreeSpace, judged: Audit | None) -> Group:
         turned = f"{math.degrees(one.angle):.3f}"
         slices.add_row(turned, fixed(one.area, largest), number(x1 - x0, 3), number(y1 - y0, 3))
     found = space_result(space, None, "").cells
-    for k, cell in enumerate(found[:_MOST_CELLS]):
+    for k, cell in enumerate(found[:MAX_CELLS]):
         low, high = cell.angles_deg
         cells.add_row(str(k + 1), str(cell.walls), f"{low:.3f} to {high:.3f}")
-    if len(found) > _MOST_CELLS:
-        cells.add_row(f"... and {len(found) - _MOST_CELLS} more", "", "", style="dim")
+    if len(found) > MAX_CELLS:
+        cells.add_row(f"... and {len(found) - MAX_CELLS} more", "", "", style="dim")
     lines = [Text(f"judged:   {line}") for line in (_judged(judged) if judged else [])]
     facts = [Text(line) for line in said(space, None)]
     return Group(Text(headline(space), style="bold"), *facts, Text(), slices, Text(), cells, Text(), *lines)
@@ -145,7 +148,7 @@ def space_picture(
     left = palette.MARGIN + wide + 20
     pair, pair_tall = _pair(space, assembly, left, below + 40)
     row = below + 16 + max(tall, pair_tall + 40) + 24
-    canvas = max(left + _BESIDE, palette.MARGIN + _TILES * (_TILE + 24)) + palette.MARGIN
+    canvas = max(left + SIDE_WIDTH, palette.MARGIN + TILES_PER_ROW * (TILE_SIZE + 24)) + palette.MARGIN
     tiles, bottom = _slices(space, palette.MARGIN, row)
     note = "motions of the point of the second part that the cross marks, in the axes of the first"
     bottom += 26
@@ -169,7 +172,7 @@ def _pair(space: FreeSpace, assembly: Assembly, left: float, top: float) -> tupl
         poses.append((c * x - s * y, s * x + c * y, float(pose[2]) + turn))
     corners = np.vstack([place(r.outer, pose) for p, pose in zip(parts, poses, strict=True) for r in p.regions])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    scale = min(_BESIDE / (high[0] - low[0]), 420.0 / (high[1] - low[1]))
+    scale = min(SIDE_WIDTH / (high[0] - low[0]), 420.0 / (high[1] - low[1]))
     wide, tall = (high - low) * scale
     view = View(scale, float(low[0]), float(high[1]), left, top, wide, tall, 0.0)
     shapes, found, names = PartPaths(scale), [], []
@@ -195,13 +198,13 @@ def _pair(space: FreeSpace, assembly: Assembly, left: float, top: float) -> tupl
 def _slices(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
     """Some slices in a row, all to the same scale, and where the row ends [px]."""
     regions, angles = about_pivot(space), np.array([s.angle for s in space.slices])
-    wanted = np.linspace(angles[0], angles[-1], _TILES)
+    wanted = np.linspace(angles[0], angles[-1], TILES_PER_ROW)
     chosen = list(dict.fromkeys(int(np.abs(angles - w).argmin()) for w in wanted))
     low, high = extent(regions)
-    scale = _TILE / float((high - low).max())
+    scale = TILE_SIZE / float((high - low).max())
     high_px, found = float((high - low)[1]) * scale, []
     for j, k in enumerate(chosen):
-        x = left + j * (_TILE + 24)
+        x = left + j * (TILE_SIZE + 24)
         points = "".join(_ring(ring, low, high, scale, x, top) for ring in rings(regions[k]))
         u, v = x - low[0] * scale, top + high[1] * scale
         found.append(

@@ -30,7 +30,7 @@ FIXED = (201, 196, 188)
 COLOURS = ((79, 129, 189), (192, 124, 62), (110, 160, 90), (150, 110, 170), (200, 160, 60), (80, 160, 165))
 CREASE = 1e-3
 """Edges between faces that turn by more are drawn [rad]."""
-LEAST_AREA = 1e-12
+MIN_AREA = 1e-12
 EXPLODED = 0.7
 """Parts that left are shown no further away than this share of the size."""
 

@@ -11,7 +11,7 @@ from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.verdict import Verdict
 
 Record = dict[str, Any]
-STILL = 1e-12
+MIN_MOTION = 1e-12
 """Parts that never move further are left out of paths [mm, rad]."""
 
 
@@ -54,7 +54,7 @@ def spatial_check_record(found: SpatialDisassembly, command: str = "") -> Record
     names = found.assembly.names
     escapes = []
     for escape in found.escapes:
-        moved = np.flatnonzero((np.abs(escape.path) > STILL).any(axis=(0, 2)))
+        moved = np.flatnonzero((np.abs(escape.path) > MIN_MOTION).any(axis=(0, 2)))
         path = [{names[k]: motion_entry(m[k]) for k in moved} for m in escape.path]
         escapes.append({"parts": list(escape.parts), "path": path})
     return {

@@ -24,8 +24,10 @@ HEIGHT_RATIO = 1.15
 LIGHT = np.array([math.cos(math.radians(200.0)), math.sin(math.radians(200.0))])
 SHADED, LIT = "#1d4f80", "#b4d6f2"
 """In the shade and in full light."""
-_DETAIL = 0.3
-_EVERY = 8
+SIMPLIFY_TOLERANCE = 0.3
+"""Corners that change an outline by less than this [px] are not drawn."""
+INK_INTERVAL = 8
+"""Every so many slices one outline is inked."""
 
 
 def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]:
@@ -55,7 +57,7 @@ def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]
     found = [_floor(low, high, middle, scale, shift)]
     rest = int(np.abs([s.angle for s in space.slices]).argmin())
     for k, region in enumerate(regions):
-        ink = 0.9 if k == rest else 0.35 if k % _EVERY == 0 or k == len(regions) - 1 else 0.0
+        ink = 0.9 if k == rest else 0.35 if k % INK_INTERVAL == 0 or k == len(regions) - 1 else 0.0
         found.append(_prism(region, middle, scale, levels[k], levels[k + 1], shift, ink))
     found += _labels(low, high, middle, scale, levels, space.angles, shift)
     return "".join(found), float(wide) + 140, float(tall) + 50
@@ -86,7 +88,7 @@ def rings(region: shapely.Geometry) -> list[Floats]:
 def _outlines(region: shapely.Geometry, middle: Floats, scale: float) -> list[Floats]:
     """Closed rings (k, 2) [px] of one slice about the middle of all."""
     flat = [shapely.linearrings((ring - middle) * scale) for ring in rings(region)]
-    return [shapely.get_coordinates(shapely.simplify(ring, _DETAIL)) for ring in flat]
+    return [shapely.get_coordinates(shapely.simplify(ring, SIMPLIFY_TOLERANCE)) for ring in flat]
 
 
 def _seen(points: Floats, level: float) -> Floats:

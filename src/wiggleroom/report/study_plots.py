@@ -12,7 +12,7 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.verdict import Verdict
 
-_SHOWN = (0.05, 0.5, 0.95)
+SHOWN_QUANTILES = (0.05, 0.5, 0.95)
 
 
 def sweep_title(found: Sweep) -> str:
@@ -84,7 +84,7 @@ def sample_facts(found: Sample) -> list[str]:
 def picture_of_sample(found: Sample, *, command: str = "", framed: bool = True) -> str:
     """Motions of all draws that end as an SVG histogram, with quantiles and the limit."""
     what = unit(found.answer.goals)
-    ends = [(q, found.quantile(q)) for q in _SHOWN]
+    ends = [(q, found.quantile(q)) for q in SHOWN_QUANTILES]
     marks = [(value, f"{100 * q:g} % below {number(value)}") for q, value in ends if np.isfinite(value)]
     return histogram(
         found.bounded,

@@ -28,7 +28,8 @@ from wiggleroom.verdict import Verdict
 if TYPE_CHECKING:
     from rich.console import Group
 
-_MOST = 12
+MAX_WORST_PARTS = 12
+"""Rows of the table."""
 QUANTILES = (0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99)
 
 
@@ -184,7 +185,7 @@ def sample_table(found: Sample) -> Group:
     rows.add_row("worst", number(float(found.value[found.worst])), style="bold")
     share = found.contributions
     parts = columns("contributes", "%")
-    for k in np.argsort(-share, kind="stable")[:_MOST].tolist():
+    for k in np.argsort(-share, kind="stable")[:MAX_WORST_PARTS].tolist():
         parts.add_row(short(found.answer.assembly.names[k]), f"{share[k]:.1f}")
     lines = [
         Text(f"{headline(found.answer)} without variation", style="bold"),

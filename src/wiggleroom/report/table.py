@@ -16,8 +16,10 @@ if TYPE_CHECKING:
     from rich.console import Group, RenderableType
     from rich.table import Table
 
-_MOST_PARTS = 12
-_MOST_CONTACTS = 8
+MAX_PARTS = 12
+"""Rows of the table of parts, those that move furthest."""
+MAX_CONTACT_ROWS = 8
+"""Rows of the table of contacts."""
 _COLOURS = {
     Verdict.PROVEN: "green",
     Verdict.OPTIMAL: "green",
@@ -61,11 +63,11 @@ def _parts(answer: Answer) -> Table:
     still = [k for k in order if not answer.motion[k].any()]
     order = [k for k in order if k not in set(still)]
     found = columns("part", "dx mm", "dy mm", "turn deg")
-    for k in order[:_MOST_PARTS]:
+    for k in order[:MAX_PARTS]:
         x, y, turn = answer.motion[k].tolist()
         style = "bold" if names[k] in asked else ""
         found.add_row(short(names[k]), fixed(x, farthest), fixed(y, farthest), f"{math.degrees(turn):.3f}", style=style)
-    rest = len(order) - _MOST_PARTS
+    rest = len(order) - MAX_PARTS
     if rest > 0:
         found.add_row(f"... and {rest} more", "", "", "", style="dim")
     if still:
@@ -78,10 +80,10 @@ def _contacts(answer: Answer) -> Table:
     held = holding(answer.contacts)
     found = columns("held by", "x mm", "y mm", "force")
     size = answer.assembly.size
-    for c in held[:_MOST_CONTACTS]:
+    for c in held[:MAX_CONTACT_ROWS]:
         found.add_row(" | ".join(short(n) for n in c.parts), *(fixed(x, size) for x in c.point), number(c.force, 3))
-    if len(held) > _MOST_CONTACTS:
-        found.add_row(f"... and {len(held) - _MOST_CONTACTS} more", "", "", "", style="dim")
+    if len(held) > MAX_CONTACT_ROWS:
+        found.add_row(f"... and {len(held) - MAX_CONTACT_ROWS} more", "", "", "", style="dim")
     return found
 
 

@@ -34,9 +34,9 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
     rows: Sequence[Sequence[Any]]
     match found:
         case Answer():
-            heads, rows = ("step", *_MOTION), _steps(found.assembly.names, found.waypoints)
+            heads, rows = ("step", *MOTION_COLUMNS), _steps(found.assembly.names, found.waypoints)
         case Checked():
-            heads, rows = ("escape", "step", *_MOTION), _escapes(found)
+            heads, rows = ("escape", "step", *MOTION_COLUMNS), _escapes(found)
         case Ranking():
             heads, rows = ("kind", "name", "other", "per_mm", "tighter_per_mm", "percent"), _ranks(found)
         case Tightening():
@@ -48,12 +48,12 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
         case AllowableGap():
             heads, rows = ("gap", "objective", "at_most", "verdict", "path"), _trials(found)
         case WorstCase():
-            heads, rows = (*_TOLERANCE, "per_mm", "looser_mm", "tighter_mm", "percent"), _contributions(found)
+            heads, rows = (*TOLERANCE_COLUMNS, "per_mm", "looser_mm", "tighter_mm", "percent"), _contributions(found)
     return text_of(heads, rows)
 
 
-_TOLERANCE = ("kind", "name", "other", "outline", "nominal_mm", "plus_mm", "minus_mm")
-_MOTION = ("part", "dx_mm", "dy_mm", "turn_deg")
+TOLERANCE_COLUMNS = ("kind", "name", "other", "outline", "nominal_mm", "plus_mm", "minus_mm")
+MOTION_COLUMNS = ("part", "dx_mm", "dy_mm", "turn_deg")
 
 
 def text_of(heads: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

@@ -18,7 +18,8 @@ from wiggleroom.verdict import Certainty
 if TYPE_CHECKING:
     from rich.console import Group
 
-_MOST = 15
+MAX_CONTRIBUTIONS = 15
+"""Rows of the table."""
 
 
 def tolerances_result(found: WorstCase, command: str = "") -> TolerancesResult:
@@ -119,12 +120,12 @@ def tolerances_table(found: WorstCase) -> Group:
     from rich.text import Text
 
     rows = columns("tolerance", "+ mm", "- mm", "mm per mm", "adds mm", "%")
-    for share, c in list(zip(found.percent.tolist(), found.contributions, strict=True))[:_MOST]:
+    for share, c in list(zip(found.percent.tolist(), found.contributions, strict=True))[:MAX_CONTRIBUTIONS]:
         t = c.tolerance
         rows.add_row(
             tolerance_name(t), number(t.plus), number(t.minus), number(c.slope, 3), number(c.looser, 3), f"{share:.1f}"
         )
-    more = len(found.contributions) - _MOST
+    more = len(found.contributions) - MAX_CONTRIBUTIONS
     return Group(
         Text(tolerances_sentence(found), style="bold"),
         *[Text(f"{term + ':':<9} {said}") for term, said in tolerances_sure(found)],

@@ -29,25 +29,45 @@ from wiggleroom.verdict import Certainty, Verdict
 
 Question = Literal["at most", "holds", "fits"]
 
-RELATIVE_TOLERANCE = 1e-3
-"""Both sides end no further apart than this share of the gap."""
-GEOMETRIC_TOLERANCE = 1e-6
-"""The same where nothing but geometry is asked."""
-MAX_PROOF_DISTANCE = 1e-2
-"""A gap that is proven is the answer where it lies no further than this share below a gap that fails."""
-MIN_GAP_SHARE = 1e-5
-"""No gap below this share of the drawing's size is tried."""
-FIRST_GAP_SHARE = 1e-2
-"""Where the drawing gives no gap, the search begins at this share of its size."""
-PROOF_SECONDS = 10.0
-"""Time that proofs may take where no time was given [s]."""
-PROOF_STEPS = (0.004, 0.02, 0.08, 0.3)
-"""Shares below the border at which a proof is tried, one after the other."""
-MIN_PROOF_SHARE = 2e-3
-"""No proof is tried that would have to come nearer to the motion than this share of it."""
 
-MAX_CONFIRMATIONS = 4
-"""Searches beyond the nearest hill, each at an answer that the one before has lowered."""
+@dataclass(frozen=True)
+class GapSearchSettings:
+    """Parameters of the bracketing and of the proofs.
+
+    Parameters
+    ----------
+    relative_tolerance : float in (0, 1)
+        Both sides end no further apart than this share of the gap: finer than any cutter.
+    geometric_tolerance : float in (0, 1)
+        The same where nothing but geometry is asked, which costs little.
+    max_proof_distance : float in (0, 1)
+        A proven gap is the answer where it lies no further than this share below a gap that fails.
+    min_gap_share : float in (0, 1)
+        No gap below this share of the drawing's size is tried.
+    first_gap_share : float in (0, 1)
+        Where the drawing gives no gap, the search begins at this share of its size.
+    proof_seconds : float > 0 [s]
+        Time that proofs may take where no time was given.
+    proof_steps : tuple of float in (0, 1)
+        Shares below the border at which a proof is tried, one after the other: near ones say more, far ones are easier.
+    min_proof_share : float in (0, 1)
+        No proof is tried that would have to come nearer to the motion than this share of it.
+    max_confirmations : int
+        Global searches, each at an answer that the one before has lowered.
+    """
+
+    relative_tolerance: float = 1e-3
+    geometric_tolerance: float = 1e-6
+    max_proof_distance: float = 1e-2
+    min_gap_share: float = 1e-5
+    first_gap_share: float = 1e-2
+    proof_seconds: float = 10.0
+    proof_steps: tuple[float, ...] = (0.004, 0.02, 0.08, 0.3)
+    min_proof_share: float = 2e-3
+    max_confirmations: int = 4
+
+
+SETTINGS = GapSearchSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,22 +240,22 @@ class _MotionBorder:
 
     def _below(self, size: float) -> float | None:
         """A gap at which the motion stays below the limit; None where none was found."""
-        gap = self.assembly.gap or FIRST_GAP_SHARE * size
-        while gap > MIN_GAP_SHARE * size and not self.deadline.is_set():
+        gap = self.assembly.gap or SETTINGS.first_gap_share * size
+        while gap > SETTINGS.min_gap_share * size and not self.deadline.is_set():
             trial = self._at(gap)
             if self._keeps(trial):
                 return gap
             if trial.verdict == Verdict.TOUCHING:
                 break
             value, first = trial.value, len(self.trials) == 1
-            gap *= 0.95 * self.limit / value if first and value is not None and value < math.inf else 0.5
+            gap *= 0.95 * self.limit / value if first and value and value < math.inf else 0.5
         if self._keeps(self._at(0.0)):
             return 0.0
         return None
 
     def _above(self, low: float, size: float) -> tuple[float | None, str]:
         """A gap at which a larger motion was found, or None and why there is none."""
-        gap, made, step = low or FIRST_GAP_SHARE * size, low, 0.0
+        gap, made, step = low or SETTINGS.first_gap_share * size, low, 0.0
         while not self.deadline.is_set():
             value = self.trials[low].value
             share = min(max(1.02 * self.limit / value - 1, 0.02), 3.0) if value else 1.0
@@ -254,7 +274,7 @@ class _MotionBorder:
 
     def _thinnest(self, made: float, gone: float) -> tuple[float | None, str]:
         """The border lies below the gap at which parts vanish; or no gap at which the parts can be made moves further."""
-        while gone - made > RELATIVE_TOLERANCE * gone and not self.deadline.is_set():
+        while gone - made > SETTINGS.relative_tolerance * gone and not self.deadline.is_set():
             gap = (made + gone) / 2
             trial = self._at(gap)
             if self._fails(trial):
@@ -266,13 +286,15 @@ class _MotionBorder:
         """Enclose the border to `RELATIVE_TOLERANCE`: secant steps from either side in turn, and halving where they are slow."""
         side, halve = 1.0, False
         low = max((t.gap for t in self.trials.values() if self._keeps(t) and t.gap < high), default=low)
-        while high - low > RELATIVE_TOLERANCE * high and not self.deadline.is_set():
+        while high - low > SETTINGS.relative_tolerance * high and not self.deadline.is_set():
             wide = high - low
             gap = (low + high) / 2
             below, above = self.trials[low].value, self.trials[high].value
             if not halve and below is not None and above is not None and below < self.limit < above < math.inf:
                 chord = low + wide * (self.limit - below) / (above - below)
-                gap = min(max(chord + side * 0.3 * RELATIVE_TOLERANCE * high, low + 0.02 * wide), high - 0.02 * wide)
+                gap = min(
+                    max(chord + side * 0.3 * SETTINGS.relative_tolerance * high, low + 0.02 * wide), high - 0.02 * wide
+                )
             trial = self._at(gap)
             if self._fails(trial):
                 high, side = gap, -1.0
@@ -285,7 +307,7 @@ class _MotionBorder:
 
     def _confirmed(self, low: float, high: float | None) -> tuple[float, float | None]:
         """Search beyond the nearest hill at the answer, which trials do not; where that finds a larger motion the border lies below."""
-        for _ in range(MAX_CONFIRMATIONS):
+        for _ in range(SETTINGS.max_confirmations):
             if self.deadline.is_set():
                 break
             self.trials[low] = self._solved(low, None)
@@ -297,14 +319,14 @@ class _MotionBorder:
 
     def _proven(self, low: float) -> float | None:
         """Largest gap at which no motion above the limit is possible, by a bound."""
-        limit = Deadline(min(self.deadline.left, PROOF_SECONDS), self.deadline)
-        for share in (0.0, *PROOF_STEPS) if limit.left > 0 else ():
+        limit = Deadline(min(self.deadline.left, SETTINGS.proof_seconds), self.deadline)
+        for share in (0.0, *SETTINGS.proof_steps) if limit.left > 0 else ():
             gap = low * (1 - share)
             trial = self._at(gap)
             if trial.at_most is not None and trial.at_most <= self.limit:
                 return gap
             within = self.limit / trial.value - 1 if trial.value else 0.0
-            if trial.answer is not None and within >= MIN_PROOF_SHARE and not limit.is_set():
+            if trial.answer is not None and within >= SETTINGS.min_proof_share and not limit.is_set():
                 try:
                     most = prove(
                         trial.answer, min(0.9 * within, 9.0), seconds=limit.left / 2,
@@ -373,9 +395,11 @@ class _MotionBorder:
         failing = [t.gap for t in self.trials.values() if self._fails(t)]
         beyond = high if high is not None else min(failing, default=None)
         searched = low
-        near = proven is not None and proven >= (1 - MAX_PROOF_DISTANCE) * (beyond or low or 0.0)
-        cut = self.deadline.is_set() and (low is None or high is None or high - low > RELATIVE_TOLERANCE * high)
-        undecided = high is not None and low is not None and high - low > RELATIVE_TOLERANCE * high and not cut
+        near = proven is not None and proven >= (1 - SETTINGS.max_proof_distance) * (beyond or low or 0.0)
+        cut = self.deadline.is_set() and (
+            low is None or high is None or high - low > SETTINGS.relative_tolerance * high
+        )
+        undecided = high is not None and low is not None and high - low > SETTINGS.relative_tolerance * high and not cut
         if undecided:
             why = "between the two gaps no search came to an end"
         return AllowableGap(
@@ -398,7 +422,7 @@ def _holding(assembly: Assembly, deadline: Deadline, progress: Callable[[Progres
         if gap is not None and state is not None
     )
     near = border.holds is not None and border.parts_at is not None and (
-        border.parts_at - border.holds <= 2 * RELATIVE_TOLERANCE * border.parts_at
+        border.parts_at - border.holds <= 2 * SETTINGS.relative_tolerance * border.parts_at
     )  # fmt: skip
     if border.holds is None:
         why = "no gap was found that holds it together"
@@ -425,20 +449,20 @@ def _fitting(assembly: Assembly, larger: float) -> AllowableGap:
             trials[gap] = Trial(gap, depth, verdict, depth is not None)
         return trials[gap]
 
-    low, high, size = 0.0, 2 * larger or MIN_GAP_SHARE * assembly.size, assembly.size
+    low, high, size = 0.0, 2 * larger or SETTINGS.min_gap_share * assembly.size, assembly.size
     if at(0.0).verdict == "fits":
         return _fits(assembly, larger, 0.0, None, trials, "")
     while at(high).verdict == "overlaps" and high < 4 * size:
         low, high = high, 2 * high
     if at(high).verdict == Verdict.NOT_MAKEABLE:
-        while high - low > GEOMETRIC_TOLERANCE * high and at((low + high) / 2).verdict != "fits":
+        while high - low > SETTINGS.geometric_tolerance * high and at((low + high) / 2).verdict != "fits":
             middle = (low + high) / 2
             low, high = (middle, high) if at(middle).verdict == "overlaps" else (low, middle)
         high = (low + high) / 2
     if at(high).verdict != "fits":
         why = "no gap makes room: parts overlap at every gap at which they can be made"
         return _fits(assembly, larger, None, low, trials, why)
-    while high - low > GEOMETRIC_TOLERANCE * high:
+    while high - low > SETTINGS.geometric_tolerance * high:
         middle = (low + high) / 2
         low, high = (low, middle) if at(middle).verdict == "fits" else (middle, high)
     return _fits(assembly, larger, high, low, trials, "")

@@ -19,12 +19,27 @@ from wiggleroom.program.nonlinear_program import Program
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-RANDOM_DIRECTIONS = 12
-"""Random directions within the face in which every derivative is tried."""
-MIN_DIRECTION = 1e-4
-"""A random direction of which less than this is left within the face is rounding: the face is a point."""
-UNIQUENESS_TOLERANCE = 1e-3
-"""A derivative that varies by less than this share of itself, or of a thousandth of the largest, is unique."""
+
+@dataclass(frozen=True)
+class DualFaceSettings:
+    """Parameters of the test for unique derivatives.
+
+    Parameters
+    ----------
+    random_directions : int
+        Random directions within the face in which every derivative is tried.
+    min_direction : float in (0, 1)
+        A random direction of which less than this is left within the face is rounding: the face is a point.
+    uniqueness_tolerance : float in (0, 1)
+        A derivative that varies by less than this share of itself, or of a thousandth of the largest, is unique.
+    """
+
+    random_directions: int = 12
+    min_direction: float = 1e-4
+    uniqueness_tolerance: float = 1e-3
+
+
+SETTINGS = DualFaceSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +97,10 @@ def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> DualFace:
     matrix = (scaled.T @ scaled).tocsc()
     shift = 1e-13 * matrix.diagonal().max(initial=1e-300)
     normal = sp.linalg.splu(matrix + shift * sp.eye_array(matrix.shape[0], format="csc"))
-    z = np.random.default_rng(0).standard_normal((len(holds), RANDOM_DIRECTIONS))
+    z = np.random.default_rng(0).standard_normal((len(holds), SETTINGS.random_directions))
     for _ in range(2):  # the second pass removes what rounding left of the first
         z -= scaled @ normal.solve(scaled.T @ z)
-    z[:, np.hypot.reduce(z, axis=0) < MIN_DIRECTION] = 0.0
+    z[:, np.hypot.reduce(z, axis=0) < SETTINGS.min_direction] = 0.0
     least, most = z.min(axis=0, initial=0.0), z.max(axis=0, initial=0.0)
     ahead = 1 / np.maximum(-least, 1e-300)
     behind = 1 / np.maximum(most, 1e-300)
@@ -109,4 +124,4 @@ def worths(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], group
 def is_unique(low: Floats, high: Floats) -> NDArray[np.bool_]:
     """True where the derivative has one value."""
     size = np.maximum(np.abs(low), np.abs(high))
-    return high - low <= UNIQUENESS_TOLERANCE * np.maximum(size, 1e-3 * size.max(initial=0.0))
+    return high - low <= SETTINGS.uniqueness_tolerance * np.maximum(size, 1e-3 * size.max(initial=0.0))

@@ -24,13 +24,30 @@ from wiggleroom.sensitivity.rank import rank
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-KEPT_GAP_SHARE = 0.1
-"""By default the share of a gap that a tightened part keeps."""
-MAX_RANKINGS = 8
-"""So often the parts are ranked again while some are being chosen."""
-MAX_REMOVAL_TESTS = 16
-"""So many of the parts chosen last are tried without."""
-RANDOM_CHOICES = 50
+
+@dataclass(frozen=True)
+class TighteningSettings:
+    """Parameters of the greedy choice and of the trials after it.
+
+    Parameters
+    ----------
+    kept_gap_share : float in [0, 1)
+        By default the share of a gap that a tightened part keeps.
+    max_rankings : int
+        Rankings while parts are being chosen; more parts are chosen at a time where more would be needed.
+    max_removal_tests : int
+        Late choices that are tested again by leaving them out.
+    random_choices : int
+        Random sets of as many parts, to compare with.
+    """
+
+    kept_gap_share: float = 0.1
+    max_rankings: int = 8
+    max_removal_tests: int = 16
+    random_choices: int = 50
+
+
+SETTINGS = TighteningSettings()
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +110,7 @@ def tighten(
     parts: int | None = None,
     limit: float | None = None,
     gap: float | None = None,
-    draws: int = RANDOM_CHOICES,
+    draws: int = SETTINGS.random_choices,
     seed: int = 0,
     workers: int | None = None,
     cluster: str | None = None,
@@ -143,7 +160,7 @@ def tighten(
     """
     ready = prepare(assembly)
     whole = assembly.gap if assembly.gap > 0 else ready.clearance
-    aim = KEPT_GAP_SHARE * whole if gap is None else gap
+    aim = SETTINGS.kept_gap_share * whole if gap is None else gap
     count = len(assembly.parts)
     _check(parts, limit, aim, whole, count)
     room = _room(assembly, whole, aim)
@@ -203,7 +220,7 @@ def _choose(
         worth[chosen] = -1.0
         order = np.argsort(-worth, kind="stable")
         left = most - len(chosen)
-        batch = max(1, -(-most // MAX_RANKINGS))
+        batch = max(1, -(-most // SETTINGS.max_rankings))
         if limit is not None:
             # what half of the missing motion needs by first order: the rest is ranked anew
             needed = int(np.searchsorted(np.cumsum(np.maximum(worth[order], 0.0)), (answer.objective - limit) / 2)) + 1
@@ -211,7 +228,7 @@ def _choose(
         chosen += [int(k) for k in order[: min(batch, left)] if room[k] > 0]
         answer = _tightened(before.assembly, chosen, room, goals, stop)
     if limit is not None and answer.objective is not None and answer.objective <= limit:
-        for k in chosen[:-MAX_REMOVAL_TESTS:-1]:  # a batch may have held more than it took
+        for k in chosen[: -SETTINGS.max_removal_tests : -1]:  # a batch may have held more than it took
             fewer = [c for c in chosen if c != k]
             less = _tightened(before.assembly, fewer, room, goals, stop) if fewer else before
             if less.objective is not None and less.objective <= limit:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
@@ -12,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.assembly_schema import convert, decode
+from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import Region
-from wiggleroom.drawing.name_checks import NameChecks
 from wiggleroom.drawing.rings import clean_ring
 from wiggleroom.drawing.source import Source, load
-from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.mesh_file import read_mesh
 from wiggleroom.spatial.rotations import fixed_axes
@@ -35,7 +33,6 @@ from wiggleroom.spatial.spatial_model import (
 )
 from wiggleroom.spatial.spatial_schema import SPATIAL_FORMAT, SolidEntry, SpatialFileEntry, SpatialPullEntry
 
-_FILE_UNITS = {unit: UNITS[unit] for unit in ("mm", "cm", "m", "in")}
 MOST_PARTS = 20_000
 
 
@@ -73,37 +70,22 @@ def read_spatial(source: str | Path) -> SpatialDrawing:
     text = load(source, opening="{[", name="assembly")
     folder = Path(source).parent if isinstance(source, Path) or text.name != "assembly" else None
     see_library()
-    findings: list[str] = []
-    raw = decode(text)
-    if not isinstance(raw, dict):
-        message = f'{text.name}: must be one JSON object with "format" and "parts"'
-        raise InputError(message)
-    entry = convert(raw, SpatialFileEntry, text.name, findings)
-    if entry is None:
-        raise InputError(findings)
-    return _SpatialReader(text.name, folder, entry, findings).drawing()
+    return _SpatialReader(text.name, folder, entry_of(text, SpatialFileEntry)).drawing()
 
 
-class _SpatialReader(NameChecks):
+class _SpatialReader(EntryReader[SpatialFileEntry]):
     """Goes through one file and collects what is wrong with it."""
 
-    def __init__(self, file: str, folder: Path | None, entry: SpatialFileEntry, findings: list[str]) -> None:
-        self._file, self._folder, self._entry, self._findings = file, folder, entry, findings
-        self._mm = _FILE_UNITS.get(entry.unit, 1.0)
-        self._names: set[str] = set()
-        self._fixed: set[str] = set()
+    def __init__(self, file: str, folder: Path | None, entry: SpatialFileEntry) -> None:
+        super().__init__(file, entry)
+        self._folder = folder
         self._notes: list[str] = []
         self._solids: dict[tuple[object, ...], Solid | None] = {}
 
     def drawing(self) -> SpatialDrawing:
         """Return the drawing, or raise an InputError with every finding."""
         entry = self._entry
-        if entry.format != SPATIAL_FORMAT:
-            self._say("", f'format is "{entry.format[:40]}"; it must be "{SPATIAL_FORMAT}"')
-        if entry.unit not in _FILE_UNITS:
-            self._say("", f'unit is "{entry.unit[:40]}"; it must be one of {", ".join(_FILE_UNITS)}')
-        if not entry.parts:
-            self._say("", "has no parts; at least one is needed")
+        self._check_head(SPATIAL_FORMAT)
         if len(entry.parts) > MOST_PARTS:
             self._say("", f"has {len(entry.parts)} parts; at most {MOST_PARTS} are read")
             raise InputError(self._findings)
@@ -112,7 +94,7 @@ class _SpatialReader(NameChecks):
         gap = entry.gap * self._mm
         if not 0 <= gap <= LARGEST:
             self._say("", f"gap is {entry.gap:g}; it must be 0 or more")
-        self._all_names()
+        self._check_names()
         parts = tuple(part for i, value in enumerate(entry.parts) if (part := self._part(i, value)))
         self._fixed = {part.name for part in parts if part.fixed}
         glue = tuple(self._together(f"glue[{i}]", value) for i, value in enumerate(entry.glue))
@@ -121,14 +103,6 @@ class _SpatialReader(NameChecks):
         if self._findings:
             raise InputError(self._findings)
         return SpatialDrawing(parts, gap, glue, ignore, goals, self._file, tuple(dict.fromkeys(self._notes)))
-
-    def _all_names(self) -> None:
-        found = [value["name"] for value in self._entry.parts if isinstance(value, dict) and "name" in value]
-        names = [name for name in found if isinstance(name, str)]
-        self._names = set(names)
-        for name, count in Counter(names).items():
-            if count > 1:
-                self._say(f'part "{name}"', f"name is used {count} times; every part needs its own")
 
     def _numbers(self, values: Iterable[float], where: str, what: str) -> NDArray[np.float64]:
         """Lengths scaled to [mm], within bounds."""

@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from wiggleroom.drawing.assembly_schema import Entry, Point
+from wiggleroom.drawing.assembly_schema import Entry, HeadEntry, Point
 
 SPATIAL_FORMAT = "wiggleroom/2"
 Triple = tuple[float, float, float]
@@ -40,14 +38,5 @@ class SpatialPullEntry(Entry):
     weight: float = 1.0
 
 
-class SpatialFileEntry(Entry):
-    """The whole file; its parts are looked at one by one, so that every finding is told at once."""
-
-    format: str
-    parts: list[Any]
-    unit: str = "mm"
-    gap: float = 0.0
-    glue: list[Any] = []
-    ignore: list[Any] = []
-    gaps: list[Any] = []
-    pull: list[Any] = []
+class SpatialFileEntry(HeadEntry):
+    """The whole file in space."""
