@@ -101,18 +101,19 @@ def _ring(closed: Floats, step: float, window: float) -> tuple[Floats, Floats, N
 
     points = at(places)
     edge = np.minimum(np.searchsorted(arc, places, side="right") - 1, len(edges) - 1)
-    tangents = (closed[edge + 1] - closed[edge]) / np.maximum(edges[edge], 1e-300)[:, None]
+    tangents: Floats = (closed[edge + 1] - closed[edge]) / np.maximum(edges[edge], 1e-300)[:, None]
     # A frame from two points of the contour is the same for both partners, at corners too.
     chord = at(places + window / 4) - at(places - window / 4)
     chord /= np.maximum(np.hypot(*chord.T), 1e-300)[:, None]
     away = at(places[:, None] + window * _OFFSETS) - points[:, None, :]
     along = np.einsum("nkd,nd->nk", away, chord)
     across = np.einsum("nkd,nd->nk", away, np.column_stack([-chord[:, 1], chord[:, 0]]))
-    return points, tangents, chord @ (1, 1j), np.stack([along, across], axis=-1).reshape(count, -1)
+    headings = chord[:, 0] + 1j * chord[:, 1]
+    return points, tangents, headings, np.stack([along, across], axis=-1).reshape(count, -1)
 
 
 @dataclass(frozen=True)
-class Pose:
+class PlanarPose:
     """A rigid motion of the plane: turn by `angle` [rad] about the origin, then move to (x, y) [mm]."""
 
     x: float = 0.0
@@ -129,19 +130,19 @@ class Pose:
         """Points (n, 2) [mm] moved."""
         return points @ self.rotation.T + (self.x, self.y)
 
-    def after(self, first: Pose) -> Pose:
-        """This motion after another one."""
+    def after(self, first: PlanarPose) -> PlanarPose:
+        """Give this motion after another one."""
         x, y = self.of(np.array([[first.x, first.y]]))[0]
-        return Pose(float(x), float(y), self.angle + first.angle)
+        return PlanarPose(float(x), float(y), self.angle + first.angle)
 
-    def inverse(self) -> Pose:
+    def inverse(self) -> PlanarPose:
         """The motion back."""
         x, y = -(np.array([self.x, self.y]) @ self.rotation)
-        return Pose(float(x), float(y), -self.angle)
+        return PlanarPose(float(x), float(y), -self.angle)
 
 
 @dataclass(frozen=True, eq=False)
-class Contact:
+class ContourContact:
     """Where two contours touch.
 
     Parameters
@@ -157,7 +158,7 @@ class Contact:
     salient: float = 0.0
 
 
-def contact(a: SampledContour, b: SampledContour, pose: Pose, tolerance: float) -> Contact:
+def contact(a: SampledContour, b: SampledContour, pose: PlanarPose, tolerance: float) -> ContourContact:
     """Samples of b, moved by a pose, that lie on a within a tolerance [mm] and run against it."""
     points = pose.of(b.points)
     reach = np.hypot(tolerance, a.step)
@@ -169,7 +170,7 @@ def contact(a: SampledContour, b: SampledContour, pose: Pose, tolerance: float) 
     off = np.abs(np.einsum("nd,nd->n", points[second] - a.points[first], normals))
     good = (np.einsum("nd,nd->n", a.tangents[first], tangents) < _OPPOSED) & (off <= tolerance)
     first, second = first[good], second[good]
-    return Contact(first, second, float((a.salient[first] & b.salient[second]).sum()) * b.step)
+    return ContourContact(first, second, float((a.salient[first] & b.salient[second]).sum()) * b.step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -179,20 +180,18 @@ class ContourMatch:
     Parameters
     ----------
     parts : (int, int)
-    pose : Pose
+    pose : PlanarPose
         Of the second in the frame of the first.
     salient : float [mm]
         Length of bent contour that fits.
     """
 
     parts: tuple[int, int]
-    pose: Pose
+    pose: PlanarPose
     salient: float = field(compare=False)
 
 
-def contour_matches(
-    contours: list[SampledContour], tolerance: float, *, choices: int = 5
-) -> list[ContourMatch]:
+def contour_matches(contours: list[SampledContour], tolerance: float, *, choices: int = 5) -> list[ContourMatch]:
     """Poses of every two parts in which bent pieces of their outlines fit, the longest contact first.
 
     Parameters
@@ -256,7 +255,7 @@ def _refined_matches(
             break
         here = cell == best
         middle = centre[here].mean()
-        pose = closest(one, other, Pose(middle.real, middle.imag, float(np.angle(spin[here].mean()))), tolerance)
+        pose = closest(one, other, PlanarPose(middle.real, middle.imag, float(np.angle(spin[here].mean()))), tolerance)
         if any(same_pose(pose, match.pose, width) for match in matches):
             continue
         salient = contact(one, other, pose, tolerance).salient
@@ -265,14 +264,14 @@ def _refined_matches(
     return sorted(matches, key=lambda match: -match.salient)
 
 
-def same_pose(one: Pose, other: Pose, width: float) -> bool:
+def same_pose(one: PlanarPose, other: PlanarPose, width: float) -> bool:
     """Whether two poses differ by less than a length [mm] and a vote's angle."""
     turn = abs(np.angle(np.exp(1j * (one.angle - other.angle))))
     return bool(turn < _ANGLE_BIN and np.hypot(one.x - other.x, one.y - other.y) < width)
 
 
-def closest(a: SampledContour, b: SampledContour, pose: Pose, tolerance: float) -> Pose:
-    """Pose refined by iterated closest points: distances along the first contour's normals, least squares."""
+def closest(a: SampledContour, b: SampledContour, pose: PlanarPose, tolerance: float) -> PlanarPose:
+    """PlanarPose refined by iterated closest points: distances along the first contour's normals, least squares."""
     for reach in (0.4 * a.window, 2 * tolerance, tolerance, tolerance):
         touch = contact(a, b, pose, max(reach, tolerance))
         if len(touch.first) < 3:
@@ -280,11 +279,11 @@ def closest(a: SampledContour, b: SampledContour, pose: Pose, tolerance: float) 
         rows, missing = _normal_equations(a, b, pose, touch)
         light = 1e-9 * len(rows) * np.diag([1.0, 1.0, b.window**2])
         step = np.linalg.solve(rows.T @ rows + light, rows.T @ missing)
-        pose = Pose(pose.x + step[0], pose.y + step[1], pose.angle + step[2])
+        pose = PlanarPose(pose.x + step[0], pose.y + step[1], pose.angle + step[2])
     return pose
 
 
-def clearance(a: SampledContour, b: SampledContour, pose: Pose, tolerance: float) -> float:
+def clearance(a: SampledContour, b: SampledContour, pose: PlanarPose, tolerance: float) -> float:
     """Distance [mm] between two contours that belong together, where it is the same all along; negative: they overlap."""
     touch = contact(a, b, pose, tolerance)
     if len(touch.first) < 8:
@@ -294,7 +293,9 @@ def clearance(a: SampledContour, b: SampledContour, pose: Pose, tolerance: float
     return float(np.linalg.lstsq(whole, missing, rcond=1e-3)[0][3])
 
 
-def _normal_equations(a: SampledContour, b: SampledContour, pose: Pose, touch: Contact) -> tuple[Floats, Floats]:
+def _normal_equations(
+    a: SampledContour, b: SampledContour, pose: PlanarPose, touch: ContourContact
+) -> tuple[Floats, Floats]:
     """How distances along the first contour's normals change with x, y, angle, (n, 3), and what is missing, (n,) [mm]."""
     points = pose.of(b.points[touch.second])
     normals = np.column_stack([-a.tangents[touch.first, 1], a.tangents[touch.first, 0]])
