@@ -296,7 +296,7 @@ def test_pages_of_a_file_begin_with_it_and_its_options(tmp_path: Path) -> None:
 def test_processes_may_not_take_all_memory() -> None:
     resource = pytest.importorskip("resource")
     code = (
-        "from wiggleroom.app.upload_limits import bound_memory; import resource; bound_memory(); "
+        "from wiggleroom.app.resource_limits import bound_memory; import resource; bound_memory(); "
         "print(resource.getrlimit(resource.RLIMIT_DATA)[0])"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

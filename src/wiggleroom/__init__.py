@@ -48,8 +48,9 @@ if TYPE_CHECKING:
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
-    from wiggleroom.sensitivity.allowable_gap import AllowableGap, allowable_gap
+    from wiggleroom.sensitivity.allowable_gap import allowable_gap
     from wiggleroom.sensitivity.gap_distribution import Spread
+    from wiggleroom.sensitivity.gap_trials import AllowableGap
     from wiggleroom.sensitivity.rank import Ranking, rank
     from wiggleroom.sensitivity.sample import Sample, sample
     from wiggleroom.sensitivity.sweep import Sweep, sweep
@@ -58,7 +59,7 @@ if TYPE_CHECKING:
     from wiggleroom.verdict import Verdict
 
 _HOME = {
-    "AllowableGap": "sensitivity.allowable_gap",
+    "AllowableGap": "sensitivity.gap_trials",
     "Answer": "search.answer",
     "Assembly": "assembly.assembly",
     "Blocking": "form_closure.blocking_graph",

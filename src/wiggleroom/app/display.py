@@ -1,4 +1,4 @@
-"""What one page shows now: outlines it was told, and where the parts of its drawing are."""
+"""What the page shows now: the outlines it was sent, and where the parts of its drawing are."""
 
 from __future__ import annotations
 

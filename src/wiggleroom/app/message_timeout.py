@@ -1,4 +1,4 @@
-"""The socket's protocol, with an end to its patience: messages that never end are cut off."""
+"""WebSocket protocol with a time limit for each message: one that does not end in time closes the connection."""
 
 from __future__ import annotations
 

@@ -21,8 +21,8 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from wiggleroom.app.message_timeout import MessageTimeout
 from wiggleroom.app.messages import encode, failed
 from wiggleroom.app.process import MAX_PAGES, Pool
+from wiggleroom.app.resource_limits import UPLOAD_MB
 from wiggleroom.app.session import Session
-from wiggleroom.app.upload_limits import UPLOAD_MB
 from wiggleroom.schema.replies import ExtraLimits, Hello
 
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3

@@ -55,7 +55,7 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
 
     from wiggleroom.app.dispatcher import Dispatcher
     from wiggleroom.app.preload import steps
-    from wiggleroom.app.upload_limits import bound_memory
+    from wiggleroom.app.resource_limits import bound_memory
 
     bound_memory()
     desk, cold = Dispatcher(), steps()

@@ -1,4 +1,4 @@
-"""Figures that were published: from "Mind the Gap" (2026), as printed there. They are theirs, from their machine.
+"""Figures as their authors published them: from Mind the Gap (2026), measured on their machine.
 
 Row 2 of its Table 1 adds up to 99.93 %, and the diagonals of rows 2 and 3 to 97.26 and 99.03 %, not 97.32 and 99.02 %. In Table 2
 preparing and solving the revolute joints add up to 91.86 s, not 91.82 s.

@@ -1,4 +1,4 @@
-"""Table 2: what large assemblies cost: preparation, solving, memory, each question in a process of its own.
+"""Table 2: time and memory of large assemblies, for preparation and solving; each question in a process of its own.
 
 Other methods are given a multiple of the time that walls took, so that a run ends; who needs more is said to.
 """

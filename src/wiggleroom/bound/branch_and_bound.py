@@ -1,4 +1,4 @@
-"""From outer regions to a bound: tighten, refine, split, until nothing above the witness is left or the time is up.
+"""Branch and bound from outer regions: tighten, refine and split until nothing above the motion found is left, or the time is up.
 
 The relaxation is asked for its best value. Then the range of every body's turn is cut to what motions worth at least `cut`, a little more
 than the witness, can have. That makes the relaxation tighter, again and again. Intervals of turns that hold it up are made narrower. Where

@@ -1,4 +1,4 @@
-"""A bound at no great cost beside every answer: the forces of the motion found, read as multipliers.
+"""Quick upper bound by weak duality: the contact forces of the motion found serve as multipliers.
 
 At the end of a search forces balance on every body. With the force w and the moment m that each pair of bodies holds there,
 

@@ -1,4 +1,4 @@
-"""A linear program that every reachable motion satisfies: the product of all outer regions, with envelopes for turns.
+"""Linear relaxation: a linear program that every reachable motion satisfies, from all outer regions and envelopes of cos and sin.
 
 Variables of a body: x, y [mm], turn t [rad], C for cos t - 1 and S for sin t. Variables of a pair: the motion tau of its
 pivot, as its first body sees it. The pivot moves with both bodies; with arms p, q from their origins to it,

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.inventory import InventoryRow
     from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.drawing.model import Drawing, Goal
-    from wiggleroom.drawing.outlines import Remark
+    from wiggleroom.drawing.traced_outlines import Remark
 
 Many = Annotated[tuple[str, ...], Parameter(negative="", show_default=False)]
 

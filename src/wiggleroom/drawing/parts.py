@@ -17,8 +17,9 @@ from wiggleroom.drawing.layers import ReadOptions, cut_strokes, has_own_name
 from wiggleroom.drawing.model import Drawing, Region
 from wiggleroom.drawing.naming import given_names, rows_at, texts_inside, unique_names
 from wiggleroom.drawing.nesting import cut_nested, direct_parents, hole_rows, meets_hole
-from wiggleroom.drawing.outlines import Outline, Remark, Traced, traced
+from wiggleroom.drawing.outlines import traced
 from wiggleroom.drawing.rings import part_about_centroid
+from wiggleroom.drawing.traced_outlines import Outline, Remark, Traced
 from wiggleroom.errors import InputError
 
 PLACE = re.compile(r"@\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")

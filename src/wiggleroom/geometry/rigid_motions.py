@@ -1,4 +1,4 @@
-"""Motions of bodies from those of their parts, and of any points from those of others on the same rigid things."""
+"""Motions of bodies from those of their parts, and motions of points from those of other points of the same rigid body."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Steps that respect rotation: turn every body, then place them so that neighbours see each other as the step foresaw.
+"""Retraction of a step: every body is turned, then placed so that relative poses change as the linear step predicts.
 
 A straight step in (x, y, theta) of a long assembly that turns as a whole misses by theta^2 times its size, which is far more than a gap.
 Here the angles move straight, and the positions are the least-squares fit to the relative positions that the step predicts for all

@@ -1,4 +1,4 @@
-"""Where the entries of the condensed matrix live."""
+"""Sparsity pattern of the condensed matrix."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A way as a film shows it: evenly fast along its length, gentle at both ends."""
+"""Timing of a film: constant speed along the path, slower at both ends."""
 
 from __future__ import annotations
 

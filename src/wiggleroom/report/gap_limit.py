@@ -13,7 +13,7 @@ from wiggleroom.report.plots import curve
 from wiggleroom.report.separability_picture import Checked, picture_of_check
 from wiggleroom.report.table import columns
 from wiggleroom.schema.results import GapResult, GapTrial
-from wiggleroom.sensitivity.allowable_gap import AllowableGap, Trial
+from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.verdict import Certainty
 
 if TYPE_CHECKING:

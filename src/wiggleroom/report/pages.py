@@ -28,7 +28,7 @@ from wiggleroom.report.study_results import QUANTILES, lost_sentence, sample_sur
 from wiggleroom.report.tolerance_results import tolerance_name, tolerances_facts, tolerances_sentence, tolerances_sure
 from wiggleroom.schema.standalone_schema import StandaloneCheck, StudyTab, Tints, Title
 from wiggleroom.search.answer import Answer
-from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.perturbation import can_be_ranked
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.sensitivity.sample import Sample

@@ -1,4 +1,4 @@
-"""Ways as a page plays them: not too many frames, evenly along the way."""
+"""Frames of a path for the page: evenly along it, and no more than the page can play."""
 
 from __future__ import annotations
 

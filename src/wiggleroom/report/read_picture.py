@@ -11,7 +11,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.inventory import InventoryRow
 from wiggleroom.assembly.overlaps import overlap_areas
 from wiggleroom.drawing.model import Points, part_of
-from wiggleroom.drawing.outlines import Remark
+from wiggleroom.drawing.traced_outlines import Remark
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import goal_mark

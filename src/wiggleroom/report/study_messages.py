@@ -1,4 +1,4 @@
-"""Rankings, checks and sweeps as the page reads them; apart from answers, because they need all that works them out."""
+"""Rankings, checks and sweeps as the page reads them; a module of its own, because it imports all that works them out."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.report.separability_picture import Checked
 from wiggleroom.search.answer import Answer
-from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep

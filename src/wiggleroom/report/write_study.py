@@ -1,4 +1,4 @@
-"""Studies and checks into files; apart from answers, because they need all that works them out."""
+"""Studies and checks into files; a module of its own, because it imports all that works them out."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from wiggleroom.report.separability_picture import Checked, film_of_check, pictu
 from wiggleroom.report.stills import write_svg
 from wiggleroom.report.tolerance_results import picture_of_tolerances
 from wiggleroom.search.answer import Answer
-from wiggleroom.sensitivity.allowable_gap import AllowableGap
+from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep

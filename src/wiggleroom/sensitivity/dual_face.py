@@ -1,4 +1,4 @@
-"""How far multipliers are unique, and what follows from it for derivatives by gaps.
+"""The face of optimal multipliers: how far they are unique, and what follows for derivatives by gaps.
 
 At an optimum the multipliers that balance the objective form a face: a polyhedron in which the solver's lie somewhere in
 the middle. What a gap is worth is a linear function on it. Where that function is constant the derivative is unique.

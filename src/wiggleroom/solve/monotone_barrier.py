@@ -1,7 +1,7 @@
-"""The slow and certain way: every iterate is feasible, and every step makes the barrier function smaller.
+"""Fallback: a feasible monotone barrier method. Every iterate is feasible, and every step makes the barrier function smaller.
 
-Quick steps let slacks fall behind the true rows and catch up later. Where that goes round in circles, or a body flies off into the open
-and leaves the rows behind, this takes over from the last feasible point.
+The default method lets slacks differ from the values of their rows and catch up later. Where that cycles, or a body moves so far that
+the rows no longer describe it, this method takes over from the last feasible point.
 """
 
 from __future__ import annotations

@@ -42,53 +42,53 @@ class Specification:
     ignored: frozenset[frozenset[str]] = frozenset()
 
 
-def difference(claim: Claim, drawn: Specification) -> str:
+def difference(claim: Claim, asked: Specification) -> str:
     """The first thing in which a certificate differs from a drawing and options, in one line; empty where there is none."""
-    where = drawn.source or "the command"
-    size = _size(drawn)
+    where = asked.source or "the command"
+    size = _size(asked)
     return (
-        _bodies(claim, drawn, where)
-        or _fixed(claim, drawn, where)
-        or _outlines(claim, drawn, where, size)
-        or _gap(claim, drawn, where)
-        or _goal(claim, drawn, where, size)
-        or _ignored(claim, drawn, where)
+        _bodies(claim, asked, where)
+        or _fixed(claim, asked, where)
+        or _outlines(claim, asked, where, size)
+        or _gap(claim, asked, where)
+        or _goal(claim, asked, where, size)
+        or _ignored(claim, asked, where)
     )
 
 
-def unstated(claim: Claim, drawn: Specification) -> list[str]:
+def unstated(claim: Claim, asked: Specification) -> list[str]:
     """What a certificate alone states."""
     found = []
-    if drawn.gap is None:
+    if asked.gap is None:
         found.append(f"that the gap is {claim.gap:.9g} mm")
-    if drawn.fixed is None:
+    if asked.fixed is None:
         names = [name for parts in claim.fixed for name in parts]
         found.append(f"that {describe_parts(names)} {'is' if len(names) == 1 else 'are'} fixed")
-    if drawn.terms is None:
+    if asked.terms is None:
         found.append(f"what is asked ({describe_terms(claim.terms)})")
-    elif any(term.point is None and any(term.direction) for term in drawn.terms):
+    elif any(term.point is None and any(term.direction) for term in asked.terms):
         found.append(f"which point is meant ({describe_terms(claim.terms)})")
     return found
 
 
-def _size(drawn: Specification) -> float:
-    if drawn.bodies is None:
+def _size(asked: Specification) -> float:
+    if asked.bodies is None:
         return 0.0
-    corners = np.vstack([ring for _, polygons in drawn.bodies for rings in polygons for ring in rings])
+    corners = np.vstack([ring for _, polygons in asked.bodies for rings in polygons for ring in rings])
     return float(np.ptp(corners, axis=0).max()) * ALIKE + float(np.abs(corners).max()) * 2.0**-49
 
 
-def _bodies(claim: Claim, drawn: Specification, where: str) -> str:
-    if drawn.bodies is None:
+def _bodies(claim: Claim, asked: Specification, where: str) -> str:
+    if asked.bodies is None:
         return ""
-    mine, own = {n for parts in claim.bodies for n in parts}, {n for parts, _ in drawn.bodies for n in parts}
+    mine, own = {n for parts in claim.bodies for n in parts}, {n for parts, _ in asked.bodies for n in parts}
     if mine != own:
         more, less = sorted(mine - own), sorted(own - mine)
         said = [f"it has {describe_parts(more)}" for _ in more[:1]] + [
             f"it lacks {describe_parts(less)}" for _ in less[:1]
         ]
         return f"{where} has other parts than the certificate: {' and '.join(said)}"
-    groups = {parts for parts, _ in drawn.bodies}
+    groups = {parts for parts, _ in asked.bodies}
     for parts in claim.bodies:
         if frozenset(parts) not in groups:
             real = next(group for group in groups if parts[0] in group)
@@ -100,15 +100,15 @@ def _body(parts: Sequence[str]) -> str:
     return f"{describe_parts(parts)} glued together" if len(parts) > 1 else f"{describe_parts(parts)} by itself"
 
 
-def _fixed(claim: Claim, drawn: Specification, where: str) -> str:
+def _fixed(claim: Claim, asked: Specification, where: str) -> str:
     """Bodies stand where one of their parts does."""
-    if drawn.fixed is None:
+    if asked.fixed is None:
         return ""
     names = {n for parts in claim.bodies for n in parts}
-    lost = sorted(drawn.fixed - names)
+    lost = sorted(asked.fixed - names)
     if lost:
         return f"{where} fixes {describe_parts(lost)}, which the certificate does not have"
-    stands = {parts for parts in claim.bodies if drawn.fixed & set(parts)}
+    stands = {parts for parts in claim.bodies if asked.fixed & set(parts)}
     for parts in claim.bodies:
         if (parts in claim.fixed) != (parts in stands):
             one, two = ("the certificate", where) if parts in claim.fixed else (where, "the certificate")
@@ -116,14 +116,14 @@ def _fixed(claim: Claim, drawn: Specification, where: str) -> str:
     return ""
 
 
-def _outlines(claim: Claim, drawn: Specification, where: str, near: float) -> str:
-    if drawn.bodies is None:
+def _outlines(claim: Claim, asked: Specification, where: str, near: float) -> str:
+    if asked.bodies is None:
         return ""
-    own = dict(drawn.bodies)
+    own = dict(asked.bodies)
     for parts, polygons in zip(claim.bodies, claim.polygons, strict=True):
         why = _polygons(polygons, own[frozenset(parts)], near)
         if why:
-            gaps = _gap(claim, drawn, where)
+            gaps = _gap(claim, asked, where)
             return f"{describe_parts(parts)} has other outlines in {where}: {why}" + (f"; {gaps}" if gaps else "")
     return ""
 
@@ -170,21 +170,21 @@ def _apart(ring: np.ndarray, other: np.ndarray) -> float:
     return float(np.hypot(*(ring - np.roll(other, -start, 0)).T).max())
 
 
-def _gap(claim: Claim, drawn: Specification, where: str) -> str:
-    if drawn.gap is None or abs(drawn.gap - claim.gap) <= ALIKE * drawn.gap:
+def _gap(claim: Claim, asked: Specification, where: str) -> str:
+    if asked.gap is None or abs(asked.gap - claim.gap) <= ALIKE * asked.gap:
         return ""
-    return f"the gap is {claim.gap:.9g} mm in the certificate, {drawn.gap:.9g} mm in {where}"
+    return f"the gap is {claim.gap:.9g} mm in the certificate, {asked.gap:.9g} mm in {where}"
 
 
-def _goal(claim: Claim, drawn: Specification, where: str, near: float) -> str:
-    if drawn.terms is None:
+def _goal(claim: Claim, asked: Specification, where: str, near: float) -> str:
+    if asked.terms is None:
         return ""
     body = {name: parts for parts in claim.bodies for name in parts}
     left = list(claim.terms)
-    for term in drawn.terms:
+    for term in asked.terms:
         match = next((t for t in left if body.get(term.parts[0]) == t.parts and _same(t, term, near)), None)
         if match is None:
-            return f"the certificate is about {describe_terms(claim.terms)}; {where} asks for {describe_terms(drawn.terms)}"
+            return f"the certificate is about {describe_terms(claim.terms)}; {where} asks for {describe_terms(asked.terms)}"
         left.remove(match)
     if left:
         return f"the certificate adds {describe_terms(left)}, which {where} does not ask"
@@ -201,11 +201,11 @@ def _same(mine: Term, asked: Term, near: float) -> bool:
     return bool(turned and abs(mine.spin - asked.spin) <= exact and placed)
 
 
-def _ignored(claim: Claim, drawn: Specification, where: str) -> str:
+def _ignored(claim: Claim, asked: Specification, where: str) -> str:
     for a, b in claim.pairs:
         for one in claim.bodies[a]:
             for two in claim.bodies[b]:
-                if frozenset((one, two)) in drawn.ignored:
+                if frozenset((one, two)) in asked.ignored:
                     pair = f"{describe_parts([one])} and {describe_parts([two])}"
                     return f"{where} says that {pair} never collide, and the proof uses that they do"
     return ""

@@ -1,13 +1,13 @@
-"""How much of the machine a solver process may take."""
+"""Limits of resources: size of an upload, and memory of a solver process."""
 
 from __future__ import annotations
 
 import os
 
 UPLOAD_MB = 20
-"""A drawing that is dropped on a page may have so many MB."""
+"""Largest drawing that may be dropped on a page [MB]."""
 MEMORY_SHARE = 0.5
-"""Of the machine's memory, at most."""
+"""Share of the machine's memory that a solver process may take."""
 
 
 def bound_memory() -> None:

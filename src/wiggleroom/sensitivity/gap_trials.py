@@ -1,0 +1,98 @@
+"""What was tried while a gap was sought, and the gap that answers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.drawing.model import Goal
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.verdict import Certainty
+
+Question = Literal["at most", "holds", "fits"]
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """What was found at one gap.
+
+    Parameters
+    ----------
+    gap : float [mm]
+    value : float or None
+        Largest motion found [mm] (turns in [rad]), infinite where nothing stops it; for `fits` the deepest overlap at rest [mm].
+        None where the parts cannot be made or touch.
+    verdict : str
+        That of the answer; "touching", "cannot be made", "fits" or "overlaps".
+    checked : bool
+        True where the value is that of a state that was checked by exact geometry, its way from rest too.
+    at_most : float or None
+        A value that no motion at this gap can exceed, where one was worked out.
+    answer : Answer or None
+        The motion.
+    """
+
+    gap: float
+    value: float | None
+    verdict: str
+    checked: bool
+    at_most: float | None = None
+    answer: Answer | None = field(default=None, repr=False)
+
+
+@dataclass(frozen=True, eq=False)
+class AllowableGap(Drawable):
+    """Gap that answers a maker's question.
+
+    Parameters
+    ----------
+    question : str
+        "at most": the largest gap at which the motion stays below the limit; "holds": the largest at which the parts interlock; "fits":
+        the smallest at which they fit beside each other when every outline is larger by the limit.
+    limit : float or None
+        [mm] (turns in [rad]).
+    assembly : Assembly
+        As it was asked about.
+    goals : tuple of Goal
+        For "at most".
+    gap : float or None [mm]
+        The answer; None where there is none, see `why`.
+    certainty : Certainty or None
+        Proven, or searched: no larger motion, or no way apart, was found at this gap. None where there is no answer.
+    beyond : float or None [mm]
+        Nearest gap that was seen to fail, by a state that was checked; None where none was.
+    searched_gap, proven_gap : float or None [mm]
+        Largest gap at which no larger motion was found, and largest at which none is possible. For "fits" both are the answer.
+    trials : tuple of Trial
+        Everything that was tried, in order of the gap.
+    sides : (Interlock or None, Interlock or None)
+        For "holds": the states that were verified at `gap` and at `beyond`.
+    why : str
+        What a reader must know beside the number; empty where there is nothing.
+    stopped : bool
+        True where the time was over, or it was stopped, before both sides lay near each other.
+    """
+
+    question: Question
+    limit: float | None
+    assembly: Assembly
+    goals: tuple[Goal, ...]
+    gap: float | None
+    certainty: Certainty | None
+    beyond: float | None
+    searched_gap: float | None
+    proven_gap: float | None
+    trials: tuple[Trial, ...]
+    sides: tuple[Interlock | None, Interlock | None] = (None, None)
+    why: str = ""
+    stopped: bool = False
+
+    def cut_offset(self, kerf: float) -> float | None:
+        """How far outward the cutter's path must lie from the drawn line [mm], so that this gap comes out.
+
+        A cut along the line takes half a kerf from every outline, and the gap wants half a gap: the difference is the offset.
+        """
+        return None if self.gap is None else (kerf - self.gap) / 2

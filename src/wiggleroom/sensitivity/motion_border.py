@@ -1,0 +1,261 @@
+"""The largest gap at which a motion stays below a limit: bracketed by trials, then proven from below."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.build import assemble
+from wiggleroom.bound.prove import prove
+from wiggleroom.deadline import Deadline
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, MissingExtraError, StoppedError
+from wiggleroom.maximise import flex
+from wiggleroom.search.loop import Progress
+from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
+from wiggleroom.verdict import Certainty, Verdict
+
+
+@dataclass(frozen=True)
+class GapSearchSettings:
+    """Parameters of the bracketing and of the proofs.
+
+    Parameters
+    ----------
+    relative_tolerance : float in (0, 1)
+        Both sides end no further apart than this share of the gap: finer than any cutter.
+    geometric_tolerance : float in (0, 1)
+        The same where nothing but geometry is asked, which costs little.
+    max_proof_distance : float in (0, 1)
+        A proven gap is the answer where it lies no further than this share below a gap that fails.
+    min_gap_share : float in (0, 1)
+        No gap below this share of the drawing's size is tried.
+    first_gap_share : float in (0, 1)
+        Where the drawing gives no gap, the search begins at this share of its size.
+    proof_seconds : float > 0 [s]
+        Time that proofs may take where no time was given.
+    proof_steps : tuple of float in (0, 1)
+        Shares below the border at which a proof is tried, one after the other: near ones say more, far ones are easier.
+    min_proof_share : float in (0, 1)
+        No proof is tried that would have to come nearer to the motion than this share of it.
+    max_confirmations : int
+        Global searches, each at an answer that the one before has lowered.
+    """
+
+    relative_tolerance: float = 1e-3
+    geometric_tolerance: float = 1e-6
+    max_proof_distance: float = 1e-2
+    min_gap_share: float = 1e-5
+    first_gap_share: float = 1e-2
+    proof_seconds: float = 10.0
+    proof_steps: tuple[float, ...] = (0.004, 0.02, 0.08, 0.3)
+    min_proof_share: float = 2e-3
+    max_confirmations: int = 4
+
+
+SETTINGS = GapSearchSettings()
+
+
+class MotionBorder:
+    """Encloses the gap at which the largest motion reaches a limit."""
+
+    def __init__(
+        self,
+        assembly: Assembly,
+        goals: tuple[Goal, ...],
+        limit: float,
+        deadline: Deadline,
+        progress: Callable[[Progress], None] | None,
+    ) -> None:
+        self.assembly, self.goals, self.limit = assembly, goals, limit
+        self.deadline, self.progress = deadline, progress
+        self.trials: dict[float, Trial] = {}
+
+    def enclose(self) -> AllowableGap:
+        """Bracket the border by growing and halving, then look for a proof on its lower side."""
+        size = self.assembly.size
+        low = self._below(size)
+        if low is None:
+            return self._answer(None, self._least_trial_words())
+        high, why = self._above(low, size)
+        low = max(t.gap for t in self.trials.values() if self._keeps(t) and (high is None or t.gap < high))
+        if high is not None:
+            low, high = self._narrow(low, high)
+        low, high = self._confirmed(low, high)
+        proven = self._proven(low)
+        return self._answer(low, why, high, proven)
+
+    def _below(self, size: float) -> float | None:
+        """A gap at which the motion stays below the limit; None where none was found."""
+        gap = self.assembly.gap or SETTINGS.first_gap_share * size
+        while gap > SETTINGS.min_gap_share * size and not self.deadline.is_set():
+            trial = self._at(gap)
+            if self._keeps(trial):
+                return gap
+            if trial.verdict == Verdict.TOUCHING:
+                break
+            value, first = trial.value, len(self.trials) == 1
+            gap *= 0.95 * self.limit / value if first and value and value < math.inf else 0.5
+        if self._keeps(self._at(0.0)):
+            return 0.0
+        return None
+
+    def _above(self, low: float, size: float) -> tuple[float | None, str]:
+        """A gap at which a larger motion was found, or None and why there is none."""
+        gap, made, step = low or SETTINGS.first_gap_share * size, low, 0.0
+        while not self.deadline.is_set():
+            value = self.trials[low].value
+            share = min(max(1.02 * self.limit / value - 1, 0.02), 3.0) if value else 1.0
+            step = 2 * step or gap * share
+            gap += step
+            trial = self._at(gap)
+            if self._fails(trial):
+                return gap, ""
+            if self._keeps(trial):
+                made = low = gap
+            elif trial.verdict == Verdict.NOT_MAKEABLE:
+                return self._thinnest(made, gap)
+            elif trial.verdict != Verdict.STOPPED and gap > 4 * size:
+                break
+        return None, "no gap was found at which it moves further"
+
+    def _thinnest(self, made: float, gone: float) -> tuple[float | None, str]:
+        """The border lies below the gap at which parts vanish; or no gap at which the parts can be made moves further."""
+        while gone - made > SETTINGS.relative_tolerance * gone and not self.deadline.is_set():
+            gap = (made + gone) / 2
+            trial = self._at(gap)
+            if self._fails(trial):
+                return gap, ""
+            made, gone = (made, gap) if trial.verdict == Verdict.NOT_MAKEABLE else (gap, gone)
+        return None, f"at a gap of {gone:.6g} mm parts fall to pieces before the motion gets further"
+
+    def _narrow(self, low: float, high: float) -> tuple[float, float]:
+        """Enclose the border to `RELATIVE_TOLERANCE`: secant steps from either side in turn, and halving where they are slow."""
+        side, halve = 1.0, False
+        low = max((t.gap for t in self.trials.values() if self._keeps(t) and t.gap < high), default=low)
+        while high - low > SETTINGS.relative_tolerance * high and not self.deadline.is_set():
+            wide = high - low
+            gap = (low + high) / 2
+            below, above = self.trials[low].value, self.trials[high].value
+            if not halve and below is not None and above is not None and below < self.limit < above < math.inf:
+                chord = low + wide * (self.limit - below) / (above - below)
+                gap = min(
+                    max(chord + side * 0.3 * SETTINGS.relative_tolerance * high, low + 0.02 * wide), high - 0.02 * wide
+                )
+            trial = self._at(gap)
+            if self._fails(trial):
+                high, side = gap, -1.0
+            elif self._keeps(trial):
+                low, side = gap, 1.0
+            else:
+                break
+            halve = high - low > 0.5 * wide
+        return low, high
+
+    def _confirmed(self, low: float, high: float | None) -> tuple[float, float | None]:
+        """Search beyond the nearest hill at the answer, which trials do not; where that finds a larger motion the border lies below."""
+        for _ in range(SETTINGS.max_confirmations):
+            if self.deadline.is_set():
+                break
+            self.trials[low] = self._solved(low, None)
+            smaller = [t.gap for t in self.trials.values() if self._keeps(t) and t.gap < low]
+            if not self._fails(self.trials[low]) or not smaller:
+                break
+            low, high = self._narrow(max(smaller), low)
+        return low, high
+
+    def _proven(self, low: float) -> float | None:
+        """Largest gap at which no motion above the limit is possible, by a bound."""
+        limit = Deadline(min(self.deadline.left, SETTINGS.proof_seconds), self.deadline)
+        for share in (0.0, *SETTINGS.proof_steps) if limit.left > 0 else ():
+            gap = low * (1 - share)
+            trial = self._at(gap)
+            if trial.at_most is not None and trial.at_most <= self.limit:
+                return gap
+            within = self.limit / trial.value - 1 if trial.value else 0.0
+            if trial.answer is not None and within >= SETTINGS.min_proof_share and not limit.is_set():
+                try:
+                    most = prove(
+                        trial.answer, min(0.9 * within, 9.0), seconds=limit.left / 2,
+                        stop=limit, progress=self.progress,
+                    ).at_most  # fmt: skip
+                except (InputError, MissingExtraError):  # sums of squares have no bound, or the extra is not there
+                    return None
+                if most is not None and most <= self.limit:
+                    self.trials[gap] = Trial(gap, trial.value, trial.verdict, trial.checked, most, trial.answer)
+                    return gap
+            if limit.is_set():
+                return None
+        return None
+
+    def _at(self, gap: float) -> Trial:
+        """What is found at a gap; at a larger gap never less than at a smaller one."""
+        if gap not in self.trials:
+            self.trials[gap] = self._solved(gap)
+        return self.trials[gap]
+
+    def _solved(self, gap: float, search: int | None = 0) -> Trial:
+        try:
+            made = assemble(self.assembly.drawing, gap=gap)
+        except InputError:
+            overlapping = gap < max((t.gap for t in self.trials.values() if t.value is not None), default=0.0)
+            return Trial(gap, None, Verdict.TOUCHING if overlapping or gap == 0 else Verdict.NOT_MAKEABLE, False)
+        try:
+            answer = flex(made, self.goals, search=search, stop=self.deadline, progress=self.progress)
+        except StoppedError:
+            return Trial(gap, None, Verdict.STOPPED, False)
+        except InputError:
+            return Trial(gap, None, Verdict.TOUCHING, False)
+        value = math.inf if answer.objective is None else answer.objective
+        trial = Trial(
+            gap, value, answer.verdict, answer.path == "checked" and answer.collision_free, answer.at_most, answer
+        )
+        smaller = [t for t in self.trials.values() if t.gap < gap and t.checked and t.value is not None]
+        best = max(smaller, key=lambda t: t.value or 0.0, default=None)
+        if best is not None and best.value is not None and best.value > value:
+            # the same motion is free here too, where every part is smaller
+            return Trial(gap, best.value, best.verdict, True, trial.at_most, best.answer)
+        return trial
+
+    def _keeps(self, trial: Trial) -> bool:
+        """No motion beyond the limit was found by a search that came to its end."""
+        return trial.value is not None and trial.value <= self.limit and trial.verdict != Verdict.STOPPED
+
+    def _fails(self, trial: Trial) -> bool:
+        """A motion beyond the limit was found and checked."""
+        return trial.value is not None and trial.value > self.limit and trial.checked
+
+    def _least_trial_words(self) -> str:
+        """Why no gap keeps the limit."""
+        done = sorted((t for t in self.trials.values() if t.value is not None), key=lambda t: t.gap)
+        if self.deadline.is_set():
+            return "stopped before a gap was found that keeps the limit"
+        if not done:
+            return "the parts leave no room at any gap that was tried"
+        least = done[0]
+        moves = "nothing stops it" if least.value == math.inf else f"it moves {least.value:.6g}"
+        return f"no gap keeps the limit: at a gap of {least.gap:.6g} mm {moves}"
+
+    def _answer(
+        self, low: float | None, why: str, high: float | None = None, proven: float | None = None
+    ) -> AllowableGap:
+        failing = [t.gap for t in self.trials.values() if self._fails(t)]
+        beyond = high if high is not None else min(failing, default=None)
+        searched = low
+        near = proven is not None and proven >= (1 - SETTINGS.max_proof_distance) * (beyond or low or 0.0)
+        cut = self.deadline.is_set() and (
+            low is None or high is None or high - low > SETTINGS.relative_tolerance * high
+        )
+        undecided = high is not None and low is not None and high - low > SETTINGS.relative_tolerance * high and not cut
+        if undecided:
+            why = "between the two gaps no search came to an end"
+        return AllowableGap(
+            "at most", self.limit, self.assembly, self.goals,
+            proven if near else low,
+            Certainty.PROVEN if near else Certainty.SEARCHED if low is not None else None,
+            beyond, searched, proven,
+            tuple(sorted(self.trials.values(), key=lambda t: t.gap)),
+            why=why, stopped=cut,
+        )  # fmt: skip
