@@ -31,6 +31,7 @@ ORDER = [
     "form_closure",
     "disassembly",
     "sensitivity",
+    "planning",
     "live",
     "spatial",
     "questions",

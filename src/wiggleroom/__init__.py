@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from wiggleroom.live.live_result import LiveResult, Mode
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
+    from wiggleroom.planning.plan import Plan, plan
+    from wiggleroom.planning.steps import Step
     from wiggleroom.questions import check, flex, read
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
@@ -79,6 +81,7 @@ _HOME = {
     "MissingExtraError": "errors",
     "Mode": "live.live_result",
     "Part": "drawing.model",
+    "Plan": "planning.plan",
     "Polyhedron": "freespace.models.polyhedron",
     "Prepared": "search.prepare",
     "Pull": "drawing.model",
@@ -87,6 +90,7 @@ _HOME = {
     "Sample": "sensitivity.sample",
     "LiveResult": "live.live_result",
     "Spread": "sensitivity.gap_distribution",
+    "Step": "planning.steps",
     "StoppedError": "errors",
     "Sweep": "sensitivity.sweep",
     "Tightening": "sensitivity.tighten",
@@ -110,6 +114,7 @@ _HOME = {
     "free_space": "freespace.free_space",
     "largest_gap": "disassembly.largest_gap",
     "patterns": "assembly",
+    "plan": "planning.plan",
     "prepare": "maximise",
     "prove": "bound.prove",
     "rank": "sensitivity.rank",
@@ -144,6 +149,7 @@ __all__ = [
     "MissingExtraError",
     "Mode",
     "Part",
+    "Plan",
     "Polyhedron",
     "Prepared",
     "Pull",
@@ -151,6 +157,7 @@ __all__ = [
     "Region",
     "Sample",
     "Spread",
+    "Step",
     "StoppedError",
     "Sweep",
     "TightVerdict",
@@ -174,6 +181,7 @@ __all__ = [
     "free_space",
     "largest_gap",
     "patterns",
+    "plan",
     "prepare",
     "prove",
     "rank",

@@ -17,6 +17,7 @@ from wiggleroom.cli.flex_command import flex
 from wiggleroom.cli.gap_command import gap
 from wiggleroom.cli.make_command import make
 from wiggleroom.cli.make_image_command import image
+from wiggleroom.cli.plan_command import plan
 from wiggleroom.cli.rank_command import rank
 from wiggleroom.cli.sample_command import sample
 from wiggleroom.cli.serve_command import serve
@@ -55,7 +56,7 @@ def build() -> App:
     maker.default(make)
     maker.command(image)
     commands: list[Callable[..., int] | App] = [
-        flex, check, gap, rank, tighten, sweep, sample, tolerances, space, serve, draw, parts, convert, assemble, maker, coupon,
+        flex, check, plan, gap, rank, tighten, sweep, sample, tolerances, space, serve, draw, parts, convert, assemble, maker, coupon,
         verify, bench, completion_of(app),
     ]  # fmt: skip
     for place, command in enumerate(commands):

@@ -82,19 +82,30 @@ class StudyOutputs(PictureOutputs):
 
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
-class Outputs(StudyOutputs):
-    """The same of an answer that has moved parts, and so a film.
+class FilmOutputs(StudyOutputs):
+    """The same of what has ways, and so films.
 
     Parameters
     ----------
     picture
         Show the answer in this file: .svg or .png a picture, .gif, .mp4 or .film.svg a film, .html a report with all.
-    moved
-        Write the outlines of the parts where they ended: .dxf or .svg to draw on, .json an assembly file.
     """
 
     ENDINGS: ClassVar[tuple[str, ...]] = ANSWERS
     picture: Path | None = None
+
+
+@Parameter(name="*", group=RESULTS)
+@dataclass(frozen=True, kw_only=True)
+class Outputs(FilmOutputs):
+    """The same of an answer that has moved parts.
+
+    Parameters
+    ----------
+    moved
+        Write the outlines of the parts where they ended: .dxf or .svg to draw on, .json an assembly file.
+    """
+
     moved: Path | None = None
 
     def places(self) -> Places:

@@ -132,7 +132,7 @@ def enclosed_by_held(
         Material at rest; no two overlap.
     group : (k,) int64
         The wall: bodies of which no point gets further than `far` [mm] from where it is at rest.
-    barred, stop
+    ignored, stop
         As for `enclosed`.
     """
     wall, found = Wall(geometry, group, ignored), []

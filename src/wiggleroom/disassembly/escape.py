@@ -10,19 +10,22 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
 from wiggleroom.disassembly.enclosure import enclosed_by_held
-from wiggleroom.disassembly.explore import explore, way_out
+from wiggleroom.disassembly.explore import MAX_QUESTIONS, explore, way_out
 from wiggleroom.disassembly.remaining import without
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
-from wiggleroom.disassembly.translation import TranslationEscape, translation_escape, translation_escapes
+from wiggleroom.disassembly.slide_search import WORK_BUDGET, SlideSearch, slide_search
+from wiggleroom.disassembly.slide_space import SlideSpace
+from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
-from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.prepare import Prepared, Survey, prepare
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -32,6 +35,8 @@ BOXES_FOR_ONE_BODY = 150_000
 """Boxes judged at most where one body alone can leave; a few seconds."""
 BOXES_FOR_NEAR_EXIT = 40_000
 """Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
+MAX_QUESTIONS_BESIDE_SLIDES = 24
+"""Largest motions searched at most where all states to which slides lead were visited."""
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """So much further inward outlines lie then, as shares of the clearance."""
 MAX_NEAR_EXITS = 8
@@ -52,11 +57,17 @@ class Stage:
     who : (k,) int64
         Bodies that leave.
     way : (k, n, 3) float64 [mm, mm, rad] or None
-        Motions of all bodies on which they leave.
+        Motions of all bodies on which they leave, from where all are to where those who leave are beyond all others.
     held : (n,) int64
         Bodies of the same number certainly never turn half round against each other; empty where something leaves.
     questions : int
         Largest motions that were searched.
+    states : int
+        States that slides led to.
+    whole : bool
+        True where these are all states to which slides lead.
+    slides : int
+        So many pieces of the way, before the last one, are slides one after the other; -1 where it is one motion.
     """
 
     ended: Separability
@@ -64,43 +75,131 @@ class Stage:
     who: Ints
     way: Floats | None
     held: Ints
-    questions: int
+    questions: int = 0
+    states: int = 0
+    whole: bool = True
+    slides: int = -1
+
+
+@dataclass(frozen=True, eq=False)
+class EscapeEffort:
+    """How long is looked for the next parts that leave.
+
+    Parameters
+    ----------
+    boxes : int
+        Boxes of motions judged at most for the only body that can leave, before largest motions are searched.
+    questions : int
+        Largest motions searched at most.
+    work : float
+        Work of the search over slides, in pairs of edges compared.
+    """
+
+    boxes: int = BOXES_FOR_ONE_BODY
+    questions: int = MAX_QUESTIONS
+    work: float = WORK_BUDGET
 
 
 def next_stage(
-    ready: Prepared, begin: ClosedPairs, boxes: int, questions: int, stop: Stop | None, tell: Callable[[Progress], None]
+    assembly: Assembly,
+    ground: Survey,
+    begin: ClosedPairs,
+    effort: EscapeEffort,
+    targets: Ints,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
 ) -> Stage:
-    """The next parts that leave, the cheapest ways of finding them first; `begin` says what is tied already."""
-    bodies, n = ready.bodies, len(ready.bodies.fixed)
-    stands = np.flatnonzero(bodies.fixed)
-    ground = int(stands[0])
-    none = np.zeros(0, dtype=np.int64)
+    """The next parts that leave, the cheapest ways of finding them first.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        At rest where all parts are now.
+    ground : Survey
+        Of the assembly.
+    begin : ClosedPairs
+        What is tied already.
+    effort : EscapeEffort
+    targets : (k,) int64
+        Bodies that are to leave, rather than others; none where all are to.
+    stop, tell
+        As for `flex`.
+    """
+    bodies, n = ground.bodies, len(ground.bodies.fixed)
+    stands = int(np.flatnonzero(bodies.fixed)[0])
     rest = np.zeros((1, n, 3))
     tell(Progress("straight ways"))
-    found = translation_escape(bodies, rest[0], ground, ready.ignored, ready.size, begin.group, stop)
-    if found is not None:
-        return _leave(ready, rest, found)
+    found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
+    first = min(found, key=lambda e: (not _wanted(e.who, targets), len(e.who)), default=None)
+    if first is not None and _wanted(first.who, targets):
+        return _leave(assembly, ground, rest, first, slides=0)
+    tell(Progress("slides"))
+    slid = _slide(ground, targets, effort.work, stop, tell)
+    if slid.way is not None:
+        out = TranslationEscape(slid.way.slides[-1].who, slid.way.slides[-1].direction)
+        if first is None or _wanted(out.who, targets):
+            stage = _leave(assembly, ground, slid.way.states, out, slides=len(slid.way.slides) - 1)
+            if stage.way is not None:
+                return replace(stage, states=slid.states, whole=slid.whole)
+    if first is not None:
+        return _leave(assembly, ground, rest, first, slides=0)
+    stage = _beyond_slides(assembly, ground, begin, effort, slid, stop, tell)
+    return replace(stage, states=slid.states, whole=slid.whole)
+
+
+def _wanted(who: Ints, targets: Ints) -> bool:
+    return not len(targets) or bool(np.isin(targets, who).any())
+
+
+def _slide(
+    ground: Survey, targets: Ints, work: float, stop: Stop | None, tell: Callable[[Progress], None]
+) -> SlideSearch:
+    """What leaves by slides from where all are."""
+    bodies, n = ground.bodies, len(ground.bodies.fixed)
+    rest = np.zeros((n, 3))
+    space = SlideSpace(bodies, ground.ignored, ground.clearance, ground.size, rest, np.ones(n, dtype=np.bool_))
+    return slide_search(space, rest, targets, stop=stop, tell=tell, budget=work)
+
+
+def _beyond_slides(
+    assembly: Assembly,
+    ground: Survey,
+    begin: ClosedPairs,
+    effort: EscapeEffort,
+    slid: SlideSearch,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+) -> Stage:
+    """Bodies that leave otherwise than by slides, or what shows that none do."""
+    bodies = ground.bodies
+    stands = int(np.flatnonzero(bodies.fixed)[0])
+    none = np.zeros(0, dtype=np.int64)
     tell(Progress("free spaces"))
-    known, tries = _rigid(ready, begin, boxes, stop)
+    ready = prepare(assembly, ground=ground, stop=stop)
+    known, tries = _rigid(ready, begin, effort.boxes, stop)
     if known.all_tied:
-        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
     known = _walled_in(ready, known, stop)
     if known.all_tied:
-        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
-    nearly = _nearly(ready, ground, known.group, stop)
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
+    nearly = _nearly(ready, stands, known.group, stop)
     for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, stop) for e in nearly)):
         if stop is not None and stop.is_set():
             break
-        out = None if rigid.way is None else way_out(ready, ground, known.group, rigid.way, stop=stop)
-        if out is not None and (stage := _leave(ready, *out)).way is not None:
+        out = None if rigid.way is None else way_out(ready, stands, known.group, rigid.way, stop=stop)
+        if out is not None and (stage := _leave(assembly, ground, *out)).way is not None:
             return stage
     known = surer(ready, known, stop)
     if known.all_tied:
-        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held, 0)
-    searched = explore(ready, ground, known.group, nearly, stop, tell, questions)
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
+    loose = slid.states > 1 and slid.whole and slid.on_lattice
+    questions = min(effort.questions, MAX_QUESTIONS_BESIDE_SLIDES) if loose else effort.questions
+    searched = explore(ready, stands, known.group, nearly, stop, tell, questions)
     if searched.way is not None and searched.exit is not None:
-        return replace(_leave(ready, searched.way, searched.exit), questions=searched.questions)
-    ended: Separability = Separability.INTERLOCKED if searched.whole else Separability.UNKNOWN
+        return replace(_leave(assembly, ground, searched.way, searched.exit), questions=searched.questions)
+    stopped = stop is not None and stop.is_set()
+    whole = slid.whole and (searched.whole or loose) and not stopped
+    ended: Separability = Separability.INTERLOCKED if whole else Separability.UNKNOWN
     return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
 
 
@@ -153,9 +252,9 @@ def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> lis
     return list(found.values())[:MAX_NEAR_EXITS]
 
 
-def _leave(ready: Prepared, way: Floats, found: TranslationEscape) -> Stage:
-    """The way continued straight until those who leave are beyond all others, which then go back to rest."""
-    bodies, who = ready.bodies, found.who
+def _leave(assembly: Assembly, ground: Survey, way: Floats, found: TranslationEscape, slides: int = -1) -> Stage:
+    """The way continued straight until those who leave are beyond all others."""
+    bodies, who = ground.bodies, found.who
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
 
     def along(some: Ints, motion: Floats) -> Floats:
@@ -163,13 +262,11 @@ def _leave(ready: Prepared, way: Floats, found: TranslationEscape) -> Stage:
 
     # beyond where the others are now, and wherever they pass on their way back
     length = max(along(others, m).max() for m in way) - along(who, way[-1]).min()
-    length += EXIT_DISTANCE * ready.size
+    length += EXIT_DISTANCE * ground.size
     out = way[-1].copy()
-    out[who, :2] += max(length, EXIT_DISTANCE * ready.size) * found.direction
-    back = way[::-1][1:].copy() if way[-1, others].any() else way[:0]
-    back[:, who] = out[who]
-    whole = np.concatenate([way, out[None], back])
+    out[who, :2] += max(length, EXIT_DISTANCE * ground.size) * found.direction
+    whole = np.concatenate([way, out[None]])
     none = np.zeros(0, dtype=np.int64)
-    if not audit_path(ready.assembly, of_parts(ready.assembly, bodies, whole)).free:
-        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none, 0)
-    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, 0)
+    if not audit_path(assembly, of_parts(assembly, bodies, whole)).free:
+        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none)
+    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, slides=slides)

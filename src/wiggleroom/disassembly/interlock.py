@@ -13,21 +13,20 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.closed_pairs import enclosed_links
-from wiggleroom.disassembly.enclosure import enclosed
-from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, Stage, next_stage
+from wiggleroom.disassembly.departures import Departure, Disassembly, disassemble
+from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.explore import MAX_QUESTIONS
-from wiggleroom.disassembly.remaining import without
+from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Turn
-from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, WiggleroomError
+from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
 from wiggleroom.form_closure.mobility import tight_verdict
-from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.maximise import witness
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
-from wiggleroom.search.prepare import Survey, prepare, survey
+from wiggleroom.search.prepare import prepare
 from wiggleroom.verdict import Certainty, Separability, Tightness
 
 Floats = NDArray[np.float64]
@@ -40,7 +39,6 @@ MIN_BOUND_SECONDS = 1.0
 """A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
 MIN_REFINED_SECONDS = 0.1
 """The same where a distance is known already and a nearer one is looked for."""
-NO_BODIES = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +76,8 @@ class Interlock(Drawable):
         Parts that are left where nothing more was found to leave; none where only what stands is left.
     questions : int
         Largest motions that were searched.
+    states : int
+        States to which slides of parts led, each visited once.
     tight : bool
         True where parts touch at rest and the first-order test says that they are locked.
     at_most : float or None [mm]
@@ -92,6 +92,7 @@ class Interlock(Drawable):
     spins: tuple[str, ...] = ()
     remains: tuple[str, ...] = ()
     questions: int = 0
+    states: int = 0
     seconds: float = 0.0
     tight: bool = False
     at_most: float | None = None
@@ -153,65 +154,80 @@ def check(
             raise InputError(finding)
         stop = Deadline(seconds, stop)
     tell = progress or silent
-    left = _standing(assembly)
-    names = np.array(assembly.names, dtype=object)
-    alive = np.arange(len(names))
-    far = np.zeros((len(names), 3))
-    escapes: list[Escape] = []
-    asked = 0
-    while True:
-        try:
-            ground = survey(left)
-            around = enclosed(ground.bodies, ground.geometry, ground.ignored, stop)
-            begin = enclosed_links(ground.bodies.fixed, around)
-            if begin.all_tied:
-                stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held, 0)
-                break
-            stage = next_stage(prepare(left, ground=ground, stop=stop), begin, boxes, questions, stop, tell)
-        except TouchingError:
-            return _tight(assembly, left, stop, progress, boxes, questions, every)
-        except StoppedError:
-            said: Separability = Separability.COMES_APART if escapes else Separability.UNKNOWN
-            sure: Certainty = Certainty.PROVEN if escapes else Certainty.SEARCHED
-            return Interlock(assembly, said, sure, tuple(escapes), questions=asked, seconds=time.perf_counter() - began)
-        asked += stage.questions
-        if stage.way is None:
-            break
-        who = np.array([p for b in stage.who for p in ground.bodies.members[b]])
-        path = np.repeat(far[None], len(stage.way), 0)
-        path[:, alive] = of_parts(left, ground.bodies, stage.way)
-        escapes.append(Escape(tuple(names[np.sort(alive[who])]), path))
-        far = np.zeros_like(far)
-        gone = np.setdiff1d(np.arange(len(names)), np.delete(alive, who))
-        far[gone] = path[-1, gone]
-        alive = np.delete(alive, who)
-        left = without(left, who)
-        if not every:
-            break
-        if len({int(b) for b in np.delete(ground.bodies.body_of, who)}) < 2 or all(p.fixed for p in left.parts):
-            stage = replace(stage, ended=Separability.INTERLOCKED, certainty=Certainty.PROVEN, held=NO_BODIES)
-            break
-    spins = _spins(left, ground, stage.held, stop) if stage.way is None and every else ()
+    standing = with_ground(assembly)
+    effort = EscapeEffort(boxes, questions)
+    try:
+        done = disassemble(standing, effort=effort, every=every, stop=stop, tell=tell)
+    except TouchingError:
+        return _tight(assembly, standing, stop, progress, boxes, questions, every)
+    escapes, stage = _escapes(standing, done), done.last
+    spins = _spins(done.left, stage.held, stop) if every else ()
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
     at_most = None
-    if verdict is Separability.INTERLOCKED and every:
+    if verdict is Separability.INTERLOCKED and every and done.around is not None:
         whole = (
-            around.far.max()
+            done.around.far.max()
         )  # finite where all lie in closed holes of what stands: then little is spent on a nearer one
         spent = max(time.perf_counter() - began, MIN_BOUND_SECONDS if np.isinf(whole) else MIN_REFINED_SECONDS)
-        found = furthest(left, spent, stop)
+        found = furthest(done.left, spent, stop)
         at_most = min((float(d) for d in (found, whole) if d is not None and np.isfinite(d)), default=None)
+    held = stage.ended is Separability.INTERLOCKED and not all(p.fixed for p in done.left.parts)
     return Interlock(
         assembly,
         verdict,
         Certainty.PROVEN if escapes or at_most is not None else stage.certainty,
-        tuple(escapes),
+        escapes,
         spins,
-        tuple(names[alive]) if stage.ended is Separability.INTERLOCKED and not all(p.fixed for p in left.parts) else (),
-        asked,
+        done.left.names if held else (),
+        done.questions,
+        done.states,
         time.perf_counter() - began,
         at_most=at_most,
     )
+
+
+def _escapes(assembly: Assembly, done: Disassembly) -> tuple[Escape, ...]:
+    """The departures, each as a way from rest after which all that did not leave are at rest again."""
+    names = assembly.names
+    return tuple(
+        Escape(tuple(names[k] for k in departure.parts), _from_rest(assembly, done.departures[: k + 1]))
+        for k, departure in enumerate(done.departures)
+    )
+
+
+def _from_rest(assembly: Assembly, departures: tuple[Departure, ...]) -> Floats:
+    """The way of the last of some departures, from rest and back to rest, without what is not needed for it."""
+    last = departures[-1]
+    who, stay = last.parts, last.there.copy()
+    stay[who] = False
+    begin, there = last.way[0], np.flatnonzero(last.there)
+    moved = np.abs(begin[there]).max(axis=1) > 0
+    if not moved.any():
+        return np.concatenate([last.way, _back(last.way, stay)])
+    direct = last.way.copy()
+    direct[:, stay] -= begin[stay]
+    if not begin[who].any() and audit_path(only(assembly, there), direct[:, there]).free:
+        return np.concatenate([direct, _back(direct, stay)])
+    before = np.concatenate([d.way for d in departures[:-1]])
+    before[:, ~last.there] = begin[~last.there]
+    whole = _without_standstill(np.concatenate([before, last.way]))
+    return np.concatenate([whole, _back(whole, stay)])
+
+
+def _back(way: Floats, stay: NDArray[np.bool_]) -> Floats:
+    """The way backwards for what stays, while what left is where it is in the end."""
+    if not way[-1, stay].any():
+        return way[:0]
+    back = way[::-1][1:].copy()
+    back[:, ~stay] = way[-1, ~stay]
+    return _without_standstill(back)
+
+
+def _without_standstill(way: Floats) -> Floats:
+    """The way without points that are the same as the one before."""
+    keep = np.ones(len(way), dtype=np.bool_)
+    keep[1:] = (way[1:] != way[:-1]).any(axis=(1, 2))
+    return way[keep]
 
 
 def _tight(
@@ -239,15 +255,15 @@ def _tight(
     return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)
 
 
-def _spins(assembly: Assembly, ground: Survey, held: Ints, stop: Stop | None) -> tuple[str, ...]:
+def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]:
     """Names of the parts that turn in place without limit."""
-    bodies, names = ground.bodies, assembly.names
     if not len(held) or (held == held[0]).all():
         return ()
     try:
-        ready = prepare(assembly, ground=ground, stop=stop)
+        ready = prepare(assembly, stop=stop)
     except WiggleroomError:
         return ()
+    bodies, names = ready.bodies, assembly.names
     found: set[str] = set()
     for b in np.flatnonzero(held != held[int(np.flatnonzero(bodies.fixed)[0])]):
         name = names[bodies.members[b][0]]
@@ -259,7 +275,7 @@ def _spins(assembly: Assembly, ground: Survey, held: Ints, stop: Stop | None) ->
     return tuple(n for n in names if n in found)
 
 
-def _standing(assembly: Assembly) -> Assembly:
+def with_ground(assembly: Assembly) -> Assembly:
     """The assembly with something that stands: the largest part where nothing is fixed."""
     if any(p.fixed for p in assembly.parts):
         return assembly

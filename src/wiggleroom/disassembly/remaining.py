@@ -1,10 +1,14 @@
-"""An assembly some parts of which were taken away."""
+"""An assembly some parts of which were moved or taken away."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.model import Part
 from wiggleroom.geometry.bodies import Ints
 
 
@@ -31,3 +35,28 @@ def without(assembly: Assembly, who: Ints) -> Assembly:
         goals=(),
     )
     return Assembly(parts, drawing)
+
+
+def only(assembly: Assembly, who: Ints) -> Assembly:
+    """The assembly as made, with the parts `who` (k,) alone."""
+    return without(assembly, np.setdiff1d(np.arange(len(assembly.parts)), who))
+
+
+def displaced(assembly: Assembly, motion: NDArray[np.float64]) -> Assembly:
+    """The assembly as made, at rest where a motion (n, 3) [mm, mm, rad] of its parts has taken it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> import wiggleroom as wr
+    >>> displaced(wr.patterns.chain(2, joint="tee", gap=0.02), np.array([[0, 0, 0], [0.01, 0, 0]])).rest[1, 0]
+    np.float64(1.01)
+    """
+    if not motion.any():
+        return assembly
+
+    def at(parts: tuple[Part, ...]) -> tuple[Part, ...]:
+        poses = (assembly.rest + motion).tolist()
+        return tuple(replace(p, at=(x, y, angle)) for p, (x, y, angle) in zip(parts, poses, strict=True))
+
+    return Assembly(at(assembly.parts), replace(assembly.drawing, parts=at(assembly.drawing.parts)))

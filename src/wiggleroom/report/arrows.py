@@ -105,10 +105,8 @@ def _pull(start: Floats, tip: Floats, moved: Floats | None = None) -> Mark:
 
 
 def numbered(mark: Mark, number: int) -> Mark:
-    """The mark with a number in a disc at the middle of its first line."""
-    if not mark.lines:
-        return mark
-    x, y = mark.lines[0].mean(axis=0)
+    """The mark with a number in a disc where its first line begins."""
+    x, y = mark.lines[0][0]
     disc = (
         f'<circle cx="{x:.2f}" cy="{y:.2f}" r="9" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="1.5"/>'
     )

@@ -30,13 +30,13 @@ def unlike(path: PurePath, endings: Sequence[str]) -> str:
     """Say what is wrong with the ending of a name, or nothing.
 
     >>> unlike(PurePath("a.gif"), STUDIES)
-    'the name must end in .svg, .png or .html; films come from flex and check'
+    'the name must end in .svg, .png or .html; films come from flex, check and plan'
     """
     found = ending(path)
     if not endings or found in endings:
         return ""
     listed = " or ".join(p for p in (", ".join(endings[:-1]), endings[-1]) if p)
-    return f"the name must end in {listed}" + ("; films come from flex and check" if found in FILMS else "")
+    return f"the name must end in {listed}" + ("; films come from flex, check and plan" if found in FILMS else "")
 
 
 def see(path: PurePath, endings: Sequence[str]) -> None:

@@ -17,6 +17,8 @@ ROLE_COLOURS = {"neutral": NEUTRAL, "pulled": PULLED, "fixed": FIXED}
 BLAME = ("#f3f1ec", "#fbe3b8", "#f8bd76", "#ee8a5b", "#d9606a", "#b0508c")
 """From no importance to the largest."""
 CHOSEN = "#b9a0da"
+ASIDE = "#cfe3f4"
+"""Parts that move aside and do not leave."""
 
 MOTION = "#0b3c6f"
 FORCE = "#c96a00"

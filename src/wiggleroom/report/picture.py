@@ -13,7 +13,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Pull, part_of
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.answer_words import facts, headline, number
-from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, numbered, obstacles
+from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, obstacles
 from wiggleroom.report.layout import View
 from wiggleroom.report.names import names_group
 from wiggleroom.report.part_paths import PartPaths, spot, use
@@ -41,7 +41,6 @@ def picture(
     tints: PartColours | None = None,
     title: str | None = None,
     said: Sequence[str] | None = None,
-    leaving: bool = False,
 ) -> str:
     """Answer as an SVG picture.
 
@@ -57,12 +56,10 @@ def picture(
         Colours of the parts in place of the usual ones.
     title, said : str and sequence of str, optional
         Headline and facts in place of those of the answer.
-    leaving : bool
-        The goals are parts that leave one after the other: their arrows are numbered, and the legend says so.
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
     said = [*(facts(answer) if said is None else said), *([f"motion x {number(factor)}"] if factor != 1 else [])]
-    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints, leaving)
+    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints)
 
 
 def _draw(
@@ -73,7 +70,6 @@ def _draw(
     said: list[str],
     command: str,
     tints: PartColours | None = None,
-    leaving: bool = False,
 ) -> str:
     """Whole picture; without an answer the parts lie at rest."""
     rest = assembly.rest
@@ -89,13 +85,11 @@ def _draw(
     rows = {name: k for k, name in enumerate(assembly.names)}
     marked = [(g, rows[name]) for g in goals if (name := part_of(g)) in rows]
     marks = [goal_mark(view, assembly, g, rest, shown, rooms[row]) for g, row in marked]
-    if leaving and len(marks) > 1:
-        marks = [numbered(mark, k + 1) for k, mark in enumerate(marks)]
     if answer is not None:
         marks.insert(0, contact_mark(view, answer, rest, shown, room))
     pulled = {assembly.names[row] for _, row in marked}
     body = drawn_parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
-    legend = _legend(assembly, answer, bool(pulled), tints, leaving)
+    legend = _legend(assembly, answer, bool(pulled), tints)
     foot, height = frame.footer(view, view.y + view.height + HEAD_SPACING + 16, legend, command)
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
@@ -150,7 +144,7 @@ _ARROW = (
 
 
 def _legend(
-    assembly: Assembly, answer: Answer | None, asked: bool, tints: PartColours | None = None, leaving: bool = False
+    assembly: Assembly, answer: Answer | None, asked: bool, tints: PartColours | None = None
 ) -> list[frame.LegendEntry]:
     """Only what the picture shows."""
     found = [] if tints is None else list(tints.legend)
@@ -161,16 +155,14 @@ def _legend(
         found.append(
             (
                 frame.swatch(palette.PULLED[0] if filled else palette.PAPER, palette.PULLED[1]),
-                "leaves" if leaving else "pulled",
+                "pulled",
             )
         )
         if answer is not None and any(isinstance(g, Pull) for g in answer.goals):
             found.append(
                 (
                     _ARROW,
-                    ("way out, in this order" if len(answer.goals) > 1 else "way out")
-                    if leaving
-                    else "gained along the pull",
+                    "gained along the pull",
                 )
             )
     if answer is not None:

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
-import shapely
 from msgspec import UNSET
 
-from wiggleroom.assembly.assembly import place
 from wiggleroom.disassembly.interlock import Escape, Interlock
 from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.answer_words import few, number, towards
+from wiggleroom.report.leaving_picture import inside
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.search.answer import Answer, witnessed
@@ -172,16 +171,16 @@ def _searched(found: Interlock) -> str:
 def along(found: Interlock, escape: Escape) -> str:
     """How the parts go."""
     if len(escape.path) == 2:
-        return f"straight in {towards(_direction(found, escape))}"
-    return f"on a way of {len(escape.path)} points, at last in {towards(_direction(found, escape))}"
+        return f"straight in {towards(last_directions(found, escape)[0])}"
+    return f"on a way of {len(escape.path)} points, at last in {towards(last_directions(found, escape)[0])}"
 
 
-def _direction(found: Interlock, escape: Escape) -> tuple[float, float]:
-    """Unit vector along which the parts leave at last."""
-    k = found.assembly.names.index(escape.parts[0])
-    steps = np.diff(escape.path[:, k, :2], axis=0)
-    x, y = steps[np.hypot(*steps.T).argmax()]
-    return float(x / np.hypot(x, y)), float(y / np.hypot(x, y))
+def last_directions(found: Interlock, escape: Escape) -> tuple[tuple[float, float], ...]:
+    """Unit vectors along which the parts leave at last, one a part."""
+    rows = [found.assembly.names.index(name) for name in escape.parts]
+    steps = np.diff(escape.path[:, rows], axis=0)
+    last = steps[np.hypot(steps[..., 0], steps[..., 1]).max(axis=1).argmax(), :, :2]
+    return tuple((float(x / np.hypot(x, y)), float(y / np.hypot(x, y))) for x, y in last)
 
 
 def border_sentence(border: LargestGap) -> str:
@@ -203,17 +202,10 @@ def as_answer(found: Interlock, command: str = "") -> Answer:
     n = len(found.assembly.names)
     way = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
     gone = tuple(name for e in found.escapes for name in e.parts)
-    goals = tuple(Pull(e.parts[0], _direction(found, e), _inside(found, e.parts[0])) for e in found.escapes)
+    goals = tuple(
+        Pull(e.parts[0], last_directions(found, e)[0], inside(found.assembly, e.parts[0])) for e in found.escapes
+    )
     verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
     return witnessed(
         found.assembly, goals, verdict, objective, way, "checked", leaves=gone, turns=found.spins, command=command
     )
-
-
-def _inside(found: Interlock, name: str) -> tuple[float, float]:
-    """A point of a part at rest [mm], where its arrow begins: its reference point may lie anywhere."""
-    part = found.assembly.parts[found.assembly.names.index(name)]
-    first = max(part.regions, key=lambda region: np.ptp(region.outer, axis=0).sum())
-    rings = [place(ring, part.at) for ring in (first.outer, *first.holes)]
-    (at,) = shapely.get_coordinates(shapely.point_on_surface(shapely.Polygon(rings[0], rings[1:])))
-    return float(at[0]), float(at[1])

@@ -9,8 +9,8 @@ from pathlib import Path
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.film import film
-from wiggleroom.report.picture import picture
-from wiggleroom.report.separability import as_answer, check_facts, check_title
+from wiggleroom.report.leaving_picture import Leaving, leaving_picture
+from wiggleroom.report.separability import as_answer, check_facts, check_title, last_directions
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,9 +22,13 @@ class Checked:
 
 
 def picture_of_check(checked: Checked, *, command: str = "") -> str:
-    """Parts where they came to, those that leave beside those that stay, as an SVG picture."""
-    answer, said = as_answer(checked.found, command), check_facts(checked.found, checked.border)
-    return picture(answer, title=check_title(checked.found), said=said, leaving=True)
+    """All parts at rest, with a number in the order of leaving and an arrow on each that leaves, as an SVG picture."""
+    found = checked.found
+    order = [Leaving(e.parts, last_directions(found, e)) for e in found.escapes]
+    moved = {n for e in found.escapes for k, n in enumerate(found.assembly.names) if e.path[:, k].any()}
+    aside = moved - {n for e in found.escapes for n in e.parts}
+    said = check_facts(found, checked.border)
+    return leaving_picture(found.assembly, order, aside, title=check_title(found), said=said, command=command)
 
 
 def film_of_check(

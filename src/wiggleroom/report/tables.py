@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.planning.plan import Plan
 from wiggleroom.report.separability_picture import Checked
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
@@ -21,7 +22,7 @@ from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 
 
-def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase) -> str:
+def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan) -> str:
     """Table of what was found, lengths in mm and angles in degrees; what has no end or is not known is left empty.
 
     Examples
@@ -37,6 +38,8 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
             heads, rows = ("step", *MOTION_COLUMNS), _steps(found.assembly.names, found.waypoints)
         case Checked():
             heads, rows = ("escape", "step", *MOTION_COLUMNS), _escapes(found)
+        case Plan():
+            heads, rows = ("step", "point", *MOTION_COLUMNS), _planned(found)
         case Ranking():
             heads, rows = ("kind", "name", "other", "per_mm", "tighter_per_mm", "percent"), _ranks(found)
         case Tightening():
@@ -87,6 +90,15 @@ def _escapes(checked: Checked) -> list[tuple[Any, ...]]:
         moves = np.asarray(escape.path.any(axis=(0, 2)))
         names = [name for name, move in zip(checked.found.assembly.names, moves, strict=True) if move]
         rows += [(k + 1, *row) for row in _steps(names, escape.path[:, moves])]
+    return rows
+
+
+def _planned(found: Plan) -> list[tuple[Any, ...]]:
+    """Ways of all steps; only parts that move in them."""
+    rows = []
+    for k, step in enumerate(found.steps):
+        moves = [found.assembly.names.index(name) for name in step.parts]
+        rows += [(k + 1, *row) for row in _steps(step.parts, step.way[:, moves])]
     return rows
 
 

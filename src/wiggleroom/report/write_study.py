@@ -8,10 +8,12 @@ from pathlib import Path
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.files import write_whole
+from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture as blame
 from wiggleroom.report import pages, study_plots
 from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
 from wiggleroom.report.gap_limit import picture_of_gap
+from wiggleroom.report.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
 from wiggleroom.report.separability_picture import Checked, film_of_check, picture_of_check
 from wiggleroom.report.stills import write_svg
 from wiggleroom.report.tolerance_results import picture_of_tolerances
@@ -23,7 +25,7 @@ from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 
-Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase
+Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan
 
 
 def draw_study(
@@ -32,10 +34,12 @@ def draw_study(
     """Write what was found, as `wiggleroom.report.write_picture.draw` does."""
     if isinstance(found, Interlock):
         found = Checked(found)
-    see(path, ANSWERS if isinstance(found, Checked) else STUDIES)
+    see(path, ANSWERS if isinstance(found, Checked | Plan) else STUDIES)
     kind = ending(path)
     if kind in FILMS and isinstance(found, Checked):
         film_of_check(found, path, command=command, progress=progress)
+    elif kind in FILMS and isinstance(found, Plan):
+        film_of_plan(found, path, command=command, progress=progress)
     elif kind == PAGE:
         write_whole(path, _page(found, command))
     else:
@@ -46,6 +50,8 @@ def _picture(found: Study, command: str) -> str:
     match found:
         case Checked():
             return picture_of_check(found, command=command)
+        case Plan():
+            return picture_of_plan(found, command=command)
         case Ranking():
             return blame.picture_of_ranking(found, command=command)
         case Tightening():
@@ -64,6 +70,8 @@ def _page(found: Study, command: str) -> str:
     match found:
         case Checked():
             return pages.page_of_check(found, command=command)
+        case Plan():
+            return page_of_plan(found, command=command)
         case Ranking():
             return pages.page_of_ranking(found, command=command)
         case Tightening():

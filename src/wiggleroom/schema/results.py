@@ -117,6 +117,68 @@ class CheckResult(SeparabilityEntry, tag_field="format", tag="wiggleroom.check/1
     command: Command
 
 
+class PlanStepEntry(Struct, kw_only=True):
+    """One step: some parts move, all others stay."""
+
+    parts: Annotated[list[str], Meta(description="names of the parts that move")]
+    as_one: Annotated[bool, Meta(description="they move as one rigid piece")]
+    leaves: Annotated[list[str], Meta(description="those that have left at its end")]
+    moves: Annotated[int, Meta(description="of how many moves it consists")]
+    path: Annotated[
+        list[dict[str, PartMotion]],
+        Meta(
+            description="way-points, each with the motions since rest of all parts that are still there and not at rest"
+        ),
+    ]
+    clearance: Annotated[float, Meta(description="least distance between what moves and all else [mm]")]
+    room: Annotated[
+        float, Meta(description="the largest ball of errors of position under which the step still goes [mm]")
+    ]
+    turn_room_deg: Annotated[float, Meta(description="the largest error of angle under which it still goes [deg]")]
+    axis: Annotated[Point, Meta(description="unit vector along which the parts go in when they are put together")]
+    held: Annotated[list[str], Meta(description="loose parts that must be held")]
+
+
+class PlanAssemblyEntry(Struct, kw_only=True):
+    """One step backwards: parts are put in."""
+
+    step: Annotated[int, Meta(description="number of the step that it reverses, from 1")]
+    parts: Names
+    path: Annotated[list[dict[str, PartMotion]], Meta(description="that of the step, backwards")]
+    axis: Annotated[Point, Meta(description="unit vector of the first straight piece backwards")]
+    held: Names
+
+
+class PlanSearchEntry(Struct, kw_only=True):
+    """How far the search went."""
+
+    states: Annotated[int, Meta(description="states to which slides led")]
+    whole: Annotated[bool, Meta(description="these are all such states of the parts that are left")]
+    questions: Annotated[int, Meta(description="largest motions that were searched")]
+
+
+class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=True):
+    """In which order and along which ways parts are taken apart and put together: `wiggleroom plan --json`."""
+
+    verdict: Annotated[
+        Separability, Meta(description="comes apart: all targets leave or, without targets, anything does")
+    ]
+    certainty: Certainty
+    targets: Names
+    order: Annotated[list[list[str]], Meta(description="parts that leave together, in the order of leaving")]
+    level: Annotated[list[int], Meta(description="moves up to the first removal, from there to the second, and so on")]
+    moves: Annotated[int, Meta(description="moves of the whole plan")]
+    steps: list[PlanStepEntry]
+    assembly: Annotated[list[PlanAssemblyEntry], Meta(description="the steps backwards: how it is put together")]
+    remains: Annotated[list[str], Meta(description="loose parts that were to leave and do not")]
+    rest: Annotated[Separability, Meta(description="what became of the parts that are left")]
+    search: PlanSearchEntry
+    gap: Mm
+    seconds: Seconds
+    notes: Notes = msgspec.field(default_factory=list)
+    command: Command
+
+
 class PartImportance(Struct):
     """What the gap of one part does to the motion."""
 
@@ -403,7 +465,7 @@ class PartsResult(Struct, tag_field="format", tag="wiggleroom.parts/1", kw_only=
 
 
 RESULTS = (
-    FlexResult, CheckResult, GapResult, RankResult, TightenResult, SweepResult, SampleResult, TolerancesResult, SpaceResult,
+    FlexResult, CheckResult, PlanResult, GapResult, RankResult, TightenResult, SweepResult, SampleResult, TolerancesResult, SpaceResult,
     PartsResult,
 )  # fmt: skip
 """All formats."""

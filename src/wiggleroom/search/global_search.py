@@ -14,7 +14,7 @@ from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.loop import LocalSearch, Policy
 from wiggleroom.search.moves import CLIMB, RANDOM_CLIMB, THOROUGH
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.state_tree import StateTree
+from wiggleroom.search.state_tree import ClimbTree
 
 Floats = NDArray[np.float64]
 
@@ -100,7 +100,7 @@ class _GlobalSearch:
         first = self.first
         rest = _rest_of_all_pairs(first.ready)
         self.work += GROWTH_WORK * len(rest.cells.kind)
-        self.tree = StateTree(rest, first.ready.bodies.radius, first.ready.clearance)
+        self.tree = ClimbTree(rest, first.ready.bodies.radius, first.ready.clearance)
         if first.best is not None and not self.free and first.way(first.best).sure:
             self.hills[self.tree.add(first.best, 0)] = self.value
 
@@ -140,7 +140,7 @@ class _GlobalSearch:
         if between is None:
             return
         climb = self._search(self.first.objective, CLIMB)
-        found = self._run(climb, self.tree.states[between].start)
+        found = self._run(climb, self.tree.states[between].step.start)
         if found is None or not climb.ended or not climb.way(found).sure:
             return
         self.values.append(found.value)
@@ -165,7 +165,7 @@ class _GlobalSearch:
     def _step_aside(self, objective: Objective, state: int) -> tuple[int | None, int | None]:
         """Climb from a state: the new state where the end is one that is certainly reached, or the known one that it is."""
         search = self._search(objective, RANDOM_CLIMB)
-        found = self._run(search, self.tree.states[state].start)
+        found = self._run(search, self.tree.states[state].step.start)
         if found is None or search.unlimited or search.stopped:
             return None, None
         known = self.tree.known(found.motion)

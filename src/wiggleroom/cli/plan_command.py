@@ -1,0 +1,77 @@
+"""`wiggleroom plan`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from wiggleroom.cli.options import RESULTS, QuestionOptions, read
+from wiggleroom.cli.outputs import FilmOutputs, tell
+from wiggleroom.cli.running import TimeLimit
+
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), FilmOutputs(), TimeLimit()
+
+
+def plan(
+    file: str,
+    /,
+    *,
+    asked: QuestionOptions = _NONE_ASKED,
+    outputs: FilmOutputs = _NO_OUTPUTS,
+    limit: TimeLimit = _ENDLESS,
+    target: tuple[str, ...] = (),
+    stills: Annotated[Path | None, Parameter(group=RESULTS)] = None,
+) -> int:
+    """Plan how it is taken apart and, backwards, put together: who moves when, along which way, with how much room.
+
+    Parts may move aside and come back, alone, as one or several at once. Fixed parts stand; where none is fixed, the
+    largest part stands. Every step is checked for overlap. Exit code: 0 a plan, or nothing leaves; 3 unknown.
+
+    Example: wiggleroom plan puzzle.svg --gap 0.2 --picture steps.html
+
+    Example: wiggleroom plan lock.json --target bolt --json plan.json
+
+    Parameters
+    ----------
+    file
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+    target
+        Parts that are to leave: --target A,B. By default all that can.
+    stills
+        A folder for numbered pictures, one of every step: step_01.svg and so on.
+    """
+    import shlex
+
+    from wiggleroom.cli.running import unless_stopped
+    from wiggleroom.cli.watch import interruptible, progress
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
+
+    if is_spatial_file(file):
+        finding = f"plan is for drawings; {file} is an assembly in space: wiggleroom check says whether it comes apart"
+        raise InputError(finding)
+    outputs.check(file)
+    if stills is not None and not stills.is_dir():
+        finding = f"--stills {stills}: there is no such folder; make it first"
+        raise InputError(finding)
+    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    names = tuple(name for some in target for name in some.split(",") if name)
+    with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
+        assembly = read(file, asked)
+
+        from wiggleroom.planning.plan import plan as work_out
+
+        found = work_out(assembly, names, stop=stop, progress=show)
+    from wiggleroom.report.plan_results import plan_result, plan_table
+
+    tell(outputs, lambda: plan_result(found, command), lambda: plan_table(found), found, command)
+    if stills is not None:
+        from wiggleroom.cli.say import note
+        from wiggleroom.report.plan_pictures import write_stills
+
+        count = write_stills(found, stills, command=command)
+        note(f"pictures: {count} in {stills}")
+    return 3 if found.verdict == "unknown" else 0

@@ -1,0 +1,156 @@
+"""Taking apart: who leaves, one set of parts after the other, each from where the one before left the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.closed_pairs import enclosed_links
+from wiggleroom.disassembly.enclosure import Enclosed, enclosed
+from wiggleroom.disassembly.escape import EscapeEffort, Stage, next_stage
+from wiggleroom.disassembly.remaining import displaced, without
+from wiggleroom.errors import Stop, StoppedError
+from wiggleroom.geometry.rigid_motions import of_parts
+from wiggleroom.search.loop import Progress
+from wiggleroom.search.prepare import survey
+from wiggleroom.verdict import Certainty, Separability
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NO_BODIES = np.zeros(0, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Departure:
+    """Parts that leave together, and the way to there.
+
+    Parameters
+    ----------
+    parts : (k,) int64
+    way : (k, n, 3) float64 [mm, mm, rad]
+        Motions of all parts about their reference points, from where the departure before ended (the first from rest) to where `parts`
+        are beyond all others; straight in between. Parts that left before stay where they were put, out of the game.
+    there : (n,) bool
+        Parts that had not left before.
+    slides : int
+        So many pieces of the way, before the last one, are slides one after the other; -1 where it is one motion.
+    """
+
+    parts: Ints
+    way: Floats
+    there: NDArray[np.bool_]
+    slides: int
+
+
+@dataclass(frozen=True, eq=False)
+class Disassembly:
+    """How far an assembly could be taken apart.
+
+    Parameters
+    ----------
+    departures : tuple of Departure
+    last : Stage
+        What became of the parts that are left.
+    left : Assembly
+        The parts that are left, at rest where they are in the end.
+    around : Enclosed or None
+        What lies in closed holes among them.
+    questions, states : int
+        Largest motions that were searched, and states to which slides led, in all stages.
+    """
+
+    departures: tuple[Departure, ...]
+    last: Stage
+    left: Assembly
+    around: Enclosed | None = None
+    questions: int = 0
+    states: int = 0
+
+
+@dataclass(eq=False)
+class _Progress:
+    """What has been found so far."""
+
+    left: Assembly
+    alive: Ints
+    motion: Floats
+    departures: list[Departure] = field(default_factory=list)
+    questions: int = 0
+    states: int = 0
+
+
+def disassemble(
+    assembly: Assembly,
+    *,
+    targets: tuple[str, ...] = (),
+    effort: EscapeEffort | None = None,
+    every: bool = True,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+) -> Disassembly:
+    """Take parts away one after the other, as long as some leave.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Something in it stands.
+    targets : tuple of names
+        It ends once these have left; what else leaves is taken away only where they cannot leave before.
+    effort : EscapeEffort, optional
+    every : bool
+        False: it ends once anything has left.
+    stop, tell
+        As for `flex`.
+
+    Raises
+    ------
+    TouchingError
+        If two parts touch at rest.
+    """
+    names = np.array(assembly.names, dtype=object)
+    wanted = set(targets)
+    n = len(names)
+    so_far = _Progress(assembly, np.arange(n), np.zeros((n, 3)))
+    while True:
+        left, alive = so_far.left, so_far.alive
+        around = None
+        try:
+            ground = survey(left)
+            around = enclosed(ground.bodies, ground.geometry, ground.ignored, stop)
+            begin = enclosed_links(ground.bodies.fixed, around)
+            if begin.all_tied:
+                stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
+                return _ended(so_far, stage, around)
+            aims = np.unique([ground.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
+            stage = next_stage(left, ground, begin, effort or EscapeEffort(), aims.astype(np.int64), stop, tell)
+        except StoppedError:
+            stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
+        so_far.questions += stage.questions
+        so_far.states += stage.states
+        if stage.way is None:
+            return _ended(so_far, stage, around)
+        bodies = ground.bodies
+        who = np.array([p for b in stage.who for p in bodies.members[b]])
+        way = np.repeat(so_far.motion[None], len(stage.way), 0)
+        way[:, alive] += of_parts(left, bodies, stage.way)
+        there = np.zeros(n, dtype=np.bool_)
+        there[alive] = True
+        so_far.departures.append(Departure(np.sort(alive[who]), way, there, stage.slides))
+        so_far.motion = way[-1]
+        stay = np.setdiff1d(np.arange(len(alive)), who)
+        so_far.left = without(displaced(left, of_parts(left, bodies, stage.way)[-1]), who)
+        so_far.alive = alive[stay]
+        wanted -= set(names[alive[who]])
+        alone = len(np.unique(bodies.body_of[stay])) < 2 or all(p.fixed for p in so_far.left.parts)
+        if alone or not every or (targets and not wanted):
+            end: Separability = Separability.INTERLOCKED if alone else Separability.COMES_APART
+            return _ended(so_far, Stage(end, Certainty.PROVEN, NO_BODIES, None, NO_BODIES), around)
+
+
+def _ended(so_far: _Progress, stage: Stage, around: Enclosed | None) -> Disassembly:
+    return Disassembly(tuple(so_far.departures), stage, so_far.left, around, so_far.questions, so_far.states)

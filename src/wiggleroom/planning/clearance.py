@@ -1,0 +1,55 @@
+"""How near bodies come to each other on a way."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.planning.swept_distance import swept_distance
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+TURN_STEP = 0.01
+"""Turns are cut into steps of at most this [rad]."""
+
+
+def distances(bodies: Bodies, way: Floats, there: Bools, ignored: Ints, most: float) -> Floats:
+    """Least distances (n, n) of bodies on a way [mm], of which only those below `most` are worked out; others are `most`.
+
+    Parameters
+    ----------
+    bodies : Bodies
+    way : (k, n, 3) float64 [mm, mm, rad]
+        Motions of the bodies, straight in between. What moves on no piece of it against another body is not looked at.
+    there : (n,) bool
+        Bodies that count.
+    ignored : (k,) int64
+        Keys a * n + b of pairs that never collide.
+    most : float [mm]
+    """
+    n, shapes, radius = len(there), bodies.shapes, bodies.radius
+    found = np.full((n, n), most)
+    never = np.zeros((n, n), dtype=np.bool_)
+    never[ignored // n, ignored % n] = True
+    poses = np.ascontiguousarray(bodies.rest + way)
+    for begin, end in pairwise(poses):
+        moving = (begin != end).any(axis=1)
+        change = end - begin
+        low, high = np.minimum(begin, end)[:, :2] - radius[:, None], np.maximum(begin, end)[:, :2] + radius[:, None]
+        for a in np.flatnonzero(there):
+            for b in np.flatnonzero(there[a + 1 :]) + a + 1:
+                together = not change[a, 2] and (change[a] == change[b]).all()
+                if never[a, b] or together or not (moving[a] or moving[b]):
+                    continue
+                if (low[a] > high[b] + most).any() or (low[b] > high[a] + most).any():
+                    continue
+                found[a, b] = found[b, a] = swept_distance(
+                    shapes.corner, shapes.after, shapes.first, bodies.shape, radius, a, b, begin, end, TURN_STEP,
+                    found[a, b],
+                )  # fmt: skip
+    return found

@@ -1,0 +1,167 @@
+"""Plans: in which order and along which ways parts are taken apart, and, backwards, put together."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.deadline import Deadline
+from wiggleroom.disassembly.departures import disassemble
+from wiggleroom.disassembly.interlock import with_ground
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.planning.steps import Step, steps_of
+from wiggleroom.search.drawable import Drawable
+from wiggleroom.search.loop import Progress, silent
+from wiggleroom.search.prepare import survey
+from wiggleroom.verdict import Certainty, Separability
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan(Drawable):
+    """How an assembly is taken apart, step by step; backwards it is how it is put together.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    targets : tuple of names
+        Parts that were to leave; empty where all were.
+    verdict : Separability
+        "comes apart" where all targets leave or, without targets, anything does; else what became of the parts that are left.
+    certainty : Certainty
+        A plan is proven: every step of it was checked for overlap. Without one: what shows that the parts stay.
+    rest : Separability
+        What became of the parts that are left.
+    steps : tuple of Step
+    level : tuple of int
+        Moves up to the first removal, from there to the second, and so on: what is called the level of a burr. A move is one slide of one
+        or more parts as one, or one motion that is no slide.
+    remains : tuple of names
+        Loose parts that were to leave and do not.
+    states, questions : int
+        How far the search went: states to which slides led, and largest motions that were searched.
+    whole : bool
+        True where the states are all to which slides lead.
+    seconds : float
+    """
+
+    assembly: Assembly
+    targets: tuple[str, ...]
+    verdict: Separability
+    certainty: Certainty
+    rest: Separability
+    steps: tuple[Step, ...]
+    level: tuple[int, ...]
+    remains: tuple[str, ...]
+    states: int
+    questions: int
+    whole: bool
+    seconds: float
+
+    @property
+    def moves(self) -> int:
+        """Moves of the whole plan."""
+        return sum(step.moves for step in self.steps)
+
+    @property
+    def order(self) -> tuple[tuple[str, ...], ...]:
+        """Names of the parts that leave together, in the order of leaving."""
+        return tuple(step.leaves for step in self.steps if step.leaves)
+
+    @property
+    def way(self) -> Floats:
+        """Motions (k, n, 3) [mm, mm, rad] of all parts along the whole plan, from rest."""
+        if not self.steps:
+            return np.zeros((1, len(self.assembly.parts), 3))
+        return np.concatenate([self.steps[0].way[:1], *(step.way[1:] for step in self.steps)])
+
+
+def plan(
+    assembly: Assembly,
+    targets: Sequence[str] = (),
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    seconds: float | None = None,
+) -> Plan:
+    """Plan how an assembly is taken apart: which parts leave, in which order, along which ways.
+
+    Fixed parts stand; where none is fixed, the largest part stands.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    targets : sequence of names, optional
+        Only these are to leave; others leave only where they must.
+    stop : optional
+        Anything with `is_set()`; then the plan goes as far as was found.
+    progress : callable, optional
+        Told a `Progress` now and then.
+    seconds : float, optional
+        Time that it may take; then the same.
+
+    Raises
+    ------
+    InputError
+        If a target is unknown or fixed, there is only one body, or all are fixed.
+    TouchingError
+        If two parts touch at rest.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.plan(wr.patterns.chain(3, joint="finger", gap=0.02))
+    >>> found.order, found.level
+    ((('b3',), ('b2',)), (1, 1))
+    """
+    began = time.perf_counter()
+    limit = stop if seconds is None else Deadline(seconds, stop)
+    standing = with_ground(assembly)
+    see_targets(standing, targets)
+    done = disassemble(standing, targets=tuple(targets), stop=limit, tell=progress or silent)
+    steps = steps_of(standing, survey(standing), done.departures)
+    gone = {standing.names[k] for d in done.departures for k in d.parts}
+    fixed = {p.name for p in standing.parts if p.fixed}
+    remains = tuple(n for n in targets or standing.names if n not in gone and n not in fixed)
+    missed = bool(remains) if targets else not gone
+    return Plan(
+        assembly=assembly,
+        targets=tuple(targets),
+        verdict=done.last.ended if missed else Separability.COMES_APART,
+        certainty=done.last.certainty if missed else Certainty.PROVEN,
+        rest=done.last.ended,
+        steps=steps,
+        level=level(steps),
+        remains=remains,
+        states=done.states,
+        questions=done.questions,
+        whole=done.last.whole,
+        seconds=time.perf_counter() - began,
+    )
+
+
+def level(steps: Sequence[Step]) -> tuple[int, ...]:
+    """Moves up to each removal."""
+    counts, count = [], 0
+    for step in steps:
+        count += step.moves
+        if step.leaves:
+            counts.append(count)
+            count = 0
+    return tuple(counts)
+
+
+def see_targets(assembly: Assembly, targets: Sequence[str]) -> None:
+    """See that all targets are loose parts; raises InputError."""
+    fixed = {p.name for p in assembly.parts if p.fixed}
+    source = assembly.drawing.source or "the assembly"
+    wrong = [f'{source}: target "{n}": there is no such part' for n in targets if n not in assembly.names]
+    wrong += [f'{source}: target "{n}" stands, so it cannot leave; name a loose part' for n in targets if n in fixed]
+    if wrong:
+        raise InputError(wrong)

@@ -1,0 +1,120 @@
+"""Plans as pictures: numbered stills, films, and a page on which every step can be played."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.remaining import displaced, only
+from wiggleroom.drawing.model import Pull
+from wiggleroom.files import write_whole
+from wiggleroom.planning.plan import Plan
+from wiggleroom.planning.steps import STILL, Step
+from wiggleroom.report.film import film
+from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
+from wiggleroom.report.picture import picture
+from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
+from wiggleroom.report.standalone_page import opened, standalone_page, way
+from wiggleroom.schema.replies import CheckReply, LeavingEntry
+from wiggleroom.schema.standalone_schema import StandaloneCheck, Title
+from wiggleroom.search.answer import witnessed
+from wiggleroom.verdict import Verdict
+
+
+def picture_of_plan(found: Plan, *, command: str = "") -> str:
+    """All parts at rest, with a number in the order of leaving and an arrow on each that leaves, as an SVG picture."""
+    names = found.assembly.names
+    order = []
+    for step in found.steps:
+        if step.leaves:
+            rows = [names.index(name) for name in step.leaves]
+            last = (step.way[-1] - step.way[-2])[rows, :2]
+            order.append(Leaving(step.leaves, tuple((float(x), float(y)) for x, y in last)))
+    gone = {name for leaving in order for name in leaving.parts}
+    aside = {name for step in found.steps for name in step.parts} - gone
+    title, said = plan_title(found), plan_facts(found)
+    return leaving_picture(found.assembly, order, aside, title=title, said=said, command=command)
+
+
+def film_of_plan(
+    found: Plan, path: Path, *, command: str = "", progress: Callable[[int, int], None] | None = None
+) -> None:
+    """Write a film of all steps, one after the other."""
+    film(
+        found.assembly,
+        found.way,
+        path,
+        title=plan_title(found),
+        facts=tuple(plan_facts(found)),
+        command=command,
+        progress=progress,
+    )
+
+
+def page_of_plan(found: Plan, *, command: str = "") -> str:
+    """Plan as one HTML page: the drawing, and the steps, each of which can be played."""
+    title = plan_title(found)
+    reply = CheckReply(
+        verdict=found.verdict,
+        certainty=found.certainty,
+        words=f"{found.verdict}: {'; '.join(plan_facts(found)) or searched_sentence(found)}",
+        sure=[("verdict", title), ("certainty", found.certainty), ("search", searched_sentence(found))],
+        escapes=[LeavingEntry(list(step.parts), step_sentence(step)) for step in found.steps],
+        spins=[],
+        remains=list(found.remains),
+        border=None,
+        command=command,
+    )
+    ways = [way(found.assembly, step.way) for step in found.steps]
+    return standalone_page(
+        title,
+        opened=opened(found.assembly),
+        said=Title(title, plan_facts(found)),
+        tab="apart",
+        check=StandaloneCheck(reply, ways),
+    )
+
+
+def write_stills(found: Plan, folder: Path, *, command: str = "") -> int:
+    """Write a picture of every step into a folder: step_01.svg and so on; how many."""
+    digits = max(2, len(str(len(found.steps))))
+    for k in range(len(found.steps)):
+        write_whole(folder / f"step_{k + 1:0{digits}}.svg", still(found, k, command=command))
+    return len(found.steps)
+
+
+def still(found: Plan, k: int, *, command: str = "") -> str:
+    """Picture of step k, from 0: where it begins in thin lines, where it ends, and arrows along which parts go."""
+    step = found.steps[k]
+    there = np.flatnonzero(step.there)
+    begin = only(displaced(found.assembly, step.way[0]), there)
+    way = (step.way - step.way[:1])[:, there]
+    shown = _within(way, begin.size) if step.leaves else way
+    answer = witnessed(
+        begin, tuple(_arrow(begin, step, name, found) for name in step.parts), Verdict.STATIONARY,
+        0.0, shown, "checked", command=command,
+    )  # fmt: skip
+    title = f"step {k + 1} of {len(found.steps)}: {step_sentence(step)}"
+    said = [f"holds: {', '.join(step.held)}"] if step.held else []
+    return picture(answer, magnify=1.0, title=title, said=said)
+
+
+def _within(way: NDArray[np.float64], size: float) -> NDArray[np.float64]:
+    """The way with its last, long piece cut where the picture would get too large."""
+    out = way.copy()
+    last = out[-1] - out[-2]
+    length = np.hypot(last[:, 0], last[:, 1]).max()
+    out[-1] = out[-2] + last * min(1.0, 0.35 * size / length) if length > STILL else out[-1]
+    return out
+
+
+def _arrow(begin: Assembly, step: Step, name: str, found: Plan) -> Pull:
+    """Arrow of a part, from a point inside it, along the way it goes."""
+    row = found.assembly.names.index(name)
+    change = step.way[-1, row] - step.way[0, row]
+    direction = change[:2] if np.hypot(*change[:2]) > STILL else np.array([1.0, 0.0])
+    return Pull(name, (float(direction[0]), float(direction[1])), inside(begin, name))

@@ -1,0 +1,240 @@
+"""Plans: against an exhaustive search on the grid, and every step by general polygon geometry."""
+
+import json
+import threading
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import shapely
+from benchmarks.plan_families import (
+    assembled,
+    frame_puzzle,
+    grid_search,
+    latches,
+    pinwheel,
+    random_tray,
+    tray,
+    tray_of_squares,
+    tumbler_lock,
+)  # fmt: skip
+
+import wiggleroom as wr
+from wiggleroom.assembly.assembly import place
+from wiggleroom.disassembly.slide_space import lattice_unit
+from wiggleroom.planning.clearance import distances
+from wiggleroom.report.plan_results import plan_result
+from wiggleroom.schema.results import PlanResult
+from wiggleroom.search.prepare import survey
+
+
+def outlines_at(assembly, motion):
+    pose = assembly.rest + motion
+    shapes = [shapely.union_all([shapely.Polygon(r.outer, r.holes) for r in p.regions]) for p in assembly.parts]
+    return [shapely.transform(s, lambda p, q=q: place(p, q)) for s, q in zip(shapes, pose, strict=True)]
+
+
+def nearest(assembly, way, there, moving, between=20):
+    """Largest overlap (area) of any two parts on a way, and least distance of those that move from others, by dense sampling."""
+    overlap, least = 0.0, np.inf
+    for one, other in pairwise(way):
+        for t in np.linspace(0, 1, between):
+            at = outlines_at(assembly, one + t * (other - one))
+            for i in np.flatnonzero(there):
+                for j in np.flatnonzero(there[i + 1 :]) + i + 1:
+                    if at[i].distance(at[j]) <= 0:
+                        overlap = max(overlap, at[i].intersection(at[j]).area)
+                    if (i in moving) != (j in moving):
+                        least = min(least, at[i].distance(at[j]))
+    return overlap, least
+
+
+def see_free(found):
+    """Every step begins where the one before ended, and nothing overlaps on its way."""
+    assembly, last = found.assembly, np.zeros((len(found.assembly.parts), 3))
+    gone = set()
+    for step in found.steps:
+        np.testing.assert_allclose(step.way[0], last, atol=1e-9)
+        assert {assembly.names[k] for k in np.flatnonzero(~step.there)} == gone
+        moving = {assembly.names.index(n) for n in step.parts}
+        overlap, least = nearest(assembly, step.way, step.there, moving)
+        assert overlap < 1e-6
+        if step.as_one:
+            assert step.clearance <= least + 1e-9
+        still = [k for k in range(len(last)) if k not in moving]
+        assert not np.ptp(step.way[:, still], axis=0).any()
+        last, gone = step.way[-1], gone | set(step.leaves)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.3])
+@pytest.mark.parametrize("count", [1, 2, 3, 5, 8])
+def test_nested_latches(count, turn):
+    found = wr.plan(latches(count, turn), ["bolt"])
+    assert found.verdict == "comes apart"
+    assert found.order == (("bolt",),)
+    assert found.level == (count + 1,)  # every latch once, then the bolt: fewer do not do
+    assert found.moves == count + 1
+    see_free(found)
+    assert min(step.clearance for step in found.steps) == pytest.approx(0.6, abs=1e-6)
+
+
+def test_check_finds_nested_latches_too():
+    found = wr.check(latches(3))
+    assert found.verdict == "comes apart"
+    assert not found.escapes[0].path[0].any()
+    left = [n != "bolt" for n in found.assembly.names]
+    assert not found.escapes[0].path[-1, left].any()  # all others are back at rest
+
+
+@pytest.mark.parametrize("seed", range(200, 204))
+def test_random_trays_agree_with_the_grid(seed):
+    pieces, wall = random_tray(seed)
+    truth, exhausted = grid_search(pieces, wall)
+    assert exhausted
+    found = wr.plan(tray(pieces, wall))
+    gone = {name for parts in found.order for name in parts}
+    assert gone >= truth  # by turning more may come out
+    assert found.verdict != "unknown"
+    see_free(found)
+
+
+def test_a_tray_that_is_locked():
+    pieces, wall = random_tray(3)
+    assert grid_search(pieces, wall) == (set(), True)
+    found = wr.plan(tray(pieces, wall))
+    assert (found.verdict, found.steps) == ("interlocked", ())
+    assert found.states > 1
+    assert found.whole
+
+
+def test_trays_full_of_squares():
+    for wide, high, holes in ((3, 2, 2), (3, 3, 1)):
+        found = wr.plan(tray(*tray_of_squares(wide, high, holes)))
+        assert len(found.order) == wide * high - holes
+        see_free(found)
+
+
+def test_a_lock_with_three_tumblers():
+    found = wr.plan(tumbler_lock(turn=0.7), ["bolt"])
+    assert found.level == (7,)
+    see_free(found)
+
+
+def test_a_frame_of_twenty_parts():
+    found = wr.plan(frame_puzzle())
+    assert sum(map(len, found.order)) == 20
+    assert found.remains == ()
+
+
+@pytest.mark.parametrize("count", [3, 5])
+def test_pinwheels_leave_at_once(count):
+    found = wr.plan(pinwheel(count))
+    assert found.verdict == "comes apart"
+    assert len(found.steps[0].parts) == count - 1
+    see_free(found)
+
+
+def test_targets():
+    assembly = tray(*random_tray(0))
+    first = wr.plan(assembly, ["p4"])
+    assert "p4" in {name for parts in first.order for name in parts}
+    assert len(first.order) <= 2
+    with pytest.raises(wr.InputError, match='target "nobody"'):
+        wr.plan(assembly, ["nobody"])
+    with pytest.raises(wr.InputError, match="stands"):
+        wr.plan(assembly, ["tray"])
+
+
+def test_stopped_at_once_is_unknown():
+    stop = threading.Event()
+    stop.set()
+    found = wr.plan(latches(2), stop=stop)
+    assert found.verdict == "unknown"
+    assert not found.whole
+
+
+def test_pushing_counts_as_one_move():
+    # two blocks in a row in a channel: the second only leaves by pushing the first, or after it; as a target it pushes
+    wall = shapely.box(0, 0, 50, 30) - shapely.box(10, 10, 50, 20)
+    parts = {"wall": wall, "inner": shapely.box(10, 10, 20, 20), "outer": shapely.box(20, 10, 30, 20)}
+    found = wr.plan(assembled(parts, "wall"), ["inner"])
+    assert found.order == (("inner", "outer"),)
+    assert found.level == (1,)
+    assert found.steps[0].as_one
+
+
+def test_off_the_lattice_parts_stop_where_edges_line_up():
+    # the latch has to stop half way, where its notch lies in front of the bolt
+    wall = shapely.box(0, 0, 60, 60) - shapely.box(20, 5, 30.7, 55) - shapely.box(5, 23.3, 60, 33.1)
+    latch = shapely.box(20, 5, 30.7, 30) - shapely.box(20, 12.1, 30.7, 22.6)
+    bolt = shapely.box(5, 23.8, 19, 32.6)
+    found = wr.plan(assembled({"wall": wall, "latch": latch, "bolt": bolt}, "wall", gap=0.3), ["bolt"])
+    assert found.verdict == "comes apart"
+    assert [step.parts for step in found.steps] == [("latch",), ("bolt",)]
+    see_free(found)
+
+
+def test_lattice_units():
+    assert lattice_unit(np.array([0.0, 3.0, 9.0, 15.0]), 0.01, 0.5) == pytest.approx(3.0)
+    assert lattice_unit(np.array([0.0, 4.0, 10.0]), 0.01, 0.5) == pytest.approx(2.0)
+    assert lattice_unit(np.array([0.0, np.pi, 10.0]), 0.01, 0.5) == 0.0
+    assert lattice_unit(np.array([1.0]), 0.01, 0.5) == 0.0
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4])
+def test_swept_distances_are_those_of_dense_samples(turn):
+    random = np.random.default_rng(int(10 * turn))
+    a, b = (shapely.Point(0, 0).buffer(5, quad_segs=2), shapely.box(-3, -2, 4, 2) | shapely.box(-1, -5, 1, 5))
+    parts = {"wall": a, "block": shapely.affinity.translate(b, 20, 0)}
+    assembly = assembled(parts, "wall", gap=0.0)
+    bodies = survey(assembly).bodies
+    for _ in range(20):
+        way = np.zeros((2, 2, 3))
+        way[:, 1, :2] = random.uniform(-10, 15, (2, 2))
+        way[:, 1, 2] = random.uniform(-turn, turn, 2)
+        got = distances(bodies, way, np.ones(2, dtype=bool), np.zeros(0, dtype=np.int64), 30.0)[0, 1]
+        from wiggleroom.geometry.rigid_motions import of_parts
+
+        _, truth = nearest(assembly, of_parts(assembly, bodies, way), np.ones(2, dtype=bool), {1}, 200)
+        assert got <= truth + 1e-9
+        assert got >= truth - 0.15 - 0.01 * truth or truth == 0
+
+
+def test_json_reads_back_and_reverses():
+    found = wr.plan(latches(2))
+    import msgspec
+
+    text = msgspec.json.encode(plan_result(found))
+    back = msgspec.json.decode(text, type=PlanResult)
+    assert json.loads(text)["format"] == "wiggleroom.plan/1"
+    assert [s.step for s in back.assembly] == [3, 2, 1]
+    assert back.assembly[0].path == back.steps[-1].path[::-1]
+    assert back.assembly[0].axis == pytest.approx((-1.0, 0.0))
+    assert back.steps[0].clearance == pytest.approx(0.6, abs=1e-6)
+
+
+def test_command(command, tmp_path, capsys):
+    source = tmp_path / "latches.json"
+    from wiggleroom.drawing import write_drawing
+
+    write_drawing(latches(2).drawing, source)
+    code = command(
+        "plan", source, "--target", "bolt", "--json", tmp_path / "plan.json", "--picture", tmp_path / "plan.html",
+        "--stills", tmp_path, "--csv", tmp_path / "plan.csv",
+    )  # fmt: skip
+    assert code == 0
+    said = capsys.readouterr().out
+    assert "bolt taken out in 3 moves" in said
+    assert "1. latch2 moves in +x by 10 mm" in said
+    assert json.loads((tmp_path / "plan.json").read_text())["level"] == [3]
+    assert (tmp_path / "step_03.svg").read_text().count("<text") > 3
+    assert (tmp_path / "plan.csv").read_text().startswith("step,point,part")
+    assert command("plan", source, "--target", "frame") == 2
+
+
+def test_films_play(tmp_path):
+    found = wr.plan(latches(1))
+    found.draw(tmp_path / "plan.film.svg")
+    found.draw(tmp_path / "plan.svg")
+    assert "animate" in (tmp_path / "plan.film.svg").read_text()
+    assert "order of leaving" in (tmp_path / "plan.svg").read_text()
