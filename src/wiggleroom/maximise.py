@@ -26,6 +26,7 @@ from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.complete_search import PROVEN_GAP, complete
+from wiggleroom.search.distance_climb import climbed
 from wiggleroom.search.global_search import search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
@@ -218,7 +219,7 @@ def witness(
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
         return _from_several(climb, first, asked, solver, began)
-    climb.improve(at_rest(ready) if start is None else _incumbent(start, ready).start())
+    climb.improve(climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start())
     if search == 0:
         return answer_of(climb, asked, solver, began)
     climb, effort = search_on(climb, search)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.freespace.models.halfspaces import Halfspaces
 from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
 from wiggleroom.program import contact_functions as kernel
 
 Floats = NDArray[np.float64]
@@ -81,5 +82,11 @@ def face_rows(bodies: Bodies, faces: Halfspaces) -> Rows:  # noqa: ARG001
     )
 
 
-ROWS: dict[type, Callable[..., Rows]] = {Cells: wall_rows, Halfspaces: face_rows}
+def distance_rows(_: Bodies, near: VertexEdgePairs) -> Rows:
+    """Distances of corners from edges: they are worked out from the shapes, at each point anew."""
+    none = np.zeros((0, 2))
+    return Rows(near.kind, none, none[:, 0], none[:, 0], none)
+
+
+ROWS: dict[type, Callable[..., Rows]] = {Cells: wall_rows, Halfspaces: face_rows, VertexEdgePairs: distance_rows}
 """Registry: kind of region and the function that makes rows of it."""

@@ -112,52 +112,54 @@ def against(g, turn, a, b, row, d, scale, slot, y, out):
 
 
 @njit(**NO_ALLOCATION)
-def condensed(
-    g, turn, a, b, row, kind, d, normal, corner, weight, lam, balance, scale, slot, diagonal_at, block_at, room, data
-):
-    """Add J^T diag(weight) J - sum lam h'' to the upper triangle `data`, block by block.
+def wall_blocks(g, row, kind, d, normal, corner, weight, lam, M, force):
+    """Add D^T diag(weight) D - sum lam h'' of every pair to M (P, 6), entries 00 01 02 11 12 22, and D^T lam to force (P, 2)."""
+    for p in range(len(row) - 1):
+        x, y, psi = g[p, 0], g[p, 1], g[p, 2]
+        c, s = np.cos(psi), np.sin(psi)
+        for k in range(row[p], row[p + 1]):
+            w, f = weight[k], lam[k]
+            d0, d1, d2 = d[k, 0], d[k, 1], d[k, 2]
+            M[p, 0] += w * d0 * d0
+            M[p, 1] += w * d0 * d1
+            M[p, 2] += w * d0 * d2
+            M[p, 3] += w * d1 * d1
+            M[p, 4] += w * d1 * d2
+            M[p, 5] += w * d2 * d2
+            force[p, 0] += f * d0
+            force[p, 1] += f * d1
+            vx, vy = corner[k, 0], corner[k, 1]
+            if kind[k] == 0 or kind[k] == 4:
+                M[p, 5] += f * (normal[k, 0] * (c * vx - s * vy) + normal[k, 1] * (s * vx + c * vy))
+            elif kind[k] == 1:
+                M[p, 2] += f * d1
+                M[p, 4] -= f * d0
+                M[p, 5] -= f * (d0 * (vx - x) + d1 * (vy - y))
 
-    `diagonal_at` (F, 6) and `block_at` (P, 9) say where the entries of a body's own block and of a pair's block live;
-    the pair's block has the rows of the body with the smaller slot. `room` (3, 6, 6) is zero on entry and worked in.
+
+@njit(**NO_ALLOCATION)
+def condensed(g, turn, a, b, M, force, scale, slot, diagonal_at, block_at, room, data):
+    """Add the blocks M (P, 6) of all pairs, seen from the bodies, to the upper triangle `data`.
+
+    `force` (P, 2) multiplies the second derivatives of q. `diagonal_at` (F, 6) and `block_at` (P, 9) say where the entries of a body's
+    own block and of a pair's block live; the pair's block has the rows of the body with the smaller slot. `room` (3, 6, 6) is zero on entry
+    and worked in.
     """
     G, T, B = room[0], room[1], room[2]
     for p in range(len(a)):
-        m00, m01, m02, m11, m12, m22 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-        fx, fy = 0.0, 0.0
-        x, y, psi = g[p, 0], g[p, 1], g[p, 2]
-        cp, sp = np.cos(psi), np.sin(psi)
-        for k in range(row[p], row[p + 1]):
-            w, force = weight[k], lam[k]
-            d0, d1, d2 = d[k, 0], d[k, 1], d[k, 2]
-            m00 += w * d0 * d0
-            m01 += w * d0 * d1
-            m02 += w * d0 * d2
-            m11 += w * d1 * d1
-            m12 += w * d1 * d2
-            m22 += w * d2 * d2
-            fx += force * d0
-            fy += force * d1
-            vx, vy = corner[k, 0], corner[k, 1]
-            if kind[k] == 0 or kind[k] == 4:
-                m22 += force * (normal[k, 0] * (cp * vx - sp * vy) + normal[k, 1] * (sp * vx + cp * vy))
-            elif kind[k] == 1:
-                m02 += force * d1
-                m12 -= force * d0
-                m22 -= force * (d0 * (vx - x) + d1 * (vy - y))
+        x, y, fx, fy = g[p, 0], g[p, 1], force[p, 0], force[p, 1]
         c, s = turn[p, 0], turn[p, 1]
         G[0, 0], G[0, 1], G[0, 2], G[0, 3], G[0, 4] = -c, -s, y, c, s
         G[1, 0], G[1, 1], G[1, 2], G[1, 3], G[1, 4] = s, -c, -x, -s, c
         G[2, 2], G[2, 5] = -1.0, 1.0
         for q in range(6):
-            T[0, q] = m00 * G[0, q] + m01 * G[1, q] + m02 * G[2, q]
-            T[1, q] = m01 * G[0, q] + m11 * G[1, q] + m12 * G[2, q]
-            T[2, q] = m02 * G[0, q] + m12 * G[1, q] + m22 * G[2, q]
+            T[0, q] = M[p, 0] * G[0, q] + M[p, 1] * G[1, q] + M[p, 2] * G[2, q]
+            T[1, q] = M[p, 1] * G[0, q] + M[p, 3] * G[1, q] + M[p, 4] * G[2, q]
+            T[2, q] = M[p, 2] * G[0, q] + M[p, 4] * G[1, q] + M[p, 5] * G[2, q]
         for r in range(6):
             for q in range(r, 6):
                 B[r, q] = G[0, r] * T[0, q] + G[1, r] * T[1, q] + G[2, r] * T[2, q]
-        # second derivatives of q, weighted by the forces of the walls and what brings them into balance
-        fx += balance[p, 0]
-        fy += balance[p, 1]
+        # second derivatives of q
         ax, ay = -s * fx - c * fy, c * fx - s * fy
         B[0, 2] += ax
         B[1, 2] += ay

@@ -86,22 +86,38 @@ class Program:
     def values(self, u: Floats) -> Floats:
         """Rows h (R,) in units of `length`."""
         g, _ = self.relative(self.motion(u))
+        return self.row_values(g)
+
+    def row_values(self, g: Floats) -> Floats:
+        """Rows h (R,) in units of `length` at relative poses g (P, 3)."""
         h = np.empty(self.rows)
         kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
         h /= self.length
         return h
 
+    def row_gradients(self, g: Floats) -> Floats:
+        """Derivatives (R, 3) of the rows with respect to (q, psi), in units of `length`."""
+        d = np.empty((self.rows, 3))
+        kernel.wall_gradients(g, self.cells.row, self.kind, self.normal, self.per_turn, self.corner, d)
+        d /= self.length
+        return d
+
+    def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
+        """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), and D^T lam (P, 2) by q."""
+        M, force = np.zeros((len(self.cells.a), 6)), np.zeros((len(self.cells.a), 2))
+        # second derivatives of h share the rows' unit, first derivatives already carry it
+        normal = self.normal / self.length
+        kernel.wall_blocks(g, self.cells.row, self.kind, d, normal, self.corner, weight, lam, M, force)
+        return M, force
+
     def linearise(self, u: Floats) -> Linearised:
         """Rows, their derivatives, and products with them, at u."""
         motion = self.motion(u)
         g, turn = self.relative(motion)
-        h, d = np.empty(self.rows), np.empty((self.rows, 3))
-        kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
-        kernel.wall_gradients(g, self.cells.row, self.kind, self.normal, self.per_turn, self.corner, d)
-        h /= self.length
-        d /= self.length
         gradient = self.objective.gradient(motion)[self.free].ravel() * self.scale
-        return Linearised(self, motion, g, turn, h, d, self.objective.value(motion), gradient)
+        return Linearised(
+            self, motion, g, turn, self.row_values(g), self.row_gradients(g), self.objective.value(motion), gradient
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,10 +149,11 @@ class Linearised:
         """Entries of J^T diag(weight) J - share objective'' - sum lam h'' in the order of `program.pattern`."""
         P, pattern = self.program, self.program.pattern
         data = np.zeros(len(pattern.indices))
-        # second derivatives of h share the rows' unit, first derivatives already carry it
+        M, force = P.pair_blocks(self.g, self.d, weight, lam)
+        if balance is not None:
+            force += balance
         kernel.condensed(
-            self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, P.kind, self.d, P.normal / P.length, P.corner,
-            weight, lam, np.zeros((len(P.cells.a), 2)) if balance is None else balance, P.scale, P.slot,
+            self.g, self.turn, P.cells.a, P.cells.b, M, force, P.scale, P.slot,
             pattern.diagonal_at, pattern.block_at, np.zeros((3, 6, 6)), data,
         )  # fmt: skip
         self._add_objective(data, share)
@@ -203,7 +220,9 @@ def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float
     n, (i, j) = len(slot), objective.couples
     own, other = cells.a * n + cells.b, i * n + j
     extra = np.setdiff1d(other, own)
-    whole = pattern(np.concatenate([cells.a, extra // n]), np.concatenate([cells.b, extra % n]), slot, len(free))
+    whole = pattern(
+        np.concatenate([cells.a, extra // n]), np.concatenate([cells.b, extra % n]), slot, bodies.rest[free, :2]
+    )
     key = np.concatenate([own, extra])
     order = np.argsort(key)
     at = order[np.searchsorted(key, other, sorter=order)] if len(other) else other

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
@@ -21,12 +22,15 @@ class Pattern:
         Entries (0,0) (0,1) (1,1) (0,2) (1,2) (2,2) of each free body's own block.
     block_at : (P, 9) int64
         Entries of each pair's block, column by column; -1 where one of the two is fixed.
+    at : (F, 2) float64 [mm]
+        Where the free bodies lie at rest.
     """
 
     indptr: Ints
     indices: Ints
     diagonal_at: Ints
     block_at: Ints
+    at: Floats
 
     @property
     def diagonal(self) -> Ints:
@@ -34,8 +38,9 @@ class Pattern:
         return self.diagonal_at[:, [0, 2, 5]].ravel()
 
 
-def pattern(a: Ints, b: Ints, slot: Ints, n: int) -> Pattern:
-    """Block pattern of the graph of pairs (P,), each once, of `n` free bodies; `slot` maps bodies to free ones (-1: fixed)."""
+def pattern(a: Ints, b: Ints, slot: Ints, at: Floats) -> Pattern:
+    """Block pattern of the graph of pairs (P,), each once, of free bodies at `at` (F, 2); `slot` maps bodies to free ones (-1: fixed)."""
+    n = len(at)
     i, j = slot[a], slot[b]
     both = (i >= 0) & (j >= 0)
     lo, hi = np.minimum(i, j)[both], np.maximum(i, j)[both]
@@ -60,4 +65,4 @@ def pattern(a: Ints, b: Ints, slot: Ints, n: int) -> Pattern:
             k += 1
     block_at = np.full((len(i), 9), -1, dtype=np.int64)
     block_at[both] = block.reshape(-1, 9)
-    return Pattern(indptr, indices, own, block_at)
+    return Pattern(indptr, indices, own, block_at, at)

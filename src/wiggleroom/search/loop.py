@@ -18,7 +18,7 @@ from wiggleroom.geometry.overlap import Overlaps, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
-from wiggleroom.search.incumbent import Incumbent, Start
+from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution
@@ -316,6 +316,8 @@ class LocalSearch:
         """Where the path to the best motion is certain for the last time, with the pairs that it meets then."""
         kept = self.way(best).kept
         segment = kept[-1]
+        if not isinstance(segment.program.cells, Cells):  # the climb before there were cells
+            return self._begun_with(at_rest(self.ready), best, a, b)
         inner = segment.program.motion(segment.points[-1])
         grown, good = self._grown(a, b, inner, best.motion)
         if (len(kept) == 1 and len(segment.points) == 1) or not good.all():

@@ -9,11 +9,16 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from wiggleroom.program.sparsity_pattern import Pattern
+from wiggleroom.solve.multifrontal import Multifrontal
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
 """Up to so many rows one column at a time is the quickest, and from so many on nested dissection and threads pay."""
+BODY_VARIABLES = 3
+"""Of a body in the plane."""
 
 
 class SparsePattern(Protocol):
@@ -43,9 +48,14 @@ class Factor(Protocol):
 
 
 def factor(pattern: SparsePattern) -> Factor:
-    """The fastest factorisation that is installed: rslab (extra `fast`) for more than a few hundred bodies, else qdldl."""
+    """The fastest factorisation for a pattern.
+
+    Up to a few hundred bodies it is qdldl; above, the multifrontal one for bodies in the plane, else rslab (extra `fast`) where installed.
+    """
     if len(pattern.indptr) <= MAX_SIMPLICIAL_ROWS:
         return Plain(pattern)
+    if isinstance(pattern, Pattern):
+        return Multifrontal(pattern.at, pattern.indptr, pattern.indices, BODY_VARIABLES)
     try:
         return Supernodal(pattern)
     except ImportError:

@@ -1,0 +1,108 @@
+"""Corners of bodies and edges of their neighbours that are near each other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
+from wiggleroom.geometry.neighbours import classes, relative_pose
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+A_EDGE, B_EDGE = 0, 1
+
+
+@dataclass(frozen=True, eq=False)
+class VertexEdgePairs:
+    """Corners and edges of each of P pairs that are near each other.
+
+    Parameters
+    ----------
+    a, b : (P,) int64
+        Bodies.
+    row : (P + 1,) int64
+        Rows of pair p are row[p] .. row[p + 1].
+    kind, edge, corner : (R,) int64
+        Edge and corner as rows of `BodyShapes`; kind 0: an edge of A and a corner of B, 1: an edge of B and a corner of A.
+    seed : (P, 3) float64 [mm, mm, rad]
+        Relative poses at which they were listed.
+    """
+
+    a: Ints
+    b: Ints
+    row: Ints
+    kind: Ints
+    edge: Ints
+    corner: Ints
+    seed: Floats
+
+    @property
+    def pair(self) -> Ints:
+        """Pair of each row (R,)."""
+        return np.repeat(np.arange(len(self.a)), np.diff(self.row))
+
+
+def near_vertices(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: Floats, behind: float) -> VertexEdgePairs:
+    """Corners and edges of pairs of bodies that are within `reach` (P,) [mm] at a motion (n, 3); congruent pairs are looked at once.
+
+    Corners further than `behind` [mm] behind the line of an edge do not count: material may lie between.
+    """
+    shapes, seed = bodies.shapes, relative_pose(bodies, a, b, motion)
+    _, congruent = classes(bodies, a, b, seed)
+    _, first, label = np.unique(np.column_stack([congruent, reach]), axis=0, return_index=True, return_inverse=True)
+    label = label.ravel()
+    one, other, none = bodies.shape[a[first]], bodies.shape[b[first]], np.zeros(0, dtype=np.int64)
+    row = np.zeros(len(first) + 1, dtype=np.int64)
+    table = shapes.first, shapes.corner, shapes.normal, shapes.length, reach[first], behind
+    near_pairs(seed[first], one, other, *table, row, none, none, none, False)
+    kind, edge, corner = np.empty((3, row[-1]), dtype=np.int64)
+    near_pairs(seed[first], one, other, *table, row, kind, edge, corner, True)
+    count = np.diff(row)[label]
+    start = np.concatenate([[0], np.cumsum(count)])
+    take = np.repeat(row[label] - start[:-1], count) + np.arange(start[-1])
+    return VertexEdgePairs(a, b, start, kind[take], edge[take], corner[take], seed)
+
+
+@njit(**NO_ALLOCATION)
+def near_pairs(g, shape_a, shape_b, first, corner, normal, length, reach, behind, row, kind, edge, vertex, fill):
+    """Corners and edges within `reach` (P,) at relative poses g (P, 3): counted into row (P + 1,), and listed where `fill`.
+
+    A corner that lies further than `behind` behind the line of an edge is not seen by it: material may be in between.
+    """
+    at = 0
+    for p in range(len(shape_a)):
+        row[p], far = at, reach[p]
+        c, s = np.cos(g[p, 2]), np.sin(g[p, 2])
+        for k in range(2):
+            own, other = (shape_a[p], shape_b[p]) if k == A_EDGE else (shape_b[p], shape_a[p])
+            low_x, low_y, high_x, high_y = np.inf, np.inf, -np.inf, -np.inf
+            for e in range(first[own], first[own + 1]):
+                low_x, high_x = min(low_x, corner[e, 0]), max(high_x, corner[e, 0])
+                low_y, high_y = min(low_y, corner[e, 1]), max(high_y, corner[e, 1])
+            for v in range(first[other], first[other + 1]):
+                if k == A_EDGE:
+                    x = c * corner[v, 0] - s * corner[v, 1] + g[p, 0]
+                    y = s * corner[v, 0] + c * corner[v, 1] + g[p, 1]
+                else:
+                    dx, dy = corner[v, 0] - g[p, 0], corner[v, 1] - g[p, 1]
+                    x, y = c * dx + s * dy, -s * dx + c * dy
+                if x < low_x - far or x > high_x + far or y < low_y - far or y > high_y + far:
+                    continue
+                for e in range(first[own], first[own + 1]):
+                    rx, ry = x - corner[e, 0], y - corner[e, 1]
+                    ahead = normal[e, 0] * rx + normal[e, 1] * ry
+                    if ahead < -behind or ahead > far:
+                        continue
+                    along = normal[e, 0] * ry - normal[e, 1] * rx
+                    beyond = max(-along, along - length[e], 0.0)
+                    if (beyond == 0.0 and ahead < 0.0) or beyond * beyond + ahead * ahead > far * far:
+                        continue
+                    if fill:
+                        kind[at], edge[at], vertex[at] = k, e, v
+                    at += 1
+    row[len(shape_a)] = at

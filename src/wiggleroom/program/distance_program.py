@@ -1,0 +1,53 @@
+"""The program whose rows are distances of corners from edges: all of the free space near where the bodies are, without cells."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
+from wiggleroom.program import vertex_edge_distances as kernel
+from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.objectives import Objective
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class DistanceProgram(Program):
+    """max objective(motion) subject to distances >= 0; fields as of `Program`, which its cells are `VertexEdgePairs` in."""
+
+    def row_values(self, g: Floats) -> Floats:
+        """Distances (R,) in units of `length` at relative poses g (P, 3)."""
+        near, shapes, h = self.cells, self.bodies.shapes, np.empty(self.rows)
+        kernel.distances(g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, h)
+        h /= self.length
+        return h
+
+    def row_gradients(self, g: Floats) -> Floats:
+        """Derivatives (R, 3) of the distances with respect to (q, psi), in units of `length`."""
+        near, shapes, d = self.cells, self.bodies.shapes, np.empty((self.rows, 3))
+        kernel.distance_gradients(
+            g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, d
+        )
+        d /= self.length
+        return d
+
+    def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
+        """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), made positive semidefinite, and D^T lam (P, 2) by q."""
+        near, shapes, radius = self.cells, self.bodies.shapes, self.bodies.radius
+        M, force = np.zeros((len(near.a), 6)), np.zeros((len(near.a), 2))
+        kernel.distance_blocks(
+            g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, d, weight, lam,
+            self.length, np.minimum(radius[near.a], radius[near.b]), np.empty((2, 3, 3)), M, force,
+        )  # fmt: skip
+        return M, force
+
+
+def build_distances(bodies: Bodies, near: VertexEdgePairs, objective: Objective, *, length: float) -> DistanceProgram:
+    """Put all distances and the objective into one program; arguments as for `build`."""
+    program = build(bodies, near, objective, length=length)
+    return DistanceProgram(**{field.name: getattr(program, field.name) for field in fields(program)})

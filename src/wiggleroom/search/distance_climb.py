@@ -1,0 +1,117 @@
+"""A first climb among exact distances, for large assemblies: it shows where everything wants to go before any cell is chosen.
+
+A cell commits a pair to some walls. In a large assembly the walls of the first rounds decide in which basin the search ends. Distances of
+corners from edges commit to nothing, so this climb ends in a better one; then cells are grown where it came to.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.freespace.cells.cells import Cells, grow_cells, replaced, select
+from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
+from wiggleroom.geometry.vertex_edge_pairs import near_vertices
+from wiggleroom.program.distance_program import DistanceProgram, build_distances
+from wiggleroom.search.incumbent import PathSegment, Start
+from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
+from wiggleroom.solve import interior_point
+from wiggleroom.solve.interior_point import Solution
+from wiggleroom.verdict import SolverStatus
+
+Floats = NDArray[np.float64]
+
+MIN_BODIES = 100
+"""In smaller assemblies cells alone come as far."""
+CLIMB_TOLERANCE = 1e-2
+"""Of the climb, which is to show the basin only."""
+REACH, CORNER_REACH = 5.0, 12.0
+"""Corners and edges within so many clearances are listed: of pairs with edges that face each other, and of others, which pass far by."""
+BEHIND = 2.5
+"""Corners up to so many clearances behind the line of an edge are listed too: they may come round its end."""
+
+
+def climbed(search: LocalSearch, start: Start) -> Start:
+    """Where the search begins after a climb among distances; the start itself where that does not apply or leads nowhere."""
+    if len(search.ready.bodies.fixed) <= MIN_BODIES or search.solve is not interior_point.solve:
+        return start
+    began = time.perf_counter()
+    program = _program(search, start)
+    begin = nudged(program, program.variables(start.inner))
+    solution = interior_point.solve(
+        program, begin, mu=start.mu, tolerance=CLIMB_TOLERANCE, horizon=ESCAPE_DISTANCE * search.ready.size,
+        stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
+    )  # fmt: skip
+    search.iterations += solution.iterations
+    search.seconds["solve"] += time.perf_counter() - began
+    if solution.status not in (SolverStatus.CONVERGED, SolverStatus.STOPPED) or not solution.way:
+        return start
+    return _handed_over(search, start, program, solution)
+
+
+def _program(search: LocalSearch, start: Start) -> DistanceProgram:
+    """The distances of all pairs that are near at rest."""
+    ready = search.ready
+    n = len(ready.bodies.fixed)
+    facing, key = start.cells.a * n + start.cells.b, np.union1d(start.cells.a * n + start.cells.b, ready.corners)
+    reach = ready.clearance * np.where(np.isin(key, facing), REACH, CORNER_REACH)
+    near = near_vertices(ready.bodies, key // n, key % n, start.inner, reach, BEHIND * ready.clearance)
+    return build_distances(ready.bodies, near, search.objective, length=ready.clearance)
+
+
+def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, solution: Solution) -> Start:
+    """The start of a search among cells, grown where the climb was still well inside all rows; its end stays inside them."""
+    began = time.perf_counter()
+    points = [program.variables(start.inner), *solution.way]
+    inner = next((k for k, point in enumerate(points) if point is solution.inner), 0)
+    end = _last_free(search, [program.motion(point) for point in (*points, solution.u)])
+    motion = program.motion((*points, solution.u)[end])
+    search.seconds["check"] += time.perf_counter() - began
+    began = time.perf_counter()
+    inner = min(inner, end)
+    search.tell(Progress("free spaces", 0, solution.iterations, search.objective.value(motion)))
+    cells = None
+    while inner > 0 and cells is None:
+        cells = _cells(search, program, program.motion(points[inner]), motion)
+        inner = inner if cells is not None else inner // 2
+    search.seconds["freespace"] += time.perf_counter() - began
+    if cells is None:
+        return start
+    mu = solution.inner_mu * program.rows / max(len(cells.kind), 1)
+    segment = PathSegment(program, tuple(points[: inner + 1]))
+    return replace(start, cells=cells, inner=program.motion(points[inner]), segments=(segment,), mu=mu)
+
+
+def _last_free(search: LocalSearch, motions: list[Floats]) -> int:
+    """The last of some motions, or where parts overlap there the last one before which none do, by bisection."""
+    ready = search.ready
+
+    def free(k: int) -> bool:
+        return overlaps(ready.bodies, motions[k], ready.ignored).deepest <= OVERLAP_TOLERANCE * ready.size
+
+    low, high = 0, len(motions) - 1
+    if free(high):
+        return high
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if free(middle) else (low, middle)
+    return low
+
+
+def _cells(search: LocalSearch, program: DistanceProgram, inner: Floats, end: Floats) -> Cells | None:
+    """Cells of all pairs of a program round an inner motion, with the end inside where that is possible; None where there are none."""
+    bodies, a, b = search.ready.bodies, program.cells.a, program.cells.b
+    seed, keep = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, end)
+    room = np.full(len(a), search.ready.clearance)
+    cells, grown = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :])
+    rest = np.flatnonzero(~grown)
+    if len(rest):
+        others, grown = grow_cells(bodies, a[rest], b[rest], seed[rest], room[rest], target=keep[rest])
+        if not grown.all():
+            return None
+        cells = replaced(cells, rest, select(others, np.arange(len(rest))))
+    return cells

@@ -1,0 +1,324 @@
+"""Multifrontal Cholesky factorisation of matrices that consist of small dense blocks, one for each vertex of a graph in the plane.
+
+Each node of the elimination tree gathers its own rows and what its children leave over in one dense front, and LAPACK does the work
+there. Independent parts of the tree run on both cores. Source: Duff and Reid 1983; Liu 1992.
+"""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from functools import cache
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba.core import types
+from numba.extending import get_cython_function_address, intrinsic
+from numpy.typing import NDArray
+from threadpoolctl import ThreadpoolController
+
+from wiggleroom.geometry.jit_options import NO_ALLOCATION, OPTIONS, njit
+from wiggleroom.solve.nested_dissection import EliminationTree, dissect
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SUBTREE_DEPTH = 3
+"""Nodes at this depth are the roots of independent subtrees."""
+MIN_THREADED_FRONT = 1500
+"""From so many rows in the largest front on, the linear-algebra library may use its own threads for the last fronts."""
+
+
+class Multifrontal:
+    """Cholesky factor of a symmetric matrix of blocks, whose pattern stays the same while its numbers change.
+
+    Parameters
+    ----------
+    at : (V, 2) float64
+        Where the vertices lie.
+    indptr, indices : (C + 1,) and (E,) int64
+        Upper triangle of the matrix in compressed columns; the variables of a vertex follow each other.
+    block : int
+        Variables of a vertex.
+    """
+
+    def __init__(self, at: Floats, indptr: Ints, indices: Ints, block: int) -> None:
+        column = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
+        tree = dissect(at, *_neighbours(indices // block, column // block, len(at)))
+        nodes = len(tree.parent)
+        panel, target, owner = _targets(
+            tree.first, tree.border_start, tree.border, tree.place, np.repeat(np.arange(nodes), np.diff(tree.first)),
+            indices, column, block,
+        )  # fmt: skip
+        source = np.argsort(owner, kind="stable")
+        entry = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=nodes))])
+        in_parent = _places_in_parent(tree.first, tree.border_start, tree.border, tree.parent)
+        self._shares, region = _shares(tree)
+        place, workplace, size = _stack_places(
+            tree.border_start, tree.child, tree.sibling, region, len(self._shares), block
+        )
+        self._tree, self._block, self._panel = tree, block, panel
+        self._factor = np.empty(panel[-1])
+        self._plan = (
+            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, panel, place, workplace, entry,
+            target[source], source, block, self._factor, np.empty(size), *_ADDRESSES,
+        )  # fmt: skip
+        self._order = (block * tree.order[:, None] + np.arange(block)).ravel()
+        self._widest = block * int((np.diff(tree.first) + np.diff(tree.border_start)).max())
+        self._libraries = _libraries()
+        threads = min(2, os.cpu_count() or 1, len(self._shares) - 1)
+        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+
+    def update(self, data: Floats, shift: float) -> bool:
+        """Factorise with `shift` added to the diagonal; False where the matrix is not positive definite."""
+        *subtrees, top = self._shares
+
+        def done(nodes: Ints) -> bool:
+            return _factorise(nodes, *self._plan, data, shift, np.empty(8, np.int32))
+
+        with self._libraries.limit(limits=1):  # fronts are small: threads of a library would cost more than they save
+            each = map(done, subtrees) if self._pool is None else self._pool.map(done, subtrees)
+            fine = all(list(each))
+        with self._libraries.limit(limits=1 if self._widest < MIN_THREADED_FRONT else None):
+            return fine and done(top)
+
+    def solve(self, right: Floats) -> Floats:
+        """Solution of the factorised system."""
+        tree, x, out = self._tree, right[self._order], np.empty(len(right))
+        room = np.empty(len(right))
+        _substitute(tree.first, tree.border_start, tree.border, self._panel, self._block, self._factor, x, room)
+        out[self._order] = x
+        return out
+
+
+@cache
+def _libraries() -> ThreadpoolController:
+    """The linear-algebra libraries that are loaded."""
+    return ThreadpoolController()
+
+
+def _neighbours(i: Ints, j: Ints, count: int) -> tuple[Ints, Ints]:
+    """Neighbours of each of `count` vertices, from entries (i, j) of a matrix of blocks."""
+    key = np.unique(np.where(i < j, i * count + j, -1))
+    key = key[key >= 0]
+    one, other = np.concatenate([key // count, key % count]), np.concatenate([key % count, key // count])
+    order = np.argsort(one, kind="stable")
+    return np.concatenate([[0], np.cumsum(np.bincount(one, minlength=count))]), other[order]
+
+
+def _shares(tree: EliminationTree) -> tuple[list[Ints], Ints]:
+    """Nodes of the independent subtrees, the largest first, then those above them; and the share (T,) that each node is in."""
+    nodes = len(tree.parent)
+    roots = np.flatnonzero(tree.depth == SUBTREE_DEPTH)
+    begin = _first_below(tree.parent)
+    shares = sorted((np.arange(begin[r], r + 1) for r in roots), key=len, reverse=True)
+    region = np.full(nodes, len(shares))
+    for k, some in enumerate(shares):
+        region[some] = k
+    return [*shares, np.flatnonzero(region == len(shares))], region
+
+
+@njit(**OPTIONS)
+def _first_below(parent):
+    """First node of the subtree below each node."""
+    first = np.arange(len(parent))
+    for t in range(len(parent)):
+        if parent[t] >= 0:
+            first[parent[t]] = min(first[parent[t]], first[t])
+    return first
+
+
+@njit(**OPTIONS)
+def _targets(first, border_start, border, place, node_of, row, column, block):
+    """Where the panel of each node begins, and where in the factor, and in which node, each entry of the matrix is gathered."""
+    nodes = len(first) - 1
+    panel = np.zeros(nodes + 1, np.int64)
+    for t in range(nodes):
+        width, high = first[t + 1] - first[t], border_start[t + 1] - border_start[t]
+        panel[t + 1] = panel[t] + block * block * width * (width + high)
+    target, owner = np.empty(len(row), np.int64), np.empty(len(row), np.int64)
+    for k in range(len(row)):
+        i = block * place[row[k] // block] + row[k] % block
+        j = block * place[column[k] // block] + column[k] % block
+        if i < j:
+            i, j = j, i
+        t = node_of[j // block]
+        width, high = first[t + 1] - first[t], border_start[t + 1] - border_start[t]
+        if i < block * first[t + 1]:
+            down = i - block * first[t]
+        else:
+            some = border[border_start[t] : border_start[t + 1]]
+            down = block * (width + np.searchsorted(some, i // block)) + i % block
+        target[k] = panel[t] + (j - block * first[t]) * block * (width + high) + down
+        owner[k] = t
+    return panel, target, owner
+
+
+@njit(**OPTIONS)
+def _places_in_parent(first, border_start, border, parent):
+    """Place of every border vertex in the front of its node's parent."""
+    places = np.empty(len(border), np.int64)
+    for t in range(len(parent)):
+        p = parent[t]
+        if p < 0:
+            continue
+        q = border_start[p]
+        for k in range(border_start[t], border_start[t + 1]):
+            v = border[k]
+            if v < first[p + 1]:
+                places[k] = v - first[p]
+            else:
+                while border[q] < v:
+                    q += 1
+                places[k] = first[p + 1] - first[p] + q - border_start[p]
+    return places
+
+
+@njit(**OPTIONS)
+def _stack_places(border_start, child, sibling, region, regions, block):
+    """Where each node's left-over lies on the stack of its share, where it is worked out above its children, and the size of all stacks."""
+    nodes = len(region)
+    place, workplace = np.empty(nodes, np.int64), np.empty(nodes, np.int64)
+    height, most = np.zeros(regions, np.int64), np.zeros(regions, np.int64)
+    for t in range(nodes):
+        r = region[t]
+        workplace[t], place[t] = height[r], height[r]
+        c = child[t]
+        while c >= 0:
+            if region[c] == r:
+                place[t] = min(place[t], place[c])
+            c = sibling[c]
+        size = (block * (border_start[t + 1] - border_start[t])) ** 2
+        most[r] = max(most[r], workplace[t] + size)
+        height[r] = place[t] + size
+    base = 0
+    for r in range(regions):
+        for t in range(nodes):
+            if region[t] == r:
+                place[t] += base
+                workplace[t] += base
+        base += most[r]
+    return place, workplace, base
+
+
+def _called(count: int) -> Any:
+    """Intrinsic that calls the routine at an address with so many pointers; an address that is an argument lets the caller be cached."""
+
+    @intrinsic
+    def call(_, address, pointers):  # noqa: ARG001 (typed by name)
+        def code(context, builder, signature, arguments):  # noqa: ARG001
+            kind = ir.FunctionType(ir.VoidType(), [ir.IntType(64)] * count)
+            routine = builder.inttoptr(arguments[0], kind.as_pointer())
+            builder.call(routine, [builder.extract_value(arguments[1], k) for k in range(count)])
+            return context.get_dummy_value()
+
+        return types.void(types.int64, types.UniTuple(types.int64, count)), code
+
+    return call
+
+
+_call5, _call10, _call11 = _called(5), _called(10), _called(11)
+_ADDRESSES = (
+    get_cython_function_address("scipy.linalg.cython_lapack", "dpotrf"),
+    get_cython_function_address("scipy.linalg.cython_blas", "dtrsm"),
+    get_cython_function_address("scipy.linalg.cython_blas", "dsyrk"),
+)
+
+
+@njit(**OPTIONS)
+def _factorise(
+    nodes, first, border_start, child, sibling, in_parent, panel, place, workplace, entry, target, source, block, factor, stack,
+    dpotrf, dtrsm, dsyrk, data, shift, number,
+):  # fmt: skip
+    """Factorise some nodes, in order; False where a pivot is not positive."""
+    real = np.array([1.0, -1.0])
+    letter = np.array([76, 78, 82, 84], np.int8)  # L N R T
+    L, N, R, T = letter.ctypes.data, letter.ctypes.data + 1, letter.ctypes.data + 2, letter.ctypes.data + 3
+    one, minus, at = real.ctypes.data, real.ctypes.data + 8, number.ctypes.data
+    for t in nodes:
+        width, high = block * (first[t + 1] - first[t]), block * (border_start[t + 1] - border_start[t])
+        tall = width + high
+        A = factor[panel[t] : panel[t + 1]]
+        A[:] = 0.0
+        for k in range(entry[t], entry[t + 1]):
+            A[target[k] - panel[t]] += data[source[k]]
+        for c in range(width):
+            A[c * tall + c] += shift
+        C = stack[workplace[t] : workplace[t] + high * high]
+        C[:] = 0.0
+        c = child[t]
+        while c >= 0:
+            _gather(A, C, stack, place[c], in_parent[border_start[c] : border_start[c + 1]], block, width, high, tall)
+            c = sibling[c]
+        if width > 0:
+            number[0], number[1], number[2], number[3] = width, high, tall, max(high, 1)
+            a = A.ctypes.data
+            _call5(dpotrf, (L, at, a, at + 8, at + 16))
+            if number[4] != 0:
+                return False
+            if high > 0:
+                _call11(dtrsm, (R, L, T, N, at + 4, at, one, a, at + 8, a + 8 * width, at + 8))
+                _call10(dsyrk, (L, N, at + 4, at, minus, a + 8 * width, at + 8, one, C.ctypes.data, at + 12))
+        if workplace[t] != place[t]:
+            for k in range(high * high):
+                stack[place[t] + k] = C[k]
+    return True
+
+
+@njit(**NO_ALLOCATION)
+def _gather(A, C, stack, begin, places, block, width, high, tall):
+    """Add what a child leaves over to the front of its parent, lower triangles only."""
+    size = block * len(places)
+    for J in range(len(places)):
+        for j in range(block):
+            column, right = begin + (block * J + j) * size, block * places[J] + j
+            if right < width:
+                for K in range(J, len(places)):
+                    down = right * tall + block * places[K]
+                    for i in range(block):
+                        A[down + i] += stack[column + block * K + i]
+            else:
+                for K in range(J, len(places)):
+                    down = (right - width) * high + block * places[K] - width
+                    for i in range(block):
+                        C[down + i] += stack[column + block * K + i]
+
+
+@njit(fastmath=True, **NO_ALLOCATION)
+def _substitute(first, border_start, border, panel, block, factor, x, room):
+    """Solve in place, forward and backward, for a right-hand side in the order of elimination."""
+    nodes = len(first) - 1
+    for t in range(nodes):
+        width, high = block * (first[t + 1] - first[t]), block * (border_start[t + 1] - border_start[t])
+        tall, at = width + high, block * first[t]
+        below = room[:high]
+        below[:] = 0.0
+        for c in range(width):
+            column = factor[panel[t] + c * tall : panel[t] + (c + 1) * tall]
+            v = x[at + c] / column[c]
+            x[at + c] = v
+            for r in range(c + 1, width):
+                x[at + r] -= column[r] * v
+            for r in range(high):
+                below[r] += column[width + r] * v
+        for k in range(high // block):
+            q = block * border[border_start[t] + k]
+            for i in range(block):
+                x[q + i] -= below[block * k + i]
+    for t in range(nodes - 1, -1, -1):
+        width, high = block * (first[t + 1] - first[t]), block * (border_start[t + 1] - border_start[t])
+        tall, at = width + high, block * first[t]
+        below = room[:high]
+        for k in range(high // block):
+            q = block * border[border_start[t] + k]
+            for i in range(block):
+                below[block * k + i] = x[q + i]
+        for c in range(width - 1, -1, -1):
+            column = factor[panel[t] + c * tall : panel[t] + (c + 1) * tall]
+            total = 0.0
+            for r in range(c + 1, width):
+                total += column[r] * x[at + r]
+            for r in range(high):
+                total += column[width + r] * below[r]
+            x[at + c] = (x[at + c] - total) / column[c]
