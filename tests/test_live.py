@@ -76,7 +76,7 @@ def free_parts(assembly: Assembly):
 
 @pytest.mark.parametrize(("target", "there"), [((7, 7), (1, 1)), ((0.3, -0.6), (0.3, -0.6)), ((-40, 0.5), (-1, 0.5))])
 def test_a_square_peg_goes_into_the_corner_of_its_hole(target, there):
-    shot = wr.Live(peg()).drag("peg", (0, 0), target)
+    shot = wr.Live(peg()).drag("peg", (0, 0), target, seconds=30.0)
     assert shot.settled
     np.testing.assert_allclose(shot.reached, there, atol=5e-3)
     assert shot.distance == pytest.approx(np.hypot(*np.subtract(target, shot.reached)))
@@ -236,6 +236,19 @@ def test_many_small_slides_do_not_lead_astray(joint):
         assert overlap(made, shot.motion) < 1e-12
         if k % 10 == 9:
             assert shot.objective == pytest.approx(wr.flex(assemble(drawing, gap=gap), goal).objective, rel=3e-3)
+
+
+@pytest.mark.parametrize("joint", ["jigsaw", "swallowtail"])
+@pytest.mark.parametrize("seconds", [0.0, 1e-3, 5e-3, 0.02])
+def test_a_gap_that_shrinks_overlaps_nothing_whatever_the_time(joint, seconds):
+    rng = np.random.default_rng(7)
+    made = wr.patterns.chain(4, joint=joint, gap=0.05)
+    live, goals = wr.Live(made), made.drawing.goals
+    live.flex(goals, seconds=5.0)
+    for gap in np.sort(rng.uniform(0.02, 0.05, 8))[::-1]:  # each time the end of a larger gap is near
+        live.design(gap=float(gap))
+        for _ in range(2):
+            assert overlap(live.assembly, live.flex(goals, seconds=seconds).motion) < 1e-9
 
 
 def test_extra_gap_round_one_part_is_that_of_its_outline():

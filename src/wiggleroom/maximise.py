@@ -32,6 +32,7 @@ from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
+from wiggleroom.search.periodic_motion import periodic_motion
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.linear_programming import linear_solver
@@ -220,10 +221,16 @@ def witness(
     if first:
         return _from_several(climb, first, asked, solver, began)
     climb.improve(climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start())
-    if search == 0:
-        return answer_of(climb, asked, solver, began)
+    climb, repeats = periodic_motion(climb, asked)
+    if search == 0 or repeats is not None:
+        return answer_of(climb, asked, solver, began, repeats)
+    first_climb = climb
     climb, effort = search_on(climb, search)
-    answer = replace(answer_of(climb, asked, solver, began), search=effort)
+    if climb is not first_climb:
+        climb, repeats = periodic_motion(climb, asked)
+    answer = replace(answer_of(climb, asked, solver, began, repeats), search=effort)
+    if answer.objective is None:
+        return answer
     several = int((~ready.bodies.fixed).sum()) > 1
     if several or (search is None and with_quick_bound(answer).verdict is Verdict.PROVEN):
         return answer  # only one body alone is searched completely, where there is anything left to find

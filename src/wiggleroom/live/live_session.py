@@ -19,7 +19,7 @@ from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
 from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns
-from wiggleroom.live.warm_start import State, TimeBudget, WarmSearch, at_rest, pushed
+from wiggleroom.live.warm_start import State, TimeBudget, WarmSearch, at_rest, free_of_overlap, pushed
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import Approach
@@ -29,6 +29,7 @@ from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.recession import recession_direction
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -217,10 +218,13 @@ class Live:
         settled = settled and state.linked
         self._remember(_End(asked, self._design, state))
         motion = of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
-        if search.search.unlimited:
+        if search.search.unlimited and recession_direction(ready, term, state.motion) is not None:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return LiveResult(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
         held = _held(ready, search, 1.0)
+        settled = (
+            settled and not search.search.unlimited
+        )  # whether a turn repeats for ever is for the full answer to say
         return LiveResult(motion, settled, time.perf_counter() - began, held, objective=term.value(state.motion))
 
     def settle(
@@ -245,7 +249,7 @@ class Live:
             self._state = None
         answer = witness(self.ready, asked, stop=stop, progress=progress)
         found = answer.warm_start
-        if found is not None and answer.objective is not None and answer.collision_free:
+        if found is not None and answer.objective == found.value and answer.collision_free:  # else it was cut back
             cells = found.program.cells
             ended = relative_pose(self.ready.bodies, cells.a, cells.b, found.motion)
             state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
@@ -329,8 +333,8 @@ def _followed(end: State, old: GapDesign, new: GapDesign) -> State | None:
     less = 2 * float((old.inward - new.inward).max()) / old.ready.clearance  # motions shrink like the gap
     for aside in RETREAT_SHARES:
         state = pushed(new.ready, replace(there, inner=max(1 - less - aside, 0.0) * there.inner, linked=False))
-        if state is not None:
-            return state
+        if state is not None and free_of_overlap(new.ready, state.inner):  # the old motion is one of smaller parts
+            return replace(state, motion=state.inner)
     return None
 
 

@@ -196,7 +196,7 @@ class WarmSearch:
         motion = found.motion
         if found.solution.status not in FINISHED:  # the last iterate may be on its way through a wall; these are not
             motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
-        if overlaps(self.ready.bodies, motion, self.ready.ignored).deepest > OVERLAP_TOLERANCE * self.ready.size:
+        if not free_of_overlap(self.ready, motion):
             return None
         return None if len(self._unchecked(self.search, found)[0]) else motion
 
@@ -237,6 +237,11 @@ class WarmSearch:
         fine = coming is not None and coming.tolerance is not None and coming.tolerance < SKETCH_TOLERANCE
         near = not settled and (before.near or fine)
         return State(cells, inner, motion, max(mu, FIRST_BARRIER) if settled else mu, near, before.linked, ended)
+
+
+def free_of_overlap(ready: Prepared, motion: Floats) -> bool:
+    """True where no two bodies overlap at a motion (n, 3) of theirs, by exact geometry."""
+    return overlaps(ready.bodies, motion, ready.ignored).deepest <= OVERLAP_TOLERANCE * ready.size
 
 
 def pushed(ready: Prepared, state: State) -> State | None:

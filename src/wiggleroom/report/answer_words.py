@@ -119,11 +119,21 @@ def headline(answer: Answer) -> str:
 
 def sentence(answer: Answer) -> str:
     """Say what the verdict means; of a model that approximates the free space, what it does not."""
+    if answer.period is not None:
+        return f"{answer.verdict.sentence}: {repeats(answer)}"
     if answer.model == "walls" or answer.verdict is Verdict.UNBOUNDED:
         return answer.verdict.sentence
     end = "reached its end" if answer.verdict is Verdict.STATIONARY else "stopped before its end"
     truth = "this motion does not overlap" if answer.collision_free else "the parts overlap in this motion"
     return f"the model {answer.model} {end}; it only approximates the contacts: {truth}"
+
+
+def repeats(answer: Answer) -> str:
+    """Say after which turns a motion begins anew, such as "it repeats after gear0 21.18°, gear1 -15.65°"; empty where it does not."""
+    if answer.period is None:
+        return ""
+    turned = [(name, math.degrees(turn)) for name, turn in zip(answer.assembly.names, answer.period.turn, strict=True)]
+    return f"it repeats after {few([f'{short(name)} {number(turn)}°' for name, turn in turned if turn], 4)}"
 
 
 def proven(answer: Answer) -> str:
@@ -173,6 +183,8 @@ def searched(answer: Answer) -> str:
 def answer_sure(answer: Answer) -> list[tuple[str, str]]:
     """How sure an answer is, and what it cost: a word and a sentence each."""
     found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
+    if answer.objective is not None and unit(answer.goals) == "rad":
+        found += f", {number(math.degrees(answer.objective))}°"
     return [
         ("found", found.strip()),
         ("verdict", f"{answer.verdict.value}: {sentence(answer)}"),
@@ -205,6 +217,8 @@ def facts(answer: Answer) -> list[str]:
         found.append(f"leaves: {few(answer.leaves)}")
     if answer.verdict is Verdict.UNBOUNDED and answer.turns:
         found.append(f"turns: {few(answer.turns)}")
+    if answer.period is not None:
+        found.append(repeats(answer))
     between = proven(answer)
     return [*found, *([between] if between else []), certainty(answer)]
 

@@ -97,7 +97,14 @@ def film(
 
 def film_of_answer(answer: Answer, path: str | PathLike[str], *, progress: Progress | None = None) -> None:
     """Write a film of an answer: from rest along its way-points and, where something holds it, back again."""
-    film(answer.assembly, answer.waypoints, path, **said(answer), back=not answer.leaves, progress=progress)
+    film(
+        answer.assembly,
+        answer.waypoints,
+        path,
+        **said(answer),
+        back=not answer.leaves and answer.period is None,
+        progress=progress,
+    )
 
 
 def said(answer: Answer) -> dict:

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Container
 from typing import Any
 
 import msgspec
+import numpy as np
 from msgspec import UNSET, Struct
+from numpy.typing import NDArray
 
 from wiggleroom.drawing.plain import plain
 from wiggleroom.schema.fields import ContactEntry, PartMotion
-from wiggleroom.schema.results import BoundEntry, FlexResult, SearchEntry
+from wiggleroom.schema.results import BoundEntry, FlexResult, PeriodEntry, SearchEntry
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
 
@@ -27,10 +30,8 @@ def flex_result(answer: Answer) -> FlexResult:
         search=UNSET if answer.search is None else SearchEntry(**vars(answer.search)),
         leaves=list(answer.leaves) if free else UNSET,
         turns=list(answer.turns) if free else UNSET,
-        parts={
-            name: PartMotion(x, y, math.degrees(turn))
-            for name, (x, y, turn) in zip(answer.assembly.names, answer.motion.tolist(), strict=True)
-        },
+        period=_period(answer),
+        parts=_motions(answer, answer.motion, answer.assembly.names),
         collision_free=bool(answer.collision_free),
         deepest_overlap=float(answer.deepest_overlap),
         path=answer.path,  # type: ignore[arg-type]
@@ -42,6 +43,26 @@ def flex_result(answer: Answer) -> FlexResult:
         notes=list(answer.assembly.drawing.notes),
         command=answer.command,
     )
+
+
+def _period(answer: Answer) -> PeriodEntry | msgspec.UnsetType:
+    period, names = answer.period, answer.assembly.names
+    if period is None:
+        return UNSET
+    turned = {name: math.degrees(turn) for name, turn in zip(names, period.turn.tolist(), strict=True) if turn}
+    moves = np.abs(answer.waypoints).max(axis=(0, 2)).tolist()
+    moving = {name for name, far in zip(names, moves, strict=True) if far}
+    path = [_motions(answer, motion, moving) for motion in answer.waypoints]
+    return PeriodEntry(float(period.objective), turned, period.first, path)
+
+
+def _motions(answer: Answer, motion: NDArray[np.float64], names: Container[str]) -> dict[str, PartMotion]:
+    """Motions of some parts, by name."""
+    return {
+        name: PartMotion(x, y, math.degrees(turn))
+        for name, (x, y, turn) in zip(answer.assembly.names, motion.tolist(), strict=True)
+        if name in names
+    }
 
 
 def _bound(answer: Answer) -> BoundEntry | msgspec.UnsetType:

@@ -48,6 +48,20 @@ class SearchEntry(Struct):
     next_best: Annotated[float | None, Meta(description="best value at which others ended; null where there is none")]
 
 
+class PeriodEntry(Struct):
+    """One period of a motion that repeats for ever: every part ends turned by a symmetry of its outline, so all lies as it began."""
+
+    objective: Annotated[float, Meta(description="what the objective gains in it [rad]")]
+    turns_deg: Annotated[
+        dict[str, float], Meta(description="how far each part turns in it [deg]; those that do not are left out")
+    ]
+    first: Annotated[int, Meta(description="index of the way-point in `path` at which it begins; it ends at the last")]
+    path: Annotated[
+        list[dict[str, PartMotion]],
+        Meta(description="checked way-points from rest on, each with the parts that move on this path"),
+    ]
+
+
 class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=True):
     """The largest motion that was found: `wiggleroom flex --json`."""
 
@@ -62,6 +76,7 @@ class FlexResult(Struct, tag_field="format", tag="wiggleroom.flex/1", kw_only=Tr
     turns: Annotated[list[str] | UnsetType, Meta(description="parts that turn without limit; of unbounded answers")] = (
         UNSET
     )
+    period: PeriodEntry | UnsetType = UNSET
     parts: Annotated[dict[str, PartMotion], Meta(description="motion of every part by its name")]
     collision_free: Annotated[bool, Meta(description="no two parts overlap at the end, by exact geometry")]
     deepest_overlap: Mm

@@ -69,6 +69,25 @@ class Bound:
 
 
 @dataclass(frozen=True, eq=False)
+class Period:
+    """One period of a motion that repeats: it ends congruent to where it began, every part turned by a symmetry of its outline.
+
+    Parameters
+    ----------
+    objective : float
+        Gain of the objective in one period [rad].
+    turn : (n,) float64 [rad]
+        How far every part turns in it.
+    first : int
+        Way-point at which it begins; it ends at the last one.
+    """
+
+    objective: float
+    turn: NDArray[np.float64]
+    first: int
+
+
+@dataclass(frozen=True, eq=False)
 class Answer(Drawable):
     """The largest safe motion that was found.
 
@@ -90,6 +109,8 @@ class Answer(Drawable):
         Largest overlap of any two parts at `motion`, by exact geometry.
     leaves, turns : tuple of names
         Parts that move away or turn without limit.
+    period : Period or None
+        Of a motion that goes on for ever because it repeats.
     at_most : float or None
         A value that no motion can exceed, where one was worked out.
     bound : Bound or None
@@ -117,6 +138,7 @@ class Answer(Drawable):
     seconds: dict[str, float] = field(default_factory=dict)
     leaves: tuple[str, ...] = ()
     turns: tuple[str, ...] = ()
+    period: Period | None = None
     at_most: float | None = None
     bound: Bound | None = None
     command: str = ""

@@ -13,11 +13,13 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
-from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.search.answer import Answer, Contact, Period
 from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.loop import ESCAPE_DISTANCE, FULL_TURN, LocalSearch, Progress
 from wiggleroom.search.moves import branch_left_open
+from wiggleroom.search.periodic_motion import PeriodicMotion
+from wiggleroom.search.recession import recession_direction
 from wiggleroom.solve.kkt_conditions import conditions
 from wiggleroom.verdict import SolverStatus, Verdict
 
@@ -28,8 +30,10 @@ END_TOLERANCE = 1e-6
 """A path that is certain up to this share of the objective before its end has arrived: an end may lie in a wall by rounding."""
 
 
-def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
-    """Check the way and the end of the best motion, and say how sure it is."""
+def answer_of(
+    search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: float, repeats: PeriodicMotion | None = None
+) -> Answer:
+    """Check the way and the end of the best motion, and say how sure it is; or that it `repeats`, where a period is known."""
     started = time.perf_counter()
     ready, found = search.ready, search.best
     if found is None:
@@ -49,9 +53,15 @@ def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: 
     first = search.objective.value(motions[0])
     if verdict is Verdict.STOPPED and value < first:  # where it began is better than what was reached
         motions, value, deepest = motions[:1], first, 0.0
-    leaves, turns = (
-        unlimited(ready.assembly, ready.bodies, found.motion, ready.size) if verdict is Verdict.UNBOUNDED else ((), ())
-    )
+    leaves: tuple[str, ...] = ()
+    turns: tuple[str, ...] = ()
+    waypoints, period = way.waypoints[: len(motions)], None
+    if repeats is not None:
+        verdict, waypoints, deepest = Verdict.UNBOUNDED, repeats.waypoints, 0.0
+        turns = _names(ready.assembly, ready.bodies, repeats.turn != 0)
+        period = Period(repeats.gain, repeats.turn[ready.bodies.body_of], repeats.first)
+    elif verdict is Verdict.UNBOUNDED:
+        leaves, turns = unlimited(ready.assembly, ready.bodies, found.motion, ready.size)
     held: tuple[Contact, ...] = ()
     if verdict.ends:
         held = contacts(ready.assembly, found.program, found.solution.u, found.active)
@@ -63,10 +73,10 @@ def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: 
         goals=asked,
         verdict=verdict,
         objective=None if verdict is Verdict.UNBOUNDED else value,
-        motion=way.waypoints[len(motions) - 1],
-        waypoints=way.waypoints[: len(motions)],
+        motion=waypoints[-1],
+        waypoints=waypoints,
         contacts=held,
-        path="checked" if way.certain else "not checked",
+        path="checked" if way.certain or repeats is not None else "not checked",
         collision_free=deepest <= safe,
         deepest_overlap=deepest,
         model="walls",
@@ -76,6 +86,7 @@ def answer_of(search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: 
         seconds=seconds,
         leaves=leaves,
         turns=turns,
+        period=period,
         warm_start=found,
     )
 
@@ -94,7 +105,8 @@ def _verdict(search: LocalSearch, found: Incumbent, sure: bool) -> Verdict:
     if not sure:
         return Verdict.STOPPED
     if search.unlimited:
-        return Verdict.UNBOUNDED
+        leaves = recession_direction(search.ready, search.objective, found.motion) is not None
+        return Verdict.UNBOUNDED if leaves else Verdict.STOPPED
     if not search.ended or found.solution.status in (SolverStatus.STOPPED, SolverStatus.FAILED):
         return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):

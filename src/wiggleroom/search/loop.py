@@ -43,7 +43,7 @@ MAX_RESTARTS = 3
 LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
 FULL_TURN = 2.0 * np.pi + 0.5
-"""A body that turns further than this [rad] can turn without limit."""
+"""A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
 
 
 @dataclass(frozen=True)
@@ -110,6 +110,8 @@ class LocalSearch:
     policy : Policy
     stop, tell
         Asked every iteration; told a `Progress`.
+    turn_limit : float [rad]
+        A turn beyond this ends the search.
 
     Attributes
     ----------
@@ -130,6 +132,7 @@ class LocalSearch:
     policy: Policy
     stop: Stop | None = None
     tell: Callable[[Progress], None] = silent
+    turn_limit: float = FULL_TURN
     best: Incumbent | None = None
     last: Incumbent | None = None
     coming: Start | None = None
@@ -205,12 +208,12 @@ class LocalSearch:
 
     @property
     def unlimited(self) -> bool:
-        """True where a body that the objective is about has moved or turned so far that nothing stops it."""
+        """True where a body that the objective is about has moved or turned so far that perhaps nothing stops it."""
         if self.best is None:
             return False
         asked = (self.objective.gradient(self.best.motion) != 0).any(axis=1)
         far = np.hypot(*self.best.motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size
-        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > FULL_TURN)
+        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > self.turn_limit)
 
     def certain_value(self) -> tuple[float, bool]:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""

@@ -1,0 +1,286 @@
+"""Motions that repeat: a path to a state congruent to an earlier one, with the objective further on, can be gone again for ever.
+
+Turn a body about its centroid by a symmetry of its outline, and the same material lies there. So let a path lead from a state to another
+one that differs from it by such turns alone. Turned in the same way, the path leads on from there: every body is where a body of the
+same outline was on the path before, and nothing overlaps. What turns gain in one period they gain in every one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, StoppedError
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
+from wiggleroom.geometry.rotational_symmetry import symmetry_orders
+from wiggleroom.program.objectives import Approach, Objective, PointMotion, Points, Sum
+from wiggleroom.search.incumbent import PathSegment, Start, at_rest
+from wiggleroom.search.loop import LocalSearch
+from wiggleroom.search.moves import CLIMB
+from wiggleroom.search.path_check import CheckedPath, whole_way
+from wiggleroom.search.prepare import prepare
+from wiggleroom.search.symmetric_cover import symmetric_cover
+from wiggleroom.verdict import SolverStatus
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SYMMETRY_TOLERANCE = 1e-10
+"""Corners agree where they do to this share of the drawing's size: half of what the audit moves outlines inward by."""
+MAX_FREE_BODIES = 50
+"""In larger assemblies no period is looked for."""
+MAX_TURNS = 4.2
+"""Where a first turn leads to no congruent state, so many are looked at."""
+MAX_STATES = 6
+"""So many congruent states are steered to at most, the nearest to the path first."""
+STEPS_BETWEEN = 8
+"""Places between two points of the path at which congruent states are looked for."""
+FIRST_STATES = 6
+"""So many points of the path are tried as the beginning of a period, rest first."""
+FURTHER = 3.0
+"""The turns of a path that ends early are looked at up to this multiple of them."""
+MAX_STEERING = 25.0
+"""Congruent states further from the path than this multiple of the clearance are left alone."""
+ARRIVAL = 0.3
+"""A state this share of the clearance away is reached by a straight piece; the audit judges it."""
+MIN_TURN = 0.3
+"""Gears are looked at more closely where one that is asked for turns by this share of its pitch."""
+PLACES_IN_A_TURN = 64
+"""Way-points of a turn in place."""
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicMotion:
+    """A path from rest whose last stretch can be repeated for ever.
+
+    Parameters
+    ----------
+    motions : (k, n, 3) float64 [mm, mm, rad]
+        Way-points of the bodies, from rest to one period on.
+    waypoints : (k, parts, 3) float64 [mm, mm, rad]
+        The same of the parts.
+    first : int
+        The way-point at which the period begins.
+    turn : (n,) float64 [rad]
+        How far each body is turned in a period.
+    gain : float
+        Of the objective in a period.
+    """
+
+    motions: Floats
+    waypoints: Floats
+    first: int
+    turn: Floats
+    gain: float
+
+
+def periodic_motion(search: LocalSearch, asked: tuple[Goal, ...]) -> tuple[LocalSearch, PeriodicMotion | None]:
+    """A path that repeats and gains, near the one that was found; where a full turn brings none, some more turns are made.
+
+    Parameters
+    ----------
+    search : LocalSearch
+        Ended; of the path to its best motion, what is certain is used.
+    asked : tuple of goals
+        What its objective is made of.
+
+    Returns
+    -------
+    LocalSearch
+        The same, or that which made more turns.
+    PeriodicMotion or None
+        None where none was found.
+    """
+    ready = search.ready
+    free = ~ready.bodies.fixed
+    weights = _turn_weights(search.objective, len(free))
+    if search.best is None or not (weights[free] != 0).any() or free.sum() > MAX_FREE_BODIES:
+        return search, None
+    exact = SYMMETRY_TOLERANCE * ready.size
+    orders = symmetry_orders(ready.bodies.shapes, exact)[ready.bodies.shape]
+    found = _repeats(search, weights, orders) or _cover_repeats(search, asked, weights, orders, exact)
+    if found is None and search.unlimited and search.best.solution.status is not SolverStatus.ESCAPING:
+        search = _gone_on(search)
+        found = _repeats(search, weights, orders)
+    return search, found
+
+
+def _cover_repeats(
+    search: LocalSearch, asked: tuple[Goal, ...], weights: Floats, orders: Ints, exact: float
+) -> PeriodicMotion | None:
+    """A path that repeats of parts that are a little larger and more symmetric."""
+    ready, best = search.ready, search.best
+    cover = symmetric_cover(ready.assembly, ready.clearance, exact)
+    if cover is None or best is None:
+        return None
+    orders = np.maximum(orders, [cover[1][members[0]] for members in ready.bodies.members])
+    if (np.abs(best.motion[:, 2]) < MIN_TURN * 2 * np.pi / orders)[weights != 0].all():
+        return None
+    try:
+        wider = prepare(cover[0], stop=search.stop)
+    except (InputError, StoppedError):  # the cover touches
+        return None
+    climb = LocalSearch(wider, wider.objective(asked), search.solve, search.policy, search.stop, search.tell)
+    climb.rounds = search.rounds
+    climb.improve(at_rest(wider))
+    found = _repeats(climb, weights, orders)
+    search.rounds, search.iterations = climb.rounds, search.iterations + climb.iterations
+    if found is None or not audit_path(ready.assembly, found.waypoints).free:
+        return None
+    return replace(found, motions=of_bodies(ready.assembly, ready.bodies, found.waypoints))
+
+
+def _gone_on(search: LocalSearch) -> LocalSearch:
+    """The search gone on with for more turns; the same where that brings nothing."""
+    further = replace(search, turn_limit=MAX_TURNS * 2 * np.pi, best=None, last=None, coming=None, checked=None)
+    found = None if search.best is None else further.improve(search.best.start())
+    search.rounds, search.iterations = further.rounds, further.iterations
+    better = found is not None and found.value > search.certain_value()[0] and further.way(found).sure
+    return further if better else search
+
+
+def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMotion | None:
+    """A path that repeats, of bodies with symmetries of some orders (n,)."""
+    if search.best is None:
+        return None
+    way = search.way(search.best)
+    if not way.certain:
+        return None
+    step = 2 * np.pi / orders
+    found = _in_place(search, way, weights, step)
+    if found is not None:
+        return found
+    count = sum(len(segment.points) for segment in way.kept)
+    for first in dict.fromkeys(np.linspace(0, count - 1, FIRST_STATES + 1).astype(int)[:-1].tolist()):
+        for target in _congruent_states(search, way, weights, step, first):
+            if search.stopped:
+                return None
+            path = _steered(search, target)
+            if path is not None:
+                begin = int(np.abs(path.motions - target.base).max(axis=(1, 2)).argmin())
+                return PeriodicMotion(path.motions, path.waypoints, begin, target.turn, float(weights @ target.turn))
+    return None
+
+
+@dataclass(frozen=True, eq=False)
+class _CongruentState:
+    """A state of the path with every body turned by a symmetry.
+
+    Its motion is that of `base` (n, 3) with `turn` (n,) added; steering towards it begins at the end of `segments`, at some `distance`.
+    """
+
+    base: Floats
+    turn: Floats
+    segments: tuple[PathSegment, ...]
+    distance: float
+
+    @property
+    def motion(self) -> Floats:
+        """Motion (n, 3) [mm, mm, rad]."""
+        return self.base + np.column_stack([np.zeros((len(self.turn), 2)), self.turn])
+
+
+def _turn_weights(objective: Objective, n: int) -> Floats:
+    """What an objective gains (n,) per turn [rad] of each body, in the long run."""
+    out = np.zeros(n)
+    for term in objective.terms if isinstance(objective, Sum) else (objective,):
+        if isinstance(term, PointMotion):
+            np.add.at(out, term.body, term.turn)
+    return out
+
+
+def _in_place(search: LocalSearch, way: CheckedPath, weights: Floats, step: Floats) -> PeriodicMotion | None:
+    """Bodies that turn where they are, at rest or at the end: each by one step of its symmetry."""
+    ready = search.ready
+    asked = np.flatnonzero((weights != 0) & ~ready.bodies.fixed)
+    last = way.certain - 1
+    for first in dict.fromkeys((0, last)):
+        for body in asked:
+            sense = np.sign(weights[body])
+            count = max(4, int(np.ceil(PLACES_IN_A_TURN * step[body] / (2 * np.pi))))
+            turning = np.repeat(way.motions[first : first + 1], count, axis=0)
+            turning[:, body, 2] += sense * step[body] * np.arange(1, count + 1) / count
+            motions = np.concatenate([way.motions[: first + 1], turning])
+            waypoints = of_parts(ready.assembly, ready.bodies, motions)
+            if audit_path(ready.assembly, waypoints[first:]).free:
+                turn = np.zeros(len(weights))
+                turn[body] = sense * step[body]
+                return PeriodicMotion(motions, waypoints, first, turn, float(weights @ turn))
+    return None
+
+
+def _congruent_states(
+    search: LocalSearch, way: CheckedPath, weights: Floats, step: Floats, first: int
+) -> Iterator[_CongruentState]:
+    """States congruent to point `first` of the path that it comes near to later, with the objective further on.
+
+    Of those that are nearly as near as the nearest, the one of the shortest period comes first.
+    """
+    bodies, clearance = search.ready.bodies, search.ready.clearance
+    points = [(k, i) for k, segment in enumerate(way.kept) for i in range(len(segment.points))]
+    motions = np.array([way.kept[k].program.motion(way.kept[k].points[i]) for k, i in points])
+    free, base = ~bodies.fixed, motions[first]
+    share = np.arange(STEPS_BETWEEN)[:, None, None] / STEPS_BETWEEN
+    found: dict[tuple[int, ...], _CongruentState] = {}
+    for at in range(first, len(motions)):
+        if at < len(motions) - 1:
+            change = motions[at] + share * (motions[at + 1] - motions[at]) - base
+        else:  # the path gone on with, middles as at its beginning
+            change = (1 + (FURTHER - 1) * share) * (motions[at] - base) * (0, 0, 1)
+        count = np.where(free, np.round(change[:, :, 2] / step), 0.0)
+        change[:, :, 2] -= count * step
+        away = np.hypot(change[..., 0], change[..., 1]) + bodies.radius * np.abs(change[..., 2])
+        distance = away[:, free].max(axis=1)
+        for j in np.flatnonzero((count * step @ weights > 0) & (distance < MAX_STEERING * clearance)):
+            key = tuple(count[j].astype(int).tolist())
+            if key in found and found[key].distance <= distance[j]:
+                continue
+            k, i = points[min(at + int(2 * j >= STEPS_BETWEEN), len(points) - 2)]  # the last one touches
+            segments = (*way.kept[:k], PathSegment(way.kept[k].program, way.kept[k].points[: i + 1]))
+            found[key] = _CongruentState(base, count[j] * step, segments, float(distance[j]))
+    if found:
+        near = max(2 * min(state.distance for state in found.values()), 4 * clearance)
+        order = sorted(found.values(), key=lambda s: (max(s.distance, near), float(weights @ s.turn)))
+        yield from order[:MAX_STATES]
+
+
+def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None:
+    """The path to a congruent state; None where it is not reached."""
+    ready, bodies = search.ready, search.ready.bodies
+    goal = _approach(search, target.motion)
+    segment = target.segments[-1]
+    begin = segment.program.motion(segment.points[-1])
+    goal = replace(goal, zero=goal.value(begin))
+    climb = LocalSearch(ready, goal, search.solve, CLIMB, search.stop, search.tell, rounds=search.rounds)
+    found = climb.improve(Start(segment.program.cells, begin, target.segments))
+    search.rounds, search.iterations = climb.rounds, search.iterations + climb.iterations
+    for stage, spent in climb.seconds.items():
+        search.seconds[stage] += spent
+    if found is None:
+        return None
+    left = found.motion - target.motion
+    away = np.hypot(left[:, 0], left[:, 1]) + bodies.radius * np.abs(left[:, 2])
+    if away.max() > ARRIVAL * ready.clearance:
+        return None
+    arrival = PathSegment(found.program, (found.solution.u, found.program.variables(target.motion)))
+    path = whole_way(ready, (*found.path, arrival), search.stop)
+    if not path.sure:
+        return None
+    end = of_parts(ready.assembly, bodies, target.motion[None])  # without the rounding of the program's units
+    waypoints = np.concatenate([path.waypoints[:-1], end])
+    return replace(path, motions=np.concatenate([path.motions[:-1], target.motion[None]]), waypoints=waypoints)
+
+
+def _approach(search: LocalSearch, target: Floats) -> Approach:
+    """Squared distances from a state: of two points of every free body, at its radius."""
+    bodies = search.ready.bodies
+    body = np.repeat(np.flatnonzero(~bodies.fixed), 2)
+    arm = np.zeros((len(body), 2))
+    arm[::2, 0] = arm[1::2, 1] = bodies.radius[body[::2]]
+    points = Points(body, arm)
+    return Approach(points, -points.moved(target), np.ones(len(body)))

@@ -1,0 +1,75 @@
+"""Directions in which bodies move without end: they go straight, take along what lies before them, and nothing that stands is among it."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.program.objectives import Objective
+from wiggleroom.search.prepare import Prepared
+
+Floats = NDArray[np.float64]
+
+DIRECTIONS = 32
+"""Directions evenly round that are tried, besides that of the motion and that of the objective."""
+FAR = 1e4
+MIN_SLOPE = 1e-3
+"""What grows over so many drawing sizes, and as much again over twice as many, grows without end."""
+
+
+def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -> Floats | None:
+    """A direction (2,) in which some bodies leave for ever from a motion (n, 3), so that the objective grows; None where none was found.
+
+    Source: a direction of recession of the free motions (Rockafellar, "Convex Analysis", section 8), of bodies that only translate. What
+    the convex hull of a body would run into is taken along.
+    """
+    shapes = placed(ready.bodies, motion)
+    slope = objective.gradient(motion)
+    slope[ready.bodies.fixed] = 0.0
+    asked = np.flatnonzero((slope != 0).any(axis=1))
+    angle = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    ways = [slope[:, :2].sum(axis=0), *motion[asked, :2], *np.column_stack([np.cos(angle), np.sin(angle)])]
+    for way in ways:
+        length = float(np.hypot(*way))
+        if length == 0:
+            continue
+        for body in asked:
+            who = _taken_along(ready, shapes, int(body), way / length)
+            if who is not None and _grows(ready, objective, motion, who, way / length):
+                return way / length
+    return None
+
+
+def _taken_along(ready: Prepared, shapes: NDArray[np.object_], body: int, way: Floats) -> NDArray[np.bool_] | None:
+    """Bodies (n,) that move along with one that goes straight; None where one of them stands."""
+    n = len(shapes)
+    low, high = np.divmod(ready.ignored, n)
+    passes = np.zeros((n, n), dtype=bool)
+    passes[low, high] = passes[high, low] = True
+    box = shapely.total_bounds(shapes)
+    far = 2 * way * np.hypot(*(box[2:] - box[:2]))
+    who = np.zeros(n, dtype=bool)
+    waiting = [body]
+    who[body] = True
+    while waiting:
+        one = waiting.pop()
+        hull = shapely.convex_hull(shapes[one])
+        ahead = shapely.transform(hull, lambda points: points + far)
+        swept = shapely.convex_hull(shapely.union_all([hull, ahead]))
+        met = shapely.intersects(swept, shapes) & ~who & ~passes[one]
+        if ready.bodies.fixed[met].any():
+            return None
+        who |= met
+        waiting += np.flatnonzero(met).tolist()
+    return who
+
+
+def _grows(ready: Prepared, objective: Objective, motion: Floats, who: NDArray[np.bool_], way: Floats) -> bool:
+    """True where the objective grows without end."""
+    away = np.zeros_like(motion)
+    away[who, :2] = FAR * ready.size * way
+    here, there, twice = (objective.value(motion + k * away) for k in (0, 1, 2))
+    least = MIN_SLOPE * FAR * ready.size * float(np.abs(objective.gradient(motion)[:, :2]).max())
+    return there - here > least and twice - there > (1 - MIN_SLOPE) * (there - here)
