@@ -34,9 +34,13 @@ from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import periodic_motion
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.simplified_outlines import contact_places, prepare_simplified
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.linear_programming import linear_solver
 from wiggleroom.verdict import Verdict
+
+MAX_REFINEMENTS, MIN_REFINEMENT = 4, 1e-4
+"""So often simplified outlines are refined where they touch, as long as that gains this share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +91,8 @@ def prepare(
     """
     wanted = model_named(model)
     if isinstance(wanted, Walls):
-        return PreparedModel(**vars(problem.prepare(assembly, stop=stop)))
+        ready = prepare_simplified(assembly, stop=stop) or problem.prepare(assembly, stop=stop)
+        return PreparedModel(**vars(ready))
     return ApproximateModel(**vars(approximate(assembly, wanted, stop)))
 
 
@@ -196,7 +201,7 @@ def witness(
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
     asked = asked_goals(its.drawing, goals)
     wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
-    solve = solver_named(solver)
+    solver_named(solver)  # says so where there is no such one
     tell(Progress("pairs"))
     try:
         ready = (
@@ -214,7 +219,44 @@ def witness(
         if start is not None:
             raise InputError("start: only the model walls begins at an earlier answer; leave it out")
         return _approximately(ready, asked, solver, stop, tell, time.perf_counter() - began)
-    goal = ready.objective(asked)
+    answer = _searched(ready, asked, solver, start, search, stop, tell, began)
+    if not ready.simplified:
+        return answer
+    places = contact_places(answer)
+    for _ in range(MAX_REFINEMENTS if start is None else 0):
+        finer = prepare_simplified(its, places, stop) if answer.verdict.ends and len(places) else None
+        if finer is None or (stop is not None and stop.is_set()):
+            break
+        again = _searched(finer, asked, solver, None, search, stop, tell, began)
+        places = np.concatenate([places, contact_places(again)])
+        before, answer = answer, _better(answer, again)
+        if answer.objective is None or before.objective is None or answer is before:
+            break
+        if answer.objective < before.objective * (1 + MIN_REFINEMENT):
+            break
+    why = f"outlines of many corners were searched with fewer, up to {ready.simplified:.2g} mm further out"
+    return replace(answer, bound=Bound(None, None, 0.0, why))
+
+
+def _better(one: Answer, other: Answer) -> Answer:
+    """The answer with the larger motion."""
+    if one.objective is None or other.objective is None:
+        return one if one.objective is None else other
+    return other if other.objective > one.objective else one
+
+
+def _searched(
+    ready: Prepared,
+    asked: tuple[Goal, ...],
+    solver: str,
+    start: Answer | None,
+    search: int | None,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+    began: float,
+) -> Answer:
+    """Answer with walls: the first climb, what repeats, and the search beyond the nearest hill."""
+    goal, solve = ready.objective(asked), solver_named(solver)
     climb = LocalSearch(ready, goal, solve, THOROUGH, stop, tell)
     climb.seconds["freespace"] += time.perf_counter() - began
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
@@ -229,10 +271,10 @@ def witness(
     if climb is not first_climb:
         climb, repeats = periodic_motion(climb, asked)
     answer = replace(answer_of(climb, asked, solver, began, repeats), search=effort)
-    if answer.objective is None:
-        return answer
     several = int((~ready.bodies.fixed).sum()) > 1
-    if several or (search is None and with_quick_bound(answer).verdict is Verdict.PROVEN):
+    if answer.objective is None or several or ready.simplified:  # a bound of larger parts is none of these
+        return answer
+    if search is None and with_quick_bound(answer).verdict is Verdict.PROVEN:
         return answer  # only one body alone is searched completely, where there is anything left to find
     climb, most = complete(climb)
     answer = replace(answer_of(climb, asked, solver, began), search=effort)

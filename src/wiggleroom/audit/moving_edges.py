@@ -22,6 +22,8 @@ MAX_STRIDES = 4096
 SEPARATIONS = 8
 COS, SIN, X, Y, BACK_X, BACK_Y = 0, 1, 2, 3, 4, 5
 """A relative pose: turn of B seen from A, place of B in A's frame, place of A in B's frame."""
+CROWDED_STRIDES = 64
+"""A piece on which too many edges are near each other is cut into so many."""
 
 
 @njit(**COMPILED_CALLERS_ONLY)
@@ -312,6 +314,16 @@ def sweep(
                 a, b, at[m], stray_b, stray_a, rounding, corner, after, direction, length, run, first_run, run_disc, edges,
                 how,
             )  # fmt: skip
+            if count < 0 and k1 - k0 > 1:  # too many edges are near each other: on shorter stretches there are fewer
+                ranges[size, 0], ranges[size, 1] = m, k1
+                ranges[size + 1, 0], ranges[size + 1, 1] = k0, m
+                size += 2
+                continue
+            if count < 0 and free_long_piece(
+                a, b, pose_a[k0], pose_a[k1], pose_b[k0], pose_b[k1], CROWDED_STRIDES, bound[k0], reach[a], reach[b],
+                rounding, corner, after, direction, length, run, first_run, run_disc, edges, how, times, left, poses,
+            ):  # fmt: skip
+                continue
             for k in range(k0, k1):
                 if count < 0 or (count > 0 and not free_piece(
                     pose_a[k], pose_a[k + 1], pose_b[k], pose_b[k + 1], at[k], at[k + 1], bound[k], edges, how, count,

@@ -47,6 +47,8 @@ class Prepared:
     corners : (k,) int64
         Keys a * n + b of pairs that are near at a corner only. Which way they pass each other is decided when it matters, so they join the
         program after a first round has shown where everything wants to go.
+    simplified : float [mm]
+        How far the outlines of the bodies may lie outside those of the assembly's parts; never inside.
     """
 
     assembly: Assembly
@@ -56,6 +58,7 @@ class Prepared:
     size: float
     cells: Cells
     corners: Ints
+    simplified: float = 0.0
     model: Walls = field(default_factory=Walls)
 
     def objective(self, goals: tuple[Goal, ...]) -> Objective:
@@ -132,7 +135,7 @@ def survey(assembly: Assembly) -> Survey:
         raise InputError(finding)
     ignored = _ignored(assembly, them)
     geometry, size = placed(them), assembly.size
-    clearance = _clearance(assembly.gap, geometry, size)
+    clearance = typical_clearance(assembly.gap, geometry, size)
     near = neighbours(them, geometry, NEIGHBOUR_REACH * clearance, ignored=ignored)
     if len(near.a) and near.clearance.min() < CONTACT_TOLERANCE * size:
         _refuse_touching(assembly, them, near, size)
@@ -163,7 +166,7 @@ def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floa
     return Cells(a, b, cells.row, cells.kind, cells.edge, cells.corner, cells.ends + turns[:, None], pose)
 
 
-def _clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
+def typical_clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:
     """Typical distance between neighbours [mm]: the gap where it was given and most bodies have a neighbour there, else the median."""
     if len(geometry) < 2:
         return float(gap) or 1e-3 * size

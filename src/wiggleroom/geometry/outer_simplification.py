@@ -1,0 +1,161 @@
+"""Outlines with fewer corners, of at least the same material: what these can do, the parts that were drawn can do as well."""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import replace
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.model import Part, Region
+
+Floats = NDArray[np.float64]
+
+MIN_CORNERS = 200
+"""Outlines of fewer corners stay as they are."""
+MAX_CORNERS, MIN_EDGE = 400, 1.5
+"""Up to so many corners, outlines whose edges are longer than this share of the clearance, in the median, stay as they are too."""
+NEAR, NEAR_DEPTH = 2.0, 0.1
+"""A contact may wander by so many clearances, or along an arc until it lies this share of a clearance deeper."""
+
+
+def is_fine(assembly: Assembly, clearance: float) -> bool:
+    """True where some outline has many corners, nearer to each other than a share of the clearance [mm]."""
+    return any(_fine(ring, clearance) for part in assembly.parts for ring in _rings(part))
+
+
+def simplified_outward(assembly: Assembly, clearance: float, tolerance: float, near: Floats, finer: float) -> Assembly:
+    """The assembly with fewer corners on fine outlines; material is added, never taken away.
+
+    Parameters
+    ----------
+    assembly : Assembly
+    clearance : float [mm]
+        Typical clearance between neighbours.
+    tolerance : float [mm]
+        No point that is added lies further than this from the material that was drawn.
+    near : (k, 3) float64
+        Part and (x, y) [mm] of places, in the part's own frame, within a clearance or two of which the `finer` tolerance holds.
+    finer : float [mm]
+    """
+    parts = []
+    for k, part in enumerate(assembly.parts):
+        spots = near[near[:, 0] == k, 1:]
+        regions = tuple(
+            Region(
+                _outline(r.outer, clearance, tolerance, spots, finer),
+                tuple(_outline(h, clearance, tolerance, spots, finer) for h in r.holes),
+            )
+            for r in part.regions
+        )
+        parts.append(replace(part, regions=regions))
+    return replace(assembly, parts=tuple(parts))
+
+
+def _rings(part: Part) -> list[Floats]:
+    return [ring for region in part.regions for ring in (region.outer, *region.holes)]
+
+
+def _fine(ring: Floats, clearance: float) -> bool:
+    if len(ring) < MIN_CORNERS:
+        return False
+    short = float(np.median(np.hypot(*(np.roll(ring, -1, 0) - ring).T))) < MIN_EDGE * clearance
+    return short or len(ring) > MAX_CORNERS
+
+
+def _outline(ring: Floats, clearance: float, tolerance: float, spots: Floats, finer: float) -> Floats:
+    if not _fine(ring, clearance):
+        return ring
+    allowed = np.full(len(ring), tolerance)
+    if len(spots):
+        away = np.hypot(*(ring[:, None] - spots).transpose(2, 0, 1)).min(axis=1)
+        reach = max(NEAR * clearance, 2 * np.sqrt(2 * clearance * np.ptp(ring, axis=0).max() * NEAR_DEPTH))
+        allowed[away < reach] = finer
+    out = _simplified(ring, allowed)
+    old, new = shapely.Polygon(ring), shapely.Polygon(out)
+    more = shapely.difference(old, new) if _area(ring) > 0 else shapely.difference(new, old)
+    return out if new.is_valid and more.area < 1e-9 * old.area else ring
+
+
+def _area(ring: Floats) -> float:
+    x, y = ring.T
+    return float(x @ np.roll(y, -1) - np.roll(x, -1) @ y) / 2
+
+
+def _simplified(ring: Floats, allowed: Floats) -> Floats:
+    """A ring, material to its left, with reflex corners left out and convex edges replaced by the tip of their neighbours."""
+    n = len(ring)
+    place = [tuple(p) for p in ring.tolist()]
+    limit, error = allowed.tolist(), [0.0] * n
+    after, before = [(k + 1) % n for k in range(n)], [k - 1 if k else n - 1 for k in range(n)]
+    stamp, left = [0] * n, n
+    queue: list[tuple[float, int, int, tuple[float, float] | None]] = []
+
+    def offer(k: int) -> None:
+        """The cheaper of leaving out corner k, and of putting a tip in place of the edge that begins there."""
+        stamp[k] += 1
+        p, a, b, q = place[before[k]], place[k], place[after[k]], place[after[after[k]]]
+        if _cross(p, a, b) <= 0:
+            height = _off(a, p, b)
+            if height + error[k] <= min(limit[before[k]], limit[k], limit[after[k]]):
+                heapq.heappush(queue, (height + error[k], k, stamp[k], None))
+        elif _cross(a, b, q) > 0:
+            tip = _meeting(p, a, b, q)
+            if tip is not None:
+                cost = _off(tip, a, b) + max(error[k], error[after[k]])
+                if cost <= min(limit[k], limit[after[k]]):
+                    heapq.heappush(queue, (cost, k, stamp[k], tip))
+
+    for k in range(n):
+        offer(k)
+    while queue and left > 4:
+        cost, k, when, tip = heapq.heappop(queue)
+        if when != stamp[k]:
+            continue
+        if tip is None:
+            one, other = before[k], after[k]
+            after[one], before[other] = other, one
+            error[one], error[other] = max(error[one], cost), max(error[other], cost)
+        else:
+            gone, other = after[k], after[after[k]]
+            place[k], error[k] = tip, cost
+            limit[k] = min(limit[k], limit[gone])
+            after[k], before[other] = other, k
+            stamp[gone] = -1
+            one = k
+        stamp[k] = -1 if tip is None else stamp[k]
+        left -= 1
+        for j in {before[before[one]], before[one], one, after[one], after[after[one]]}:
+            offer(j)
+    begin = next(k for k in range(n) if stamp[k] >= 0)
+    out, k = [place[begin]], after[begin]
+    while k != begin:
+        out.append(place[k])
+        k = after[k]
+    return np.array(out)
+
+
+Point = tuple[float, float]
+
+
+def _cross(p: Point, a: Point, b: Point) -> float:
+    return (a[0] - p[0]) * (b[1] - a[1]) - (a[1] - p[1]) * (b[0] - a[0])
+
+
+def _off(a: Point, p: Point, q: Point) -> float:
+    """Distance of a from the line through p and q."""
+    long = float(np.hypot(q[0] - p[0], q[1] - p[1]))
+    return abs(_cross(p, q, a)) / long if long else float("inf")
+
+
+def _meeting(p: Point, a: Point, b: Point, q: Point) -> Point | None:
+    """Where p a, gone on with, meets q b, gone on with; None where they part."""
+    ux, uy, vx, vy = a[0] - p[0], a[1] - p[1], b[0] - q[0], b[1] - q[1]
+    turn = ux * vy - uy * vx
+    if turn >= 0:
+        return None
+    share = ((b[0] - a[0]) * vy - (b[1] - a[1]) * vx) / turn
+    return (a[0] + share * ux, a[1] + share * uy) if share > 0 else None

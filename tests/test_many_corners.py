@@ -1,0 +1,65 @@
+"""Outlines of very many corners: taken at any gap, and what is found holds of the outlines that were drawn."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+import shapely
+from benchmarks.attack import drawing
+
+import wiggleroom as wr
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.geometry.outer_simplification import simplified_outward
+
+
+def in_a_hole(inner: np.ndarray, room: shapely.Polygon, folder) -> wr.Assembly:
+    """A part in a hole of a plate that stands."""
+    plate = drawing.cut(drawing.box(-2, -2, 2, 2), room)
+    parts = [drawing.part("plate", plate, fixed=True), drawing.part("disc", shapely.Polygon(inner))]
+    (folder / "made.json").write_text(json.dumps(drawing.assembly(parts, [drawing.pull("disc", (1, 0))])))
+    return wr.read(folder / "made.json")
+
+
+def ring(count: int, radius: float = 1.0, petals: int = 0) -> np.ndarray:
+    angle = 2 * np.pi * np.arange(count) / count
+    r = radius * (1 + 0.15 * np.cos(petals * angle) * (petals > 0))
+    return np.column_stack([r * np.cos(angle), r * np.sin(angle)])
+
+
+@pytest.mark.parametrize(("count", "gap"), [(600, 0.02), (1000, 0.01), (2000, 0.05)])
+def test_a_disc_goes_as_far_as_its_clearance(count, gap, tmp_path):
+    assembly = in_a_hole(ring(count), drawing.disc(1 + gap, count), tmp_path)
+    answer = wr.flex(assembly, search=0)
+    assert answer.objective == pytest.approx(gap, rel=2e-3)
+    assert answer.objective <= gap + 1e-9  # corner meets corner of congruent outlines
+    assert answer.path == "checked"
+    assert audit_path(assembly, answer.waypoints).free
+    assert answer.at_most is None
+    assert "searched with fewer" in answer.bound.why
+
+
+@pytest.mark.parametrize("gap", [0.03, 0.01])
+def test_a_flower_goes_as_far_as_its_clearance(gap, tmp_path):
+    inner = shapely.Polygon(ring(1000, petals=5))
+    assembly = in_a_hole(ring(1000, petals=5), shapely.buffer(inner, gap, join_style="mitre"), tmp_path)
+    answer = wr.flex(assembly, search=0)
+    assert gap * 0.99 < answer.objective < gap * 1.02  # it may turn a little
+    assert audit_path(assembly, answer.waypoints).free
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-3])
+def test_simplified_outlines_hold_all_the_material_and_hardly_more(tolerance, tmp_path):
+    rng = np.random.default_rng(3)
+    angle = np.sort(rng.uniform(0, 2 * np.pi, 900))
+    radius = 1 + sum(rng.uniform(0, 0.06) * np.cos(k * angle + rng.uniform(0, 6)) for k in range(2, 7))
+    blob = shapely.Polygon(np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]))
+    room = shapely.Polygon(shapely.buffer(blob, 0.02, join_style="mitre").exterior)
+    assembly = in_a_hole(np.array(blob.exterior.coords)[:-1], room, tmp_path)
+    cover = simplified_outward(assembly, 0.02, tolerance, np.zeros((0, 3)), tolerance)
+    for before, after in zip(assembly.parts, cover.parts, strict=True):
+        old, new = (shapely.Polygon(p.regions[0].outer, p.regions[0].holes) for p in (before, after))
+        assert shapely.difference(old, new).area < 1e-12
+        assert shapely.hausdorff_distance(old.boundary, new.boundary) < 3 * tolerance
+        assert shapely.get_num_coordinates(new) < 0.6 * shapely.get_num_coordinates(old)
