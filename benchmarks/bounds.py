@@ -1,7 +1,8 @@
-"""How near proven bounds come, and what they cost: `python -m benchmarks.bounds [chains|grids|drawings|quick]`."""
+"""How near proven bounds come, and what they cost: `python -m benchmarks.bounds [chains|grids|drawings|quick|certified [NAME ..]]`."""
 
 from __future__ import annotations
 
+import json
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -67,8 +68,73 @@ def quick() -> None:
         print(f"| {name} | {answer.objective:.6g} | {most} | {share} | {search:.0f} | {1e3 * spent:.1f} |", flush=True)
 
 
+def tees(nx: int, ny: int) -> Assembly:
+    """Tee blocks, the last one pulled up."""
+    made = wr.patterns.grid(nx, ny, joint="tee", gap=0.01)
+    return assemble(made.drawing, goals=[wr.Pull(made.names[-1], (0, 1))])
+
+
+def row(n: int) -> Assembly:
+    """A chain of tees, the last one pulled up."""
+    made = wr.patterns.chain(n, joint="tee", gap=0.01)
+    return assemble(made.drawing, goals=[wr.Pull(made.names[-1], (0, 1))])
+
+
+def drawn(name: str, gap: float, fixed: str, part: str, direction: tuple[float, float]) -> Assembly:
+    """An example drawing, one part fixed, another one pulled."""
+    made = wr.read(f"{DRAWINGS}/{name}.svg", gap=gap, fix=[fixed])
+    return assemble(made.drawing, gap=gap, fix=[fixed], goals=[wr.Pull(part, direction)])
+
+
+CERTIFIED: dict[str, tuple[Callable[[], Assembly], float, float]] = {
+    "chain-10": (lambda: row(10), 0.001, 600),
+    "chain-50": (lambda: row(50), 0.001, 600),
+    "chain-200": (lambda: row(200), 0.001, 600),
+    "tees-3x3": (lambda: tees(3, 3), 0.002, 600),
+    "tees-6x5": (lambda: tees(6, 5), 0.002, 600),
+    "tees-10x10": (lambda: tees(10, 10), 0.005, 1800),
+    "tees-20x20": (lambda: tees(20, 20), 0.05, 3600),
+    "jointpanel_4x4": (lambda: drawn("jointpanel_4x4", 0.2, "p-0", "p-15", (0, 1)), 0.005, 1200),
+    "jointpanel_10x10": (lambda: drawn("jointpanel_10x10", 0.2, "p-0", "p-99", (0, 1)), 0.05, 3600),
+    "pyjigsaw_4x5": (lambda: drawn("pyjigsaw_4x5", 1.0, "p1", "p20", (1, 0)), 0.006, 1800),
+}
+"""Question, how near, and the most seconds it may take."""
+
+
+def certified(names: list[str]) -> None:
+    """Proofs with certificates, and what checking these takes; processor seconds of this process."""
+    from wiggleroom.verify.checker import verify
+
+    print("| question | found | at most | within | proof, s | file, MB | verify, s | verified |\n" + "| --- " * 8 + "|")
+    for name in names or list(CERTIFIED):
+        make, within, limit = CERTIFIED[name]
+        answer = wr.flex(make())
+        began = time.process_time()
+        done = wr.prove(answer, within, seconds=limit, certify=True)
+        proof = time.process_time() - began
+        paper = None if done.bound is None else done.bound.certificate
+        if paper is None:
+            print(
+                f"| {name} | {done.objective} | - | - | {proof:.1f} | - | - | {done.bound and done.bound.why} |",
+                flush=True,
+            )
+            continue
+        text = json.dumps(paper)
+        began = time.process_time()
+        found = verify(json.loads(text))
+        spent = time.process_time() - began
+        print(
+            f"| {name} | {done.objective:.6g} | {done.at_most:.6g} | {done.bound.within:.3%} | {proof:.1f} "
+            f"| {len(text) / 1e6:.1f} | {spent:.1f} | {found.why or 'yes'} |",
+            flush=True,
+        )
+
+
 def main(words: list[str]) -> None:
     """Print one line for each question."""
+    if words[:1] == ["certified"]:
+        certified(words[1:])
+        return
     if words == ["quick"]:
         quick()
         return

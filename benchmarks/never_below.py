@@ -27,7 +27,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.bound.branch_and_bound import BranchAndBound, Deadline
 from wiggleroom.bound.dual_bound import quick_bound
-from wiggleroom.bound.linear_relaxation import first_ranges
+from wiggleroom.bound.joint_constraints import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.drawing.model import Goal
 from wiggleroom.program.objectives import PointMotion, objective
@@ -119,11 +119,11 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
     ground = survey(assembly)
     goal = objective(assembly, ground.bodies, goals)
     links, regions = outer_regions(ground, lambda: False)
-    ranges = first_ranges(ground.bodies, links, regions)
+    ranges = first_ranges(ground.bodies.fixed, links, regions)
     if not isinstance(goal, PointMotion) or not (ground.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
         return [np.inf]
     return [
-        BranchAndBound(ground, links, [*regions], goal, cut, Deadline(SECONDS), lambda _: None).run(ranges, cut)
+        BranchAndBound(ground, links, [*regions], goal, cut, Deadline(SECONDS), lambda *_: None).run(ranges, cut)
         for cut in (share * truth for share in SHARES)
     ]
 

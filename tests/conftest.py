@@ -38,8 +38,8 @@ def from_rest_only(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPat
         return
     from wiggleroom import maximise
 
-    monkeypatch.setattr(maximise, "search_on", lambda climb, _: (climb, None))
-    monkeypatch.setattr(maximise, "complete", lambda climb: (climb, None))
+    monkeypatch.setattr(maximise, "_in_own_frame", lambda *_: None)
+    monkeypatch.setattr(maximise, "_searched", lambda climb, _, *about: maximise.answer_of(climb, *about))
 
 
 @pytest.fixture

@@ -181,7 +181,7 @@ def test_multipliers_count(proven):
 
     def halve(step):
         for row in [step["best"]] if "best" in step else [cut[3] for cut in step["cuts"]]:
-            row[1] = [[p, x / 2, y / 2] for p, x, y in row[1]]
+            row[0] /= 2
         for then in step.get("then", []):
             halve(then)
 

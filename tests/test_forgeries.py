@@ -65,7 +65,7 @@ def chain(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def honest() -> Content:
     """Its certificate."""
-    return proof_of(wr.assemble(four()), within=0.01)
+    return proof_of(wr.assemble(four()), within=0.0005)
 
 
 @pytest.fixture(scope="module")
@@ -361,7 +361,7 @@ def test_options_that_say_something_else_are_compared(honest: Content, chain: Pa
 
 DEEP: Any = {"empty": 0}
 for _ in range(400):
-    DEEP = {"facets": [], "cuts": [], "then": [DEEP]}
+    DEEP = {"low": [], "high": [], "turns": [], "cuts": [], "then": [DEEP]}
 
 NUMBERS: dict[str, Any] = {
     "nan": math.nan,
@@ -421,14 +421,21 @@ def resealed(content: Content) -> Content:
 
 def step(**fields: Any) -> Content:
     """A step of a proof."""
-    return {"facets": [], "cuts": []} | fields
+    return RANGES | {"turns": [[-0.2, 0.2]] * 3, "cuts": []} | fields
 
 
-EMPTY = {"empty": 0}
-NOTHING = [0.0, [], []]
+def best(multipliers: list) -> Content:
+    """A proof of one step."""
+    return RANGES | {"turns": [[-0.2, 0.2]] * 3, "best": multipliers}
+
+
+RANGES = {"low": [0.0, -0.5, -0.5, -0.5], "high": [0.0, 0.5, 0.5, 0.5]}
+EMPTY = RANGES | {"empty": 0}
+NOTHING = [1.0, 0.0, []]
+NONE = [0, 0, 0, 0, 0, 0]
 
 FORMS: dict[str, Forgery] = {
-    "another format": put("format", "wiggleroom.certificate/2"),
+    "another format": put("format", "wiggleroom.certificate/1"),
     "no format": lambda c: c.pop("format") and None,
     "no checksum": lambda c: None,
     "a field more": put("note", "trust me"),
@@ -467,25 +474,33 @@ FORMS: dict[str, Forgery] = {
     "an empty proof": put("proof", {}),
     "a list for a proof": put("proof", []),
     "a proof too deep": put("proof", DEEP),
-    "nothing left of a pair from behind": put("proof", {"empty": -1}),
-    "nothing left of a pair too many": put("proof", {"empty": 3}),
-    "nothing left of true": put("proof", {"empty": True}),
-    "empty and best": put("proof", {"empty": 0, "facets": [], "best": NOTHING}),
+    "nothing left of a pair from behind": put("proof", RANGES | {"empty": -1}),
+    "nothing left of a pair too many": put("proof", RANGES | {"empty": 3}),
+    "nothing left of true": put("proof", RANGES | {"empty": True}),
+    "empty and best": put("proof", EMPTY | best(NOTHING)),
     "best and cuts": put("proof", step(best=NOTHING)),
-    "multipliers too few": put("proof", {"facets": [], "best": [0.0, []]}),
-    "a force of a pair too many": put("proof", {"facets": [], "best": [0.0, [[3, 1.0, 0.0]], []]}),
-    "a force of a pair from behind": put("proof", {"facets": [], "best": [0.0, [[-1, 1.0, 0.0]], []]}),
-    "a force that is no number": put("proof", {"facets": [], "best": [0.0, [[0, math.nan, 0.0]], []]}),
-    "a force without end": put("proof", {"facets": [], "best": [0.0, [[0, math.inf, 0.0]], []]}),
-    "a force too large": put("proof", {"facets": [], "best": [0.0, [[0, 1e200, 0.0]], []]}),
-    "a weight of no facet": put("proof", {"facets": [], "best": [0.0, [], [[0, 1.0]]]}),
-    "a facet of no pair": put("proof", {"facets": [[5, 1.0, 0.0, 0.0]], "best": [0.0, [], [[0, 1.0]]]}),
+    "multipliers too few": put("proof", best([1.0, 0.0])),
+    "a force of a pair too many": put("proof", best([1.0, 0.0, [[3, 1, *NONE]]])),
+    "a force of a pair from behind": put("proof", best([1.0, 0.0, [[-1, 1, *NONE]]])),
+    "a force that is no number": put("proof", best([1.0, 0.0, [[0, math.nan, *NONE]]])),
+    "a force that is no whole number": put("proof", best([1.0, 0.0, [[0, 1.0, *NONE]]])),
+    "a force too large": put("proof", best([1.0, 0.0, [[0, 2**60, *NONE]]])),
+    "a unit without end": put("proof", best([math.inf, 0.0, [[0, 1, *NONE]]])),
+    "a unit that is no number": put("proof", best([math.nan, 0.0, [[0, 1, *NONE]]])),
+    "a unit too large": put("proof", best([1e200, 0.0, [[0, 1, *NONE]]])),
+    "multipliers of a pair too few": put("proof", best([1.0, 0.0, [[0, 1, *NONE[1:]]]])),
+    "ranges of a step too few": put("proof", step(low=[0.0])),
+    "a range of a step without end": put("proof", step(low=[0.0, -math.inf, -0.5, -0.5])),
+    "turns of pairs too few": put("proof", step(turns=[[-0.2, 0.2]] * 2)),
+    "turns of pairs at nan": put("proof", step(turns=[[-0.2, math.nan]] * 3)),
+    "no windows' list": put("windows", None),
+    "a window of nothing": put("windows", [{}]),
     "a cut of no body": put("proof", step(cuts=[[9, 1, -1.0, NOTHING]])),
     "a cut from behind": put("proof", step(cuts=[[-1, 1, -1.0, NOTHING]])),
     "a cut without a side": put("proof", step(cuts=[[3, 0, -1.0, NOTHING]])),
     "a cut of half a side": put("proof", step(cuts=[[3, 0.5, -1.0, NOTHING]])),
     "a cut at nan": put("proof", step(cuts=[[3, 1, math.nan, NOTHING]])),
-    "a cut with infinite weight": put("proof", step(cuts=[[3, 1, -1.0, [math.inf, [], []]]])),
+    "a cut with infinite weight": put("proof", step(cuts=[[3, 1, -1.0, [1.0, math.inf, []]]])),
     "a split at nan": put("proof", step(split=[3, math.nan], then=[EMPTY, EMPTY])),
     "a split at infinity": put("proof", step(split=[3, math.inf], then=[EMPTY, EMPTY])),
     "a split of no body": put("proof", step(split=[4, 0.0], then=[EMPTY, EMPTY])),
@@ -704,11 +719,14 @@ def multipliers(change: Callable[[list], None]) -> Forgery:
     return in_all(forge)
 
 
-def scaled(forces: float = 1.0, weights: float = 1.0, goal: float = 1.0) -> Forgery:
+def scaled(*factors: int, goal: float = 1.0, unit: float = 1.0) -> Forgery:
+    """Forgery of force (x, y), moment, both slopes and both couplings."""
+
     def change(row: list) -> None:
-        row[0] *= goal
-        row[1] = [[p, forces * x, forces * y] for p, x, y in row[1]]
-        row[2] = [[k, weights * u] for k, u in row[2]]
+        row[0] *= unit
+        row[1] *= goal
+        if factors:
+            row[2] = [[p, *(f * v for f, v in zip(factors, whole, strict=True))] for p, *whole in row[2]]
 
     return multipliers(change)
 
@@ -731,30 +749,34 @@ def cut(**fields: Any) -> Forgery:
 
 PROOFS: dict[str, Forgery] = {
     "as it is": lambda c: None,
-    "no multipliers": put("proof", {"facets": [], "best": NOTHING}),
-    "no multipliers in any": multipliers(lambda row: row.__setitem__(slice(1, 3), [[], []])),
-    "no forces": scaled(forces=0.0),
-    "half the forces": scaled(forces=0.5),
-    "twice the forces": scaled(forces=2.0),
-    "forces the other way": scaled(forces=-1.0),
-    "huge forces": scaled(forces=1e60),
-    "no weights": scaled(weights=0.0),
-    "half the weights": scaled(weights=0.5),
-    "twice the weights": scaled(weights=2.0),
-    "negative weights": scaled(weights=-1.0),
-    "huge weights": scaled(weights=1e60),
-    "all halved": scaled(0.5, 0.5, 0.5),
-    "all doubled": scaled(2.0, 2.0, 2.0),
+    "no multipliers": put("proof", best(NOTHING)),
+    "no multipliers in any": multipliers(lambda row: row.__setitem__(2, [])),
+    "no forces": scaled(0, 0, 1, 1, 1, 1, 1),
+    "twice the forces": scaled(2, 2, 1, 1, 1, 1, 1),
+    "forces the other way": scaled(-1, -1, 1, 1, 1, 1, 1),
+    "no moments": scaled(1, 1, 0, 1, 1, 1, 1),
+    "twice the moments": scaled(1, 1, 2, 1, 1, 1, 1),
+    "moments the other way": scaled(1, 1, -1, 1, 1, 1, 1),
+    "no slopes": scaled(1, 1, 1, 0, 0, 1, 1),
+    "slopes the other way": scaled(1, 1, 1, -1, -1, 1, 1),
+    "no couplings": scaled(1, 1, 1, 1, 1, 0, 0),
+    "couplings the other way": scaled(1, 1, 1, 1, 1, -1, -1),
+    "couplings exchanged": multipliers(lambda row: row.__setitem__(2, [[*r[:6], r[7], r[6]] for r in row[2]])),
+    "all halved": scaled(unit=0.5),
+    "all doubled": scaled(unit=2.0, goal=2.0),
+    "all the other way": scaled(unit=-1.0),
+    "huge multipliers": scaled(unit=1e60),
     "a huge weight of the goal": scaled(goal=1e30),
     "a negative weight of the goal": scaled(goal=-1.0),
     "no weight of the goal": scaled(goal=0.0),
-    "forces twice named": multipliers(lambda row: row[1].extend(copy.deepcopy(row[1]))),
-    "weights twice named": multipliers(lambda row: row[2].extend(copy.deepcopy(row[2]))),
-    "forces of other pairs": multipliers(lambda row: row.__setitem__(1, [[(p + 1) % 3, x, y] for p, x, y in row[1]])),
-    "facets looser": in_all(lambda s: [f.__setitem__(slice(1, 4), [0.0, 0.0, 0.0]) for f in s.get("facets", [])]),
-    "facets turned round": in_all(lambda s: [f.__setitem__(slice(1, 4), [-v for v in f[1:]]) for f in s.get("facets", [])]),
-    "facets larger": in_all(lambda s: [f.__setitem__(slice(1, 4), [2 * v for v in f[1:]]) for f in s.get("facets", [])]),
-    "facets of other pairs": in_all(lambda s: [f.__setitem__(0, (f[0] + 1) % 3) for f in s.get("facets", [])]),
+    "pairs twice named": multipliers(lambda row: row[2].extend(copy.deepcopy(row[2]))),
+    "multipliers of other pairs": multipliers(lambda row: row.__setitem__(2, [[(r[0] + 1) % 3, *r[1:]] for r in row[2]])),
+    "no range of a step": in_all(lambda s: s.update(low=[0.0] * 4, high=[0.0] * 4)),
+    "narrow ranges of steps": in_all(lambda s: s.update(low=[v / 2 for v in s["low"]], high=[v / 2 for v in s["high"]])),
+    "wide ranges of steps": in_all(lambda s: s.update(low=[9 * v for v in s["low"]], high=[9 * v for v in s["high"]])),
+    "no turns of pairs": in_all(lambda s: s.update(turns=[[0.0, 0.0]] * 3) if "turns" in s else None),
+    "narrow turns of pairs": in_all(lambda s: s.update(turns=[[a / 2, b / 2] for a, b in s["turns"]]) if "turns" in s else None),
+    "turns of pairs turned round": in_all(lambda s: s.update(turns=[t[::-1] for t in s["turns"]]) if "turns" in s else None),
     "nothing left at once": put("proof", EMPTY),
     "nothing left after no cut": put("proof", step(then=[EMPTY])),
     "no cuts and nothing after": put("proof", step()),
@@ -769,7 +791,7 @@ PROOFS: dict[str, Forgery] = {
     "a split of the fixed body, once more": put("proof", step(split=[0, 1.0], then=[EMPTY, EMPTY])),
     "a split at the end": lambda c: put("proof", step(split=[3, c["bodies"][3]["high"]], then=[EMPTY, EMPTY]))(c),
     "a cut that nobody proves": put("proof", step(cuts=[[3, 1, -10.0, NOTHING]])),
-    "a cut that the goal should prove": put("proof", step(cuts=[[3, 1, -10.0, [1e30, [], []]]])),
+    "a cut that the goal should prove": put("proof", step(cuts=[[3, 1, -10.0, [1.0, 1e30, []]]])),
     "a cut of the fixed body": put("proof", step(cuts=[[0, 1, -1e-9, NOTHING]])),
     "both cuts that nobody proves": put("proof", step(cuts=[[3, 1, 0.0, NOTHING], [3, -1, 1e-9, NOTHING]])),
     "a proof cut short": lambda c: put("proof", lambda p: p["then"][0] if p.get("then") else EMPTY)(c),
@@ -812,6 +834,67 @@ def test_a_split_needs_both_sides(honest: Content) -> None:
         assert verify(forged(honest, put("proof", step(split=[3, middle], then=[whole, copy.deepcopy(whole)])))).proven
         for then in ([whole, EMPTY], [EMPTY, whole], [whole], [EMPTY, EMPTY], [whole, step(then=[EMPTY])], []):
             assert not verify(forged(honest, put("proof", step(split=[3, middle], then=then)))).proven
+
+
+# Windows.
+
+
+@pytest.fixture(scope="module")
+def windowed() -> Content:
+    """Certificate of a small grid whose proof looks at windows first."""
+    from wiggleroom.bound import branch_and_bound
+
+    made = wr.patterns.grid(3, 3, joint="tee", gap=GAP)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(branch_and_bound, "MANY_BODIES", 4)
+        return proof_of(made, wr.Pull(made.names[-1], (0, 1)), within=0.01)
+
+
+def in_window(change: Callable[[Content], Any]) -> Forgery:
+    """Forgery of the first window."""
+
+    def forge(content: Content) -> None:
+        change(content["windows"][0])
+
+    return forge
+
+
+WINDOWS: dict[str, Forgery] = {
+    "half the range": in_window(lambda w: w.update(low=[v / 2 for v in w["low"]], high=[v / 2 for v in w["high"]])),
+    "no range": in_window(lambda w: w.update(low=[0.0] * 4, high=[0.0] * 4)),
+    "a range beside rest": in_window(lambda w: w.update(low=[0.0, *[1e-9] * 3])),
+    "no steps": in_window(lambda w: w.update(steps=[])),
+    "steps without cuts": in_window(lambda w: [s.update(cuts=[]) for s in w["steps"]]),
+    "deeper cuts": in_window(lambda w: [c.__setitem__(2, c[2] / 2) for s in w["steps"] for c in s["cuts"]]),
+    "cuts the other way": in_window(lambda w: [c.__setitem__(1, -c[1]) for s in w["steps"] for c in s["cuts"]]),
+    "no multipliers": in_window(lambda w: [c.__setitem__(3, NOTHING) for s in w["steps"] for c in s["cuts"]]),
+    "a weight of the goal": in_window(lambda w: [c[3].__setitem__(1, 1e6) for s in w["steps"] for c in s["cuts"]]),
+    "no first ranges": in_window(lambda w: w["steps"][0].update(low=[0.0] * 4, high=[0.0] * 4)),
+    "no first shifts": in_window(lambda w: w.update(far=[0.0] * 4)),
+    "another body stands": in_window(lambda w: [p.reverse() for p in w["placements"]]),
+    "a placement that is not alike": in_window(lambda w: w["placements"][1].reverse()),
+    "a placement elsewhere": in_window(lambda w: w["placements"].__setitem__(1, w["placements"][2])),
+    "a body twice": in_window(lambda w: w["placements"][1].__setitem__(1, w["placements"][1][2])),
+    "joints of another window": in_window(lambda w: w["pairs"].__setitem__(1, w["pairs"][2])),
+    "joints in another order": in_window(lambda w: w["pairs"][1].reverse()),
+    "a joint from outside": in_window(lambda w: [p.__setitem__(0, 11) for p in w["pairs"]]),
+    "fewer joints": in_window(lambda w: w.update(pairs=[p[:1] for p in w["pairs"]])),
+    "more placements than joints": in_window(lambda w: w["placements"].append(w["placements"][0])),
+    "a step that ends": in_window(lambda w: w["steps"][0].update(best=NOTHING)),
+    "a part moved": put("bodies", 4, "origin", lambda o: [o[0] + 0.01, o[1]]),
+    "a joint moved": put("pairs", 5, 3, lambda x: x + 0.01),
+}  # fmt: skip
+
+
+def test_a_certificate_with_windows_is_verified(windowed: Content) -> None:
+    assert len(windowed["windows"]) >= 4
+    assert all(len(w["placements"]) == 4 for w in windowed["windows"][:4])
+    assert verify(windowed).proven
+
+
+@pytest.mark.parametrize("name", WINDOWS)
+def test_windows_that_are_forged_are_refused(windowed: Content, name: str) -> None:
+    assert not verify(forged(windowed, WINDOWS[name])).proven
 
 
 # Work.

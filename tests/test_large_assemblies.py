@@ -70,7 +70,7 @@ def program(request):
     ready = prepare(assembly)
     n = len(ready.bodies.fixed)
     a, b = np.triu_indices(n, 1)
-    near = near_vertices(ready.bodies, a, b, np.zeros((n, 3)), np.full(len(a), 0.1), 0.05)
+    near = near_vertices(ready.bodies, a, b, np.zeros((n, 3)), *np.full((2, len(a)), 0.1), 0.05)
     goal = ready.objective(assembly.goals)
     return build_distances(ready.bodies, near, goal, length=ready.clearance)
 
@@ -124,7 +124,7 @@ def test_listed_corners_are_all_that_are_near():
     ready = prepare(assembly)
     bodies, reach = ready.bodies, 0.15
     a, b = np.triu_indices(4, 1)
-    near = near_vertices(bodies, a, b, np.zeros((4, 3)), np.full(len(a), reach), 0.03)
+    near = near_vertices(bodies, a, b, np.zeros((4, 3)), np.full(len(a), reach), np.full(len(a), 0.06), 0.03)
     known = set(zip(near.pair.tolist(), near.kind.tolist(), near.edge.tolist(), near.corner.tolist(), strict=True))
     shapes = bodies.shapes
     pose = relative_pose(bodies, a, b)
@@ -134,12 +134,10 @@ def test_listed_corners_are_all_that_are_near():
             for e in range(*shapes.first[bodies.shape[a[p]] + np.arange(2)]):
                 line = shapely.LineString(shapes.corner[[e, shapes.after[e]]])
                 ahead = shapes.normal[e] @ (corner - shapes.corner[e])
-                inside = (
-                    0
-                    <= np.array([-shapes.normal[e, 1], shapes.normal[e, 0]]) @ (corner - shapes.corner[e])
-                    <= shapes.length[e]
-                )
-                wanted = shapely.distance(line, shapely.Point(corner)) < reach and ahead > (0 if inside else -0.03)
+                along = np.array([-shapes.normal[e, 1], shapes.normal[e, 0]]) @ (corner - shapes.corner[e])
+                beyond = max(-along, along - shapes.length[e])
+                wanted = shapely.distance(line, shapely.Point(corner)) < reach and beyond < 0.06
+                wanted &= ahead > (0 if beyond <= 0 else -0.03)
                 assert ((p, 0, e, v) in known) == wanted
 
 

@@ -406,3 +406,64 @@ def test_jump_after_jump_comes_to_its_end():
         grip, angle = jigsaw.rest[k, :2], random.uniform(0, 2 * np.pi)
         target = grip + random.uniform(0, 30) * np.array([np.cos(angle), np.sin(angle)])
         assert live.drag(jigsaw.names[k], tuple(grip), tuple(target), seconds=60.0).settled
+
+
+def grid_of(side: int) -> wr.Assembly:
+    return wr.patterns.grid(side, side, joint="tee", gap=0.02)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_with_few_parts_that_give_way_a_drag_is_safe_and_settles_as_with_all(seed):
+    random = np.random.default_rng(seed)
+    assembly = grid_of(9)
+    some, all_of_them = wr.Live(assembly), wr.Live(assembly)
+    part = int(random.integers(1, len(assembly.parts)))
+    grip, angle = assembly.rest[part, :2], random.uniform(0, 2 * np.pi)
+    target = grip + random.uniform(0.01, 0.5) * np.array([np.cos(angle), np.sin(angle)])
+    start = "rest"
+    for within in (5, 20, 40, None):
+        shot = some.drag(assembly.names[part], tuple(grip), tuple(target), start=start, within=within, seconds=60)
+        start = "here"
+        assert overlap(assembly, shot.motion) < 1e-9
+        if shot.settled:
+            break
+    other = all_of_them.drag(assembly.names[part], tuple(grip), tuple(target), start="rest", seconds=60)
+    assert shot.settled
+    assert shot.distance == pytest.approx(other.distance, abs=0.02 * assembly.gap)
+
+
+def test_only_few_parts_move_and_others_that_hold_are_not_taken_for_fixed():
+    live = wr.Live(grid_of(9))
+    part = live.assembly.names[40]
+    grip = live.assembly.rest[40, :2]
+    shot = live.drag(part, tuple(grip), (grip[0] + 0.3, grip[1]), within=9, seconds=60)
+    moved = np.abs(shot.motion).max(axis=1) > 0
+    assert 1 < moved.sum() <= 9
+    assert not shot.settled
+    assert shot.blocking == ()
+    assert shot.distance > 0.1
+
+
+def test_glued_parts_and_stacked_sheets_stay_so_among_few():
+    assembly = grid_of(6)
+    names = assembly.names
+    live = wr.Live(assembly)
+    live.design(glue=[[names[14], names[15]], [names[20], names[21], names[22]]])
+    grip = assembly.rest[14, :2]
+    shot = live.drag(names[14], tuple(grip), (grip[0] + 0.05, grip[1] + 0.12), within=6, seconds=60)
+    assert overlap(live.assembly, shot.motion) < 1e-9
+    turn = shot.motion[14, 2]
+    arm = assembly.rest[15, :2] - assembly.rest[14, :2]
+    rigid = shot.motion[14, :2] + np.array([[np.cos(turn) - 1, -np.sin(turn)], [np.sin(turn), np.cos(turn) - 1]]) @ arm
+    assert shot.motion[15] == pytest.approx([*rigid, turn], abs=1e-9)
+
+
+def test_a_drag_goes_on_where_the_answer_ended():
+    live = wr.Live(wr.patterns.chain(3, joint="tee", gap=0.02))
+    answer = live.settle(wr.Pull("b3", (1.0, 0.0)))
+    x, y, _ = live.assembly.rest[2]
+    grip = (float(x), float(y))
+    there = np.array(grip) + answer.motion[2, :2]
+    from_there = live.drag("b3", grip, tuple(there), start="answer", goals=wr.Pull("b3", (1.0, 0.0)))
+    assert np.hypot(*(np.array(from_there.reached) - there)) < 0.02 * 0.02
+    assert from_there.motion == pytest.approx(answer.motion, abs=0.05 * 0.02)

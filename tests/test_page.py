@@ -149,7 +149,7 @@ def test_a_dragged_part_stops_where_it_must_and_what_holds_it_lights_up(browser:
         page.mouse.move(box["x"] + x - 40, box["y"] + y + 40)
         page.mouse.down()
         page.mouse.move(box["x"] + x - 200, box["y"] + y - 150, steps=12)
-        page.locator("#answer", has_text="peg dragged").wait_for()
+        page.locator("#answer", has_text="peg moved").wait_for()
         page.locator(".headline .facts", has_text="held by frame").wait_for()
         page.mouse.up()
         now = still(page)
@@ -394,7 +394,7 @@ def test_everything_by_keyboard_alone(browser: Any, peg: Served) -> None:
         page.locator("#answer", has_text="nothing asked").wait_for()
         for _ in range(40):
             keys.press("ArrowLeft")
-        page.locator("#answer", has_text=re.compile(r"peg dragged to \(14, 15\)")).wait_for()
+        page.locator("#answer", has_text="peg moved 1 mm").wait_for()
         keys.press("p")
         answered(page, "peg moves 1 mm in +x")
         keys.press("f")
@@ -405,7 +405,7 @@ def test_everything_by_keyboard_alone(browser: Any, peg: Served) -> None:
         keys.press("Escape")
         page.get_by_role("dialog").wait_for(state="hidden")
         page.wait_for_timeout(100)
-        keys.press("3")
+        keys.press("4")
         assert page.get_by_role("tab", name="Come apart").get_attribute("aria-selected") == "true"
 
 
@@ -488,3 +488,285 @@ def test_a_baked_page_needs_no_server(browser: Any, tmp_path: Path, monkeypatch:
     assert page.get_by_role("button", name="Save").count() == 0
     page.close()
     assert wrong == []
+
+
+def test_the_hand_leads_and_nothing_is_claimed_before_it_is_known(browser: Any, peg: Served) -> None:
+    """With the server silent, the part goes as far as the outlines leave it free, at once; the rest is a ghost."""
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        scale = pixels_per_mm(page)
+        rest, box = at_rest(page), canvas(page)
+        page.evaluate("WebSocket.prototype.send = () => {}")  # from now on nothing is answered
+        x, y = box["x"] + rest[0] - 3 * scale, box["y"] + rest[1] + 3 * scale
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x - 0.5 * scale, y, steps=3)
+        page.wait_for_timeout(100)
+        assert (foot(page)[0] - rest[0]) / scale == pytest.approx(0.5, abs=0.05)  # from where the answer ended
+        page.mouse.move(x - 6 * scale, y - 0.3 * scale, steps=3)
+        page.wait_for_timeout(100)
+        now = foot(page)
+        assert (now[0] - rest[0]) / scale == pytest.approx(-1, abs=0.02)  # the frame stops it
+        assert (rest[1] - now[1]) / scale == pytest.approx(0.3, abs=0.03)  # along the wall it goes on
+        said = page.locator(".headline").inner_text()
+        assert "follows the hand" in said
+        assert not re.search(r"\d", said)
+        page.locator(".busy").wait_for(timeout=150)
+        page.mouse.up()
+
+
+def test_no_number_before_it_is_known(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.evaluate("""() => { window.said = [];
+            new MutationObserver(() => said.push(document.querySelector('#answer').innerText)).observe(
+                document.querySelector('.headline'), {subtree: true, childList: true, characterData: true}); }""")
+        box = page.locator(".gapbox").get_by_role("textbox")
+        box.fill("1000000000")
+        box.press("Enter")
+        page.locator(".findings").wait_for(timeout=30_000)
+        assert page.evaluate("said.filter((one) => /[0-9] mm/.test(one))") == []
+        mend = page.locator(".findings .button.main").first
+        assert "Use a gap of" in mend.inner_text()
+        mend.click()
+        page.locator("#answer[data-settled=true]").wait_for()
+        assert page.locator(".findings").count() == 0
+        for wrong in ("-1", "abc"):
+            box.fill(wrong)
+            box.press("Enter")
+            page.locator(".notices", has_text=wrong).wait_for()
+
+
+def test_all_that_is_wrong_is_one_list_and_each_line_can_be_mended(browser: Any) -> None:
+    with serving(None) as served, visiting(browser, served) as page:
+        page.locator("#file").set_input_files(EXAMPLES / "drawings" / "pyjigsaw_4x5.svg")
+        page.locator(".findings li").nth(1).wait_for()
+        text = page.locator(".findings").inner_text()
+        assert "Nothing stands" in text
+        assert "touch at rest" in text
+        page.locator(".findings").get_by_role("button", name="Show").last.click()
+        page.locator(".overlay .spot").wait_for()
+        for words in ("Fix ", "Use a gap of"):
+            page.locator(".findings .button.main", has_text=words).click()
+            page.wait_for_timeout(300)
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        assert page.locator(".findings").count() == 0
+        assert page.locator(".step.done").count() == 3
+
+
+def test_the_start_page_opens_samples_and_files_of_before(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "brick.json"
+    path.write_text(json.dumps(PEG))
+    with serving(None) as served, visiting(browser, served) as page:
+        page.locator("#file").set_input_files(path)
+        answered(page, "peg moves 1 mm")
+        page.evaluate("sessionStorage.removeItem('wiggleroom.file')")
+        page.reload()
+        page.locator(".recent", has_text="brick.json").click()
+        answered(page, "peg moves 1 mm")
+        page.evaluate("sessionStorage.removeItem('wiggleroom.file')")
+        page.reload()
+        page.get_by_role("button", name=re.compile("chain", re.IGNORECASE)).click()
+        answered(page, "b6 moves")
+        assert "chain-design.json" in page.locator(".command").inner_text()
+
+
+def test_a_word_that_needs_explaining_is_explained_where_it_stands(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        for place, words in ((".headline", "Optimal:"), (".tabpanel", "How hard this contact presses")):
+            page.locator(f"{place} .explain button").first.click()
+            page.locator(f"{place} .meaning", has_text=words).wait_for()
+            page.keyboard.press("Escape")
+            page.locator(f"{place} .meaning", has_text=words).wait_for(state="hidden")
+
+
+def test_the_gap_plays_from_answer_to_answer(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.get_by_role("button", name="Play the gap").click()
+        page.locator(".curve .dot").nth(4).wait_for(timeout=30_000)
+        page.get_by_role("button", name="Stop the gap").click()
+        page.locator("#answer[data-settled=true]").wait_for()
+        gap = float(page.locator(".gapbox").get_by_role("textbox").input_value())
+        assert gap > 1
+        answered(page, f"peg moves {gap:g} mm")
+
+
+AXE = Path(__file__).parents[1] / "web" / "node_modules" / "axe-core" / "axe.min.js"
+"""Accessibility rules; `npm ci` in `web` brings them."""
+
+
+def accessible(page: Any) -> None:
+    """Axe finds nothing, on all that is seen now."""
+    page.wait_for_timeout(250)  # what fades is there
+    page.evaluate(AXE.read_text())
+    found = page.evaluate("axe.run(document, {resultTypes: ['violations']})")["violations"]
+    assert [(one["id"], [node["html"][:160] for node in one["nodes"]]) for one in found] == []
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="needs `npm ci` in web")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_finds_nothing(browser: Any, scheme: str) -> None:
+    with serving(None) as served, visiting(browser, served, color_scheme=scheme) as page:
+        page.locator(".sample").first.wait_for()
+        accessible(page)
+        page.locator("#file").set_input_files(EXAMPLES / "drawings" / "pyjigsaw_4x5.svg")
+        page.locator(".findings").wait_for()
+        accessible(page)
+        for words in ("Fix ", "Use a gap of"):
+            page.locator(".findings .button.main", has_text=words).click()
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator(".stage canvas").focus()
+        page.keyboard.press(".")
+        page.locator(".headline .explain button").click()
+        accessible(page)
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            accessible(page)
+        page.locator(".savebutton").click()
+        accessible(page)
+        page.keyboard.press("Escape")
+        page.keyboard.press("?")
+        accessible(page)
+
+
+LONG = "оченьдлинноеимя_{}_非常に長い部品名_without_any_space_in_it_at_all"
+OVERLAPPING = """() => {
+    const shown = (e) => { const r = e.getBoundingClientRect(); return r.width > 1 && r.height > 1 && !e.closest('.unseen'); };
+    const seen = (e) => {
+        let { left, top, right, bottom } = e.getBoundingClientRect();
+        for (let p = e.parentElement; p; p = p.parentElement) {
+            if (getComputedStyle(p).overflowX === 'visible') continue;
+            const q = p.getBoundingClientRect();
+            [left, top] = [Math.max(left, q.left), Math.max(top, q.top)];
+            [right, bottom] = [Math.min(right, q.right), Math.min(bottom, q.bottom)];
+        }
+        return [left, top, right, bottom];
+    };
+    const all = [...document.querySelectorAll('.stage, .topbar > *, .said > *, .work, .selection > *, .player .group > *, ' +
+        '.notices > *, .gapbox > *, .gapcurve input, .tabs > *, .panel :is(button, input, select, h2, .name, .step)')].filter(shown);
+    const found = [];
+    all.forEach((a, i) => all.slice(i + 1).forEach((b) => {
+        if (a.contains(b) || b.contains(a)) return;
+        const [p, q] = [seen(a), seen(b)];
+        const wide = Math.min(p[2], q[2]) - Math.max(p[0], q[0]);
+        const high = Math.min(p[3], q[3]) - Math.max(p[1], q[1]);
+        if (wide > 1.5 && high > 1.5) found.push([a.outerHTML.slice(0, 80), b.outerHTML.slice(0, 80)]);
+    }));
+    const out = (e) => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('.selection, .tabs, .scroll');
+    found.push(...all.filter(out).map((e) => e.outerHTML.slice(0, 80)));
+    return found;
+}"""
+
+
+@pytest.mark.parametrize("size", [(1280, 720), (1440, 900), (2560, 1440), (390, 844), (640, 360)])
+def test_nothing_overlaps_whatever_the_names(browser: Any, tmp_path: Path, size: tuple[int, int]) -> None:
+    """640 x 360 is 1280 x 720 at 200 %."""
+    text = (EXAMPLES / "02_chain_of_tees" / "chain.json").read_text()
+    for part in json.loads(text)["parts"]:
+        text = text.replace(json.dumps(part["name"]), json.dumps(LONG.format(part["name"])))
+    path = tmp_path / f"{LONG.format('file')}.json"
+    path.write_text(text, encoding="utf-8")
+    with serving(path) as served, visiting(browser, served) as page:
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator(".stage canvas").focus()
+        for _ in range(3):
+            page.keyboard.press(".")
+        for tab in page.get_by_role("tab").all():
+            tab.click()
+            page.wait_for_timeout(80)
+            assert page.evaluate(OVERLAPPING) == []
+            assert page.evaluate("document.scrollingElement.scrollWidth") <= size[0]
+            assert canvas(page)["height"] >= 150
+
+
+def test_the_clearance_of_two_edges_is_measured(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        scale = pixels_per_mm(page)
+        rest, box = at_rest(page), canvas(page)
+        page.get_by_label("place on the way from rest").fill("0")
+        still(page)
+        page.locator(".stage canvas").focus()
+        page.keyboard.press("m")
+        for x in (-4.5, -5.5):  # the peg's left side, and the hole's
+            page.mouse.click(box["x"] + rest[0] + x * scale, box["y"] + rest[1])
+        page.locator(".measure text", has_text=re.compile(r"^1 mm$")).wait_for()
+        page.get_by_label("place on the way from rest").fill("1000")
+        page.locator(".measure text", has_text=re.compile(r"^(2|1[.]99[0-9]*) mm$")).wait_for()
+        page.keyboard.press("Escape")
+        page.locator(".measure").wait_for(state="hidden")
+
+
+def test_many_parts_are_chosen_by_a_line_round_them(browser: Any) -> None:
+    with serving(EXAMPLES / "02_chain_of_tees" / "chain.json") as served, visiting(browser, served) as page:
+        page.locator("#answer[data-settled=true]").wait_for()
+        box = canvas(page)
+        page.locator(".stage canvas").focus()
+        page.keyboard.press("l")
+        corners = [(0.02, 0.02), (0.98, 0.02), (0.98, 0.98), (0.02, 0.98)]
+        places = [(box["x"] + u * box["width"], box["y"] + v * box["height"]) for u, v in corners]
+        page.mouse.move(*places[0])
+        page.mouse.down()
+        for x, y in places[1:]:
+            page.mouse.move(x, y, steps=4)
+        page.mouse.up()
+        toolbar = page.get_by_role("toolbar", name="10 parts")
+        toolbar.get_by_role("textbox").fill("0.002")
+        toolbar.get_by_role("textbox").press("Enter")
+        page.get_by_role("tab", name="Gaps").click()
+        boxes = page.locator("table.parts").get_by_role("textbox")
+        assert [one.input_value() for one in boxes.all()] == ["0.002"] * 10
+        page.keyboard.press("Escape")
+        page.keyboard.press("Escape")
+
+
+def test_a_link_carries_the_design(browser: Any) -> None:
+    with serving(None) as served, visiting(browser, served) as page:
+        page.evaluate(
+            "Object.defineProperty(navigator, 'clipboard', {value: {writeText: async (t) => { window.copied = t; }}})"
+        )
+        page.get_by_role("button", name=re.compile("chain", re.IGNORECASE)).click()
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        box = page.locator(".gapbox").get_by_role("textbox")
+        box.fill("0.3")
+        box.press("Enter")
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.locator(".savebutton").click()
+        page.get_by_role("menuitem", name="Copy a link").click()
+        link = page.evaluate("copied")
+        assert "token" not in link
+        page.evaluate("sessionStorage.removeItem('wiggleroom.file'); sessionStorage.removeItem('wiggleroom.design')")
+        page.goto("about:blank")
+        page.goto(link)
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        assert page.locator(".gapbox").get_by_role("textbox").input_value() == "0.3"
+
+
+def test_the_reach_of_a_part_is_shaded_before_it_is_dragged(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        scale = pixels_per_mm(page)
+        rest, box = at_rest(page), canvas(page)
+        page.mouse.click(box["x"] + rest[0], box["y"] + rest[1] + 2 * scale)
+        page.locator(".reach path").wait_for(state="attached", timeout=30_000)
+        shaded = page.locator(".reach path").bounding_box()
+        assert shaded["width"] / scale == pytest.approx(2, abs=0.1)  # 1 mm to either side
+        assert "free at" in page.locator(".selection").inner_text()
+
+
+def test_what_should_be_tighter_and_gaps_at_random(browser: Any) -> None:
+    path = EXAMPLES / "02_chain_of_tees" / "chain.json"
+    with serving(path) as served, visiting(browser, served) as page:
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.get_by_role("tab", name="Vary").click()
+        page.get_by_role("button", name="Find them").click()
+        page.locator(".result", has_text="Make these tighter").wait_for(timeout=90_000)
+        draws = page.get_by_role("textbox", name="number of draws")
+        draws.fill("12")
+        draws.press("Enter")
+        page.get_by_role("button", name="Draw", exact=True).click()
+        page.locator(".result", has_text="12 draws").wait_for(timeout=90_000)
+        assert page.locator(".plot svg").count() >= 1

@@ -21,8 +21,8 @@ from benchmarks.plan_families import (
 
 import wiggleroom as wr
 from wiggleroom.assembly.assembly import place
+from wiggleroom.disassembly.clearance import distances
 from wiggleroom.disassembly.slide_space import lattice_unit
-from wiggleroom.planning.clearance import distances
 from wiggleroom.report.plan_results import plan_result
 from wiggleroom.schema.results import PlanResult
 from wiggleroom.search.prepare import survey
@@ -86,6 +86,7 @@ def test_check_finds_nested_latches_too():
     assert not found.escapes[0].path[-1, left].any()  # all others are back at rest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(200, 204))
 def test_random_trays_agree_with_the_grid(seed):
     pieces, wall = random_tray(seed)
@@ -127,11 +128,51 @@ def test_a_frame_of_twenty_parts():
 
 
 @pytest.mark.parametrize("count", [3, 5])
-def test_pinwheels_leave_at_once(count):
+def test_pinwheels_leave_at_once_and_off_their_contacts(count):
     found = wr.plan(pinwheel(count))
     assert found.verdict == "comes apart"
     assert len(found.steps[0].parts) == count - 1
     see_free(found)
+    # at rest neighbours are 0.3 apart, and no way from there has more
+    assert found.steps[0].clearance > 0.25
+    assert min(step.clearance for step in found.steps) > 0.15
+
+
+def test_a_hook_turns_out_with_room():
+    found = wr.plan(wr.read("examples/17_does_it_come_apart/rotation.json"))
+    see_free(found)
+    assert found.steps[-1].clearance > 0.5  # at rest it is 1 from the channel
+
+
+def test_draws_of_a_plan_against_closed_forms():
+    # one block in a channel: it goes in where its gap and that of the wall are together more than nothing
+    wall = shapely.box(0, 0, 50, 30) - shapely.box(10, 10, 50, 20)
+    assembly = assembled({"wall": wall, "block": shapely.box(10, 10, 20, 20)}, "wall", gap=0.2)
+    found = wr.plan(assembly)
+    assert found.steps[0].clearance == pytest.approx(0.2, abs=1e-9)
+    sample = wr.sample_plan(found, wr.Spread(0.2), draws=300, seed=1)
+    extra = wr.Spread(0.2).draw(300, 2, 1)
+    np.testing.assert_array_equal(sample.clearance > 0, 0.2 + extra.sum(axis=1) / 2 > 0)
+    good = sample.clearance > 0
+    np.testing.assert_allclose(sample.clearance[good], (0.2 + extra.sum(axis=1) / 2)[good], atol=1e-9)
+    assert sum(sample.failing) == (~good).sum()
+    ranking = wr.rank_plan(found)
+    assert ranking.gain == pytest.approx([0.5, 0.5], abs=1e-6)
+    border = wr.smallest_gap(found)
+    assert border.works_at < 1e-3
+    assert border.fails_at is None
+
+
+def test_the_smallest_gap_of_a_plan_has_a_state_on_both_sides():
+    # the block leaves through a mouth drawn 0.5 narrower than itself, and both give way by the gap: it fits from 0.25 on
+    wall = shapely.box(0, 0, 60, 30) - shapely.box(10, 9.5, 60, 20.5) | shapely.box(30, 9, 60, 10.25)
+    wall |= shapely.box(30, 19.75, 60, 21)
+    assembly = assembled({"wall": wall, "block": shapely.box(12, 10, 22, 20)}, "wall", gap=1.5)
+    found = wr.plan(assembly)
+    border = wr.smallest_gap(found)
+    assert border.fails_at < 0.25 < border.works_at
+    assert border.works_at - border.fails_at <= 0.01 * border.works_at
+    assert set(border.pair) == {"wall", "block"}
 
 
 def test_targets():
@@ -227,6 +268,16 @@ def test_command(command, tmp_path, capsys):
     assert "bolt taken out in 3 moves" in said
     assert "1. latch2 moves in +x by 10 mm" in said
     assert json.loads((tmp_path / "plan.json").read_text())["level"] == [3]
+    assert (
+        command(
+            "plan", source, "--target", "bolt", "--sample", "0.1", "--draws", "5", "--rank", "--smallest-gap", "--json"
+        )
+        == 0
+    )
+    told = json.loads(capsys.readouterr().out)
+    assert told["sample"]["draws"] == 5
+    assert told["smallest_gap"]["works_at"] < 0.01
+    assert len(told["rank"]) == 4
     assert (tmp_path / "step_03.svg").read_text().count("<text") > 3
     assert (tmp_path / "plan.csv").read_text().startswith("step,point,part")
     assert command("plan", source, "--target", "frame") == 2

@@ -108,12 +108,12 @@ def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
     d = np.array([np.cos(angle), np.sin(angle)])
     room = shapely.box(-1, -1, 1, 1) - shapely.box(-0.5, -0.5, 0.5, 0.5)
     peg = shapely.box(-half, -half, half, half)
-    boxes = MotionBoxes(room, peg, d, np.zeros(2), 0.0, 100_000)
+    boxes = MotionBoxes(1, room, peg, d, np.zeros(2), 0.0, 100_000)
     truth = (0.5 - half) * np.abs(d).sum()
-    closed, way = boxes.beyond(truth * 1.0001, truth * 1.0009)
+    closed, way = boxes.beyond(truth * 1.0001, truth * 1.0009, 5_000_000)
     assert closed
     assert way is None
-    closed, way = boxes.beyond(truth * 0.5, truth * 0.6)
+    closed, way = boxes.beyond(truth * 0.5, truth * 0.6, 5_000_000)
     assert not closed
     assert d @ way[-1, :2] > truth * 0.5
 
@@ -126,3 +126,34 @@ def test_tree_keeps_new_states_only():
     aside = np.array([[0, 0, 0], [ready.clearance, 0, 0]])
     assert tree.known(aside) is None
     assert tree.segments_to(0) == ()
+
+
+def told_differently():
+    """A square with a corner cut off in a bent corridor, pulled; and the same, turned, mirrored, in inches and in another order."""
+    wall = shapely.box(-1, -1, 4, 4) - shapely.Polygon(BENT)
+    peg = shapely.box(2.05, 0.05, 2.95, 0.95) - shapely.Polygon([(2.0, 0.0), (2.3, 0.0), (2.0, 0.2)])
+    angle, unit, direction = 0.7, 25.4, np.array([0.3, 1.0])
+    axes = unit * np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) @ np.diag([-1.0, 1.0])
+    moved = [shapely.transform(shape, lambda p: p @ axes.T + (700.0, -20.0)) for shape in (wall, peg)]
+    one = [polygon_part("wall", wall, fixed=True), polygon_part("peg", peg)]
+    other = [polygon_part("a", moved[1]), polygon_part("b", moved[0], fixed=True)]
+    spots = np.array(one[1].at[:2]), axes @ one[1].at[:2] + (700.0, -20.0)
+    goals = wr.Pull("peg", tuple(direction), tuple(spots[0])), wr.Pull("a", tuple(axes @ direction), tuple(spots[1]))
+    return [assemble(Drawing(tuple(p), goals=(g,), gap=0.0)) for p, g in zip((one, other), goals, strict=True)], unit
+
+
+def test_the_same_assembly_told_differently_has_the_same_answer():
+    (one, other), unit = told_differently()
+    first, second = wr.flex(one), wr.flex(other)
+    assert first.verdict == second.verdict
+    assert second.objective / unit == pytest.approx(first.objective, rel=1e-9)
+    assert audit_path(other, second.waypoints).free
+    assert wr.prepare(other).flex().warm_start is not None
+
+
+def test_an_answer_in_the_assemblys_own_frame_starts_the_next_question():
+    (_, other), unit = told_differently()
+    ready = wr.prepare(other)
+    first = ready.flex()
+    again = ready.flex(start=first)
+    assert again.objective == pytest.approx(first.objective, abs=1e-6 * unit)

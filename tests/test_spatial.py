@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import itertools
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from benchmarks import spatial_overlaps
+from benchmarks import spatial_burrs, spatial_overlaps
 from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
@@ -302,3 +303,53 @@ def test_the_checks_see_what_overlaps() -> None:
     spin[1, 5] = np.pi / 2  # a square looks the same after a quarter turn, but cannot get there
     assert deepest_overlap(assembly, spin) == 0
     assert swept.overlaps(rest, spin)
+
+
+def test_a_sweep_in_space_follows_the_closed_form() -> None:
+    locked = spatial(PLATE, PEG | {"lock": ["rx", "ry", "rz"]})
+    found = wr.sweep(locked, [0.3, 0.0, 0.1], wr.Pull("peg", (1, 0, 0)))
+    assert [s.gap for s in found.steps] == [0.0, 0.1, 0.3]
+    assert [s.objective for s in found.steps] == pytest.approx([0.2, 0.3, 0.5], abs=1e-7)
+    assert all(s.checked and s.verdict == "optimal" for s in found.steps)
+    assert found.lost is None
+
+
+def test_a_sweep_in_space_finds_where_the_motion_loses_its_end() -> None:
+    # a bar across a slot of 10: from a gap of 2 on its heads, 12 wide, pass through
+    bar = {
+        "name": "bar",
+        "boxes": [[-10, -4, -4, 10, 4, 4], [-10, -6, -4, -8, 6, 4], [8, -6, -4, 10, 6, 4]],
+        "lock": ["y", "z", "rx", "ry", "rz"],
+    }
+    wall = {
+        "name": "wall",
+        "boxes": [[-3, 5, -5, 3, 9, 5], [-3, -9, -5, 3, -5, 5]],
+        "fixed": True,
+    }
+    found = wr.sweep(spatial(bar, wall), [0.5, 1.0, 1.5], wr.Pull("bar", (1, 0, 0)))
+    assert found.lost is not None
+    assert found.lost[0] <= 1.0 <= found.lost[1]
+    assert found.lost[1] - found.lost[0] <= 2e-3
+    assert found.steps[0].objective == pytest.approx(5.5, abs=1e-6)
+    assert found.steps[-1].verdict == "unbounded"
+
+
+def test_a_sweep_in_space_says_what_is_missing() -> None:
+    with pytest.raises(wr.InputError, match="nothing is pulled"):
+        wr.sweep(spatial(PLATE, PEG), [0.1])
+
+
+@pytest.mark.parametrize("seed", [11, 12])
+def test_pulls_of_random_burrs_end_with_a_verdict(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    parts = spatial_burrs.random_burr(rng, 3)
+    assembly = spatial_burrs.assembled(parts)
+    fixed = replace(
+        assembly,
+        drawing=replace(
+            assembly.drawing, parts=tuple(replace(p, fixed=k == 0) for k, p in enumerate(assembly.drawing.parts))
+        ),
+    )
+    for direction in itertools.product((1.0, -1.0), repeat=3):
+        answer = sound(flex_spatial(fixed, SpatialPull("p1", direction)))
+        assert answer.verdict in ("optimal", "unbounded")

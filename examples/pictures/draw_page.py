@@ -38,7 +38,7 @@ def main() -> None:
             page.mouse.move(x, y)
             page.mouse.down()
             page.mouse.move(x + 110, y - 60, steps=12)
-            page.locator("#answer", has_text="dragged").wait_for()
+            page.locator("#answer", has_text="moved").wait_for()
             page.wait_for_timeout(7000)  # notes have gone
             page.screenshot(path=ROOT / "docs" / "pictures" / "page.png")
             browser.close()

@@ -45,8 +45,16 @@ if TYPE_CHECKING:
     from wiggleroom.live.live_session import Live
     from wiggleroom.maximise import prepare
     from wiggleroom.planning.plan import Plan, plan
+    from wiggleroom.planning.plan_tolerance import (
+        PlanRanking,
+        PlanSample,
+        SmallestGap,
+        rank_plan,
+        sample_plan,
+        smallest_gap,
+    )
     from wiggleroom.planning.steps import Step
-    from wiggleroom.questions import check, flex, read
+    from wiggleroom.questions import check, flex, read, sweep
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
@@ -55,7 +63,7 @@ if TYPE_CHECKING:
     from wiggleroom.sensitivity.gap_trials import AllowableGap
     from wiggleroom.sensitivity.rank import Ranking, rank
     from wiggleroom.sensitivity.sample import Sample, sample
-    from wiggleroom.sensitivity.sweep import Sweep, sweep
+    from wiggleroom.sensitivity.sweep import Sweep
     from wiggleroom.sensitivity.tighten import Tightening, tighten
     from wiggleroom.sensitivity.worst_case import WorstCase, worst_case
     from wiggleroom.verdict import Verdict
@@ -82,6 +90,8 @@ _HOME = {
     "Mode": "live.live_result",
     "Part": "drawing.model",
     "Plan": "planning.plan",
+    "PlanRanking": "planning.plan_tolerance",
+    "PlanSample": "planning.plan_tolerance",
     "Polyhedron": "freespace.models.polyhedron",
     "Prepared": "search.prepare",
     "Pull": "drawing.model",
@@ -90,6 +100,7 @@ _HOME = {
     "Sample": "sensitivity.sample",
     "LiveResult": "live.live_result",
     "Spread": "sensitivity.gap_distribution",
+    "SmallestGap": "planning.plan_tolerance",
     "Step": "planning.steps",
     "StoppedError": "errors",
     "Sweep": "sensitivity.sweep",
@@ -119,8 +130,11 @@ _HOME = {
     "prove": "bound.prove",
     "rank": "sensitivity.rank",
     "read": "questions",
+    "rank_plan": "planning.plan_tolerance",
     "sample": "sensitivity.sample",
-    "sweep": "sensitivity.sweep",
+    "sample_plan": "planning.plan_tolerance",
+    "smallest_gap": "planning.plan_tolerance",
+    "sweep": "questions",
     "tighten": "sensitivity.tighten",
     "tight_verdict": "form_closure.mobility",
     "read_tolerances": "drawing.tolerances",
@@ -150,12 +164,15 @@ __all__ = [
     "Mode",
     "Part",
     "Plan",
+    "PlanRanking",
+    "PlanSample",
     "Polyhedron",
     "Prepared",
     "Pull",
     "Ranking",
     "Region",
     "Sample",
+    "SmallestGap",
     "Spread",
     "Step",
     "StoppedError",
@@ -185,9 +202,12 @@ __all__ = [
     "prepare",
     "prove",
     "rank",
+    "rank_plan",
     "read",
     "read_tolerances",
     "sample",
+    "sample_plan",
+    "smallest_gap",
     "sweep",
     "tight_verdict",
     "tighten",

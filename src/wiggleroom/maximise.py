@@ -14,6 +14,7 @@ import numpy as np
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals
+from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, answer_from, approximate
 from wiggleroom.compare.flex_halfplane import flex_half_planes
@@ -21,13 +22,17 @@ from wiggleroom.compare.flex_hull import flex_hull
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.freespace.models.pair_models import HalfPlane, PairModel, Walls, model_named
+from wiggleroom.geometry.overlap import overlaps
+from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.program.objectives import Objective, objective
 from wiggleroom.search import prepare as problem
 from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.complete_search import PROVEN_GAP, complete
+from wiggleroom.search.canonical_frame import canonical_frame
+from wiggleroom.search.carried_incumbent import carried_incumbent
+from wiggleroom.search.complete_search import complete
 from wiggleroom.search.distance_climb import climbed
-from wiggleroom.search.global_search import search_on
+from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
 from wiggleroom.search.incumbent import Incumbent, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
@@ -36,6 +41,7 @@ from wiggleroom.search.periodic_motion import periodic_motion
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.simplified_outlines import contact_places, prepare_simplified
 from wiggleroom.solve import solver_named
+from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.linear_programming import linear_solver
 from wiggleroom.verdict import Verdict
 
@@ -202,6 +208,7 @@ def witness(
     asked = asked_goals(its.drawing, goals)
     wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
     solver_named(solver)  # says so where there is no such one
+    solve = solver_named(solver)
     tell(Progress("pairs"))
     try:
         ready = (
@@ -219,15 +226,34 @@ def witness(
         if start is not None:
             raise InputError("start: only the model walls begins at an earlier answer; leave it out")
         return _approximately(ready, asked, solver, stop, tell, time.perf_counter() - began)
-    answer = _searched(ready, asked, solver, start, search, stop, tell, began)
-    if not ready.simplified:
-        return answer
+    if ready.simplified:
+        return _refined(ready, asked, solve, solver, start, search, stop, tell, began)
+    if search != 0 and start is None:
+        answer = _in_own_frame(ready, asked, solve, solver, search, stop, tell, began)
+        if answer is not None:
+            return answer
+    return _climbed(ready, asked, solve, solver, search, start, stop, tell, began)
+
+
+def _refined(
+    ready: Prepared,
+    asked: tuple[Goal, ...],
+    solve: Callable[..., Solution],
+    solver: str,
+    start: Answer | None,
+    search: int | None,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+    began: float,
+) -> Answer:
+    """Answer for outlines of many corners: fewer corners first, more where parts touch, as long as that gains."""
+    answer = _climbed(ready, asked, solve, solver, search, start, stop, tell, began)
     places = contact_places(answer)
     for _ in range(MAX_REFINEMENTS if start is None else 0):
-        finer = prepare_simplified(its, places, stop) if answer.verdict.ends and len(places) else None
+        finer = prepare_simplified(ready.assembly, places, stop) if answer.verdict.ends and len(places) else None
         if finer is None or (stop is not None and stop.is_set()):
             break
-        again = _searched(finer, asked, solver, None, search, stop, tell, began)
+        again = _climbed(finer, asked, solve, solver, search, None, stop, tell, began)
         places = np.concatenate([places, contact_places(again)])
         before, answer = answer, _better(answer, again)
         if answer.objective is None or before.objective is None or answer is before:
@@ -235,7 +261,9 @@ def witness(
         if answer.objective < before.objective * (1 + MIN_REFINEMENT):
             break
     why = f"outlines of many corners were searched with fewer, up to {ready.simplified:.2g} mm further out"
-    return replace(answer, bound=Bound(None, None, 0.0, why))
+    # The conditions hold for parts that are a little larger; of the parts as drawn that is no more than a good motion.
+    verdict = Verdict.STATIONARY if answer.verdict.ends else answer.verdict
+    return replace(answer, verdict=verdict, bound=Bound(None, None, 0.0, why))
 
 
 def _better(one: Answer, other: Answer) -> Answer:
@@ -245,18 +273,19 @@ def _better(one: Answer, other: Answer) -> Answer:
     return other if other.objective > one.objective else one
 
 
-def _searched(
+def _climbed(
     ready: Prepared,
     asked: tuple[Goal, ...],
+    solve: Callable[..., Solution],
     solver: str,
-    start: Answer | None,
     search: int | None,
+    start: Answer | None,
     stop: Stop | None,
     tell: Callable[[Progress], None],
     began: float,
 ) -> Answer:
-    """Answer with walls: the first climb, what repeats, and the search beyond the nearest hill."""
-    goal, solve = ready.objective(asked), solver_named(solver)
+    """The answer, searched for in the frame of the assembly that was prepared."""
+    goal = ready.objective(asked)
     climb = LocalSearch(ready, goal, solve, THOROUGH, stop, tell)
     climb.seconds["freespace"] += time.perf_counter() - began
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
@@ -266,19 +295,80 @@ def _searched(
     climb, repeats = periodic_motion(climb, asked)
     if search == 0 or repeats is not None:
         return answer_of(climb, asked, solver, began, repeats)
-    first_climb = climb
-    climb, effort = search_on(climb, search)
-    if climb is not first_climb:
-        climb, repeats = periodic_motion(climb, asked)
-    answer = replace(answer_of(climb, asked, solver, began, repeats), search=effort)
-    several = int((~ready.bodies.fixed).sum()) > 1
-    if answer.objective is None or several or ready.simplified:  # a bound of larger parts is none of these
+    return _searched(climb, search, asked, solver, began)
+
+
+def _in_own_frame(
+    ready: Prepared,
+    asked: tuple[Goal, ...],
+    solve: Callable[..., Solution],
+    solver: str,
+    search: int | None,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
+    began: float,
+) -> Answer | None:
+    """The answer, searched for in the frame that an assembly of few bodies has of its own; None where it must be searched for as it is."""
+    if int((~ready.bodies.fixed).sum()) > MAX_BODIES:
+        return None
+    frame = canonical_frame(ready.assembly, asked)
+
+    def told(progress: Progress) -> None:
+        tell(replace(progress, objective=progress.objective / frame.scale))
+
+    try:
+        own = problem.prepare(frame.assembly, stop=stop)
+    except (InputError, StoppedError):
+        return None
+    found = with_quick_bound(_climbed(own, frame.goals, solve, solver, search, None, stop, told, began))
+    answer = frame.answer(found, ready.assembly, asked)
+    if not audit_path(ready.assembly, answer.waypoints).free:
+        return None  # rounding has moved a part too far
+    motion = of_bodies(ready.assembly, ready.bodies, answer.waypoints[-1:])[0]
+    goal = ready.objective(asked)
+    answer = replace(
+        answer,
+        objective=None if answer.objective is None else goal.value(motion),
+        deepest_overlap=overlaps(ready.bodies, motion, ready.ignored).deepest,
+        seconds=answer.seconds | {"total": time.perf_counter() - began},
+    )
+    return replace(answer, warm_start=carried_incumbent(ready, goal, solve, found, frame, answer.waypoints))
+
+
+def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
+    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do."""
+    ends: tuple[float, ...] = ()
+    at_most = None
+    exact = not climb.ready.simplified  # a bound of larger parts is none of these
+    alone = exact and int((~climb.ready.bodies.fixed).sum()) == 1
+    if alone and search is None:
+        ends = (climb.certain_value()[0],)
+        answer = with_quick_bound(answer_of(climb, asked, solver, began))
+        if answer.verdict is Verdict.PROVEN:
+            return replace(answer, search=effort(ends, ends[0]))
+    if alone or (exact and search is None):
+        found = complete(climb)
+        at_most, ends = found.at_most, found.ends if search is None else ()
+        if found.best is not climb:
+            climb, repeats = periodic_motion(found.best, asked)
+            if repeats is not None:
+                return answer_of(climb, asked, solver, began, repeats)
+    if alone and search is None:
+        answer = _bounded(answer_of(climb, asked, solver, began), at_most)
+        if answer.verdict is Verdict.PROVEN:
+            return replace(answer, search=effort(ends, climb.certain_value()[0]))
+    further, done = search_on(climb, search, ends)
+    repeats = None
+    if further is not climb:
+        further, repeats = periodic_motion(further, asked)
+    return _bounded(replace(answer_of(further, asked, solver, began, repeats), search=done), at_most)
+
+
+def _bounded(answer: Answer, at_most: float | None) -> Answer:
+    """The answer with what a complete search found that no motion exceeds."""
+    if at_most is None or not answer.objective:
         return answer
-    if search is None and with_quick_bound(answer).verdict is Verdict.PROVEN:
-        return answer  # only one body alone is searched completely, where there is anything left to find
-    climb, most = complete(climb)
-    answer = replace(answer_of(climb, asked, solver, began), search=effort)
-    return answer if most is None else with_bound(answer, Bound(most, PROVEN_GAP, 0.0))
+    return with_bound(answer, Bound(at_most, at_most / answer.objective - 1, 0.0))
 
 
 def _from_several(

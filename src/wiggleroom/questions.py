@@ -5,13 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_goals import AnyGoal, spatial_goals
 from wiggleroom.spatial.spatial_model import SpatialAssembly
+
+if TYPE_CHECKING:
+    from wiggleroom.sensitivity.sweep import Sweep
 
 
 def read(
@@ -134,3 +137,46 @@ def check(assembly: Any, *, stop: Any = None, progress: Callable[[Any], None] | 
     from wiggleroom.disassembly.interlock import check as check_planar
 
     return check_planar(assembly, stop=stop, progress=progress, **options)
+
+
+def sweep(
+    assembly: Any,
+    gaps: Sequence[float] | None = None,
+    goals: AnyGoal | Sequence[AnyGoal] | None = None,
+    **options: Any,
+) -> Sweep:
+    """Largest motion for several gaps, and the gap from which on nothing stops it.
+
+    Parameters
+    ----------
+    assembly : Assembly or SpatialAssembly
+    gaps : sequence of float, optional [mm]
+        In place of the file's gap, in any order; by default nine from a quarter of it to twice it.
+    goals : Pull, Turn and others, or several that add up
+        By default what the assembly's file asks for.
+    **options
+        `stop`, `progress` and `each`, see `wiggleroom.sensitivity.sweep.sweep`.
+
+    Returns
+    -------
+    Sweep
+
+    Raises
+    ------
+    InputError
+        If a gap makes no sense, or nothing is fixed or pulled.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = wr.sweep(wr.patterns.chain(2, joint="tee"), [0.01, 0.02])
+    >>> [round(step.objective, 4) for step in found.steps]
+    [0.0261, 0.0539]
+    """
+    if isinstance(assembly, SpatialAssembly):
+        from wiggleroom.spatial.spatial_sweep import sweep_spatial
+
+        return sweep_spatial(assembly, gaps, spatial_goals(goals), **options)
+    from wiggleroom.sensitivity.sweep import sweep as sweep_planar
+
+    return sweep_planar(assembly, gaps, goals, **options)  # type: ignore[arg-type]

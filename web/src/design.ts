@@ -65,6 +65,12 @@ export function toggleFixed(name: string): void {
   else change({ fixed: [...fixed, name], ...(pulledNames.value.has(name) && { goals: goals.value.filter((goal) => goal.part !== name) }) });
 }
 
+/** Fixes many parts, or lets them go. */
+export function fixAll(names: readonly string[], on: boolean): void {
+  const others = design.value.fixed.filter((name) => !names.includes(name));
+  change({ fixed: on ? [...others, ...names] : others, ...(on && typeof design.value.goals !== "string" && { goals: goals.value.filter((goal) => !names.includes(goal.part)) }) });
+}
+
 export function setGoal(index: number, goal: Goal, merge = ""): void {
   const fixed = design.value.fixed.filter((name) => name !== goal.part); // what is pulled must not stand
   change({ goals: goals.value.map((old, i) => (i === index ? goal : old)), ...(fixed.length < design.value.fixed.length && { fixed }) }, merge);
@@ -94,6 +100,12 @@ export function glue(a: string, b: string): void {
   change({ glue: [...design.value.glue.filter((group) => !mine.includes(group)), joined] });
 }
 
+/** Glues many parts, and with them the groups they are in. */
+export function glueAll(names: readonly string[]): void {
+  const mine = design.value.glue.filter((group) => group.some((name) => names.includes(name)));
+  change({ glue: [...design.value.glue.filter((group) => !mine.includes(group)), [...new Set([...mine.flat(), ...names])]] });
+}
+
 export function unglue(name: string): void {
   const rest = design.value.glue.map((group) => group.filter((other) => other !== name)).filter((group) => group.length > 1);
   change({ glue: rest });
@@ -104,6 +116,15 @@ export function setExtra(name: string, value: number, merge = ""): void {
   if (value === 0) delete extra[name];
   else extra[name] = value;
   change({ extra }, merge);
+}
+
+export function setExtras(names: readonly string[], value: number): void {
+  const extra = { ...design.value.extra };
+  for (const name of names) {
+    if (value === 0) delete extra[name];
+    else extra[name] = value;
+  }
+  change({ extra });
 }
 
 /** Text that is the same for designs that differ in the gap alone. */

@@ -1,6 +1,9 @@
 /** What outlives a reload, in this tab alone: the token, the file that was dropped, the design. */
 
-import type { Design, Opened } from "./protocol.ts";
+import { type Design, fromBase64, type Opened, toBase64 } from "./protocol.ts";
+
+/** A file that was dropped, or a sample by its name. */
+export type Opening = { name: string; data: string } | { name: string; sample: true };
 
 const read = (key: string): string | null => {
   try {
@@ -31,17 +34,75 @@ export function token(): string {
   return given ?? read("token") ?? "";
 }
 
-export const keepFile = (name: string, data: string): void => write("file", JSON.stringify({ name, data }));
+export const keepFile = (file: Opening): void => write("file", JSON.stringify(file));
+/** Files opened here before, the last one first; they stay in this browser. */
+export interface Recent { name: string; data: string; when: number }
+const RECENT = "wiggleroom.recent";
+const MOST_RECENT = 6;
+const MOST_KEPT = 3_000_000;
+
+export function recent(): Recent[] {
+  try {
+    return JSON.parse(localStorage.getItem(RECENT) ?? "[]") as Recent[];
+  } catch {
+    return [];
+  }
+}
+
+export function keepRecent(name: string, data: string): void {
+  let left = MOST_KEPT;
+  const all = [{ name, data, when: Date.now() }, ...recent().filter((one) => one.name !== name)].slice(0, MOST_RECENT);
+  const kept = all.filter((one) => (left -= one.data.length) > 0);
+  try {
+    localStorage.setItem(RECENT, JSON.stringify(kept));
+  } catch {
+    // Full or forbidden: the list then stays as it is.
+  }
+}
+
+export function forgetRecent(): void {
+  try {
+    localStorage.removeItem(RECENT);
+  } catch {
+    // Forbidden: then there is none.
+  }
+}
+
 export const forgetFile = (): void => write("file", null);
-export function keptFile(): { name: string; data: string } | null {
+export function keptFile(): Opening | null {
   const text = read("file");
-  return text ? (JSON.parse(text) as { name: string; data: string }) : null;
+  return text ? (JSON.parse(text) as Opening) : null;
 }
 
 export const mark = (of: Opened): string => `${of.name}|${of.gap}|${of.parts.length}|${of.size.join(",")}`;
 
+/** What an address says after its #: a design, of a sample or of the drawing with that mark. */
+interface Linked { mark: string; design: Design; sample?: string }
+
+/** Address of this page that carries the design; whoever opens it needs the same file, unless it is a sample. */
+export function linkTo(of: Opened, design: Design, sample?: string): string {
+  const text = JSON.stringify({ mark: mark(of), design, sample } satisfies Linked);
+  const data = toBase64(new TextEncoder().encode(text)).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "");
+  return `${location.origin}/#state=${data}`;
+}
+
+export function linked(): Linked | null {
+  const data = /[#&]state=([\w-]+)/.exec(location.hash)?.[1];
+  if (!data) return null;
+  try {
+    return JSON.parse(new TextDecoder().decode(fromBase64(data.replaceAll("-", "+").replaceAll("_", "/")))) as Linked;
+  } catch {
+    return null;
+  }
+}
+
 export const keepDesign = (of: Opened, design: Design): void => write("design", JSON.stringify({ mark: mark(of), design }));
 export function keptDesign(of: Opened): Design | null {
+  const told = linked();
+  if (told?.mark === mark(of)) {
+    history.replaceState(null, "", location.pathname); // from now on what is set here counts
+    return told.design;
+  }
   const kept = JSON.parse(read("design") ?? "null") as { mark: string; design: Design } | null;
   return kept && kept.mark === mark(of) ? kept.design : null;
 }

@@ -3,15 +3,17 @@
 import { design, goals, redo, setGoal, settle, toggleFixed, togglePull, undo } from "./design.ts";
 import { factor, play, playing, shown } from "./motion.ts";
 import { isPull, type Point } from "./protocol.ts";
-import { askDrag, back, cancel, setGap } from "./session.ts";
+import { askDrag, askReach, back, cancel, setGap } from "./session.ts";
 import { fitAll, view, zoomBy } from "./stage/camera.ts";
+import { chooseMany, lassoing } from "./stage/lasso.ts";
+import { measuring, stopMeasuring } from "./stage/measure.ts";
 import { degrees } from "./words.ts";
 import { glueOrNot, stepOf, wiggle } from "./chrome/Selection.tsx";
 import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
 const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const LONG = ["prove", "sweep", "check", "rank", "space", "save", "wiggle", "flex"] as const;
+const LONG = ["tighten", "sample", "prove", "sweep", "check", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
 
 /** Where a part was asked to go by arrow keys so far. */
@@ -43,17 +45,21 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "+" || key === "=") zoomBy(1.3);
   else if (key === "-") zoomBy(1 / 1.3);
   else if (key === "0") fitAll();
+  else if (key === "m") measuring.peek() ? stopMeasuring() : (measuring.value = true);
   else if (key === "." || key === ",") step(key === "." ? 1 : -1);
   else if (key === "Escape") escape();
   else if (tabAt >= 0 && tabAt < pages.peek().length) {
     state.tab.value = pages.peek()[tabAt]!.name;
     state.sheetOpen.value = true;
   } else if (state.baked.peek()) return false;
+  else if (key === "l") lassoing.value = !lassoing.peek();
+  else if (key === "a") chooseMany(state.names.peek());
   else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * stepOf(design.peek().gap));
   else if (key === "o") document.getElementById("file")?.click();
   else if (key === "s") document.querySelector<HTMLElement>(".savebutton")?.click();
   else if (key === "w") wiggle(name ?? undefined);
   else if (!name) return false;
+  else if (key === "r") askReach(name);
   else if (key === "f") toggleFixed(name);
   else if (key === "p") togglePull(name);
   else if (key === "g") glueOrNot(name);
@@ -65,6 +71,8 @@ function step(by: number): void {
   const names = state.names.peek();
   if (!names.length) return;
   const at = state.indexOf.peek().get(state.selected.peek() ?? "");
+  state.many.value = new Set();
+  state.pressed.value = null;
   state.selected.value = names[((at ?? (by > 0 ? -1 : 0)) + by + names.length) % names.length]!;
 }
 
@@ -95,10 +103,12 @@ function arrow([dx, dy]: Point, fine: boolean): boolean {
 }
 
 function escape(): void {
-  if (state.gluing.peek()) state.gluing.value = null;
+  if (measuring.peek()) stopMeasuring();
+  else if (lassoing.peek()) lassoing.value = false;
+  else if (state.gluing.peek()) state.gluing.value = null;
   else if (LONG.some((kind) => state.running.peek().has(kind) && (kind !== "flex" || state.running.peek().get(kind)))) {
     for (const kind of LONG) if (state.running.peek().has(kind)) cancel(kind);
   } else if (!["answer", "rest"].includes(shown.peek().what)) back();
   else if (state.sheetOpen.peek()) state.sheetOpen.value = false;
-  else state.selected.value = null;
+  else chooseMany([]);
 }

@@ -7,7 +7,6 @@ import { Drop } from "./chrome/Drop.tsx";
 import { GapStrip } from "./chrome/GapStrip.tsx";
 import { Headline, Spoken } from "./chrome/Headline.tsx";
 import { Help } from "./chrome/Help.tsx";
-import { Notices } from "./chrome/Notices.tsx";
 import { Player } from "./chrome/Player.tsx";
 import { Selection } from "./chrome/Selection.tsx";
 import { TopBar } from "./chrome/TopBar.tsx";
@@ -23,11 +22,10 @@ function Page() {
     <div class="page" data-empty={drawing.value === null} data-wide={tab.value === "study" || (baked.value !== null && tab.value === "space")}>
       <TopBar />
       <main class="middle">
-        <Stage />
         <Headline />
+        <Stage />
         <Selection />
         <Player />
-        <Notices />
         <Drop />
       </main>
       <GapStrip />

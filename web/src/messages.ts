@@ -19,13 +19,14 @@ export interface Design {
   goals: PullEntry[] | "closer" | "translation";
 }
 
-/** Read a drawing; with a design, that one stands in place of what the drawing asks. `path` is what commands call it. */
+/** Read a drawing, or one of the samples. */
 export interface OpenRequest {
   kind: "open";
   id: number;
   name: string;
   path?: string;
-  data: string;
+  data?: string;
+  sample?: boolean;
   unit?: "cm" | "in" | "m" | "mm" | "px" | null;
   flatten?: number | null;
   gap?: number | null;
@@ -51,7 +52,7 @@ export interface FlexRequest {
   thorough?: boolean;
 }
 
-/** A part drawn towards a place; `grip` is where it was taken, in world coordinates at rest [mm]. */
+/** A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer. */
 export interface DragRequest {
   kind: "drag";
   id: number;
@@ -59,7 +60,16 @@ export interface DragRequest {
   part: string;
   grip: [number, number];
   target: [number, number];
-  from?: "here" | "rest";
+  from?: "answer" | "here" | "rest";
+}
+
+/** Where a point of a part, given in world coordinates at rest [mm], can be brought from rest. */
+export interface ReachRequest {
+  kind: "reach";
+  id: number;
+  design: Design;
+  part: string;
+  grip: [number, number];
 }
 
 /** The end of a drag. */
@@ -108,6 +118,25 @@ export interface SpaceRequest {
   b: string;
 }
 
+/** Which parts to make tighter: so many of them, or as few as keep the motion below a limit [mm]. */
+export interface TightenRequest {
+  kind: "tighten";
+  id: number;
+  design: Design;
+  parts?: number | null;
+  limit?: number | null;
+}
+
+/** How far it moves where the gap round every part varies at random: standard deviation [mm], and the largest motion wanted [mm]. */
+export interface SampleRequest {
+  kind: "sample";
+  id: number;
+  design: Design;
+  spread: number;
+  draws?: number;
+  limit?: number | null;
+}
+
 /** A value that no motion exceeds. */
 export interface ProveRequest {
   kind: "prove";
@@ -138,6 +167,14 @@ export interface ExtraLimits {
   upload_mb: number;
 }
 
+/** A drawing to begin with. */
+export interface SampleEntry {
+  name: string;
+  words: string;
+  count: number; // how many parts it has
+  picture: [number, number][][][]; // a small picture of its kind, 100 wide or high
+}
+
 /** First words to a page. */
 export interface Hello {
   kind: "hello";
@@ -145,6 +182,7 @@ export interface Hello {
   version: string;
   can: string[]; // extras that are installed
   limits: ExtraLimits;
+  samples: SampleEntry[];
 }
 
 /** A part as drawn, at rest in world coordinates. */
@@ -164,6 +202,7 @@ export interface Opened {
   notes: string[];
   size: [number, number, number, number]; // box round everything: x0, y0, x1, y1 [mm]
   parts: PartShape[];
+  ignore: [string, string][]; // pairs of parts that never collide
   design: Design;
   pulled?: PullEntry; // a goal suggested where there is none
 }
@@ -216,6 +255,18 @@ export interface DragReply {
   blocking: string[]; // names of parts
   settled: boolean;
   rings?: [number, number][][][];
+}
+
+/** Where a point can be brought. */
+export interface ReachReply {
+  kind: "reach";
+  id: number;
+  part: string;
+  grip: [number, number];
+  rings: [number, number][][]; // outer outlines and holes of one part, even-odd [mm]
+  exact: boolean; // true: from the free space; false where its corners alone were reached
+  open: boolean; // true where the part leaves: the region is cut off
+  words: string;
 }
 
 /** The end of a drag. */
@@ -331,6 +382,45 @@ export interface SpaceReply {
   words?: string;
 }
 
+/** What stands in place of the answer's headline. */
+export interface Title {
+  title: string;
+  facts: string[];
+}
+
+/** A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean. */
+export interface Piece {
+  title: string;
+  text: string;
+  columns: string[];
+  rows: ((string | string[] | number | null)[])[];
+  terms: [string, string][]; // a word and a sentence each
+  svg: string;
+}
+
+/** A tab of pieces. */
+export interface StudyTab {
+  tab: string;
+  sections: Piece[];
+}
+
+/** Colours of the parts while the tab of a study is open. */
+export interface Tints {
+  per: string; // unit of the values
+  values: Record<string, number>;
+}
+
+/** What a study found. */
+export interface StudyReply {
+  kind: "study";
+  id: number;
+  of: "sample" | "tighten";
+  said: Title;
+  study: StudyTab;
+  tints: Tints;
+  command: string; // the command that answers the same
+}
+
 /** A value that no motion exceeds. */
 export interface ProveReply {
   kind: "prove";
@@ -369,12 +459,31 @@ export interface WorkerState {
   state: "lost" | "ready" | "restarted";
 }
 
-/** What is wrong, one plain line each. */
+/** A change of the design that may put something right: what stands in place of what it had. */
+export interface Mend {
+  words: string;
+  gap?: number; // [mm]
+  fixed?: string[]; // names of parts
+  glue?: string[][];
+  goals?: PullEntry[];
+}
+
+/** Something that is wrong with a design, where it is, and what would help. */
+export interface Finding {
+  about: "gap" | "parts" | "pulled" | "stands";
+  words: string;
+  parts: string[]; // names of parts
+  point: [number, number] | null; // where in the picture [mm]
+  mends: Mend[];
+}
+
+/** What is wrong, one plain line each; of a design with all that is, and what would help. */
 export interface Failed {
   kind: "failed";
   id: number;
   of: string;
   findings: string[];
+  review?: Finding[];
 }
 
 /** A part without its outline. */
@@ -424,34 +533,6 @@ export interface StandaloneCheck {
   ways: PackedFrames[];
 }
 
-/** A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean. */
-export interface Piece {
-  title: string;
-  text: string;
-  columns: string[];
-  rows: ((string | string[] | number | null)[])[];
-  terms: [string, string][]; // a word and a sentence each
-  svg: string;
-}
-
-/** A tab of pieces. */
-export interface StudyTab {
-  tab: string;
-  sections: Piece[];
-}
-
-/** Colours of the parts while the tab of a study is open. */
-export interface Tints {
-  per: string; // unit of the values
-  values: Record<string, number>;
-}
-
-/** What stands in place of the answer's headline. */
-export interface Title {
-  title: string;
-  facts: string[];
-}
-
 /** Everything in the file; all but the drawing may be missing. */
 export interface StandalonePage {
   opened: StandaloneDrawing;
@@ -469,9 +550,10 @@ export interface StandalonePage {
 }
 
 export type Reply =
-  | Hello | Opened | ShapeReply | FlexReply | DragReply | Released
-  | Modes | RankReply | CheckReply | StepReply | SweepReply | SpaceReply
-  | ProveReply | Saved | ProgressReply | WorkerState | Failed;
+  | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
+  | Released | Modes | RankReply | CheckReply | StepReply | SweepReply
+  | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState
+  | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -479,12 +561,15 @@ export interface Requests {
   shape: Omit<ShapeRequest, "kind" | "id">;
   flex: Omit<FlexRequest, "kind" | "id">;
   drag: Omit<DragRequest, "kind" | "id">;
+  reach: Omit<ReachRequest, "kind" | "id">;
   release: Omit<ReleaseRequest, "kind" | "id">;
   wiggle: Omit<WiggleRequest, "kind" | "id">;
   rank: Omit<RankRequest, "kind" | "id">;
   check: Omit<CheckRequest, "kind" | "id">;
   sweep: Omit<SweepRequest, "kind" | "id">;
   space: Omit<SpaceRequest, "kind" | "id">;
+  tighten: Omit<TightenRequest, "kind" | "id">;
+  sample: Omit<SampleRequest, "kind" | "id">;
   prove: Omit<ProveRequest, "kind" | "id">;
   save: Omit<SaveRequest, "kind" | "id">;
   cancel: Omit<CancelRequest, "kind" | "id">;

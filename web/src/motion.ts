@@ -39,29 +39,25 @@ export function along(frames: Frames, t: number, out: Float32Array): Float32Arra
 /** Last frame alone. */
 export const end = (frames: Frames): Float32Array => frames.data.slice((frames.k - 1) * frames.n * 3);
 
-/** Motion between solved gaps: linear between two and beyond them, in proportion to the gap below all; null where nothing is known. */
+/** Motion between two solved gaps, linear; null elsewhere: beyond what was solved nothing is known. */
 export function between(solved: readonly { gap: number; end: Float32Array | null }[], gap: number): Float32Array | null {
-  const known = solved.filter((one) => one.end !== null);
-  const upper = known.findIndex((one) => one.gap >= gap);
-  const scaled = (one: { gap: number; end: Float32Array | null }): Float32Array | null =>
-    one.gap > 0 ? one.end!.map((v) => (v * gap) / one.gap) : one.end;
-  if (known.length === 0) return null;
-  if (upper === 0 || known.length === 1) return scaled(known[0]!);
-  const above = known.at(upper)!; // the last one where all are smaller
-  const below = known.at(upper < 0 ? -2 : upper - 1)!;
+  const upper = solved.findIndex((one) => one.gap >= gap);
+  const above = solved[upper];
+  if (above?.end && Math.abs(above.gap - gap) < 1e-12) return above.end;
+  const below = solved[upper - 1];
+  if (!above?.end || !below?.end) return null;
   const w = (gap - below.gap) / (above.gap - below.gap);
-  return below.end!.map((v, i) => v + w * (above.end![i]! - v));
+  return below.end.map((v, i) => v + w * (above.end![i]! - v));
 }
 
 /** The same for a number. */
 export function valueBetween(solved: readonly { gap: number; objective: number | null }[], gap: number): number | null {
-  const known = solved.filter((one) => one.objective !== null);
-  if (known.length === 0) return null;
-  const upper = known.findIndex((one) => one.gap >= gap);
-  const one = known.at(known.length === 1 ? 0 : upper)!;
-  if (upper === 0 || known.length === 1) return one.gap > 0 ? (one.objective! * gap) / one.gap : one.objective;
-  const below = known.at(upper < 0 ? -2 : upper - 1)!;
-  return below.objective! + ((gap - below.gap) / (one.gap - below.gap)) * (one.objective! - below.objective!);
+  const upper = solved.findIndex((one) => one.gap >= gap);
+  const above = solved[upper];
+  if (above && Math.abs(above.gap - gap) < 1e-12) return above.objective;
+  const below = solved[upper - 1];
+  if (above?.objective == null || below?.objective == null) return null;
+  return below.objective + ((gap - below.gap) / (above.gap - below.gap)) * (above.objective - below.objective);
 }
 
 /** Factor from a row of round numbers that makes a motion of `size` visible in a drawing of `radius`; keeps `now` where that serves. */

@@ -3,9 +3,10 @@
 import { batch, effect, untracked } from "@preact/signals";
 import { asks, begin, change, design, goals, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type Design, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
-import { forgetFile, keepDesign, keepFile, keptDesign, keptFile, mark, token } from "./keep.ts";
+import { type Design, type Finding, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
+import { known, lead, leadTo } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import * as state from "./state.ts";
@@ -14,7 +15,10 @@ let socket: Socket | null = null;
 const asked = new Map<number, Design>();
 let quick: { since: number; again: boolean } | null = null;
 /** The drag under way; what comes of others is dropped, also what comes late. */
-let drag: { id: number; since: number; answered: boolean; next: Requests["drag"] | null } | null = null;
+let drag: { id: number; since: number; answered: boolean; wanted: Wanted; next: Wanted | null } | null = null;
+type Wanted = Requests["drag"];
+/** The design whose outlines are shown; null while they are as drawn. */
+let shaped: Design | null = null;
 
 /** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
 const PATIENCE = 600;
@@ -53,6 +57,7 @@ function preview(gap: number): void {
   const opened = state.drawing.peek()!;
   const guess = asks(design.peek()) ? between(state.solved.peek(), gap) : null;
   if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
+  else if (shown.peek().what === "between") showRest(false);
 }
 
 /** Sends a request and gives its number; 0 while there is no line. */
@@ -98,14 +103,33 @@ function askFlex(): void {
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
 export function askDrag(part: string, grip: Point, target: Point): void {
-  const from = shown.peek().what === "drag" ? "here" : "rest";
-  const wanted = { design: design.peek(), part, grip, target, from } as const;
+  const wanted: Wanted = { design: design.peek(), part, grip, target, from: known().from };
+  leadTo(part, grip, target, sameShape());
+  state.dragging.value = { part, grip };
   if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
     drag.next = wanted;
     return;
   }
+  sendDrag(wanted);
+}
+
+function sendDrag(wanted: Wanted): void {
   const id = ask("drag", wanted);
-  drag = id ? { id, since: performance.now(), answered: false, next: null } : null;
+  drag = id ? { id, since: performance.now(), answered: false, wanted, next: null } : null;
+}
+
+/** Whether the outlines shown are those of the present design. */
+function sameShape(): boolean {
+  const now = design.peek();
+  return shaped !== null && (shaped === now || shapeOf(shaped) === shapeOf(now));
+}
+const shapeOf = ({ gap, extra, glue }: Design): string => JSON.stringify([gap, extra, glue]);
+
+/** Asks where the chosen part can be brought by the point where it was pressed. */
+export function askReach(part: string): void {
+  const i = state.indexOf.peek().get(part)!;
+  const grip = state.pressed.peek() ?? (state.drawing.peek()!.parts[i]!.at.slice(0, 2) as Point);
+  ask("reach", { design: design.peek(), part, grip });
 }
 
 export function release(): void {
@@ -116,7 +140,8 @@ export function release(): void {
 function endDrag(): void {
   if (drag && state.running.peek().has("drag")) cancel("drag");
   drag = null;
-  state.dragged.value = null;
+  lead.value = null;
+  state.dragged.value = state.dragging.value = null;
 }
 
 /** Back to the answer, or to rest where nothing is asked. */
@@ -130,23 +155,33 @@ export function back(): void {
 export function openFile(name: string, bytes: Uint8Array): void {
   const most = state.hello.peek()?.limits.upload_mb ?? 20;
   if (bytes.length > most * 1e6) {
-    state.findings.value = [`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`];
+    state.findings.value = [said(`${name}: ${(bytes.length / 1e6).toFixed(1)} MB, at most ${most} MB can be opened here`)];
     return;
   }
-  const data = toBase64(bytes);
-  state.opening.value = name;
-  pendingFile = { name, data };
-  ask("open", { name, data });
+  openAs({ name, data: toBase64(bytes) });
 }
-let pendingFile: { name: string; data: string } | null = null;
-/** The file that was dropped here, and whether the next drawing is the one that is open already. */
-let file: { name: string; data: string } | null = null;
+
+/** Opens a file that was read before, or a sample. */
+export function openAs(what: Opening): void {
+  state.opening.value = what.name;
+  state.findings.value = [];
+  pendingFile = what;
+  ask("open", what);
+}
+let pendingFile: Opening | null = null;
+/** The file that was opened here, and whether the next drawing is the one that is open already. */
+let file: Opening | null = null;
 let again = false;
 /** What failed last: its findings go when it succeeds. */
 let trouble = "";
 
 export function save(what: SaveWhat, of: "flex" | "check" = "flex"): void {
   ask("save", { design: design.peek(), what, of });
+}
+
+/** The address that leads to this design. */
+export function link(): string {
+  return linkTo(state.drawing.peek()!, design.peek(), file && "sample" in file ? file.name : undefined);
 }
 
 function heardLine(now: Line): void {
@@ -174,18 +209,20 @@ function take(reply: Reply, ways: Frames[]): void {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
     case "opened": return opened(reply);
-    case "shape": state.rings.value = reply.rings; return;
+    case "shape": state.rings.value = reply.rings; shaped = about(reply).design; state.findings.value = []; return;
     case "flex": return flexed(about(reply));
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return showMode(0);
+    case "reach": state.reach.value = about(reply); return;
     case "rank": state.ranking.value = about(reply); state.coloured.value = true; return;
     case "check": state.checked.value = about(reply); return showEscape(0);
     case "step": return stepped(reply.gap, reply.objective, reply.verdict, ways[0]);
     case "sweep": state.lost.value = reply.lost; return;
     case "space": state.space.value = about(reply); return;
-    case "prove": state.proof.value = about(reply); return;
+    case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.coloured.value = true; return;
+    case "prove": return proved(about(reply));
     case "saved": return download(reply);
-    case "failed": return failed(reply.of, reply.findings);
+    case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
   }
 }
 
@@ -194,8 +231,9 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   quick = null;
   const { reply, ways } = about;
   if (reply.rings) state.rings.value = reply.rings;
+  shaped = about.design;
   const same = questionOf(about.design) === question.peek();
-  if (same && ways[0]) remember(about.design.gap, reply.objective, reply.verdict, end(ways[0]));
+  if (same && ways[0] && reply.settled) remember({ gap: about.design.gap, objective: reply.objective, verdict: reply.verdict, end: end(ways[0]), atMost: reply.at_most });
   if (about.design === design.peek()) {
     state.waiting.value = false;
     state.answer.value = about;
@@ -209,26 +247,39 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   if (again) askFlex();
 }
 
-function remember(gap: number, objective: number | null, verdict: string, at: Float32Array | null): void {
-  const others = state.solved.peek().filter((one) => Math.abs(one.gap - gap) > 1e-9);
-  state.solved.value = [...others, { gap, objective, verdict, end: objective === null ? null : at }].sort((a, b) => a.gap - b.gap);
+function remember(one: state.Solved): void {
+  const others = state.solved.peek().filter((other) => Math.abs(other.gap - one.gap) > 1e-9);
+  state.solved.value = [...others, { ...one, end: one.objective === null ? null : one.end }].sort((a, b) => a.gap - b.gap);
 }
 
 function stepped(gap: number, objective: number | null, verdict: string, way?: Frames): void {
-  remember(gap, objective, verdict, way ? end(way) : null);
+  remember({ gap, objective, verdict, end: way ? end(way) : null });
+}
+
+/** A proof counts for the gap that it is about. */
+function proved(about: state.About<Extract<Reply, { kind: "prove" }>>): void {
+  state.proof.value = about;
+  const known = state.solved.peek().find((one) => Math.abs(one.gap - about.design.gap) < 1e-9);
+  if (known && questionOf(about.design) === question.peek()) remember({ ...known, atMost: about.reply.at_most });
 }
 
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
   if (!drag || drag.id !== about.reply.id) return;
-  const { next } = drag;
+  const { next, wanted } = drag;
   drag.next = null;
   drag.answered = true;
   if (about.reply.rings) state.rings.value = about.reply.rings;
+  shaped = about.design;
   if (about.design === design.peek() && about.ways[0]) {
+    const before = state.dragged.peek()?.reply;
+    if (!about.reply.settled && before?.part === about.reply.part) about.reply.blocking = before.blocking; // until it is known anew
     state.dragged.value = about;
-    show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, shown.peek().what !== "drag");
+    show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, false);
+    const newest = next ?? wanted;
+    if (next || !about.reply.settled) leadTo(newest.part, newest.grip, newest.target, sameShape() && !about.reply.rings);
+    else lead.value = null; // the truth is there
   }
-  if (next) askDrag(next.part, next.grip, next.target);
+  if (next) sendDrag({ ...next, from: known().from });
 }
 
 export function showMode(which: number): void {
@@ -255,7 +306,8 @@ function opened(reply: Opened): void {
   if (reply.id === 0 && file) return; // a reload: the file that was dropped here comes after
   if (reply.id !== 0 && pendingFile) {
     file = pendingFile;
-    keepFile(file.name, file.data);
+    keepFile(file);
+    if ("data" in file) keepRecent(file.name, file.data);
     pendingFile = null;
   }
   const before = state.drawing.peek();
@@ -268,11 +320,15 @@ function opened(reply: Opened): void {
   const suggested = reply.pulled ? [reply.pulled].flat() : [];
   if (!asks(read)) read.goals = suggested;
   state.findings.value = [];
+  state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
-  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof]) one.value = null;
+  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof, state.reach]) one.value = null;
+  state.studies.value = { tighten: null, sample: null };
   state.selected.value = null;
+  state.many.value = new Set();
   state.solved.value = [];
   state.rings.value = reply.parts.map((part) => part.rings);
+  shaped = null;
   state.drawing.value = reply;
   showRest(false);
   begin(keptDesign(reply) ?? read);
@@ -280,7 +336,8 @@ function opened(reply: Opened): void {
 
 function reopen(): void {
   again = state.drawing.peek() !== null;
-  file ??= keptFile();
+  const sample = linked()?.sample;
+  file ??= sample ? { name: sample, sample: true } : keptFile();
   if (file) ask("open", file);
 }
 
@@ -293,14 +350,22 @@ function worker(now: "ready" | "lost" | "restarted"): void {
   }
 }
 
-function failed(of: string, lines: string[]): void {
+/** A line about nothing in particular. */
+const said = (words: string): Finding => ({ about: "parts", words, parts: [], point: null, mends: [] });
+
+function failed(of: string, lines: Finding[]): void {
   if (of === "flex") {
+    const again = quick?.again;
     quick = null;
+    if (again) return askFlex(); // it failed for a design that has been changed since
     state.waiting.value = false;
     state.answer.value = null;
     if (shown.peek().what !== "drag") showRest();
   }
-  if (of === "drag") drag = null;
+  if (of === "drag") {
+    drag = null;
+    lead.value = null;
+  }
   if (of === "open") {
     state.opening.value = "";
     pendingFile = null;
@@ -310,7 +375,12 @@ function failed(of: string, lines: string[]): void {
     }
   }
   trouble = of;
+  state.pointed.value = null;
   state.findings.value = lines;
+  if (lines.length && state.drawing.peek()) {
+    state.tab.value = "answer";
+    state.sheetOpen.value = true;
+  }
 }
 
 /** Sets the gap; steps of one pull of the slider are undone together. */

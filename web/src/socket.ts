@@ -31,6 +31,7 @@ export function requestOf(reply: Reply): string {
     case "step": return "sweep";
     case "saved": return "save";
     case "progress": return reply.kind_of;
+    case "study": return reply.of;
     case "failed": return reply.of;
     default: return reply.kind;
   }

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { design } from "./design.ts";
 import type {
-  CheckReply, Design, DragReply, FlexReply, Frames, Hello, Modes, Opened, Point, ProgressReply, ProveReply, RankReply, Ring, SpaceReply, StudyTab,
+  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
 
@@ -16,7 +16,9 @@ export const baked = signal<Told | null>(null);
 export const line = signal<Line>("connecting");
 export const hello = signal<Hello | null>(null);
 export const workerState = signal<"ready" | "lost" | "restarted">("ready");
-export const findings = signal<string[]>([]);
+export const findings = signal<Finding[]>([]);
+/** The finding that is shown in the picture. */
+export const pointed = signal<Finding | null>(null);
 export const notice = signal("");
 export const opening = signal("");
 
@@ -27,27 +29,40 @@ export const indexOf = computed(() => new Map(names.value.map((name, i) => [name
 
 export const answer = signal<About<FlexReply> | null>(null);
 export const dragged = signal<About<DragReply> | null>(null);
+/** The part that is under the hand, or was last, and where it was taken, at rest. */
+export const dragging = signal<{ part: string; grip: Point } | null>(null);
 export const modes = signal<About<Modes> | null>(null);
 export const ranking = signal<About<RankReply> | null>(null);
 export const checked = signal<About<CheckReply> | null>(null);
+export const reach = signal<About<ReachReply> | null>(null);
+/** Where the chosen part was pressed, at rest. */
+export const pressed = signal<Point | null>(null);
 export const space = signal<About<SpaceReply> | null>(null);
+/** What studies found, by kind. */
+export const studies = signal<{ tighten: About<StudyReply> | null; sample: About<StudyReply> | null }>({ tighten: null, sample: null });
 export const proof = signal<About<ProveReply> | null>(null);
 
 /** Answers at several gaps to the present question, by gap. */
-export interface Solved { gap: number; objective: number | null; verdict: string; end: Float32Array | null }
+export interface Solved { gap: number; objective: number | null; verdict: string; end: Float32Array | null; atMost?: number | null }
 export const solved = signal<Solved[]>([]);
 export const lost = signal<[number, number] | null>(null);
 
 /** Requests under way, by kind, with the last progress that was told. */
 export const running = signal<ReadonlyMap<string, ProgressReply | null>>(new Map());
 export const waiting = signal(false);
+/** What is worked on for the hand: the drawing, the answer, the drag. */
+export const busy = computed(() => ["open", "flex", "drag", "shape"].some((kind) => running.value.has(kind)));
+/** True where an answer to the present question is on its way: what is shown is none yet. */
+export const unsure = computed(() => running.value.has("flex") && !(answer.value?.design === design.value && answer.value.reply.settled));
 
 export const selected = signal<string | null>(null);
+/** Parts that are chosen together; empty where it is one or none. */
+export const many = signal<ReadonlySet<string>>(new Set());
 export const hovered = signal<string | null>(null);
 export const gluing = signal<string | null>(null);
 export const highlit = signal<Point | null>(null);
 
-export type Tab = "answer" | "gaps" | "apart" | "space" | "study" | "sure";
+export type Tab = "answer" | "gaps" | "vary" | "apart" | "space" | "study" | "sure";
 export const tab = signal<Tab>("answer");
 export const sheetOpen = signal(false);
 export const helpOpen = signal(false);

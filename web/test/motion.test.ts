@@ -12,22 +12,24 @@ test("a way is followed linearly between its frames, and stays at its ends", () 
   assert.deepEqual([...along({ k: 1, n: 1, data: new Float32Array([5, 6, 7]) }, 0.3, out)], [5, 6, 7]);
 });
 
-test("between and beyond solved gaps the motion is linear, below them in proportion to the gap", () => {
+test("between solved gaps the motion is linear; beyond them nothing is known", () => {
   const solved = [1, 3].map((gap) => ({ gap, objective: gap * 10, end: new Float32Array([gap, 2 * gap, 0]) }));
   solved.splice(1, 0, { gap: 2, objective: 26, end: new Float32Array([4, 4, 0]) });
   assert.deepEqual([...between(solved, 1.5)!], [2.5, 3, 0]);
-  assert.deepEqual([...between(solved, 0.5)!], [0.5, 1, 0]);
-  assert.deepEqual([...between(solved, 6)!], [0, 12, 0]);
+  assert.deepEqual([...between(solved, 3)!], [3, 6, 0]);
+  assert.equal(between(solved, 0.5), null);
+  assert.equal(between(solved, 6), null);
   assert.equal(valueBetween(solved, 2.5), 28);
-  assert.equal(valueBetween(solved, 0.5), 5);
-  assert.equal(valueBetween(solved, 4), 34);
+  assert.equal(valueBetween(solved, 0.5), null);
+  assert.equal(valueBetween(solved, 1e9), null);
   assert.equal(between([], 1), null);
 });
 
 test("gaps at which everything comes free have no motion to go between", () => {
   const solved = [{ gap: 1, objective: 10, end: new Float32Array([1, 0, 0]) }, { gap: 2, objective: null, end: null }];
-  assert.deepEqual([...between(solved, 1.5)!], [1.5, 0, 0]);
-  assert.equal(valueBetween(solved, 1.5), 15);
+  assert.equal(between(solved, 1.5), null);
+  assert.equal(valueBetween(solved, 1.5), null);
+  assert.deepEqual([...between(solved, 1)!], [1, 0, 0]);
 });
 
 test("small motions are enlarged by a round factor that stays while it serves", () => {

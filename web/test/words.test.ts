@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { relative } from "../src/panels/relative.ts";
 import type { PartShape, Point } from "../src/protocol.ts";
-import { nearestBy, places } from "../src/words.ts";
+import { nearestBy, places, ticks } from "../src/words.ts";
 
 test("decimals show four digits of the largest number", () => {
   assert.equal(places([0.5, -12.34]), 2);
@@ -30,4 +30,10 @@ test("a pair is seen in the axes of its first part, at the pivot", () => {
   // both go as one: a turns about its reference point, b round it
   const [dx, dy] = [4, 7];
   near(at([0.5, 0.1, 0.4, 0.5 + c * dx - s * dy - dx, 0.1 + s * dx + c * dy - dy, 0.4], [1, 2]), [0, 0, 0]);
+});
+
+test("ticks are round and inside", () => {
+  assert.deepEqual(ticks(0, 1, 5), [0, 0.2, 0.4, 0.6, 0.8, 1]);
+  assert.deepEqual(ticks(0, 24.2, 3), [0, 10, 20]);
+  assert.deepEqual(ticks(0.3, 0.3, 3), [0.3]);
 });

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import shlex
-from pathlib import PurePath
 
 from wiggleroom.app.design_cache import goals_of
-from wiggleroom.app.open_requests import File
+from wiggleroom.app.open_requests import File, saved_name
 from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.schema.requests import Design
 
@@ -25,13 +24,8 @@ def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *
     """
     said = options(file, design, pulled=pulled)
     if said is None:
-        return shlex.join(["wiggleroom", name, saved_name(file), *more])
+        return shlex.join(["wiggleroom", name, saved_name(file.name), *more])
     return shlex.join(["wiggleroom", name, file.path, *more, *said])
-
-
-def saved_name(file: File, ending: str = "-design.json") -> str:
-    """Name of what is saved of a drawing."""
-    return PurePath(file.name).stem + ending
 
 
 def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | None:

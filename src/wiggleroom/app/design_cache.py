@@ -107,8 +107,14 @@ class DesignCache:
         made = self._made.get(self.shape(design), lambda: assemble(replace(used, goals=()), offset=offset))
         fixed = [p.fixed for p in used.parts]
         parts = tuple(replace(p, fixed=f) if p.fixed != f else p for p, f in zip(made.parts, fixed, strict=True))
+        return Assembly(parts, self.with_offsets(design))
+
+    def with_offsets(self, design: Design) -> Drawing:
+        """The drawing with the roles and the extra gaps of a design, as it was drawn; raises as `drawing` does."""
+        used = self.drawing(design)
+        offset = {name: -extra / 2 for name, extra in design.extra.items()}
         drawn = tuple(replace(p, offset=p.offset + offset[p.name]) if p.name in offset else p for p in used.parts)
-        return Assembly(parts, replace(used, parts=drawn))
+        return replace(used, parts=drawn)
 
 
 def goals_of(design: Design) -> tuple[Goal, ...]:

@@ -13,17 +13,21 @@ from wiggleroom.app.open_requests import opened, told
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.app.worker_protocol import StartOrder
 from wiggleroom.errors import InputError, StoppedError, WiggleroomError
-from wiggleroom.schema.requests import AnyRequest, FlexRequest, OpenRequest
+from wiggleroom.schema.replies import Finding
+from wiggleroom.schema.requests import AnyRequest, DragRequest, FlexRequest, OpenRequest, ShapeRequest
 
 ANSWERS = {
     "shape": "motion_requests",
     "drag": "motion_requests",
+    "reach": "motion_requests",
     "release": "motion_requests",
     "wiggle": "motion_requests",
     "rank": "study_requests",
     "check": "study_requests",
     "sweep": "study_requests",
     "prove": "study_requests",
+    "tighten": "study_requests",
+    "sample": "study_requests",
     "space": "space_requests",
     "save": "save_requests",
 }
@@ -57,7 +61,7 @@ class Dispatcher:
             pass
         except InputError as problem:
             if not stop.is_set():
-                out.failed(problem.findings)
+                out.failed(problem.findings, self._review(request))
         except WiggleroomError as problem:
             out.failed([str(problem)])
         except MemoryError:
@@ -67,6 +71,17 @@ class Dispatcher:
                 [f"this is a fault in wiggleroom, not in your drawing: {type(problem).__name__}: {_line(problem)}"]
             )
         return False, False
+
+    def _review(self, request: AnyRequest) -> list[Finding]:
+        """Everything that is wrong with the design of a request, where that can be said."""
+        if self._sheet is None or not isinstance(request, FlexRequest | ShapeRequest | DragRequest):
+            return []
+        from wiggleroom.app.review import review
+
+        try:
+            return review(self._sheet.designs, request.design)
+        except InputError:
+            return []
 
     def _answered(self, request: AnyRequest, settle: bool, out: Reporter) -> bool:
         if isinstance(request, OpenRequest):

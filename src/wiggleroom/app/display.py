@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import swing
-from wiggleroom.freespace.free_space import FreeSpace
+from wiggleroom.freespace.free_space import FreeSlices
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.report.page_messages import rings_message
 from wiggleroom.schema.replies import Outline, Pose
@@ -48,7 +48,7 @@ class Display:
         self._told = stop
         return self._rings
 
-    def relative(self, space: FreeSpace) -> Pose:
+    def relative(self, space: FreeSlices) -> Pose:
         """Where the pair of a free space is shown: motion of its pivot [mm] and turn [deg]."""
         if self._shown is None or not set(space.parts) <= set(self._shown[0].names):
             return 0.0, 0.0, 0.0

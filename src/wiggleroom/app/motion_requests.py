@@ -14,8 +14,16 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
 from wiggleroom.report.path_frames import way_frames
-from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, Released, ShapeReply
-from wiggleroom.schema.requests import DragRequest, FlexRequest, ReleaseRequest, ShapeRequest, WiggleRequest
+from wiggleroom.report.stacked_slices import rings
+from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, Released, ShapeReply
+from wiggleroom.schema.requests import (
+    DragRequest,
+    FlexRequest,
+    ReachRequest,
+    ReleaseRequest,
+    ShapeRequest,
+    WiggleRequest,
+)
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Verdict
 
@@ -23,6 +31,8 @@ QUICK_SECONDS = 0.1
 """A quick answer takes about so long [s]."""
 MAX_QUICK_ANSWERS = 10
 """So many quick answers are looked for before the full one."""
+NEIGHBOURHOODS = (64, 512, None)
+"""So many parts may give way to a dragged one at first, then more where others hold it, then all."""
 MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
 """So often a drag is gone on with, and so often in vain."""
 MIN_APPROACH = 1e-4
@@ -69,15 +79,24 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
     live = sheet.live(request.design)
     rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
-    start, last = request.from_, math.inf
+    goals = sheet.asked(request.design) if request.from_ == "answer" else None
+    start, shown, last = request.from_, math.inf, math.inf
     stuck = 0
     for times in range(MAX_DRAG_STEPS):
-        shot = live.drag(request.part, request.grip, request.target, start=start, seconds=QUICK_SECONDS, stop=out.stop)
+        within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)]
+        shot = live.drag(
+            request.part, request.grip, request.target,
+            start=start, goals=goals, within=within, seconds=QUICK_SECONDS, stop=out.stop,
+        )  # fmt: skip
         out.check()
         assert shot.distance is not None
         assert shot.reached is not None
-        stuck = stuck + 1 if shot.distance > last * (1 - MIN_APPROACH) else 0
+        if within is None:
+            stuck, last = stuck + 1 if shot.distance > last * (1 - MIN_APPROACH) else 0, min(last, shot.distance)
         settled = shot.settled or times == MAX_DRAG_STEPS - 1 or stuck == MAX_STALLED_STEPS
+        start = "here"
+        if shot.distance > shown and not settled:  # few parts came nearer than all have so far
+            continue
         sheet.display.move(live.assembly, shot.motion)
         content = DragReply(
             part=request.part,
@@ -92,7 +111,7 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
         out.reply(content, [shot.motion[None]])
         if settled:
             return
-        rings, start, last = UNSET, "here", min(last, shot.distance)
+        rings, shown = UNSET, min(shown, shot.distance)
 
 
 def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:
@@ -101,6 +120,25 @@ def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:
     out.check()
     told = [ModeEntry(mode.size, list(mode.parts), mode.ends) for mode in modes]
     out.reply(Modes(modes=told), [mode.frames for mode in modes])
+
+
+def reach(sheet: Document, request: ReachRequest, out: Reporter) -> None:
+    """Where the point of a part can be brought."""
+    from wiggleroom.live import reachable
+
+    found = reachable.reach(sheet.live(request.design), request.part, request.grip, stop=out.stop)
+    out.check()
+    how = (
+        f"free at {reachable.SLICES} turns; between them hardly more can be reached"
+        if found.exact
+        else f"sampled: {reachable.DIRECTIONS} directions, the corners were reached"
+    )
+    words = how + ("; it leaves, and the rest is cut off" if found.open else "")
+    content = ReachReply(
+        part=request.part, grip=request.grip, rings=[ring.tolist() for ring in rings(found.region)],
+        exact=found.exact, open=found.open, words=words,
+    )  # fmt: skip
+    out.reply(content)
 
 
 def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:

@@ -8,8 +8,10 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 
 import msgspec
 import numpy as np
+from msgspec.structs import replace
 
 from wiggleroom.app.resource_limits import UPLOAD_MB
+from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.drawing.layers import ReadOptions
@@ -58,6 +60,9 @@ def opened(request: OpenRequest) -> File:
     InputError
         With one line per finding; names of folders are left out.
     """
+    if request.sample:
+        name = plain_name(f"{request.name}.json")
+        return opened(replace(request, name=name, path=saved_name(name), data=sample_file(request.name), sample=False))
     if len(request.data) > MAX_BYTES and not request.path:
         finding = (
             f"{len(request.data) / 1e6:.1f} MB: a drawing may have {MAX_BYTES / 1e6:g} MB here; use the command line"
@@ -103,6 +108,11 @@ def first_open(
             design=design,
         )
     )
+
+
+def saved_name(name: str, ending: str = "-design.json") -> str:
+    """Name of what is saved of a drawing of this name."""
+    return PurePosixPath(name).stem + ending
 
 
 def plain_name(name: str) -> str:

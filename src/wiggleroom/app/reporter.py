@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from wiggleroom.app.messages import encode, failed, frame
 from wiggleroom.app.worker_protocol import Outgoing
 from wiggleroom.errors import go_on
-from wiggleroom.schema.replies import ProgressReply, Reply
+from wiggleroom.schema.replies import Finding, ProgressReply, Reply
 
 PROGRESS_INTERVAL = 0.05
 """Progress is told no more often than this [s]."""
@@ -49,11 +49,13 @@ class Reporter:
         if not self._quiet:
             self._say(Outgoing(self.ticket, encode(content), [frame(self.number, m) for m in motions]))
 
-    def failed(self, findings: Sequence[str]) -> None:
-        """Say what is wrong, one line each."""
+    def failed(self, findings: Sequence[str], review: Sequence[Finding] = ()) -> None:
+        """Say what is wrong, one line each, and everything that is wrong with the design."""
         if not self._quiet:
-            lines = [on_the_page(line) for line in findings]
-            self._say(Outgoing(self.ticket, encode(failed(self.number, self.kind, lines))))
+            content = failed(self.number, self.kind, [on_the_page(line) for line in findings])
+            if review:
+                content.review = list(review)
+            self._say(Outgoing(self.ticket, encode(content)))
 
     def check(self) -> None:
         """End here where the work is to stop."""

@@ -8,7 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from wiggleroom.app.command import command, saved_name
+from wiggleroom.app.command import command
+from wiggleroom.app.open_requests import saved_name
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.drawing import write_drawing
 from wiggleroom.report.json_results import flex_result, to_json
@@ -39,7 +40,7 @@ FILE_KINDS = {
 def save(sheet: Document, request: SaveRequest, out: Reporter) -> None:
     """One file, by name, kind and content."""
     tail, mime = FILE_KINDS[request.what]
-    name = saved_name(sheet.file, tail.replace("-moved", "-apart") if request.of == "check" else tail)
+    name = saved_name(sheet.file.name, tail.replace("-moved", "-apart") if request.of == "check" else tail)
     with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
         path = Path(folder) / name
         _write(sheet, request, path, out)

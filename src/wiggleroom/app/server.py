@@ -22,11 +22,14 @@ from wiggleroom.app.message_timeout import MessageTimeout
 from wiggleroom.app.messages import encode, failed
 from wiggleroom.app.process import MAX_PAGES, Pool
 from wiggleroom.app.resource_limits import UPLOAD_MB
+from wiggleroom.app.samples import sample_entries
 from wiggleroom.app.session import Session
 from wiggleroom.schema.replies import ExtraLimits, Hello
 
 MAX_MESSAGE_BYTES = (UPLOAD_MB + 1) * 4 * 1024 * 1024 // 3
 """Bytes of one message: an upload in base64, and what goes with it."""
+USUAL_PORT = 8459
+"""A browser keeps recent files by address: the same port from day to day finds them again."""
 HEADERS = {
     "Content-Security-Policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' blob: data:; "
@@ -165,7 +168,15 @@ def hello() -> Hello:
     from importlib.metadata import version
 
     can = [extra for extra, needs in EXTRAS.items() if all(find_spec(n) is not None for n in needs)]
-    return Hello(version=version("wiggleroom"), can=can, limits=ExtraLimits(UPLOAD_MB))
+    return Hello(version=version("wiggleroom"), can=can, limits=ExtraLimits(UPLOAD_MB), samples=list(sample_entries()))
+
+
+def listen_anywhere(port: int) -> socket.socket:
+    """Socket at a port, or where that is taken at one that is free."""
+    try:
+        return listen(port)
+    except OSError:
+        return listen(0)
 
 
 def listen(port: int) -> socket.socket:

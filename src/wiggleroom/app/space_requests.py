@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.app.command import command
 from wiggleroom.app.reporter import Reporter
-from wiggleroom.freespace.free_space import free_space
+from wiggleroom.freespace.free_space import free_slices
 from wiggleroom.report.space_solid import space_message
 from wiggleroom.schema.requests import SpaceRequest
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def space(sheet: Document, request: SpaceRequest, out: Reporter) -> None:
     """How one part can move against another."""
-    found = free_space(sheet.assembly(request.design), request.a, request.b, stop=out.stop)
+    found = free_slices(sheet.assembly(request.design), request.a, request.b, stop=out.stop)
     out.check()
     line = command("space", sheet.file, request.design, (request.a, request.b), pulled=False)
     out.reply(space_message(found, sheet.display.relative(found), line))

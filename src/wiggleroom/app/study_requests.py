@@ -14,7 +14,14 @@ from wiggleroom.report.answer_words import bounded
 from wiggleroom.report.path_frames import way_frames
 from wiggleroom.report.study_messages import check_message, ranking_message, step_message
 from wiggleroom.schema.replies import ProveReply, SweepReply
-from wiggleroom.schema.requests import CheckRequest, ProveRequest, RankRequest, SweepRequest
+from wiggleroom.schema.requests import (
+    CheckRequest,
+    ProveRequest,
+    RankRequest,
+    SampleRequest,
+    SweepRequest,
+    TightenRequest,
+)
 
 if TYPE_CHECKING:
     from wiggleroom.app.document import Document
@@ -55,6 +62,40 @@ def sweep(sheet: Document, request: SweepRequest, out: Reporter) -> None:
 
 def _gaps(request: SweepRequest) -> tuple[str, ...]:
     return () if not request.gaps else ("--gaps", ",".join(f"{gap:.12g}" for gap in request.gaps))
+
+
+def tighten(sheet: Document, request: TightenRequest, out: Reporter) -> None:
+    """Which parts to make tighter."""
+    from wiggleroom.report.study_tabs import tightening_message
+    from wiggleroom.sensitivity.tighten import tighten as work_out
+
+    goals = sheet.asked(request.design)
+    found = work_out(
+        sheet.assembly(request.design), goals,
+        parts=request.parts, limit=request.limit, draws=0, workers=1, stop=out.stop, progress=out.counted,
+    )  # fmt: skip
+    out.check()
+    more = _option("--parts", request.parts) + _option("--limit", request.limit) + ("--draws", "0")
+    out.reply(tightening_message(found, command("tighten", sheet.file, request.design, more)))
+
+
+def sample(sheet: Document, request: SampleRequest, out: Reporter) -> None:
+    """How far it moves where gaps vary at random."""
+    from wiggleroom.report.study_tabs import sample_message
+    from wiggleroom.sensitivity.sample import sample as work_out
+
+    goals = sheet.asked(request.design)
+    found = work_out(
+        sheet.assembly(request.design), request.spread, goals,
+        draws=request.draws, limit=request.limit, workers=1, stop=out.stop, progress=out.counted,
+    )  # fmt: skip
+    out.check()
+    more = _option("--spread", request.spread) + _option("--draws", request.draws) + _option("--limit", request.limit)
+    out.reply(sample_message(found, command("sample", sheet.file, request.design, more)))
+
+
+def _option(name: str, value: float | None) -> tuple[str, ...]:
+    return () if value is None else (name, f"{value:g}")
 
 
 def prove(sheet: Document, request: ProveRequest, out: Reporter) -> None:

@@ -39,6 +39,12 @@ def findings(drawing: Drawing) -> tuple[str, ...]:
 
 def examine(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     """Parts as made, and everything that is wrong; parts are all there only where nothing is."""
+    parts, found = examine_parts(drawing)
+    return parts, (*found, *_located(drawing, _overlapping(drawing, parts)))
+
+
+def examine_parts(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
+    """Parts as made, and everything that is wrong with each of them, whether or not they overlap."""
     sound, bad = sound_parts(drawing)
     found = _located(drawing, [*statement_findings(drawing), *bad])
     if not 0 <= drawing.gap < np.inf:
@@ -48,7 +54,7 @@ def examine(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
         j for j in drawing.gaps if names.issuperset(j.parts) and j.parts[0] != j.parts[1] and 0 <= j.gap < np.inf
     )
     parts, gone = make(replace(drawing, parts=tuple(sound), gaps=joints))
-    return parts, (*found, *_located(drawing, [*gone, *_overlapping(drawing, parts)]))
+    return parts, (*found, *_located(drawing, gone))
 
 
 def _located(drawing: Drawing, lines: Sequence[str]) -> tuple[str, ...]:
@@ -111,7 +117,7 @@ def opened_overlaps(drawing: Drawing) -> tuple[str, ...]:
     >>> opened_overlaps(Drawing((Part("a", (square,)), Part("b", (square,), at=(1.99, 0.0, 0.0))), gap=0.1))
     ('parts "a" and "b" overlap by 0.01 mm as drawn; the gap of 0.1 opens that',)
     """
-    pairs = _free_overlaps(drawing, drawing.parts) if drawing.gap > 0 else []
+    pairs = free_overlaps(drawing, drawing.parts) if drawing.gap > 0 else []
     lines = [
         f'parts "{a}" and "{b}" overlap by {depth:.3g} mm as drawn; the gap of {drawing.gap:g} opens that'
         for a, b, depth in pairs
@@ -129,13 +135,13 @@ _MOST_LINES = 5
 def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
     """One line per pair that overlaps at rest and may not."""
     found = []
-    for a, b, depth in _free_overlaps(drawing, parts):
+    for a, b, depth in free_overlaps(drawing, parts):
         right = f"draw them apart, ask for a larger gap, or --glue {a},{b} or --ignore {a},{b}"
         found.append(f'parts "{a}" and "{b}" overlap by {depth:.6g} mm at gap {drawing.gap:g}: {right}')
     return found
 
 
-def _free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:
+def free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, str, float]]:
     """Names of parts that overlap at rest and are neither glued nor ignored, and how deep [mm]."""
     group = glue_groups(drawing)
     ignored = {frozenset(pair) for pair in drawing.ignore}
@@ -170,4 +176,4 @@ def overlap_depth(drawing: Drawing, *, gap: float, offset: Mapping[str, float]) 
     parts = tuple(replace(p, offset=p.offset + offset.get(p.name, 0.0)) for p in drawing.parts)
     used = replace(drawing, parts=parts, gap=gap)
     made, gone = make(used)
-    return None if gone else max((depth for *_, depth in _free_overlaps(used, made)), default=0.0)
+    return None if gone else max((depth for *_, depth in free_overlaps(used, made)), default=0.0)

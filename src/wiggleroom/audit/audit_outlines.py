@@ -88,22 +88,23 @@ def outlines(assembly: Assembly) -> AuditOutlines:
     Two parts that overlap by less than that, for example where they touch, are then a little apart.
     """
     rest = assembly.rest
-    rings, owner = [], []
+    rings, outer, owner = [], [], []
     for p, part in enumerate(assembly.parts):
         for region in part.regions:
             for k, ring in enumerate((region.outer, *region.holes)):
-                rings.append(_turning(np.asarray(ring, dtype=float), ccw=k == 0))
+                rings.append(np.asarray(ring, dtype=float))
+                outer.append(k == 0)
                 owner.append(p)
-    reach = np.array([np.hypot(*r.T).max() for r in rings])
-    size = assembly.size
-    rounding = ULPS * np.finfo(float).eps * (size + 2 * float(reach.max()))
-    inset = max(INSET * size, 4 * rounding)
-
     count = np.array([len(r) for r in rings])
     start = np.cumsum(count) - count
     corner = np.concatenate(rings)
+    size = assembly.size
+    rounding = ULPS * np.finfo(float).eps * (size + 2 * float(np.hypot(*corner.T).max()))
+    inset = max(INSET * size, 4 * rounding)
+
     after = np.arange(1, len(corner) + 1)
     after[start + count - 1] = start
+    corner = _turned(corner, after, start, count, np.array(outer))
     before = np.empty_like(after)
     before[after] = np.arange(len(after))
     corner = _inward(corner, before, after, inset)
@@ -143,11 +144,14 @@ def outlines(assembly: Assembly) -> AuditOutlines:
     )
 
 
-def _turning(ring: Floats, *, ccw: bool) -> Floats:
-    """The ring, turned so that material lies left of its edges."""
-    x, y = (ring - ring[0]).T
-    area = x @ np.roll(y, -1) - np.roll(x, -1) @ y
-    return ring if (area > 0) == ccw else ring[::-1]
+def _turned(corner: Floats, after: Ints, start: Ints, count: Ints, outer: NDArray[np.bool_]) -> Floats:
+    """Corners (N, 2) of rings, in reverse where needed so that material lies left of their edges: within outer rings, outside of holes."""
+    x, y = (corner - np.repeat(corner[start], count, axis=0)).T
+    area = np.add.reduceat(x * y[after] - x[after] * y, start)
+    backwards = np.repeat((area > 0) != outer, count)
+    row = np.arange(len(corner))
+    mirrored = np.repeat(2 * start + count - 1, count) - row
+    return corner[np.where(backwards, mirrored, row)]
 
 
 def _inward(corner: Floats, before: Ints, after: Ints, inset: float) -> Floats:

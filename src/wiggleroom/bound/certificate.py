@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,47 +12,30 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, place
-from wiggleroom.bound.linear_relaxation import AngleRanges, JointConstraints
+from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
 from wiggleroom.bound.proof_steps import ProofNode
+from wiggleroom.bound.window_bounds import WindowProof
 from wiggleroom.drawing.model import Part
-from wiggleroom.freespace.outer.caging_surface import CagingSurface, caging_surface
-from wiggleroom.freespace.outer.outer_region import OuterRegion
+from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
 
-FORMAT = "wiggleroom.certificate/1"
+FORMAT = "wiggleroom.certificate/2"
 ABOVE = 1e-12
 """A bound is stated larger by this share, so that whoever works it out with other rounding does not come out above it."""
-
-
-def caging_surfaces(
-    links: JointConstraints, regions: list[OuterRegion], over: Callable[[], bool]
-) -> tuple[JointConstraints, list[CagingSurface]]:
-    """The pairs for whose outer region a caging surface was found, and these."""
-    found = [None if over() else caging_surface(region, over) for region in regions]
-    place = np.cumsum([s is not None for s in found]) - 1
-    keep = np.array([found[k] is not None for k in links.kind], dtype=bool)
-    kept = JointConstraints(
-        links.a[keep],
-        links.b[keep],
-        place[links.kind[keep]] if len(found) else links.kind,
-        links.arm_a[keep],
-        links.arm_b[keep],
-        links.axes[keep],
-    )
-    return kept, [s for s in found if s is not None]
 
 
 def certificate(
     ground: Survey,
     assembly: Assembly,
-    links: JointConstraints,
+    joints: JointConstraints,
     regions: list[CagingSurface],
     goal: PointMotion,
     ranges: AngleRanges,
     cut: float,
+    windows: list[WindowProof],
     proof: ProofNode,
 ) -> dict[str, Any]:
     """What `wiggleroom verify` reads; lengths in mm, angles in radians."""
@@ -85,8 +68,9 @@ def certificate(
         "regions": [_region(s) for s in regions],
         "pairs": [
             [int(a), int(b), int(k), *(them.rest[a, :2] + arm).tolist(), float(axes)]
-            for a, b, k, arm, axes in zip(links.a, links.b, links.kind, links.arm_a, links.axes, strict=True)
+            for a, b, k, arm, axes in zip(joints.a, joints.b, joints.kind, joints.arm_a, joints.axes, strict=True)
         ],
+        "windows": [_window(w) for w in windows],
         "proof": proof.record(),
     }
     return out | {"sha256": fingerprint(out)}
@@ -110,6 +94,19 @@ def _polygons(parts: Sequence[Part]) -> list[list[list[list[float]]]]:
         pieces = shapely.get_parts(union)
         regions = [[shapely.get_coordinates(r)[:-1] for r in (p.exterior, *p.interiors)] for p in pieces]
     return [[ring.tolist() for ring in rings] for rings in regions]
+
+
+def _window(proof: WindowProof) -> dict[str, Any]:
+    """A window, first ranges, steps, and what they say of turns against its first body in all placements."""
+    first, last, window = proof.first, proof.last, proof.window
+    return {
+        "placements": window.placements.tolist(),
+        "pairs": window.placed_joints.tolist(),
+        "far": first.far.tolist(),
+        "steps": [step.record() for step in proof.steps],
+        "low": last.low.tolist(),
+        "high": last.high.tolist(),
+    }
 
 
 def _region(surface: CagingSurface) -> dict[str, Any]:

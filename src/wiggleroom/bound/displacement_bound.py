@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.bound.linear_relaxation import first_ranges
+from wiggleroom.bound.joint_constraints import first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import Stop
@@ -27,7 +27,7 @@ def furthest(assembly: Assembly, seconds: float, stop: Stop | None = None) -> fl
     clock = Deadline(seconds, stop)
     ground = survey(assembly)
     links, regions = outer_regions(ground, clock.is_set)
-    ranges = first_ranges(ground.bodies, links, regions)
+    ranges = first_ranges(ground.bodies.fixed, links, regions)
     if not np.isfinite(ranges.far).all():
         return None
     turn = np.minimum(np.maximum(-ranges.low, ranges.high), np.pi)

@@ -20,7 +20,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.linear_relaxation import AngleRanges, JointConstraints, first_ranges
+from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.outer_regions import links_about, material_of
 from wiggleroom.bound.trigonometric_envelopes import support
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, pocket
@@ -43,10 +43,10 @@ ROUNDING_MARGIN = 1e-11
 
 
 def with_quick_bound(answer: Answer) -> Answer:
-    """The answer with a bound, where that takes less work than the answer did and says something."""
+    """The answer with a bound, where that takes less work than the answer did and says something; worked out once for an answer."""
     began = time.perf_counter()
     found = answer.warm_start
-    if answer.bound is not None or not answer.objective or not answer.verdict.ends:
+    if answer.bound is not None or "bound" in answer.seconds or not answer.objective or not answer.verdict.ends:
         return answer
     if found is None or not isinstance(found.program.objective, PointMotion):
         return answer
@@ -88,7 +88,7 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float |
     known = np.flatnonzero(kind[label] >= 0)
     label = label[known]
     links = links_about(them, cells.a[known], cells.b[known], kind[label], pivots[label])
-    ranges = first_ranges(them, links, pockets)
+    ranges = first_ranges(them.fixed, links, pockets)
     return _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
 
 

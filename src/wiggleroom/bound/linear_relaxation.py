@@ -1,87 +1,52 @@
-"""Linear relaxation: a linear program that every reachable motion satisfies, from all outer regions and envelopes of cos and sin.
+"""A linear program that every reachable motion satisfies: its multipliers prove a bound.
 
-Variables of a body: x, y [mm], turn t [rad], C for cos t - 1 and S for sin t. Variables of a pair: the motion tau of its
-pivot, as its first body sees it. The pivot moves with both bodies; with arms p, q from their origins to it,
+Variables of a body: x, y [mm], turn t [rad], C for cos t - 1 and S for sin t. Variables of a joint: the motion tau of its
+pivot, as its first body sees it, and the products U = v d_x, W = v d_y, d = tau less the middle of what tau can be and v the first
+body's turn less its middle. The pivot moves with both bodies; with arms p, q from their origins to it,
 
-    x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) (p + mid) = mid + R(t_a) (tau - mid)
+    x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) (p + mid) = mid + R(middle) (d + v J d) + remainder
 
-exactly, where mid is the middle of what tau can be. C and S make the left side linear. On the right R is taken at the
-middle angle; it errs by at most |tau - mid| 2 sin(half width / 2).
+exactly. C and S make the left side linear; a product of bounded factors keeps four inequalities (McCormick 1976). Rows that
+couple C and S of two joined bodies know that both turn nearly alike. Where a turn is known too badly for products, R is
+taken at its middle alone.
+
+What the program says is not believed: `multipliers` is what matters, see `joint_multipliers`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
+from wiggleroom.bound.joint_multipliers import (
+    COSINE,
+    FORCE_X,
+    FORCE_Y,
+    MEAN_SLOPE,
+    MOMENT,
+    MULTIPLIERS,
+    SINE,
+    TURN_SLOPE,
+)
+from wiggleroom.bound.joint_ranges import JointRanges
 from wiggleroom.bound.trigonometric_envelopes import envelope
-from wiggleroom.freespace.outer.caging_surface import CagingSurface
-from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
-from wiggleroom.freespace.outer.outer_facets import Facets, facets
-from wiggleroom.freespace.outer.outer_region import OuterRegion
-from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.relative_pose import turn
-from wiggleroom.program.objectives import PointMotion
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
-RANGE_FACTOR = 1 + 1e-4
-"""First ranges are wider by this factor, so that facets hold the program up, which can be refined."""
-ROW_MARGIN = 1e-12
-"""Rows hold a little more than they must, by this share of the drawing's size: their coefficients are rounded."""
-
-
-@dataclass(frozen=True, eq=False)
-class JointConstraints:
-    """Pairs of bodies whose relative motion is bounded.
-
-    Parameters
-    ----------
-    a, b : (P,) int64
-    kind : (P,) int64
-        Which outer region.
-    arm_a, arm_b : (P, 2) float64 [mm]
-        From each body's origin to the pivot, at rest, in the world's axes.
-    axes : (P,) float64 [rad]
-        Angle of A's axes at rest.
-    """
-
-    a: Ints
-    b: Ints
-    kind: Ints
-    arm_a: Floats
-    arm_b: Floats
-    axes: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class AngleRanges:
-    """Where bodies can be; infinite where nothing is known.
-
-    Parameters
-    ----------
-    low, high : (n,) float64 [rad]
-        Least and greatest turn.
-    far : (n,) float64 [mm]
-        Largest shift of the origin.
-    """
-
-    low: Floats
-    high: Floats
-    far: Floats
-
-
-class InfeasibleRelaxation(Exception):  # noqa: N818
-    """No motion lies in the given ranges: they leave this pair no turn."""
-
-    def __init__(self, pair: int) -> None:
-        super().__init__(pair)
-        self.pair = pair
+WIDEST_PRODUCT = 1.0
+"""Products of turn and tau are kept where the half width of the turn is less [rad]."""
+ROUNDING_MARGIN = 1e-12
+"""Boxes are larger by this."""
+BODY, JOINT = 5, 4
+"""So many variables each."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,17 +59,14 @@ class LinearRelaxation:
     low, high : (m,) float64
     least, most : (n,) float64
         Finite.
-    cost : (n,) float64
     unit : (n,) float64
         A variable times its unit is [mm] or [rad].
-    scale : (m,) float64
-        Factor of each row.
-    turn : (bodies,) int64
-        Column of each body's turn, -1 where it has none.
+    column : (bodies,) int64
+        First column of each body, -1 where it has none.
+    reading : (7 P, m) sparse
+        Multipliers of joints from those of rows.
     facet : (R, 2) int64
-        Pair and number of its facet of the last R rows.
-    cut : dict
-        Facets of each pair, in the axes of its first body.
+        Joint and number of its facet of the last R rows.
     """
 
     rows: sp.csr_matrix
@@ -112,207 +74,212 @@ class LinearRelaxation:
     high: Floats
     least: Floats
     most: Floats
-    cost: Floats
     unit: Floats
-    scale: Floats
-    turn: Ints
+    column: Ints
+    reading: sp.csr_matrix
     facet: Ints
-    cut: dict[int, Facets]
 
+    def cost(self, weights: Floats) -> Floats:
+        """Cost (n,) of weights (5 bodies,) of x, y, C - 1, S and t."""
+        held = np.flatnonzero(self.column >= 0)
+        out = np.zeros(len(self.unit))
+        columns = self.column[held][:, None] + np.array([0, 1, 3, 4, 2])
+        out[columns] = weights.reshape(-1, 5)[held]
+        return out * self.unit
 
-def first_ranges(
-    bodies: Bodies, links: JointConstraints, regions: Sequence[OuterRegion | CagingSurface | LocalOuterRegion]
-) -> AngleRanges:
-    """Turns and shifts add up along ways to fixed bodies; the shortest way counts."""
-    root = bodies.fixed
-    turns = np.array([regions[k].turns for k in links.kind]).reshape(-1, 2)
-    up = _shortest(links, turns[:, 1], -turns[:, 0], root)
-    down = _shortest(links, -turns[:, 0], turns[:, 1], root)
-    most = np.minimum(np.maximum(up, down), np.pi)
-    swing = 2 * np.sin(most / 2)
-    far = np.array([regions[k].far for k in links.kind])
-    with np.errstate(invalid="ignore"):
-        step = far + np.hypot(*links.arm_a.T) * swing[links.a] + np.hypot(*links.arm_b.T) * swing[links.b]
-    shift = _shortest(links, step, step, root)
-    return AngleRanges(-down * RANGE_FACTOR, up * RANGE_FACTOR, shift * RANGE_FACTOR)
-
-
-def _shortest(links: JointConstraints, forth: Floats, back: Floats, root: NDArray[np.bool_]) -> Floats:
-    """Shortest ways (n,) from the roots where link k costs forth[k] >= 0 from a to b and back[k] the other way."""
-    source, target = np.concatenate([links.a, links.b]), np.concatenate([links.b, links.a])
-    length = np.concatenate([forth, back])
-    way = np.where(root, 0.0, np.inf)
-    while True:
-        shorter = way.copy()
-        np.minimum.at(shorter, target, way[source] + length)
-        if not (shorter < way).any():
-            return way
-        way = shorter
+    def multipliers(self, y: Floats) -> Floats:
+        """Multipliers (K, P, 7) of joints from those of rows (K, m)."""
+        return np.asarray((self.reading @ y.T).T).reshape(len(y), -1, MULTIPLIERS)
 
 
 def relaxation(
-    bodies: Bodies,
-    links: JointConstraints,
-    regions: Sequence[OuterRegion | CagingSurface],
-    ranges: AngleRanges,
-    goal: PointMotion,
-    unit: float,
-    size: float,
+    fixed: Bools, radius: Floats, joints: JointConstraints, at: JointRanges, ranges: AngleRanges, unit: float
 ) -> LinearRelaxation:
-    """Put regions, envelopes and the goal into one linear program.
-
-    Parameters
-    ----------
-    unit : float [mm]
-        Typical clearance.
-    size : float [mm]
-        Of the drawing.
-
-    Raises
-    ------
-    NothingLeft
-        If the ranges leave a pair no turn at all.
-    """
-    return _RowBuilder(bodies, links, regions, ranges, unit, size).build(goal)
+    """Put regions, envelopes, products and couplings into one linear program; `unit` [mm] is a typical clearance."""
+    return _RowBuilder(fixed, radius, joints, at, ranges, unit).build()
 
 
 class _RowBuilder:
-    """Rows as they are collected; columns of a body are x, y, t, C, S, those of a pair follow."""
+    """Rows as they are collected; columns of a body are x, y, t, C, S, those of a joint follow: tau and both products."""
 
     def __init__(
         self,
-        bodies: Bodies,
-        links: JointConstraints,
-        regions: Sequence[OuterRegion | CagingSurface],
+        fixed: Bools,
+        radius: Floats,
+        joints: JointConstraints,
+        at: JointRanges,
         ranges: AngleRanges,
         unit: float,
-        size: float,
     ) -> None:
-        self.links, self.regions, self.ranges = links, regions, ranges
-        self.pad = ROW_MARGIN * size
-        moving = np.flatnonzero(~bodies.fixed & np.isfinite(ranges.far))
-        self.column = np.full(len(bodies.fixed), -1, dtype=np.int64)
-        self.column[moving] = 5 * np.arange(len(moving))
-        self.moving, self.pairs = moving, 5 * len(moving)
-        self.length, self.angle = unit, unit / float(bodies.radius.mean())
+        self.joints, self.at, self.ranges = joints, at, ranges
+        self.moving = np.flatnonzero(~fixed & np.isfinite(ranges.far))
+        self.column = np.full(len(fixed), -1, dtype=np.int64)
+        self.column[self.moving] = BODY * np.arange(len(self.moving))
+        self.first = BODY * len(self.moving)
+        self.tau = self.first + JOINT * np.arange(len(joints.a))
+        self.length, self.angle = unit, unit / float(radius.mean())
         self.parts: list[tuple[Ints, Ints, Floats]] = []
+        self.read: list[tuple[Ints, Ints, Floats]] = []
         self.low: list[Floats] = []
         self.high: list[Floats] = []
         self.count = 0
-        self.cut: dict[int, Facets] = {}
+        own = [np.where(self.column[k] >= 0, self.column[k], -BODY) for k in (joints.a, joints.b)]
+        self.own = [[np.where(k >= 0, k + v, -1) for v in range(BODY)] for k in own]
 
-    def add(self, columns: Ints, values: Floats, low: Floats, high: Floats) -> None:
-        """Rows (k, e) of columns and values; column -1 is a variable that is nought."""
-        row = self.count + np.repeat(np.arange(len(low)), columns.shape[1]).reshape(columns.shape)
-        keep = columns >= 0
-        self.parts.append((row[keep], columns[keep], values[keep]))
-        self.low.append(low - self.pad)
-        self.high.append(high + self.pad)
-        self.count += len(low)
+    def add(
+        self,
+        columns: list[Ints],
+        values: Sequence[Floats | float],
+        low: Floats | float,
+        high: Floats | float,
+        reading: dict[int, Floats | float] | None = None,
+        which: Ints | None = None,
+    ) -> None:
+        """Rows of columns and values, (k,) each; column -1 is a variable that is nought.
 
-    def build(self, goal: PointMotion) -> LinearRelaxation:
+        `reading` says what multipliers of the joints `which` (k,) a row's own counts for.
+        """
+        count = len(columns[0])
+        column, value = np.column_stack(columns), np.column_stack([np.broadcast_to(v, count) for v in values])
+        row = np.broadcast_to((self.count + np.arange(count))[:, None], column.shape)
+        keep = column >= 0
+        self.parts.append((row[keep], column[keep], value[keep]))
+        for multiplier, factor in (reading or {}).items():
+            joint = np.arange(count) if which is None else which
+            self.read.append(
+                (MULTIPLIERS * joint + multiplier, self.count + np.arange(count), np.broadcast_to(factor, count))
+            )
+        self.low.append(np.broadcast_to(low, count).astype(float))
+        self.high.append(np.broadcast_to(high, count).astype(float))
+        self.count += count
+
+    def build(self) -> LinearRelaxation:
         least, most = self._boxes()
         self._envelopes()
-        facet = self._pairs(least, most)
+        self._pivots()
+        self._products()
+        self._couplings()
+        facet = self._facets()
+        shape = (self.count, len(least))
         row, column, value = (np.concatenate(p) for p in zip(*self.parts, strict=True))
-        rows = sp.csr_matrix((value, (row, column)), shape=(self.count, len(least)))
+        rows = sp.csr_matrix((value, (row, column)), shape=shape)
         unit = np.full(len(least), self.length)
         for k in (2, 3, 4):
-            unit[k : self.pairs : 5] = self.angle
+            unit[k : self.first : BODY] = self.angle
+        for k in (2, 3):
+            unit[self.first + k :: JOINT] = self.length * self.angle
         rows = rows @ sp.diags(unit)
         scale = 1.0 / np.maximum(abs(rows).max(axis=1).toarray().ravel(), 1e-300)
         rows = (sp.diags(scale) @ rows).tocsr()
         low, high = np.concatenate(self.low) * scale, np.concatenate(self.high) * scale
-        turns = np.where(self.column >= 0, self.column + 2, -1)
+        row, column, value = (np.concatenate(p) for p in zip(*self.read, strict=True))
+        reading = sp.csr_matrix((value, (row, column)), shape=(MULTIPLIERS * len(self.joints.a), self.count))
         return LinearRelaxation(
-            rows,
-            low,
-            high,
-            least / unit,
-            most / unit,
-            self._cost(goal, len(least)) * unit,
-            unit,
-            scale,
-            turns,
-            facet,
-            self.cut,
+            rows, low, high, least / unit, most / unit, unit, self.column, (reading @ sp.diags(scale)).tocsr(), facet
         )
 
     def _boxes(self) -> tuple[Floats, Floats]:
-        n = self.pairs + 2 * len(self.links.a)
+        n, at = self.first + JOINT * len(self.joints.a), self.at
         least, most = np.zeros(n), np.zeros(n)
         far, low, high = (v[self.moving] for v in (self.ranges.far, self.ranges.low, self.ranges.high))
-        for k, (one, other) in enumerate(((-far, far), (-far, far), (low, high))):
-            least[k : self.pairs : 5], most[k : self.pairs : 5] = one, other
-        least[3 : self.pairs : 5], most[3 : self.pairs : 5] = -2.0 - ROW_MARGIN, ROW_MARGIN
-        least[4 : self.pairs : 5], most[4 : self.pairs : 5] = -1.0 - ROW_MARGIN, 1.0 + ROW_MARGIN
+        one = np.ones(len(far))
+        for k, (start, end) in enumerate(((-far, far), (-far, far), (low, high), (-2 * one, 0 * one), (-one, one))):
+            least[k : self.first : BODY], most[k : self.first : BODY] = start - ROUNDING_MARGIN, end + ROUNDING_MARGIN
+        product = at.half_turn[:, None] * at.half + ROUNDING_MARGIN
+        for k in (0, 1):
+            least[self.tau + k], most[self.tau + k] = -at.half[:, k], at.half[:, k]
+            least[self.tau + 2 + k], most[self.tau + 2 + k] = -product[:, k], product[:, k]
         return least, most
 
     def _envelopes(self) -> None:
         rows, most = envelope(self.ranges.low[self.moving], self.ranges.high[self.moving])
         column = self.column[self.moving][:, None, None] + np.array([3, 4, 2])
         columns = np.broadcast_to(column, rows.shape).reshape(-1, 3)
-        pad, self.pad = self.pad, 1e-15
-        self.add(columns, rows.reshape(-1, 3), np.full(most.size, -np.inf), most.ravel())
-        self.pad = pad
+        self.add([*columns.T], [*rows.reshape(-1, 3).T], -np.inf, most.ravel())
 
-    def _pairs(self, least: Floats, most: Floats) -> Ints:
-        links, lo, hi = self.links, self.ranges.low, self.ranges.high
-        known = np.flatnonzero(np.isfinite(self.ranges.far[links.a]) & np.isfinite(self.ranges.far[links.b]))
-        a, b = links.a[known], links.b[known]
-        turns = np.column_stack([lo[b] - hi[a], hi[b] - lo[a]])
-        cut = [self._region(int(p), *t) for p, t in zip(known, turns, strict=True)]
-        middle, reach = np.array([f.middle for f in cut]).reshape(-1, 2), np.array([f.reach for f in cut])
-        tau = self.pairs + 2 * known
-        least[self.pairs :: 2][known], most[self.pairs :: 2][known] = middle[:, 0] - reach, middle[:, 0] + reach
-        least[self.pairs + 1 :: 2][known], most[self.pairs + 1 :: 2][known] = middle[:, 1] - reach, middle[:, 1] + reach
-        mid, half = (lo[a] + hi[a]) / 2, (hi[a] - lo[a]) / 2
-        c, s = np.cos(mid), np.sin(mid)
-        blur = reach * 2 * np.sin(np.minimum(half, np.pi) / 2) * (1 + 1e-12)
-        p, q = links.arm_a[known] + middle, links.arm_b[known]
-        i, j = self.column[a], self.column[b]
-        own = [np.where(i >= 0, i + k, -1) for k in range(5)], [np.where(j >= 0, j + k, -1) for k in range(5)]
-        one = np.ones(len(known))
-        at_x = middle[:, 0] - (c * middle[:, 0] - s * middle[:, 1])
-        at_y = middle[:, 1] - (s * middle[:, 0] + c * middle[:, 1])
+    def _pivots(self) -> None:
+        """The equation above, in x and in y."""
+        at, (a, b) = self.at, self.own
+        p, q = self.joints.arm_a + at.middle, self.joints.arm_b
+        c, s = np.cos(at.turn), np.sin(at.turn)
+        kept = at.half_turn < WIDEST_PRODUCT
+        error = np.where(kept, at.bend, at.blur)
+        dx, dy = self.tau, self.tau + 1
+        vx, vy = (np.where(kept, self.tau + k, -1) for k in (2, 3))
+        one = np.ones(len(c))
         self.add(
-            np.column_stack([own[1][0], own[1][3], own[1][4], own[0][0], own[0][3], own[0][4], tau, tau + 1]),
-            np.column_stack([one, q[:, 0], -q[:, 1], -one, -p[:, 0], p[:, 1], -c, s]),
-            at_x - blur, at_x + blur,
-        )  # fmt: skip
+            [b[0], b[3], b[4], a[0], a[3], a[4], dx, dy, vx, vy],
+            [one, q[:, 0], -q[:, 1], -one, -p[:, 0], p[:, 1], -c, s, s, c],
+            at.middle[:, 0] - error,
+            at.middle[:, 0] + error,
+            {FORCE_X: 1.0},
+        )
         self.add(
-            np.column_stack([own[1][1], own[1][4], own[1][3], own[0][1], own[0][4], own[0][3], tau, tau + 1]),
-            np.column_stack([one, q[:, 0], q[:, 1], -one, -p[:, 0], -p[:, 1], -s, -c]),
-            at_y - blur, at_y + blur,
+            [b[1], b[4], b[3], a[1], a[4], a[3], dx, dy, vx, vy],
+            [one, q[:, 0], q[:, 1], -one, -p[:, 0], -p[:, 1], -s, -c, -c, s],
+            at.middle[:, 1] - error,
+            at.middle[:, 1] + error,
+            {FORCE_Y: 1.0},
+        )
+
+    def _products(self) -> None:
+        """(h -+ v) (D -+ d) >= 0 for both products of a turn that is known well enough."""
+        at, turned = self.at, self.own[0][2]
+        some = np.flatnonzero((at.half_turn < WIDEST_PRODUCT) & (turned >= 0))
+        h, middle = at.half_turn[some], at.turn[some]
+        for k in (0, 1):
+            most = at.half[some, k]
+            for one in (1.0, -1.0):
+                for two in (1.0, -1.0):
+                    self.add(
+                        [self.tau[some] + 2 + k, self.tau[some] + k, turned[some]],
+                        [-one * two, two * h, one * most],
+                        -np.inf,
+                        h * most + one * most * middle,
+                        {TURN_SLOPE: -one * most},
+                        some,
+                    )
+
+    def _couplings(self) -> None:
+        """Sines and cosines of two joined bodies differ by their relative turn times the cosine and sine of their mean."""
+        at, (a, b) = self.at, self.own
+        some = np.flatnonzero(at.coupled)
+        c, s, f = np.cos(at.mean[some]), np.sin(at.mean[some]), at.chord[some]
+        columns = [v[some] for v in (b[3], a[3], b[4], a[4], b[2], a[2])]
+        self.add(
+            columns, [-s, s, c, -c, -f, f], -at.sag[some], at.sag[some], {SINE: -1.0, MOMENT: -f}, some
         )  # fmt: skip
-        count = np.array([len(f.offset) for f in cut], dtype=np.int64)
-        which = np.repeat(np.arange(len(known)), count)
-        normal, offset = np.concatenate([f.normal for f in cut]), np.concatenate([f.offset for f in cut])
-        columns = np.column_stack([tau[which], tau[which] + 1, own[1][2][which], own[0][2][which]])
-        self.add(columns, np.column_stack([normal, -normal[:, 2]]), np.full(len(which), -np.inf), offset)
+        h, mean, skew = at.half_mean[some], at.mean[some], at.skew[some]
+        for end, one in ((at.low[some], -1.0), (at.high[some], 1.0)):
+            # u phi >= end u + one h (phi - end) or <= end u - one h (phi - end)
+            for side in (1.0, -1.0):
+                slope = side * one * h
+                self.add(
+                    columns,
+                    [-side * c, side * c, -side * s, side * s, -side * end / 2 - side * slope, -side * end / 2 + side * slope],
+                    -skew - side * (end * mean + slope * end),
+                    np.inf,
+                    {COSINE: side, MEAN_SLOPE: side * end, MOMENT: -side * slope},
+                    some,
+                )  # fmt: skip
+        self.add([columns[4], columns[5]], [1.0, -1.0], at.low[some], at.high[some], {MOMENT: 1.0}, some)
+
+    def _facets(self) -> Ints:
+        at = self.at
+        count = np.array([len(cut.offset) for cut in at.cuts], dtype=np.int64)
+        which = np.repeat(np.arange(len(count)), count)
+        normal = np.concatenate([cut.normal for cut in at.cuts])
+        plane = turn(normal[:, :2], self.joints.axes[which])
+        offset = np.concatenate([cut.offset for cut in at.cuts]) - (plane * at.middle[which]).sum(1)
+        a, b = self.own[0][2][which], self.own[1][2][which]
+        tilt = normal[:, 2]
+        self.add(
+            [self.tau[which], self.tau[which] + 1, b, a],
+            [plane[:, 0], plane[:, 1], tilt, -tilt],
+            -np.inf,
+            offset,
+            {MOMENT: tilt},
+            which,
+        )
         number = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-        return np.column_stack([known[which], number])
-
-    def _region(self, p: int, low: float, high: float) -> Facets:
-        """Facets of a pair in the world's axes at rest."""
-        found = facets(self.regions[self.links.kind[p]], low, high)
-        if found is None:
-            raise InfeasibleRelaxation(p)
-        self.cut[p] = found
-        angle = np.full(1, self.links.axes[p])
-        normal = np.column_stack([turn(found.normal[:, :2], angle), found.normal[:, 2]])
-        return replace(found, normal=normal, middle=turn(found.middle[None], angle)[0])
-
-    def _cost(self, goal: PointMotion, n: int) -> Floats:
-        cost = np.zeros(n)
-        for body, direction, arm, turns in zip(goal.body, goal.direction, goal.arm, goal.turn, strict=True):
-            k = self.column[body]
-            if k >= 0:
-                dx, dy = direction
-                cost[k : k + 5] += (dx, dy, turns, dx * arm[0] + dy * arm[1], dy * arm[0] - dx * arm[1])
-        return cost
-
-
-def narrowed(ranges: AngleRanges, low: Floats, high: Floats) -> AngleRanges:
-    """The same ranges with turns cut to the given ones."""
-    return replace(ranges, low=np.maximum(ranges.low, low), high=np.minimum(ranges.high, high))
+        return np.column_stack([which, number])

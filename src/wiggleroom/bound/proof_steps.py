@@ -1,4 +1,4 @@
-"""What a proof did, step by step, as a certificate keeps it: cuts of turns, splits, and the multipliers that show them."""
+"""What a proof consists of: linear programs with the multipliers that prove what they say, cuts of turns, splits, windows."""
 
 from __future__ import annotations
 
@@ -8,63 +8,80 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.bound.linear_relaxation import AngleRanges, LinearRelaxation
+from wiggleroom.bound.joint_constraints import AngleRanges
+from wiggleroom.bound.joint_ranges import JointRanges
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+MULTIPLIER_BITS = 32
+"""Multipliers are whole multiples of their largest divided by two to this power."""
+
+
+def rounded(multipliers: Floats) -> Floats:
+    """Multipliers (K, P, 7) with fewer digits, for every program (K) multiples of one power of two."""
+    unit = multiplier_units(multipliers)[:, None, None]
+    return np.asarray(np.round(multipliers / unit) * unit)
+
+
+def multiplier_units(multipliers: Floats) -> Floats:
+    """The power of two (K,) whose multiples the multipliers of each program are."""
+    most = np.abs(multipliers).max((1, 2), initial=0.0)
+    return np.asarray(2.0 ** (np.ceil(np.log2(np.maximum(most, 1e-250))) - MULTIPLIER_BITS))
+
+
+@dataclass(frozen=True, eq=False)
+class TurnCuts:
+    """Turns of bodies that are at most `end` (sign 1) or at least `end` (sign -1), and multipliers that prove it.
+
+    Parameters
+    ----------
+    body, sign : (K,) int64
+    end : (K,) float64 [rad]
+    goal : (K,) float64
+        Weight of "worth at least the cutoff".
+    multipliers : (K, P, 7) float64
+    """
+
+    body: Ints
+    sign: Ints
+    end: Floats
+    goal: Floats
+    multipliers: Floats
+
+    def record(self) -> list[list[Any]]:
+        """The same for a file."""
+        return [
+            [int(b), int(s), float(e), _multipliers(float(g), m)]
+            for b, s, e, g, m in zip(self.body, self.sign, self.end, self.goal, self.multipliers, strict=True)
+        ]
 
 
 @dataclass(eq=False)
 class ProofNode:
-    """One linear program: the bound that it gave, the turns it cut, and what came after.
+    """One step: ranges in which programs are asked, the bound that one gave, the turns others cut, and what came after."""
 
-    Multipliers are [goal, [[pair, x, y], ..], [[facet, multiplier], ..]]: the weight of "worth at least the cut", the force with which each
-    pair of a loop is held together, and facets by their place in `facets`.
-    """
-
-    facets: list[list[float]] = field(default_factory=list)
-    best: list[Any] | None = None
+    low: Floats | None = None
+    high: Floats | None = None
+    turns: Floats | None = None
+    best: Floats | None = None
     value: float = np.inf
-    cuts: list[list[Any]] = field(default_factory=list)
+    cuts: TurnCuts | None = None
     split: tuple[int, float] | None = None
     empty: int | None = None
     nothing_left: bool = False
     depth: int = 0
     then: list[ProofNode] = field(default_factory=list)
-    place: dict[int, int] = field(default_factory=dict)
 
     def follow(self) -> ProofNode:
         """A next step."""
         self.then.append(ProofNode(depth=self.depth + 1))
         return self.then[-1]
 
-    def ask(self, linear: LinearRelaxation, y: Floats, value: float) -> None:
-        """Keep what shows that the goal is at most `value`."""
-        self.best, self.value = [0.0, *self._multipliers(linear, y[: len(linear.low)])], value
-
-    def cut(
-        self, linear: LinearRelaxation, y: Floats, scale: float, body: int, sign: float, end: float, ranges: AngleRanges
-    ) -> None:
-        """Keep what shows that a body turns no further than `end`, where that is news."""
-        before = ranges.high[body] if sign > 0 else ranges.low[body]
-        if sign * (before - end) > 0:
-            unit = float(linear.unit[linear.turn[body]])
-            goal = max(-float(y[-1]), 0.0) * scale * unit
-            self.cuts.append([body, int(sign), end, [goal, *self._multipliers(linear, y[:-1] * unit)]])
-
-    def _multipliers(self, linear: LinearRelaxation, y: Floats) -> list[list[Any]]:
-        raw = y * linear.scale
-        pairs = np.unique(linear.facet[:, 0])
-        k, r = len(pairs), len(linear.facet)
-        force = np.column_stack([raw[-r - 2 * k : -r - k], raw[-r - k : -r]])
-        rows = np.flatnonzero(raw[-r:] > 0)
-        for row in rows.tolist():
-            if row not in self.place:
-                p, number = linear.facet[row].tolist()
-                self.place[row] = len(self.facets)
-                self.facets.append([p, *linear.cut[p].normal[number].tolist()])
-        used = np.flatnonzero((force != 0).any(1))
-        pushes = [[int(pairs[u]), *force[u].tolist()] for u in used]
-        return [pushes, [[self.place[int(row)], float(raw[-r:][row])] for row in rows]]
+    def at(self, ranges: AngleRanges, joints: JointRanges | None) -> None:
+        """Keep in which ranges it asks."""
+        self.low, self.high = ranges.low, ranges.high
+        self.turns = None if joints is None else np.column_stack([joints.low, joints.high])
 
     def bound(self) -> float:
         """What follows for the goal."""
@@ -76,13 +93,27 @@ class ProofNode:
 
     def record(self) -> dict[str, Any]:
         """The same for a file: either what bounds the goal here, or the cuts and what followed."""
+        out: dict[str, Any] = {"low": _numbers(self.low), "high": _numbers(self.high)}
         if self.empty is not None:
-            return {"empty": self.empty}
-        if not self.nothing_left and self.bound() == self.value:
-            return {"facets": self.facets, "best": self.best}
-        out: dict[str, Any] = {"facets": self.facets, "cuts": self.cuts}
+            return out | {"empty": self.empty}
+        out["turns"] = [] if self.turns is None else self.turns.tolist()
+        if not self.nothing_left and self.bound() == self.value and self.best is not None:
+            return out | {"best": _multipliers(0.0, self.best)}
+        out["cuts"] = [] if self.cuts is None else self.cuts.record()
         if not self.nothing_left:
             out["then"] = [step.record() for step in self.then]
         if self.split is not None:
             out["split"] = list(self.split)
         return out
+
+
+def _numbers(values: Floats | None) -> list[float | None]:
+    return [] if values is None else [v if np.isfinite(v) else None for v in values.tolist()]
+
+
+def _multipliers(goal: float, multipliers: Floats) -> list[Any]:
+    """[unit, weight of the goal, [[joint, seven whole numbers], ..]]."""
+    unit = float(multiplier_units(multipliers[None])[0])
+    whole = np.round(multipliers / unit).astype(np.int64)
+    used = np.flatnonzero(whole.any(1))
+    return [unit, goal, [[int(p), *whole[p].tolist()] for p in used]]

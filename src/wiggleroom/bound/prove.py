@@ -7,20 +7,23 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.bound.branch_and_bound import BranchAndBound
-from wiggleroom.bound.certificate import caging_surfaces, certificate
-from wiggleroom.bound.linear_relaxation import first_ranges
+from wiggleroom.bound.certificate import certificate
+from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, WiggleroomError
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
-from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.loop import Progress
-from wiggleroom.search.prepare import survey
+from wiggleroom.search.prepare import Survey, survey
+
+Ints = NDArray[np.int64]
 
 CUTOFF_SHARE = 0.6
 """Motions worth more than the witness by this share of what is asked for are looked for."""
@@ -50,7 +53,7 @@ def prove(
     stop : optional
         Anything with `is_set()`; ends it like the time.
     progress : callable, optional
-        Told a `Progress` with the bound so far.
+        Told a `Progress`: what is being done and for how long, and the bound so far.
 
     Returns
     -------
@@ -90,31 +93,23 @@ def prove(
 
     def tell(stage: str, most: float) -> None:
         if progress is not None:
-            progress(Progress(stage, 0, 0, most))
+            shown = most if math.isfinite(most) else math.nan
+            progress(Progress(f"proof, {clock.spent:.0f} s: {stage}", 0, 0, shown))
 
-    tell("outer regions", math.nan)
-    links, outer = outer_regions(ground, clock.is_set)
-    regions: list[OuterRegion | CagingSurface] = [*outer]
-    found: list[CagingSurface] = []
-    if certify:
-        tell("caging surfaces", math.nan)
-        links, found = caging_surfaces(links, outer, clock.is_set)
-        regions = [*found]
-    ranges = first_ranges(ground.bodies, links, regions)
+    tell("caging surfaces" if certify else "outer regions", math.nan)
+    joints, regions = outer_regions(ground, clock.is_set, certify)
+    ranges = first_ranges(ground.bodies.fixed, joints, regions)
     asked = goal.body[(goal.direction != 0).any(1) | (goal.turn != 0)]
-    if not (ground.bodies.fixed[asked] | np.isfinite(ranges.far[asked])).all():
-        late = "there was no time to look at all joints"
-        loose = "no chain of joints that close round each other holds what is pulled"
-        why = (
-            late
-            if clock.is_set()
-            else loose + (", or no caging surface was found round one of them" if certify else "")
+    held = ground.bodies.fixed | np.isfinite(ranges.far)
+    if not held[asked].all():
+        return _not_proven(
+            answer, clock, _why_open(answer.assembly, ground, joints, asked[~held[asked]], clock, certify)
         )
-        return _not_proven(answer, clock, why)
     proof = ProofNode() if certify else None
     bounding = BranchAndBound(
-        ground, links, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most: tell("prove", most), proof
+        ground, joints, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most, doing: tell(doing, most), proof
     )
+    ranges = bounding.first()
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
         return _not_proven(answer, clock, "no bound was found in the time given")
@@ -126,8 +121,35 @@ def prove(
     share = (most - witness) / abs(witness) if witness else None
     paper = None
     if proof is not None:
-        paper = certificate(ground, answer.assembly, links, found, goal, ranges, bounding.cut, proof)
+        paper = certificate(
+            ground,
+            answer.assembly,
+            bounding.joints,
+            [r for r in regions if isinstance(r, CagingSurface)],
+            goal,
+            ranges,
+            bounding.cut,
+            bounding.windows,
+            proof,
+        )
     return with_bound(answer, Bound(float(most), share, clock.spent, certificate=paper))
+
+
+def _why_open(
+    assembly: Assembly, ground: Survey, joints: JointConstraints, open_: Ints, clock: Deadline, certify: bool
+) -> str:
+    """Why nothing bounds what is pulled, in a sentence."""
+    if clock.is_set():
+        return "there was no time to look at all joints"
+    part = assembly.names[ground.bodies.members[int(open_[0])][0]]
+    near = (ground.near.a == open_[0]) | (ground.near.b == open_[0])
+    closed = (joints.a == open_[0]) | (joints.b == open_[0])
+    if not near.any():
+        return f"{part} touches nothing that could hold it"
+    missing = ", or no caging surface was found round one of them" if certify else ""
+    if not closed.any():
+        return f"no joint of {part} closes round it: every one lets it out by itself{missing}"
+    return f"{part} is joined to others, but no chain of joints that close leads from it to what is fixed{missing}"
 
 
 def _not_proven(answer: Answer, clock: Deadline, why: str) -> Answer:

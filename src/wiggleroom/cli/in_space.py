@@ -111,6 +111,14 @@ def _path(file: str) -> Any:
     return Path(file)
 
 
+def in_three_dimensions(result: Any) -> dict[str, Any]:
+    """A result of a study as JSON that says its dimension."""
+    import msgspec
+
+    record = msgspec.to_builtins(result)
+    return {"format": record.pop("format"), "dimension": 3} | record
+
+
 def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: str) -> int:
     """`wiggleroom flex` of an assembly in space."""
     import shlex

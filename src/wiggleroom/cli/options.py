@@ -204,7 +204,7 @@ def _said(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[G
     from wiggleroom.questions import is_spatial_file
 
     if is_spatial_file(file):
-        message = f"{file}: is an assembly in space, which flex and check answer; this command is for drawings"
+        message = f"{file}: is an assembly in space, which flex, check and sweep answer; this command is for drawings"
         raise InputError(message)
     wanted = asked_goals(asked)
     drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))

@@ -170,7 +170,7 @@ def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> 
 
 def tell(
     outputs: StudyOutputs,
-    result: Callable[[], Struct],
+    result: Callable[[], Struct | dict[str, Any]],
     page: Callable[[], RenderableType],
     found: Answer | Study,
     command: str,

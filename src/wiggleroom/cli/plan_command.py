@@ -23,6 +23,11 @@ def plan(
     outputs: FilmOutputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
     target: tuple[str, ...] = (),
+    sample: float | None = None,
+    draws: int = 200,
+    seed: int = 0,
+    rank: Annotated[bool, Parameter(negative="")] = False,
+    smallest_gap: Annotated[bool, Parameter(negative="")] = False,
     stills: Annotated[Path | None, Parameter(group=RESULTS)] = None,
 ) -> int:
     """Plan how it is taken apart and, backwards, put together: who moves when, along which way, with how much room.
@@ -40,6 +45,14 @@ def plan(
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     target
         Parts that are to leave: --target A,B. By default all that can.
+    sample
+        Also say how many draws go together when the gap round every part varies by this standard deviation [mm].
+    draws, seed
+        How many assemblies are drawn by lot, and of which lot.
+    rank
+        Also say whose gap gives the narrowest steps more room.
+    smallest_gap
+        Also find the smallest gap at which the plan works, to one per cent, with what fails below it.
     stills
         A folder for numbered pictures, one of every step: step_01.svg and so on.
     """
@@ -57,6 +70,9 @@ def plan(
     if stills is not None and not stills.is_dir():
         finding = f"--stills {stills}: there is no such folder; make it first"
         raise InputError(finding)
+    if draws < 1 or seed < 0:
+        finding = f"--draws {draws} --seed {seed}: at least 1 and 0"
+        raise InputError(finding)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     names = tuple(name for some in target for name in some.split(",") if name)
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
@@ -65,9 +81,20 @@ def plan(
         from wiggleroom.planning.plan import plan as work_out
 
         found = work_out(assembly, names, stop=stop, progress=show)
-    from wiggleroom.report.plan_results import plan_result, plan_table
 
-    tell(outputs, lambda: plan_result(found, command), lambda: plan_table(found), found, command)
+        from wiggleroom.planning import plan_tolerance as vary
+        from wiggleroom.report.plan_results import PlanTolerances, plan_result, plan_table
+        from wiggleroom.sensitivity.gap_distribution import Spread
+
+        spread = None if sample is None else Spread(sample)
+        told = PlanTolerances()
+        if found.steps:
+            told = PlanTolerances(
+                None if spread is None else vary.sample_plan(found, spread, draws=draws, seed=seed, stop=stop),
+                vary.rank_plan(found, stop=stop) if rank else None,
+                vary.smallest_gap(found, stop=stop) if smallest_gap else None,
+            )
+    tell(outputs, lambda: plan_result(found, command, told), lambda: plan_table(found, told), found, command)
     if stills is not None:
         from wiggleroom.cli.say import note
         from wiggleroom.report.plan_pictures import write_stills

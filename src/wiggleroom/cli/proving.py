@@ -25,7 +25,7 @@ def check_proof(share: float, model: str) -> None:
     """
     from wiggleroom.bound.prove import check_request
     from wiggleroom.errors import InputError
-    from wiggleroom.solve.safe_dual_bound import need_highs
+    from wiggleroom.solve.dual_linear_program import need_highs
 
     check_request(share, SECONDS, ("--prove", "--time"))
     if model != "walls":

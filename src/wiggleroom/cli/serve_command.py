@@ -29,7 +29,7 @@ def serve(
     file
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     port
-        Port on this machine. By default one that is free.
+        Port on this machine. By default the usual one, so that the page knows its recent files, or else one that is free.
     browser
         Open the page in the browser; --no-browser prints its address only.
     """
@@ -41,11 +41,11 @@ def serve(
     if file is None and asked != _NONE_ASKED:
         raise InputError("serve: --gap, --fix and the like are about a FILE; name it, or leave them out")
     see_extra("page", "the page needs starlette, uvicorn and websockets", "starlette", "uvicorn", "websockets")
-    from wiggleroom.app.server import Page, listen
+    from wiggleroom.app.server import USUAL_PORT, Page, listen, listen_anywhere
     from wiggleroom.app.server import serve as answer
 
     try:
-        listening = listen(port)
+        listening = listen(port) if port else listen_anywhere(USUAL_PORT)
     except (OSError, OverflowError):
         finding = f"--port {port}: it is taken or cannot be had; leave it out, and a free one is found"
         raise InputError(finding) from None

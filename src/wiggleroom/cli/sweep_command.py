@@ -29,7 +29,7 @@ def sweep(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space.
     gaps
         Gaps in mm: a list 0.1,0.2,0.5, or from, to and how many as 0.1:1:10. By default nine, from a quarter of the
         gap to twice it.
@@ -39,6 +39,7 @@ def sweep(
     import shlex
     from dataclasses import replace
 
+    from wiggleroom.cli.in_space import in_three_dimensions, read_in_space
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
@@ -47,22 +48,38 @@ def sweep(
     wanted = None if gaps is None else _gaps(gaps)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
-        assembly = complete(read(file, asked))
+        from wiggleroom.questions import is_spatial_file
+        from wiggleroom.questions import sweep as work_out
 
-        from wiggleroom.sensitivity.sweep import sweep as work_out
-
+        in_space = is_spatial_file(file)
+        if in_space:
+            _no_pages(outputs, html)
+        assembly = read_in_space(file, asked) if in_space else complete(read(file, asked))
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
-    tell(shown, lambda: sweep_result(found, command), lambda: sweep_table(found), found, command)
+    record = sweep_result(found, command)
+    tell(shown, lambda: in_three_dimensions(record) if in_space else record, lambda: sweep_table(found), found, command)
     if html is not None and any(step.answer is not None for step in found.steps):
         from wiggleroom.report.write_picture import draw
 
         draw(found, html, command=command)
         note(f"page: {html}")
     return 3 if cut else 0
+
+
+def _no_pages(outputs: StudyOutputs, html: Path | None) -> None:
+    """Refuse pages of a sweep in space."""
+    from wiggleroom.errors import InputError
+
+    page = html or (
+        outputs.picture if outputs.picture is not None and outputs.picture.suffix.lower() == ".html" else None
+    )
+    if page is not None:
+        message = f"{page}: a sweep in space is not made into a page; name an .svg or .png"
+        raise InputError(message)
 
 
 def _gaps(text: str) -> list[float]:

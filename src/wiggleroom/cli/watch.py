@@ -44,7 +44,8 @@ def progress() -> Iterator[Callable[[Any], None] | None]:
         def show(step: Any) -> None:
             value = "" if step.objective is None or math.isnan(step.objective) else f", {step.objective:.6g} so far"
             turn = f", iteration {step.iteration}" if step.iteration else ""
-            status.update(f"{step.stage}, round {step.round}{turn}{value}")
+            number = f", round {step.round}" if step.round or step.iteration else ""
+            status.update(f"{step.stage}{number}{turn}{value}")
 
         yield show
 

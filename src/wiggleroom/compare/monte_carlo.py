@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError
-from wiggleroom.freespace.free_space import FreeSpace
+from wiggleroom.freespace.free_space import FreeSlices, FreeSpace
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE
@@ -125,12 +125,12 @@ def reached(space: FreeSpace, relative: Floats, radius: float) -> NDArray[np.boo
     return inside & (np.abs(moved).max(axis=1) <= space.reach)
 
 
-def swing(space: FreeSpace, phi: Floats) -> Floats:
+def swing(space: FreeSlices, phi: Floats) -> Floats:
     """How far the pivot moves (k, 2) [mm] when b turns about its reference point by `phi` (k,) [rad]."""
     return turn(np.tile(space.pivot, (len(phi), 1)), phi) - space.pivot
 
 
-def about_pivot(space: FreeSpace) -> list[shapely.Geometry]:
+def about_pivot(space: FreeSlices) -> list[shapely.Geometry]:
     """Slices as motions of the pivot, which lies in the joint, so that they stand above each other."""
     shift = swing(space, np.array([s.angle for s in space.slices]))
     return [shapely.transform(s.region, lambda p, d=d: p + d) for s, d in zip(space.slices, shift, strict=True)]

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
+from wiggleroom.disassembly.clearance import distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
 from wiggleroom.disassembly.enclosure import enclosed_by_held
 from wiggleroom.disassembly.explore import MAX_QUESTIONS, explore, way_out
 from wiggleroom.disassembly.remaining import without
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
 from wiggleroom.disassembly.slide_search import WORK_BUDGET, SlideSearch, slide_search
-from wiggleroom.disassembly.slide_space import SlideSpace
+from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import placed
@@ -130,7 +131,7 @@ def next_stage(
     rest = np.zeros((1, n, 3))
     tell(Progress("straight ways"))
     found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
-    first = min(found, key=lambda e: (not _wanted(e.who, targets), len(e.who)), default=None)
+    first = _roomiest(ground, found, targets)
     if first is not None and _wanted(first.who, targets):
         return _leave(assembly, ground, rest, first, slides=0)
     tell(Progress("slides"))
@@ -145,6 +146,28 @@ def next_stage(
         return _leave(assembly, ground, rest, first, slides=0)
     stage = _beyond_slides(assembly, ground, begin, effort, slid, stop, tell)
     return replace(stage, states=slid.states, whole=slid.whole)
+
+
+def _roomiest(ground: Survey, found: list[TranslationEscape], targets: Ints) -> TranslationEscape | None:
+    """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not."""
+    order = [(not _wanted(e.who, targets), len(e.who)) for e in found]
+    best = [e for e, place in zip(found, order, strict=True) if place == min(order)]
+    if len(best) < 2:
+        return best[0] if best else None
+
+    axes = slide_axes(
+        ground.bodies, np.zeros_like(ground.bodies.rest), np.ones(len(ground.bodies.fixed), dtype=np.bool_)
+    )
+
+    def rank(escape: TranslationEscape) -> tuple[float, bool]:
+        way = np.zeros((2, len(ground.bodies.fixed), 3))
+        way[1, escape.who, :2] = 2 * ground.size * escape.direction
+        there = np.ones(way.shape[1], dtype=np.bool_)
+        apart = distances(ground.bodies, way, there, ground.ignored, ground.clearance)
+        along = np.abs(axes @ escape.direction).max() > 1 - 1e-9
+        return round(float(apart[escape.who].min()) / ground.clearance, 6), bool(along)
+
+    return max(best, key=rank)
 
 
 def _wanted(who: Ints, targets: Ints) -> bool:

@@ -285,4 +285,5 @@ def with_ground(assembly: Assembly) -> Assembly:
     if len(parts) < 2:
         finding = f"{assembly.drawing.source or 'the assembly'}: there is only one part, which nothing can leave; draw at least two"
         raise InputError(finding)
-    return replace(assembly, parts=parts, drawing=replace(assembly.drawing, parts=parts))
+    drawn = tuple(replace(p, fixed=k == largest) for k, p in enumerate(assembly.drawing.parts))
+    return replace(assembly, parts=parts, drawing=replace(assembly.drawing, parts=drawn))

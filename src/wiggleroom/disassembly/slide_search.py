@@ -19,6 +19,8 @@ Ints = NDArray[np.int64]
 
 WORK_BUDGET = 2e9
 """Pairs of edges that are compared at most; some ten seconds."""
+OFF_LATTICE_SHARE = 0.25
+"""Where stops lie on no lattice there is no end of states; so much of the work is spent on them."""
 STATE_WORK = 30_000
 """Work of a state besides its edges, in pairs of edges."""
 ROUNDING = 0.5
@@ -93,6 +95,7 @@ def slide_search(
     tree.append(motion, -1, None)
     seen, waiting = {key(motion)}, deque([0])
     begin, other = space.work, None
+    budget *= 1.0 if space.on_lattice else OFF_LATTICE_SHARE
     while waiting:
         if len(tree.states) % TELL_EVERY == 0:
             tell(Progress("slides", len(tree.states)))

@@ -76,7 +76,7 @@ class SlideSpace:
         self._ignored[ignored // n, ignored % n] = True
         self._ignored |= self._ignored.T
         self._ignored |= bodies.fixed[:, None] & bodies.fixed
-        axes = _axes(bodies, motion, there)
+        axes = slide_axes(bodies, motion, there)
         self.directions = np.concatenate([axes, -axes])
         units = [self._unit(axis, motion) for axis in axes]
         self.units = np.array([*units, *units])
@@ -160,7 +160,7 @@ def lattice_unit(levels: Floats, tolerance: float, least: float) -> float:
     return 0.0
 
 
-def _axes(bodies: Bodies, motion: Floats, there: Bools) -> Floats:
+def slide_axes(bodies: Bodies, motion: Floats, there: Bools) -> Floats:
     """Unit vectors (k, 2) along the edges, the longest together first."""
     shapes = bodies.shapes
     body, _ = corners(bodies)

@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.statements import unknown
-from wiggleroom.errors import InputError, Stop, TouchingError
+from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.freespace.cells.cover import cover
 from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.pair_hulls import hulls, joint_point
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls, model_named
 from wiggleroom.freespace.models.polyhedron import Polyhedron
-from wiggleroom.freespace.slices import Slice, march, pair_outlines
+from wiggleroom.freespace.slices import Slice, SliceSequence, march, pair_outlines
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import placed
@@ -36,8 +36,8 @@ OPEN_REACH = 10.0
 
 
 @dataclass(frozen=True, eq=False)
-class FreeSpace:
-    """All relative motions of part b against part a that are free of overlap and connected to rest.
+class FreeSlices:
+    """Exact slices of all relative motions of part b against part a that are free of overlap and connected to rest.
 
     Relative motions are (tau, phi): where part b's reference point is in part a's frame and how far b is turned
     against a, less the same at rest. Parts glued to a or b count as their material.
@@ -46,12 +46,8 @@ class FreeSpace:
     ----------
     parts : (a, b)
         Names.
-    cells : Cells
-        Regions free of overlap that together cover the space, in relative poses of the bodies.
     slices : tuple of Slice [mm]
-        Exact slices, evenly spaced over the angles; regions of tau.
-    coverage : float
-        Share of the slices' volume that the cells cover.
+        By angle; regions of tau.
     angles : (low, high) [rad]
         Range of phi.
     closed : bool
@@ -64,13 +60,27 @@ class FreeSpace:
     """
 
     parts: tuple[str, str]
-    cells: Cells
     slices: tuple[Slice, ...]
-    coverage: float
     angles: tuple[float, float]
     closed: bool
     reach: float
     pivot: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSpace(FreeSlices):
+    """The free space as a union of cells, each free of overlap by its walls; its slices are evenly spaced over the angles.
+
+    Parameters
+    ----------
+    cells : Cells
+        Regions free of overlap that together cover the space, in relative poses of the bodies.
+    coverage : float
+        Share of the slices' volume that the cells cover.
+    """
+
+    cells: Cells
+    coverage: float
     _bodies: Bodies
     _relation: Relative
     _full: bool
@@ -200,6 +210,44 @@ def free_space(
     Source: Mind the Gap, section 4.1; exact walls instead of the hull of three slices.
     """
     wanted = model_named(model)
+    them, rows, material, usual = _pair(assembly, a, b, reach)
+    if isinstance(wanted, Walls):
+        return _walls(assembly, them, rows, (a, b), material, usual, stop)
+    return _polyhedron(assembly, them, rows, (a, b), wanted)
+
+
+def free_slices(
+    assembly: Assembly, a: str, b: str, count: int = 40, *, reach: float | None = None, stop: Stop | None = None
+) -> FreeSlices:
+    """Exact slices of the free space of two parts, its two ends among them, without the cells that fill it.
+
+    Parameters, errors: see `free_space`.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> found = free_slices(wr.patterns.chain(2, joint="tee", gap=0.01), "b1", "b2", count=5)
+    >>> len(found.slices), found.closed, round(found.slices[2].area, 6)
+    (5, True, 0.0004)
+    """
+    them, rows, material, usual = _pair(assembly, a, b, reach)
+    space, relation = _marched(assembly, them, rows, (a, b), material, usual, stop)
+    low, high = space.ends
+    found = []
+    for phi in np.linspace(low, high, count)[1:-1]:
+        go_on(stop)
+        found.append(space.at(float(phi)))
+    slices = [space.slices[0], *(one for one in found if one is not None), space.slices[-1]]
+    return FreeSlices(
+        (a, b), tuple(_about_reference(s, relation) for s in slices), space.ends, space.limit == np.inf, space.limit,
+        -relation.point,
+    )  # fmt: skip
+
+
+def _pair(
+    assembly: Assembly, a: str, b: str, reach: float | None
+) -> tuple[Bodies, tuple[int, int], NDArray[np.object_], float]:
+    """Bodies, the rows of two of them, their material, and how far they are followed where nothing stops them [mm]."""
     if reach is not None and not 0 < reach < np.inf:
         finding = f"reach {reach:g} mm: it must be a length above 0"
         raise InputError(finding)
@@ -214,10 +262,8 @@ def free_space(
             "there is no room to move: give a gap"
         )
         raise TouchingError(finding, (a, b), apart)
-    if isinstance(wanted, Walls):
-        usual = min(OPEN_REACH * apart, float(them.radius[[one, other]].max()))
-        return _walls(assembly, them, (one, other), (a, b), material, usual if reach is None else reach, stop)
-    return _polyhedron(assembly, them, (one, other), (a, b), wanted)
+    usual = min(OPEN_REACH * apart, float(them.radius[[one, other]].max()))
+    return them, (one, other), material, usual if reach is None else reach
 
 
 def _walls(
@@ -225,13 +271,8 @@ def _walls(
     reach: float, stop: Stop | None,
 ) -> FreeSpace:  # fmt: skip
     """Union of cells round exact slices."""
-    one, other = rows
-    pivot = joint_point(*material)
-    at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
-    relation = relate(at_a, at_b, them.rest[one], them.rest[other], pivot)
-    own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
-    space = march(pair_outlines(own[0], own[1]), reach, stop)
-    covered = cover(them, (one, other), relation, space, stop)
+    space, relation = _marched(assembly, them, rows, names, material, reach, stop)
+    covered = cover(them, rows, relation, space, stop)
     return FreeSpace(
         parts=names,
         cells=covered.cells,
@@ -245,6 +286,18 @@ def _walls(
         _relation=relation,
         _full=space.full,
     )
+
+
+def _marched(
+    assembly: Assembly, them: Bodies, rows: tuple[int, int], names: tuple[str, str], material: NDArray[np.object_],
+    reach: float, stop: Stop | None,
+) -> tuple[SliceSequence, Relative]:  # fmt: skip
+    """Slices from one end of the free space to the other, and how they are related to the bodies."""
+    pivot = joint_point(*material)
+    at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
+    relation = relate(at_a, at_b, them.rest[rows[0]], them.rest[rows[1]], pivot)
+    own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
+    return march(pair_outlines(own[0], own[1]), reach, stop), relation
 
 
 def _polyhedron(

@@ -215,35 +215,32 @@ def _same(rings: list[Floats], member: list[int], table: dict, known: list) -> i
 
 
 def _stack(known: list[tuple[list[Floats], list[int]]]) -> BodyShapes:
-    corner, after, member, first, radius = [], [], [], [0], []
-    run, run_first, disc = [], [0], []
-    at = 0
-    for rings, members in known:
-        count = sum(len(r) for r in rings)
-        long = max(4, round(0.7 * np.sqrt(count)))
-        for ring, m in zip(rings, members, strict=True):
-            n = len(ring)
-            after.append(at + (np.arange(n) + 1) % n)
-            member.append(np.full(n, m))
-            pieces = np.array_split(np.arange(n), max(1, round(n / long)))
-            for piece in pieces:
-                points = ring[np.r_[piece, (piece[-1] + 1) % n]]
-                middle = (points.min(0) + points.max(0)) / 2
-                disc.append((*middle, np.hypot(*(points - middle).T).max()))
-                run.append(at + piece[0])
-            at += n
-        corner.extend(rings)
-        first.append(at)
-        run_first.append(len(run))
-        radius.append(max(np.hypot(*r.T).max() for r in rings))
-    corners = np.vstack(corner)
-    nexts = np.concatenate(after)
+    corners = np.vstack([ring for rings, _ in known for ring in rings])
+    count = np.array([len(ring) for rings, _ in known for ring in rings])
+    shape = np.repeat(np.arange(len(known)), [len(rings) for rings, _ in known])
+    start = np.cumsum(count) - count
+    nexts = np.arange(len(corners)) + 1
+    nexts[start + count - 1] = start
+    first = np.concatenate([[0], np.cumsum(np.bincount(shape, count, len(known)))]).astype(np.int64)
+    # runs of a ring are as nearly equal as can be
+    longest = np.maximum(4, np.rint(0.7 * np.sqrt(np.diff(first))))[shape]
+    runs = np.maximum(1, np.rint(count / longest)).astype(np.int64)
+    ring = np.repeat(np.arange(len(count)), runs)
+    nth = np.arange(len(ring)) - (np.cumsum(runs) - runs)[ring]
+    run = start[ring] + nth * (count // runs)[ring] + np.minimum(nth, (count % runs)[ring])
+    run_end = np.concatenate([run[1:], [len(corners)]])
+    last = corners[nexts[run_end - 1]]
+    low, high = (np.minimum.reduceat(corners, run), np.maximum.reduceat(corners, run))
+    middle = (np.minimum(low, last) + np.maximum(high, last)) / 2
+    inside = np.hypot(*(corners - np.repeat(middle, run_end - run, axis=0)).T)
+    disc = np.maximum(np.maximum.reduceat(inside, run), np.hypot(*(last - middle).T))
     along = corners[nexts] - corners
     length = np.hypot(*along.T)
     normal = np.column_stack([along[:, 1], -along[:, 0]]) / length[:, None]
     return BodyShapes(
-        corners, nexts, normal, length, np.concatenate(member), np.array(first), np.array(radius),
-        np.array([*run, at]), np.array(run_first), np.array(disc),
+        corners, nexts, normal, length, np.repeat(np.concatenate([m for _, m in known]), count), first,
+        np.maximum.reduceat(np.hypot(*corners.T), first[:-1]), np.concatenate([run, [len(corners)]]),
+        np.concatenate([[0], np.cumsum(np.bincount(shape[ring], minlength=len(known)))]), np.column_stack([middle, disc]),
     )  # fmt: skip
 
 

@@ -47,18 +47,32 @@ class VertexEdgePairs:
         return np.repeat(np.arange(len(self.a)), np.diff(self.row))
 
 
-def near_vertices(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: Floats, behind: float) -> VertexEdgePairs:
-    """Corners and edges of pairs of bodies that are within `reach` (P,) [mm] at a motion (n, 3); congruent pairs are looked at once.
+def near_vertices(
+    bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: Floats, beside: Floats, behind: float
+) -> VertexEdgePairs:
+    """Corners and edges of pairs of bodies that are near each other at a motion (n, 3); congruent pairs are looked at once.
 
-    Corners further than `behind` [mm] behind the line of an edge do not count: material may lie between.
+    Parameters
+    ----------
+    bodies : Bodies
+    a, b : (P,) int64
+    motion : (n, 3) float64 [mm, mm, rad]
+    reach : (P,) float64 [mm]
+        Farthest distance of a corner from an edge.
+    beside : (P,) float64 [mm]
+        How far beyond the ends of the edge it may lie.
+    behind : float [mm]
+        How far behind its line: further back, material may lie between.
     """
     shapes, seed = bodies.shapes, relative_pose(bodies, a, b, motion)
     _, congruent = classes(bodies, a, b, seed)
-    _, first, label = np.unique(np.column_stack([congruent, reach]), axis=0, return_index=True, return_inverse=True)
+    _, first, label = np.unique(
+        np.column_stack([congruent, reach, beside]), axis=0, return_index=True, return_inverse=True
+    )
     label = label.ravel()
     one, other, none = bodies.shape[a[first]], bodies.shape[b[first]], np.zeros(0, dtype=np.int64)
     row = np.zeros(len(first) + 1, dtype=np.int64)
-    table = shapes.first, shapes.corner, shapes.normal, shapes.length, reach[first], behind
+    table = shapes.first, shapes.corner, shapes.normal, shapes.length, reach[first], beside[first], behind
     near_pairs(seed[first], one, other, *table, row, none, none, none, False)
     kind, edge, corner = np.empty((3, row[-1]), dtype=np.int64)
     near_pairs(seed[first], one, other, *table, row, kind, edge, corner, True)
@@ -69,11 +83,10 @@ def near_vertices(bodies: Bodies, a: Ints, b: Ints, motion: Floats, reach: Float
 
 
 @njit(**NO_ALLOCATION)
-def near_pairs(g, shape_a, shape_b, first, corner, normal, length, reach, behind, row, kind, edge, vertex, fill):
-    """Corners and edges within `reach` (P,) at relative poses g (P, 3): counted into row (P + 1,), and listed where `fill`.
-
-    A corner that lies further than `behind` behind the line of an edge is not seen by it: material may be in between.
-    """
+def near_pairs(
+    g, shape_a, shape_b, first, corner, normal, length, reach, beside, behind, row, kind, edge, vertex, fill
+):
+    """Corners and edges that are near at relative poses g (P, 3): counted into row (P + 1,), and listed where `fill`."""
     at = 0
     for p in range(len(shape_a)):
         row[p], far = at, reach[p]
@@ -100,7 +113,11 @@ def near_pairs(g, shape_a, shape_b, first, corner, normal, length, reach, behind
                         continue
                     along = normal[e, 0] * ry - normal[e, 1] * rx
                     beyond = max(-along, along - length[e], 0.0)
-                    if (beyond == 0.0 and ahead < 0.0) or beyond * beyond + ahead * ahead > far * far:
+                    if (
+                        (beyond == 0.0 and ahead < 0.0)
+                        or beyond * beyond + ahead * ahead > far * far
+                        or beyond > beside[p]
+                    ):
                         continue
                     if fill:
                         kind[at], edge[at], vertex[at] = k, e, v

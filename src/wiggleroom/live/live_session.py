@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import cast
 
@@ -15,14 +16,24 @@ from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import relative_pose
+from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
+from wiggleroom.live.neighbourhood import neighbourhood
 from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns
-from wiggleroom.live.warm_start import State, TimeBudget, WarmSearch, at_rest, free_of_overlap, pushed
+from wiggleroom.live.warm_start import (
+    FIRST_BARRIER,
+    State,
+    TimeBudget,
+    WarmSearch,
+    at_rest,
+    free_of_overlap,
+    pushed,
+)
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
-from wiggleroom.program.objectives import Approach
+from wiggleroom.program.objectives import Approach, Points
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.search.build_answer import unlimited
 from wiggleroom.search.contact_forces import contacts
@@ -130,6 +141,15 @@ class Live:
         """The present design, prepared."""
         return self._design.ready
 
+    @contextmanager
+    def aside(self) -> Iterator[None]:
+        """Drags in here leave no trace: the next one begins where the last one before ended."""
+        before = self._state
+        try:
+            yield
+        finally:
+            self._state = before
+
     def rest(self) -> None:
         """Put all parts back to rest: the next drag begins there."""
         self._state = None
@@ -141,6 +161,8 @@ class Live:
         target: Spot,
         *,
         start: str = "here",
+        goals: Goal | Sequence[Goal] | None = None,
+        within: int | None = None,
         seconds: float = 0.1,
         stop: Stop | None = None,
     ) -> LiveResult:
@@ -153,7 +175,13 @@ class Live:
             The point, where it lies at rest.
         target : (x, y) [mm]
         start : str
-            "here", where the last drag ended, or "rest".
+            "here", where the last drag ended, "rest", or "answer", the end of what was last found for some goals.
+        goals : optional
+            These goals; by default what the drawing asks for.
+        within : int, optional
+            So many bodies may move, those that the part pushes first; all others stand where they are. The motion is one
+            of the whole assembly, but not settled where others that stand hold the part; then the next drag begins where
+            this one did. By default all may move.
         seconds : float
             After that time the best safe motion so far is returned, not settled; asking again goes on from there.
         stop : optional
@@ -173,17 +201,21 @@ class Live:
         aim = np.add(grip, away)
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
-        state = self._state if self._state is not None and start == "here" else at_rest(ready)
-        here = term.value(state.inner)  # what counts is what is gained from there
-        enough = float(away @ away) - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
-        search = WarmSearch(ready, replace(term, zero=here), state, TimeBudget(seconds, stop), enough)
-        self._state, settled = search.reach()
-        motion = of_parts(ready.assembly, ready.bodies, self._state.motion[None])[0]
-        x, y = np.add(grip, term.points.moved(self._state.motion)[0]).tolist()
+        state, until = self._begun(start, goals), TimeBudget(seconds, stop)
+        near = None if within is None else self._neighbours(term, aim, state, within, until)
+        if near is not None:
+            after, search, settled = near
+        else:
+            search = _towards(ready, term, state, float(away @ away), until)
+            after, settled = search.reach()
+        # pressed against what could give way, few parts are a bad place for all to begin at
+        self._state = after if near is None or settled else state
+        motion = of_parts(ready.assembly, ready.bodies, after.motion[None])[0]
+        x, y = np.add(grip, term.points.moved(after.motion)[0]).tolist()
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
         left = float(np.hypot(*np.subtract(aim, reached)))
-        held = _held(ready, search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
+        held = _held(search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
         blocking = dict.fromkeys(n for c in held if part in c.parts for n in c.parts if n != part)
         seconds = time.perf_counter() - began
         return LiveResult(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
@@ -221,7 +253,7 @@ class Live:
         if search.search.unlimited and recession_direction(ready, term, state.motion) is not None:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return LiveResult(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
-        held = _held(ready, search, 1.0)
+        held = _held(search, 1.0)
         settled = (
             settled and not search.search.unlimited
         )  # whether a turn repeats for ever is for the full answer to say
@@ -294,6 +326,41 @@ class Live:
         """Goals, by default what the drawing asks for, once it is sure that they make sense."""
         return asked_goals(self.assembly.drawing, self._designs.drawing.goals if goals is None else goals)
 
+    def _begun(self, start: str, goals: Goal | Sequence[Goal] | None) -> State:
+        """Where a drag begins."""
+        if start == "here" and self._state is not None:
+            return self._state
+        if start == "answer":
+            asked = self._asked(goals)
+            found = [e.state for e in self._ends if e.goals == asked and e.design.assembly is self._design.assembly]
+            if found and found[-1].linked:
+                return replace(found[-1], mu=FIRST_BARRIER, ended=None)
+        return at_rest(self.ready)
+
+    def _neighbours(
+        self, term: Approach, aim: Floats, state: State, count: int, until: TimeBudget
+    ) -> tuple[State, WarmSearch, bool] | None:
+        """Drag with few bodies free to move; the state, the search, whether no other could help; None where all are few."""
+        ready = self.ready
+        near = neighbourhood(ready, state, int(term.points.body[0]), count)
+        if near is None:
+            return None
+        body = int(np.searchsorted(near.body, term.points.body[0]))
+        points = Points(np.array([body]), term.points.turned(state.inner))
+        grip = aim + term.apart[0] + term.points.moved(state.inner)[0]
+        local = Approach(points, (grip - aim)[None], term.weight)
+        search = _towards(near.ready, local, at_rest(near.ready), float((grip - aim) @ (grip - aim)), until)
+        there, settled = search.reach()
+        if near.left(search):
+            return None
+        after = near.whole(state, there)
+        if overlaps(ready.bodies, after.motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size:
+            return None
+        held = {name for contact in _held(search, 1.0) for name in contact.parts}
+        short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))
+        arrived = short <= ARRIVAL_TOLERANCE * ready.clearance
+        return after, search, settled and (arrived or not held & near.held)
+
     def _remember(self, end: _End) -> None:
         """Keep an end, in place of an older one of the same design and goals."""
         others = [e for e in self._ends if e.goals != end.goals or e.design.assembly is not end.design.assembly]
@@ -348,9 +415,16 @@ def _in_design(state: State, old: GapDesign, new: GapDesign) -> State | None:
     return replace(state, cells=carried(state.cells, one, other))
 
 
-def _held(ready: Prepared, search: WarmSearch, unit: float) -> tuple[Contact, ...]:
+def _towards(ready: Prepared, term: Approach, state: State, whole: float, until: TimeBudget) -> WarmSearch:
+    """A search that ends where a target is reached; `whole` [mm2] is the squared distance from rest to it."""
+    here = term.value(state.inner)  # what counts is what is gained from there
+    enough = whole - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
+    return WarmSearch(ready, replace(term, zero=here), state, until, enough)
+
+
+def _held(search: WarmSearch, unit: float) -> tuple[Contact, ...]:
     """Contacts that hold the best motion, forces in this unit."""
     found = search.best
     if found is None or found.solution.status is not SolverStatus.CONVERGED:
         return ()
-    return contacts(ready.assembly, found.program, found.solution.u, found.active, unit)
+    return contacts(search.ready.assembly, found.program, found.solution.u, found.active, unit)

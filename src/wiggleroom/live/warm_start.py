@@ -208,7 +208,7 @@ class WarmSearch:
         points = [(segment.program, u) for segment in found.path for u in segment.points]
         some = np.unique(np.linspace(0, len(points) - 1, PATH_SAMPLES).round().astype(int))
         motions = np.array([points[k][0].motion(points[k][1]) for k in some])
-        audit = audit_path(ready.assembly, of_parts(ready.assembly, ready.bodies, motions))
+        audit = audit_path(ready.outlines, of_parts(ready.assembly, ready.bodies, motions))
         pairs = missed(ready.bodies, audit, found.program)
         self._seen = found, pairs
         return pairs

@@ -14,7 +14,8 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.departures import disassemble
 from wiggleroom.disassembly.interlock import with_ground
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.planning.steps import Step, steps_of
+from wiggleroom.planning.easing import eased
+from wiggleroom.planning.steps import Step, measured, steps_of
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import survey
@@ -125,7 +126,11 @@ def plan(
     standing = with_ground(assembly)
     see_targets(standing, targets)
     done = disassemble(standing, targets=tuple(targets), stop=limit, tell=progress or silent)
-    steps = steps_of(standing, survey(standing), done.departures)
+    steps: tuple[Step, ...] = ()
+    if done.departures:
+        ground = survey(standing)
+        steps = eased(standing, ground, steps_of(standing, done.departures), limit)
+        steps = tuple(measured(standing, ground, step) for step in steps)
     gone = {standing.names[k] for d in done.departures for k in d.parts}
     fixed = {p.name for p in standing.parts if p.fixed}
     remains = tuple(n for n in targets or standing.names if n not in gone and n not in fixed)

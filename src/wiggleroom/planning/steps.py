@@ -4,14 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.disassembly.clearance import distances
 from wiggleroom.disassembly.departures import Departure
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.planning.clearance import distances
 from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
@@ -21,6 +22,8 @@ STILL = 1e-12
 """A smaller change of a motion is none [mm, rad]."""
 HELD_REACH = 1.5
 """A loose part that comes nearer to what moves than this multiple of the least clearance may be dragged along, and is held."""
+TURN_PER_PIECE = 0.02
+"""Clearances are worked out on pieces that turn by at most this [rad]."""
 MOST_CLEARANCE = 0.1
 """Clearances are worked out up to this share of the drawing's size."""
 
@@ -46,7 +49,8 @@ class Step:
     room : float [mm]
         The largest ball of errors of position: shifted by up to so much, what moves still passes.
     turn_room : float [rad]
-        The largest error of angle, either way: turned by up to so much about the middle of what moves, it still passes.
+        An error of angle, either way, about the middle of what moves, under which it certainly still passes: no corner is carried further
+        than the clearance.
     axis : (2,) float64
         Unit vector along which the parts go in when they are put together: opposite to the last straight piece.
     held : tuple of names
@@ -73,9 +77,9 @@ class Step:
         return bool(moving.sum() == 1 or (not turned and np.ptp(first[:, moving], axis=1).max() <= STILL))
 
 
-def steps_of(assembly: Assembly, ground: Survey, departures: Sequence[Departure]) -> tuple[Step, ...]:
-    """The steps of some departures, with all that is to be known of each."""
-    return tuple(measured(assembly, ground, s) for d in departures for s in _split(assembly, d))
+def steps_of(assembly: Assembly, departures: Sequence[Departure]) -> tuple[Step, ...]:
+    """The steps of some departures; of what is to be known of each nothing is worked out yet."""
+    return tuple(step for departure in departures for step in _split(assembly, departure))
 
 
 def _split(assembly: Assembly, departure: Departure) -> list[Step]:
@@ -97,12 +101,13 @@ def _split(assembly: Assembly, departure: Departure) -> list[Step]:
 def measured(assembly: Assembly, ground: Survey, step: Step) -> Step:
     """The step with its clearance, room for errors, axis and held parts."""
     bodies, names = ground.bodies, np.array(assembly.names, dtype=object)
-    way = of_bodies(assembly, bodies, step.way)
+    fine, stray = _finely(assembly, ground, step.way)
+    way = of_bodies(assembly, bodies, fine)
     there = np.array([step.there[list(m)].all() for m in bodies.members])
     most = MOST_CLEARANCE * ground.size
     apart = distances(bodies, way, there, ground.ignored, most)
     moving = np.unique(bodies.body_of[np.isin(names, step.parts)])
-    clearance = float(apart[moving].min(initial=most))
+    clearance = max(float(apart[moving].min(initial=most)) - stray, 0.0)
     resting = np.setdiff1d(np.flatnonzero(~bodies.fixed & there), moving)
     dragged = resting[apart[resting][:, moving].min(axis=1, initial=most) < HELD_REACH * clearance]
     held = tuple(n for b in dragged for n in names[list(bodies.members[b])])
@@ -114,6 +119,27 @@ def measured(assembly: Assembly, ground: Survey, step: Step) -> Step:
     length = float(np.hypot(*last[k, :2]))
     axis = (-float(last[k, 0]) / length, -float(last[k, 1]) / length) if length > STILL else (0.0, 0.0)
     return replace(step, clearance=clearance, room=clearance, turn_room=clearance / reach, axis=axis, held=held)
+
+
+def finer(way: Floats, turn: float, length: float = np.inf) -> Floats:
+    """The way (k, n, 3) with points in between, so that no piece turns by more than `turn` [rad] or is longer than `length` [mm]."""
+    out = [way[:1]]
+    for one, other in pairwise(way):
+        change = np.abs(other - one)
+        count = max(1, int(np.ceil(max(change[:, 2].max() / turn, change[:, :2].max() / length))))
+        out.append(one + (other - one) * (np.arange(1, count + 1) / count)[:, None, None])
+    return np.concatenate(out)
+
+
+def _finely(assembly: Assembly, ground: Survey, way: Floats) -> tuple[Floats, float]:
+    """The way with many points where it turns, and how far bodies may be from straight between them [mm].
+
+    Reference points of parts go straight, so the middles of their bodies do not quite.
+    """
+    fine = finer(way, TURN_PER_PIECE)
+    turn = float(np.abs(np.diff(fine[..., 2], axis=0)).max())
+    arm = assembly.rest[:, :2] - ground.bodies.rest[ground.bodies.body_of, :2]
+    return fine, 2 * float(np.hypot(*arm.T).max()) * turn**2 / 8
 
 
 def _reach(rest: Floats, radius: Floats) -> float:

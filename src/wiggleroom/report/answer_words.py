@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
 from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import Verdict
 
 MAX_NAME_LENGTH = 40
@@ -49,9 +52,35 @@ def towards(direction: tuple[float, float]) -> str:
     return f"({number(x, 3)}, {number(y, 3)})"
 
 
-def ask(goal: Goal) -> str:
+def spatial_towards(direction: tuple[float, float, float]) -> str:
+    """Direction as people write it.
+
+    >>> spatial_towards((0.0, 0.0, -2.0)), spatial_towards((0.0, 3.0, 4.0))
+    ('-z', '(0, 0.6, 0.8)')
+    """
+    unit = np.array(direction) / np.linalg.norm(direction)
+    for axis, value in zip("xyz", unit.tolist(), strict=True):
+        if abs(abs(value) - 1) < 1e-12:
+            return ("+" if value > 0 else "-") + axis
+    return f"({', '.join(number(x, 3) for x in unit.tolist())})"
+
+
+def spatial_ask(goal: SpatialGoal) -> str:
+    """One goal in a few words."""
+    match goal:
+        case SpatialPull():
+            return f"{short(goal.part)} in {spatial_towards(goal.direction)}"
+        case SpatialTurn():
+            return f"twist of {short(goal.part)} about {spatial_towards(goal.axis)}"
+        case Weight():
+            return f"weight towards {spatial_towards(goal.direction)}"
+
+
+def ask(goal: Goal | SpatialGoal) -> str:
     """One goal in a few words: the part and the way it is pulled or turned."""
     match goal:
+        case SpatialPull() | SpatialTurn() | Weight():
+            return spatial_ask(goal)
         case Pull():
             return f"{short(goal.part)} in {towards(goal.direction)}"
         case Turn():
@@ -66,7 +95,7 @@ def ask(goal: Goal) -> str:
             return "neighbours closer"
 
 
-def asked(goals: tuple[Goal, ...], most: int = 1) -> str:
+def asked(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
     """Goals in a row; of several the first ones.
 
     >>> asked((Pull("a", (0, 1)), Pull("b", (0, 1))))
@@ -76,13 +105,17 @@ def asked(goals: tuple[Goal, ...], most: int = 1) -> str:
     return ", ".join(ask(g) for g in goals[:most]) + more
 
 
-def unit(goals: tuple[Goal, ...]) -> str:
+def unit(goals: tuple[Goal | SpatialGoal, ...]) -> str:
     """Say the unit of the objective: mm, rad, mm² or nothing where goals of several kinds add up."""
     if all(isinstance(g, Towards | Translation | Closer) for g in goals):
         return "mm²"
-    if all(isinstance(g, Pull) or (isinstance(g, W) and g.w[2] == 0) for g in goals):
+    if all(isinstance(g, Pull | SpatialPull) or (isinstance(g, W) and g.w[2] == 0) for g in goals):
         return "mm"
-    return "rad" if all(isinstance(g, Turn) or (isinstance(g, W) and g.w[:2] == (0, 0)) for g in goals) else ""
+    return (
+        "rad"
+        if all(isinstance(g, Turn | SpatialTurn) or (isinstance(g, W) and g.w[:2] == (0, 0)) for g in goals)
+        else ""
+    )
 
 
 def per_gap(goals: tuple[Goal, ...]) -> str:

@@ -35,6 +35,7 @@ def film(
     command: str = "",
     back: bool = False,
     magnify: float | None = None,
+    least_seconds: float = 0.0,
     progress: Progress | None = None,
 ) -> None:
     """Write a film of parts on their way.
@@ -57,6 +58,8 @@ def film(
         True: the film returns to rest the same way before it begins again.
     magnify : float, optional
         Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
+    least_seconds : float
+        The way takes at least so long.
     progress : callable, optional
         Told after every frame how many of how many are drawn.
 
@@ -91,6 +94,7 @@ def film(
         facts=facts,
         command=command,
         magnify=magnify,
+        least_seconds=least_seconds,
     )
     write_whole(path, _written(made, kind, back, progress))
 

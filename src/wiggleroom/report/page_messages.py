@@ -35,6 +35,7 @@ def drawing_message(drawing: Drawing, parts: Sequence[Part], name: str) -> Opene
             PartShape(part.name, (part.at[0], part.at[1], math.degrees(part.at[2])), rings)
             for part, rings in zip(parts, rings_message(parts), strict=True)
         ],
+        ignore=list(drawing.ignore),
         design=design_message(drawing),
     )
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import Any, cast
 
-import numpy as np
 from msgspec.structs import asdict
 
 from wiggleroom.assembly.assembly import Assembly
@@ -13,10 +12,9 @@ from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
-from wiggleroom.report.answer_words import headline, number, unit
+from wiggleroom.report.answer_words import headline, unit
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
-from wiggleroom.report.importance_picture import ranking_facts, tightening_facts
-from wiggleroom.report.plots import histogram
+from wiggleroom.report.importance_picture import ranking_facts
 from wiggleroom.report.separability import check_facts, check_title
 from wiggleroom.report.separability_picture import Checked
 from wiggleroom.report.space_report import headline as space_headline
@@ -24,9 +22,11 @@ from wiggleroom.report.space_report import said, space_picture, space_result
 from wiggleroom.report.space_solid import space_message
 from wiggleroom.report.standalone_page import answered, opened, section, standalone_page, way
 from wiggleroom.report.study_messages import check_message, ranking_message, step_message
-from wiggleroom.report.study_results import QUANTILES, lost_sentence, sample_sure
+from wiggleroom.report.study_results import lost_sentence
+from wiggleroom.report.study_tabs import sample_message, tightening_message
 from wiggleroom.report.tolerance_results import tolerance_name, tolerances_facts, tolerances_sentence, tolerances_sure
-from wiggleroom.schema.standalone_schema import StandaloneCheck, StudyTab, Tints, Title
+from wiggleroom.schema.replies import StudyReply, StudyTab, Title
+from wiggleroom.schema.standalone_schema import StandaloneCheck
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.perturbation import can_be_ranked
@@ -104,58 +104,14 @@ def page_of_sweep(found: Sweep, *, command: str = "") -> str:
 
 def page_of_tightening(found: Tightening, *, command: str = "") -> str:
     """Tightening as one HTML page: what is left, which parts are chosen, and how choices at random do."""
-    after, before = found.after, found.before
-    moved = [dict(zip(a.assembly.names, np.hypot(*a.motion[:, :2].T).tolist(), strict=True)) for a in (before, after)]
-    rows = [(k + 1, name, moved[0][name], moved[1][name]) for k, name in enumerate(found.chosen)]
-    heads = ["order", "part", "moved mm before", "after"]
-    sections = [section("Make these tighter, in this order", "They are coloured.", columns=heads, rows=rows)]
-    if len(found.random):
-        marks = [
-            (value, f"{said} {number(value)}")
-            for value, said in ((after.objective, "these parts"), (before.objective, "as it is"))
-            if value is not None
-        ]
-        what = f"motion {unit(before.goals)}".rstrip()
-        plot = histogram(found.random, label=what, title="as many parts at random", marks=marks, framed=False)
-        sections.append(section(f"As many parts at random, {len(found.random)} times", svg=plot))
-    told = _about(after, command) | {
-        "said": Title(headline(after), tightening_facts(found)),
-        "tab": "study",
-        "study": StudyTab("Tighter", sections),
-        "tints": Tints("", dict.fromkeys(found.chosen, 1.0)),
-    }
-    return standalone_page(headline(after), **told)
+    told = _about(found.after, command) | _study(tightening_message(found, command))
+    return standalone_page(headline(found.after), **told)
 
 
 def page_of_sample(found: Sample, *, command: str = "") -> str:
     """Sample as one HTML page: histogram, numbers, which parts contribute, the worst draw, and the answer without variation."""
-    answer, bounded = found.answer, found.bounded
-    what, names, share = unit(answer.goals), answer.assembly.names, found.contributions
-    numbers: list[tuple[str, float]] = [("without variation", answer.objective or 0.0)]
-    if len(bounded):
-        numbers.append(("mean", float(bounded.mean())))
-    if len(bounded) > 1:
-        numbers.append(("standard deviation", float(bounded.std(ddof=1))))
-    numbers += [(f"{100 * q:g} % of the draws below", found.quantile(q)) for q in QUANTILES]
-    numbers.append(("worst", float(found.value[found.worst])))
-    worst = found.extra[found.worst].tolist()
-    parts = [(names[k], float(share[k]), worst[k]) for k in np.argsort(-share, kind="stable").tolist()]
-    title = study_plots.sample_title(found)
-    told = _about(answer, command) | {
-        "said": Title(title, study_plots.sample_facts(found)),
-        "tab": "study",
-        "study": StudyTab(
-            "Draws",
-            [
-                section("Motions of the draws", svg=study_plots.picture_of_sample(found, framed=False)),
-                section("In numbers", columns=["what", f"motion {what}".rstrip()], rows=numbers),
-                section("Parts", columns=["part", "contributes %", "extra gap mm in the worst draw"], rows=parts),
-                section("How sure are the draws", terms=sample_sure(found)),
-            ],
-        ),
-        "tints": Tints("% of the variance", dict(zip(names, share.tolist(), strict=True))),
-    }
-    return standalone_page(title, **told)
+    told = _about(found.answer, command) | _study(sample_message(found, command))
+    return standalone_page(study_plots.sample_title(found), **told)
 
 
 def page_of_gap(found: AllowableGap, *, command: str = "") -> str:
@@ -220,6 +176,11 @@ def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = N
         "study": StudyTab("Slices and cells", sections),
     }
     return standalone_page(space_headline(space), **told)
+
+
+def _study(found: StudyReply) -> dict[str, Any]:
+    """A study and what stands in place of the answer's headline."""
+    return {"tab": "study", "said": found.said, "study": found.study, "tints": found.tints}
 
 
 def _check(checked: Checked, command: str) -> dict[str, Any]:

@@ -19,10 +19,13 @@ from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
 from wiggleroom.report.picture import picture
 from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
 from wiggleroom.report.standalone_page import opened, standalone_page, way
-from wiggleroom.schema.replies import CheckReply, LeavingEntry
-from wiggleroom.schema.standalone_schema import StandaloneCheck, Title
+from wiggleroom.schema.replies import CheckReply, LeavingEntry, Title
+from wiggleroom.schema.standalone_schema import StandaloneCheck
 from wiggleroom.search.answer import witnessed
 from wiggleroom.verdict import Verdict
+
+SECONDS_PER_STEP, MAX_SECONDS = 0.8, 20.0
+"""Films of plans take so long for each step, and at most so long."""
 
 
 def picture_of_plan(found: Plan, *, command: str = "") -> str:
@@ -51,6 +54,7 @@ def film_of_plan(
         title=plan_title(found),
         facts=tuple(plan_facts(found)),
         command=command,
+        least_seconds=min(SECONDS_PER_STEP * len(found.steps), MAX_SECONDS),
         progress=progress,
     )
 

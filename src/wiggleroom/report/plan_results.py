@@ -3,16 +3,27 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import UNSET
 from numpy.typing import NDArray
 
 from wiggleroom.planning.plan import Plan
+from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.schema.fields import PartMotion
-from wiggleroom.schema.results import PlanAssemblyEntry, PlanResult, PlanSearchEntry, PlanStepEntry
+from wiggleroom.schema.results import (
+    PlanAssemblyEntry,
+    PlanGapEntry,
+    PlanRankEntry,
+    PlanResult,
+    PlanSampleEntry,
+    PlanSearchEntry,
+    PlanStepEntry,
+)  # fmt: skip
 from wiggleroom.verdict import Certainty, Separability
 
 if TYPE_CHECKING:
@@ -22,11 +33,25 @@ Floats = NDArray[np.float64]
 
 _COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 _MOST_STEPS = 40
+MOST_PIECES = 3
+"""Ways of more straight pieces are not said in words."""
+SLIGHT_TURN = 0.05
+"""Turns up to this are not either [deg]."""
+PLAN_QUANTILES = (0.01, 0.05, 0.5)
 
 
-def plan_result(found: Plan, command: str = "") -> PlanResult:
+@dataclass(frozen=True)
+class PlanTolerances:
+    """What was asked about a plan when gaps vary."""
+
+    sample: PlanSample | None = None
+    rank: PlanRanking | None = None
+    gap: SmallestGap | None = None
+
+
+def plan_result(found: Plan, command: str = "", told: PlanTolerances | None = None) -> PlanResult:
     """Everything `plan --json` says; lengths in mm, angles in degrees."""
-    names = found.assembly.names
+    names, told = found.assembly.names, told or PlanTolerances()
     steps = [_step(names, step) for step in found.steps]
     return PlanResult(
         verdict=found.verdict,
@@ -43,11 +68,66 @@ def plan_result(found: Plan, command: str = "") -> PlanResult:
         remains=list(found.remains),
         rest=found.rest,
         search=PlanSearchEntry(states=found.states, whole=found.whole, questions=found.questions),
+        sample=UNSET if told.sample is None else _sample(told.sample),
+        rank=UNSET if told.rank is None else _rank(told.rank),
+        smallest_gap=UNSET if told.gap is None else _gap(names, told.gap),
         gap=found.assembly.gap,
         seconds=round(found.seconds, 4),
         notes=list(found.assembly.drawing.notes),
         command=command,
     )
+
+
+def _sample(found: PlanSample) -> PlanSampleEntry:
+    quantiles = {f"{100 * q:g}": found.quantile(q) for q in PLAN_QUANTILES}
+    draws = len(found.clearance)
+    return PlanSampleEntry(
+        share=found.share, interval=found.interval, draws=draws, clearance=quantiles, failing=list(found.failing)
+    )
+
+
+def _rank(found: PlanRanking) -> list[PlanRankEntry]:
+    return [PlanRankEntry(name, gain) for name, gain in zip(found.parts, found.gain.tolist(), strict=True)]
+
+
+def _gap(names: tuple[str, ...], found: SmallestGap) -> PlanGapEntry:
+    return PlanGapEntry(
+        works_at=found.works_at,
+        fails_at=found.fails_at,
+        step=found.failing + 1 if found.failing >= 0 else None,
+        parts=list(found.pair),
+        paths=[_step(names, step).path for step in found.works],
+    )
+
+
+def tolerance_sentences(told: PlanTolerances) -> list[str]:
+    """What is known of a plan when gaps vary, a line each."""
+    said = []
+    if told.sample is not None:
+        low, high = told.sample.interval
+        said.append(
+            f"{number(100 * told.sample.share, 3)} % of {len(told.sample.clearance)} draws go together "
+            f"({number(100 * low, 3)} to {number(100 * high, 3)} %); in 5 % the clearance is below "
+            f"{number(told.sample.quantile(0.05), 3)} mm"
+        )
+    if told.rank is not None:
+        best = [
+            f"{n} {number(g, 3)}" for n, g in zip(told.rank.parts, told.rank.gain.tolist(), strict=True) if g > 0.01
+        ]
+        none = "no single part's gap gives the narrowest steps more room; enlarge several"
+        said.append(f"more room, mm per mm of extra gap: {', '.join(best[:6])}" if best else none)
+    if told.gap is not None:
+        works = f"the plan works down to a gap of {number(told.gap.works_at)} mm"
+        if told.gap.fails_at is None:
+            said.append(f"{works}, the smallest that was tried")
+        elif told.gap.failing < 0:
+            said.append(f"{works}; at {number(told.gap.fails_at)} mm parts touch at rest")
+        else:
+            pair = " and ".join(told.gap.pair)
+            said.append(
+                f"{works}; at {number(told.gap.fails_at)} mm {pair} are in each other's way in step {told.gap.failing + 1}"
+            )
+    return said
 
 
 def _step(names: tuple[str, ...], step: Step) -> PlanStepEntry:
@@ -69,7 +149,7 @@ def _step(names: tuple[str, ...], step: Step) -> PlanStepEntry:
     )
 
 
-def plan_table(found: Plan) -> Group:
+def plan_table(found: Plan, told: PlanTolerances | None = None) -> Group:
     """Page that `plan` prints: the steps one after the other, the level, and how far the search went; fits into 80 columns."""
     from rich.console import Group
     from rich.text import Text
@@ -78,7 +158,7 @@ def plan_table(found: Plan) -> Group:
     lines += [Text(f"{k + 1:3}. {step_sentence(step)}") for k, step in enumerate(found.steps[:_MOST_STEPS])]
     if len(found.steps) > _MOST_STEPS:
         lines.append(Text(f"     ... and {len(found.steps) - _MOST_STEPS} more steps; --json has all"))
-    lines += [Text(line) for line in plan_facts(found)]
+    lines += [Text(line) for line in (*plan_facts(found), *tolerance_sentences(told or PlanTolerances()))]
     lines.append(Text(f"seconds: {found.seconds:.2f}, {searched_sentence(found)}", style="dim"))
     return Group(*lines)
 
@@ -120,9 +200,10 @@ def step_sentence(step: Step) -> str:
 
 def _how(step: Step) -> str:
     """Directions of the pieces of a step."""
-    names = np.flatnonzero(np.any(np.abs(step.way - step.way[:1]) > STILL, axis=(0, 2)))
-    pieces = np.diff(step.way[:, names[0]], axis=0)
-    if len(pieces) <= 3 and not np.abs(pieces[:, 2]).max() > STILL:
+    rows = np.flatnonzero(np.any(np.abs(step.way - step.way[:1]) > STILL, axis=(0, 2)))
+    pieces = np.diff(step.way[:, rows[0]], axis=0)
+    turn = math.degrees(abs(step.way[-1, rows[0], 2] - step.way[0, rows[0], 2]))
+    if len(pieces) <= MOST_PIECES and (step.as_one or len(rows) == 1):
         straight = [
             f"{towards((x, y))}"
             + ("" if step.leaves and k == len(pieces) - 1 else f" by {number(math.hypot(x, y))} mm")
@@ -130,7 +211,7 @@ def _how(step: Step) -> str:
             if math.hypot(x, y) > STILL
         ]
         if straight:
-            return "in " + ", then ".join(straight)
+            return "in " + ", then ".join(straight) + (f", turned by {number(turn, 2)}°" if turn > SLIGHT_TURN else "")
     return f"on a way of {len(step.way)} points"
 
 

@@ -129,6 +129,7 @@ def scene(
     facts: tuple[str, ...],
     command: str,
     magnify: float | None = None,
+    least_seconds: float = 0.0,
 ) -> Scene:
     """Scene of a way.
 
@@ -143,6 +144,8 @@ def scene(
     magnify : float, optional
         Factor by which the motion is enlarged; by default as in pictures, but a motion that is large is not made small:
         what leaves the frame fades.
+    least_seconds : float
+        It lasts at least so long.
     """
     points = way_points(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
@@ -153,7 +156,7 @@ def scene(
         else FRAME_SHARE * assembly.size
     )
     shown = _seen_length(assembly, way, pan)
-    seconds = float(np.clip(DURATION[0] + 1.2 * shown / assembly.size, *DURATION))
+    seconds = max(float(np.clip(DURATION[0] + 1.2 * shown / assembly.size, *DURATION)), least_seconds)
     count = max(min(round(seconds * rate), MAX_PLACES // len(assembly.parts)), 8) + 1
     poses = assembly.rest + way.at(shown * eased(count))
     said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.compare.monte_carlo import Audit, about_pivot
-from wiggleroom.freespace.free_space import FreeSpace
+from wiggleroom.freespace.free_space import FreeSlices, FreeSpace
 from wiggleroom.freespace.slices import Slice
 from wiggleroom.report import frame, palette
 from wiggleroom.report.answer_words import number, short
@@ -37,20 +37,24 @@ MAX_CELLS = 12
 """Cells that are drawn."""
 
 
-def headline(space: FreeSpace) -> str:
+def headline(space: FreeSlices) -> str:
     """One line, such as "b2 turns -1.82° to 1.82° against b1, closed"."""
     a, b = (short(n) for n in space.parts)
     low, high = (number(math.degrees(x), 3) for x in space.angles)
     return f"{b} turns {low}° to {high}° against {a}, {'closed' if space.closed else 'open'}"
 
 
-def said(space: FreeSpace, judged: Audit | None) -> list[str]:
+def said(space: FreeSlices, judged: Audit | None) -> list[str]:
     """Facts under the headline."""
-    found = [
-        f"{len(space.cells.a)} cell{'s' * (len(space.cells.a) != 1)}, {space.rows} walls",
-        f"cells cover {100 * space.coverage:.2f} %",
-        f"volume {number(volume(space), 3)} mm² °",
-    ]
+    found = (
+        [
+            f"{len(space.cells.a)} cell{'s' * (len(space.cells.a) != 1)}, {space.rows} walls",
+            f"cells cover {100 * space.coverage:.2f} %",
+        ]
+        if isinstance(space, FreeSpace)
+        else []
+    )
+    found.append(f"volume {number(volume(space), 3)} mm² °")
     if not space.closed:
         found.append(f"looked at as far as {number(space.reach, 3)} mm")
     if judged is not None:
@@ -58,9 +62,11 @@ def said(space: FreeSpace, judged: Audit | None) -> list[str]:
     return found
 
 
-def volume(space: FreeSpace) -> float:
+def volume(space: FreeSlices) -> float:
     """Volume of the space [mm2 deg]."""
-    return sum(s.area for s in space.slices) / len(space.slices) * math.degrees(space.angles[1] - space.angles[0])
+    if isinstance(space, FreeSpace):  # slices in the middle of equal intervals
+        return sum(s.area for s in space.slices) / len(space.slices) * math.degrees(space.angles[1] - space.angles[0])
+    return float(np.trapezoid([s.area for s in space.slices], np.degrees([s.angle for s in space.slices])))
 
 
 def space_result(space: FreeSpace, judged: Audit | None, command: str) -> SpaceResult:

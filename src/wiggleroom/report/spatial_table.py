@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.report.answer_words import few, number, short
+from wiggleroom.report.answer_words import few, number, short, spatial_ask, spatial_towards
 from wiggleroom.report.table import columns, fixed
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
-from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
+from wiggleroom.spatial.spatial_model import SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 if TYPE_CHECKING:
@@ -23,30 +23,6 @@ _SENTENCES = {
     Verdict.OPTIMAL: "the optimality conditions hold, contacts balance the pull",
     Verdict.STATIONARY: "the optimality conditions of first order hold, but there is a direction that curves upwards",
 }
-
-
-def spatial_towards(direction: tuple[float, float, float]) -> str:
-    """Direction as people write it.
-
-    >>> spatial_towards((0.0, 0.0, -2.0)), spatial_towards((0.0, 3.0, 4.0))
-    ('-z', '(0, 0.6, 0.8)')
-    """
-    unit = np.array(direction) / np.linalg.norm(direction)
-    for axis, value in zip("xyz", unit.tolist(), strict=True):
-        if abs(abs(value) - 1) < 1e-12:
-            return ("+" if value > 0 else "-") + axis
-    return f"({', '.join(number(x, 3) for x in unit.tolist())})"
-
-
-def spatial_ask(goal: SpatialGoal) -> str:
-    """One goal in a few words."""
-    match goal:
-        case SpatialPull():
-            return f"{short(goal.part)} in {spatial_towards(goal.direction)}"
-        case SpatialTurn():
-            return f"twist of {short(goal.part)} about {spatial_towards(goal.axis)}"
-        case Weight():
-            return f"weight towards {spatial_towards(goal.direction)}"
 
 
 def spatial_headline(answer: SpatialAnswer) -> str:

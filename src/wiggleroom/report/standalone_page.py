@@ -21,9 +21,9 @@ from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.page_messages import answer_message, digits_of, drawing_message
 from wiggleroom.report.path_frames import way_frames
 from wiggleroom.report.text import escape
+from wiggleroom.schema.replies import Piece
 from wiggleroom.schema.standalone_schema import (
     PackedFrames,
-    Piece,
     PlacedPart,
     SharedOutlines,
     StandaloneAnswer,

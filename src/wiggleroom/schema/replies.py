@@ -26,6 +26,9 @@ from wiggleroom.verdict import Certainty, Separability, Verdict
 Terms = Annotated[list[tuple[str, str]], Meta(description="a word and a sentence each")]
 Outline = Annotated[list[Ring], Meta(description="outer outlines and holes of one part, even-odd [mm]")]
 Pose = tuple[float, float, float]
+Cell = Annotated[
+    str | list[str] | float | None, Meta(description="a word, names of parts, or a number; null where it is not known")
+]
 
 
 class Reply(Struct, tag_field="kind", tag=str.lower, kw_only=True):
@@ -40,12 +43,22 @@ class ExtraLimits(Struct):
     upload_mb: float
 
 
+class SampleEntry(Struct):
+    """A drawing to begin with."""
+
+    name: str
+    words: str
+    count: Annotated[int, Meta(description="how many parts it has")]
+    picture: Annotated[list[Outline], Meta(description="a small picture of its kind, 100 wide or high")]
+
+
 class Hello(Reply, kw_only=True):
     """First words to a page."""
 
     version: str
     can: Annotated[list[str], Meta(description="extras that are installed")]
     limits: ExtraLimits
+    samples: list[SampleEntry] = []
 
 
 class PartShape(Struct):
@@ -65,6 +78,7 @@ class Opened(Reply, kw_only=True):
     notes: list[str]
     size: Annotated[tuple[float, float, float, float], Meta(description="box round everything: x0, y0, x1, y1 [mm]")]
     parts: list[PartShape]
+    ignore: Annotated[list[tuple[str, str]], Meta(description="pairs of parts that never collide")] = []
     design: Design
     pulled: Annotated[PullEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
 
@@ -106,6 +120,17 @@ class DragReply(Reply, tag="drag", kw_only=True):
     blocking: Names
     settled: bool
     rings: list[Outline] | UnsetType = UNSET
+
+
+class ReachReply(Reply, tag="reach", kw_only=True):
+    """Where a point can be brought."""
+
+    part: str
+    grip: Point
+    rings: Outline
+    exact: Annotated[bool, Meta(description="true: from the free space; false where its corners alone were reached")]
+    open: Annotated[bool, Meta(description="true where the part leaves: the region is cut off")]
+    words: str
 
 
 class Released(Reply, tag="release", kw_only=True):
@@ -252,14 +277,77 @@ class WorkerState(Reply, tag="worker", kw_only=True):
     state: Literal["ready", "lost", "restarted"]
 
 
+class Piece(Struct):
+    """A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean."""
+
+    title: str
+    text: str
+    columns: list[str]
+    rows: list[list[Cell]]
+    terms: Terms
+    svg: str
+
+
+class StudyTab(Struct):
+    """A tab of pieces."""
+
+    tab: str
+    sections: list[Piece]
+
+
+class Tints(Struct):
+    """Colours of the parts while the tab of a study is open."""
+
+    per: Annotated[str, Meta(description="unit of the values")]
+    values: dict[str, float]
+
+
+class Title(Struct):
+    """What stands in place of the answer's headline."""
+
+    title: str
+    facts: list[str]
+
+
+class StudyReply(Reply, tag="study", kw_only=True):
+    """What a study found."""
+
+    of: Literal["tighten", "sample"]
+    said: Title
+    study: StudyTab
+    tints: Tints
+    command: Command
+
+
+class Mend(Struct):
+    """A change of the design that may put something right: what stands in place of what it had."""
+
+    words: str
+    gap: Mm | UnsetType = UNSET
+    fixed: Names | UnsetType = UNSET
+    glue: list[Names] | UnsetType = UNSET
+    goals: list[PullEntry] | UnsetType = UNSET
+
+
+class Finding(Struct):
+    """Something that is wrong with a design, where it is, and what would help."""
+
+    about: Literal["stands", "pulled", "gap", "parts"]
+    words: str
+    parts: Names = []
+    point: Annotated[Point | None, Meta(description="where in the picture [mm]")] = None
+    mends: list[Mend] = []
+
+
 class Failed(Reply, kw_only=True):
-    """What is wrong, one plain line each."""
+    """What is wrong, one plain line each; of a design with all that is, and what would help."""
 
     of: str
     findings: list[str]
+    review: list[Finding] | UnsetType = UNSET
 
 
 AnyReply = (
-    Hello | Opened | ShapeReply | FlexReply | DragReply | Released | Modes | RankReply | CheckReply | StepReply
-    | SweepReply | SpaceReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
+    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | StepReply
+    | SweepReply | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
 )  # fmt: skip

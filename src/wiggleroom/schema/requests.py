@@ -47,11 +47,15 @@ class Request(Struct, tag_field="kind", forbid_unknown_fields=True, kw_only=True
 
 
 class OpenRequest(Request, tag="open", kw_only=True):
-    """Read a drawing; with a design, that one stands in place of what the drawing asks. `path` is what commands call it."""
+    """Read a drawing, or one of the samples.
+
+    With a design, that one stands in place of what the drawing asks. `path` is what commands call it.
+    """
 
     name: Annotated[str, Meta(max_length=255)]
     path: Annotated[str, Meta(max_length=4096)] = ""
-    data: bytes
+    data: bytes = b""
+    sample: bool = False
     unit: Literal["mm", "cm", "m", "in", "px"] | None = None
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
@@ -79,12 +83,22 @@ class FlexRequest(DesignRequest, tag="flex", kw_only=True):
 
 
 class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
-    """A part drawn towards a place; `grip` is where it was taken, in world coordinates at rest [mm]."""
+    """A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer.
+
+    `grip` is where it was taken, in world coordinates at rest [mm].
+    """
 
     part: str
     grip: tuple[Length, Length]
     target: tuple[Length, Length]
-    from_: Literal["rest", "here"] = "here"
+    from_: Literal["rest", "here", "answer"] = "here"
+
+
+class ReachRequest(DesignRequest, tag="reach", kw_only=True):
+    """Where a point of a part, given in world coordinates at rest [mm], can be brought from rest."""
+
+    part: str
+    grip: tuple[Length, Length]
 
 
 class ReleaseRequest(DesignRequest, tag="release", kw_only=True):
@@ -118,6 +132,21 @@ class SpaceRequest(DesignRequest, tag="space", kw_only=True):
     b: str
 
 
+class TightenRequest(DesignRequest, tag="tighten", kw_only=True):
+    """Which parts to make tighter: so many of them, or as few as keep the motion below a limit [mm]."""
+
+    parts: Annotated[int, Meta(ge=1, le=10_000)] | None = None
+    limit: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+
+
+class SampleRequest(DesignRequest, tag="sample", kw_only=True):
+    """How far it moves where the gap round every part varies at random: standard deviation [mm], and the largest motion wanted [mm]."""
+
+    spread: Annotated[float, Meta(gt=0, le=1e9)]
+    draws: Annotated[int, Meta(ge=1, le=5000)] = 200
+    limit: Annotated[float, Meta(ge=0, le=1e9)] | None = None
+
+
 class ProveRequest(DesignRequest, tag="prove", kw_only=True):
     """A value that no motion exceeds."""
 
@@ -139,6 +168,6 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 
 AnyRequest = (
-    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
-    | SweepRequest | SpaceRequest | ProveRequest | SaveRequest | CancelRequest
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
+    | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | SaveRequest | CancelRequest
 )  # fmt: skip

@@ -149,7 +149,7 @@ class PlanStepEntry(Struct, kw_only=True):
     room: Annotated[
         float, Meta(description="the largest ball of errors of position under which the step still goes [mm]")
     ]
-    turn_room_deg: Annotated[float, Meta(description="the largest error of angle under which it still goes [deg]")]
+    turn_room_deg: Annotated[float, Meta(description="an error of angle under which it certainly still goes [deg]")]
     axis: Annotated[Point, Meta(description="unit vector along which the parts go in when they are put together")]
     held: Annotated[list[str], Meta(description="loose parts that must be held")]
 
@@ -172,6 +172,43 @@ class PlanSearchEntry(Struct, kw_only=True):
     questions: Annotated[int, Meta(description="largest motions that were searched")]
 
 
+class PlanSampleEntry(Struct, kw_only=True):
+    """What becomes of the plan when the gap round every part varies at random; its ways stay as they are."""
+
+    share: Annotated[float, Meta(description="share of the draws that go together")]
+    interval: Annotated[tuple[float, float], Meta(description="95 % confidence interval of the share")]
+    draws: int
+    clearance: Annotated[
+        dict[str, float], Meta(description="least clearance [mm] that 1, 5, 50 % of the draws fall below")
+    ]
+    failing: Annotated[
+        list[int], Meta(description="draws in which each step does not go; the last: parts overlap at rest")
+    ]
+
+
+class PlanRankEntry(Struct):
+    """What the gap of one part does to the room of the plan."""
+
+    part: str
+    mm_per_mm: Annotated[
+        float, Meta(description="gain of the least clearance per mm of extra gap round this part alone")
+    ]
+
+
+class PlanGapEntry(Struct, kw_only=True):
+    """The smallest gap at which the plan works, its ways fitted anew, from both sides."""
+
+    works_at: Annotated[float, Meta(description="smallest gap at which every step was found to be free [mm]")]
+    fails_at: Annotated[
+        float | None, Meta(description="largest gap at which a step was not; null where all that were tried work")
+    ]
+    step: Annotated[int | None, Meta(description="that step, from 1; null where parts touch at rest or none fails")]
+    parts: Annotated[list[str], Meta(description="the two parts that are in each other's way there")]
+    paths: Annotated[
+        list[list[dict[str, PartMotion]]], Meta(description="way-points of every step at the smallest gap that works")
+    ]
+
+
 class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=True):
     """In which order and along which ways parts are taken apart and put together: `wiggleroom plan --json`."""
 
@@ -188,6 +225,9 @@ class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=Tr
     remains: Annotated[list[str], Meta(description="loose parts that were to leave and do not")]
     rest: Annotated[Separability, Meta(description="what became of the parts that are left")]
     search: PlanSearchEntry
+    sample: PlanSampleEntry | UnsetType = UNSET
+    rank: list[PlanRankEntry] | UnsetType = UNSET
+    smallest_gap: PlanGapEntry | UnsetType = UNSET
     gap: Mm
     seconds: Seconds
     notes: Notes = msgspec.field(default_factory=list)

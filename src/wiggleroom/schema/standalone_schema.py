@@ -7,12 +7,18 @@ from typing import Annotated, Literal
 from msgspec import UNSET, Meta, Struct, UnsetType
 
 from wiggleroom.schema.fields import Ring
-from wiggleroom.schema.replies import CheckReply, FlexReply, Pose, RankReply, SpaceReply, StepReply, Terms
+from wiggleroom.schema.replies import (
+    CheckReply,
+    FlexReply,
+    Pose,
+    RankReply,
+    SpaceReply,
+    StepReply,
+    StudyTab,
+    Tints,
+    Title,
+)
 from wiggleroom.schema.requests import Design
-
-Cell = Annotated[
-    str | list[str] | float | None, Meta(description="a word, names of parts, or a number; null where it is not known")
-]
 
 
 class PackedFrames(Struct):
@@ -66,38 +72,6 @@ class StandaloneCheck(Struct):
 
     reply: CheckReply
     ways: list[PackedFrames]
-
-
-class Piece(Struct):
-    """A piece of a page under its heading: a sentence, a picture, a table that can be sorted, terms and what they mean."""
-
-    title: str
-    text: str
-    columns: list[str]
-    rows: list[list[Cell]]
-    terms: Terms
-    svg: str
-
-
-class StudyTab(Struct):
-    """A tab of pieces."""
-
-    tab: str
-    sections: list[Piece]
-
-
-class Tints(Struct):
-    """Colours of the parts while the tab of a study is open."""
-
-    per: Annotated[str, Meta(description="unit of the values")]
-    values: dict[str, float]
-
-
-class Title(Struct):
-    """What stands in place of the answer's headline."""
-
-    title: str
-    facts: list[str]
 
 
 class StandalonePage(Struct, kw_only=True, omit_defaults=True):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -19,63 +21,114 @@ from wiggleroom.search.prepare import Prepared
 
 Floats = NDArray[np.float64]
 
-MAX_BOXES = 120_000
+MAX_BOXES = 160_000
 """Boxes judged at most."""
 MIN_IMPROVEMENT, PROVEN_GAP = 1e-4, 9e-4
-"""Motions better by the first share are looked for, until none better by the second is left."""
-MAX_CLIMBS = 30
+"""Motions better by the first share are looked for in the end, until none better by the second is left."""
+LEAST_SHARE, MOST_SHARE, LAST_RATIO = 0.3, 0.4, 1.003
+"""Once a better motion was found, one between the best value and the bound is asked for, at these shares of their ratio's logarithm."""
+MAX_VISITS, VISITS_OF_A_QUESTION = 5_000_000, 800_000
+"""Boxes that all searches for paths go over at most, and those of one question about such a value."""
+VISITS_OF_ONE_OF_SEVERAL, MAX_SEVERAL = 1_000_000, 12
+"""The same where the body is one of several free ones, and of how many at most."""
+MAX_CLIMBS = 40
 
 
-def complete(first: LocalSearch) -> tuple[LocalSearch, float | None]:
+@dataclass(frozen=True, eq=False)
+class CompleteSearch:
+    """What a complete search came to.
+
+    Parameters
+    ----------
+    best : LocalSearch
+        That which found the best motion.
+    at_most : float or None
+        A value that no motion exceeds, where one was found.
+    ends : tuple of float
+        Values at which the climbs ended, the first search's among them.
+    """
+
+    best: LocalSearch
+    at_most: float | None
+    ends: tuple[float, ...]
+
+    @property
+    def proven(self) -> bool:
+        """True where no motion is worth noticeably more than the best."""
+        return self.at_most is not None and self.at_most <= self.best.certain_value()[0] * (1 + PROVEN_GAP)
+
+
+def complete(first: LocalSearch) -> CompleteSearch:
     """Look for better motions of the only free body wherever it gets, until there certainly is none.
+
+    Where there are a few more, the body that the goal is about is led past the others where these lie at rest: nothing is proven then, but
+    it may come to where a climb of all goes further.
+
+    First it is asked whether anything is better at all. If so, a value between the best and the bound is asked about, again and again:
+    either one is found and climbed from, or the bound falls. So the many low hills of a motion that ripples are not climbed one by one.
 
     Parameters
     ----------
     first : LocalSearch
         Ended.
-
-    Returns
-    -------
-    LocalSearch
-        That which found the best.
-    float or None
-        A value that no motion exceeds; None where there are more free bodies, or the boxes did not suffice.
     """
-    ready, best = first.ready, first
     boxes = _boxes(first)
-    if boxes is None:
-        return first, None
-    for _ in range(MAX_CLIMBS):
+    best, at_most, ends = first, None, [first.certain_value()[0]]
+    alone = int((~first.ready.bodies.fixed).sum()) == 1
+    visits = MAX_VISITS if alone else VISITS_OF_ONE_OF_SEVERAL
+    most = reach = np.inf if boxes is None else boxes.largest_value
+    while boxes is not None and len(ends) <= MAX_CLIMBS:
         value, free = best.certain_value()
-        if free or value <= 0:
+        if free or value <= 0 or most <= value * (1 + PROVEN_GAP):
             break
-        most = value * (1 + PROVEN_GAP)
-        closed, way = boxes.beyond(value * (1 + MIN_IMPROVEMENT), most, first.stop)
+        last = len(ends) == 1 or reach <= LAST_RATIO * value
+        if last:
+            asked = value * (1 + MIN_IMPROVEMENT), value * (1 + PROVEN_GAP)
+        else:
+            asked = value * (reach / value) ** LEAST_SHARE, value * (reach / value) ** MOST_SHARE
+        allowed = visits if last else min(boxes.visits + VISITS_OF_A_QUESTION, visits)
+        closed, way = boxes.beyond(*asked, allowed, first.stop)
         if closed:
-            return best, most
-        start = None if way is None else _start(ready, boxes, way)
-        if start is None:
+            at_most = most = reach = asked[1]
+            continue
+        if way is None:
+            if last:
+                break
+            reach = asked[0]  # too much is asked for
+            continue
+        climb = _climbed(best, boxes, way)
+        if climb is None:
             break
-        climb = LocalSearch(ready, first.objective, first.solve, THOROUGH, first.stop, first.tell, rounds=best.rounds)
-        climb.improve(start)
-        climb.iterations += best.iterations
-        climb.seconds = {stage: spent + best.seconds[stage] for stage, spent in climb.seconds.items()}
         further, free = climb.certain_value()
-        if not climb.ended or not (free or further > value):
+        ends.append(further)
+        if not (free or further > value):
             break
         best = climb
     best.ended = best.ended and not first.stopped
-    return best, None
+    return CompleteSearch(best, at_most if alone else None, tuple(ends))
+
+
+def _climbed(best: LocalSearch, boxes: MotionBoxes, way: Floats) -> LocalSearch | None:
+    """A search that has climbed from the end of a path of boxes, its work that of all; None where no cells grow there."""
+    start = _start(best.ready, boxes, way)
+    if start is None:
+        return None
+    climb = LocalSearch(best.ready, best.objective, best.solve, THOROUGH, best.stop, best.tell, rounds=best.rounds)
+    climb.improve(start)
+    climb.iterations += best.iterations
+    climb.seconds = {stage: spent + best.seconds[stage] for stage, spent in climb.seconds.items()}
+    return climb if climb.ended else None
 
 
 def _boxes(search: LocalSearch) -> MotionBoxes | None:
-    """Boxes of the motions of the only free body; None where there are more, or the goal is not about points and turns."""
+    """Boxes of the motions of the body that the goal is about; None where there are several, or it is not about points and turns."""
     ready, goal = search.ready, search.objective
-    free = np.flatnonzero(~ready.bodies.fixed)
-    if len(free) != 1 or not isinstance(goal, PointMotion):
+    if not isinstance(goal, PointMotion) or not 0 < (~ready.bodies.fixed).sum() <= MAX_SEVERAL:
         return None
-    body, n = int(free[0]), len(ready.bodies.fixed)
-    others = np.flatnonzero(ready.bodies.fixed)
+    if len(np.unique(goal.body)) != 1 or ready.bodies.fixed[goal.body[0]]:
+        return None
+    body, n = int(goal.body[0]), len(ready.bodies.fixed)
+    others = np.delete(np.arange(n), body)
     low, high = np.minimum(others, body), np.maximum(others, body)
     others = others[~np.isin(low * n + high, ready.ignored)]
     geometry = placed(ready.bodies)
@@ -83,6 +136,7 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
     direction, spot = goal.direction[mine], goal.arm[mine] + ready.bodies.rest[body, :2]
     lever = np.array([(direction * spot).sum(), (spot[:, 0] * direction[:, 1] - spot[:, 1] * direction[:, 0]).sum()])
     return MotionBoxes(
+        body,
         shapely.union_all(geometry[others]),
         geometry[body],
         direction.sum(0),
@@ -94,10 +148,11 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
 
 def _start(ready: Prepared, boxes: MotionBoxes, way: Floats) -> Start | None:
     """Where a search begins at the end of a path of boxes; None where no cells grow there."""
-    bodies, cells = ready.bodies, ready.cells
-    body = int(np.flatnonzero(~bodies.fixed)[0])
+    bodies, cells, body = ready.bodies, ready.cells, boxes.body
+    spot = ready.assembly.rest[bodies.members[body][0], :2]  # a path is straight about the reference points of parts
+    way = boxes.straightened(way, spot)
     motions = np.zeros((len(way), len(bodies.fixed), 3))
-    motions[:, body] = about(way[:, None], (bodies.rest[body, :2] - boxes.pivot)[None])[:, 0]
+    motions[:, body] = about(way[:, None], (bodies.rest[body, :2] - spot)[None])[:, 0]
     n = len(bodies.fixed)
     keys = np.union1d(cells.a * n + cells.b, ready.corners)
     a, b = keys // n, keys % n

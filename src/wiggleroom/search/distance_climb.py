@@ -29,10 +29,14 @@ MIN_BODIES = 100
 """In smaller assemblies cells alone come as far."""
 CLIMB_TOLERANCE = 1e-2
 """Of the climb, which is to show the basin only."""
-REACH, CORNER_REACH = 5.0, 12.0
-"""Corners and edges within so many clearances are listed: of pairs with edges that face each other, and of others, which pass far by."""
+REACH, BESIDE = 5.0, 1.0
+"""Of pairs with edges that face each other: corners up to so many clearances in front of an edge, and beside its ends, are listed."""
+CORNER_REACH = 12.0
+"""The same, both ways, of pairs that are near at a corner only: they pass far by."""
 BEHIND = 2.5
 """Corners up to so many clearances behind the line of an edge are listed too: they may come round its end."""
+MAX_ROWS_PER_PAIR = 40
+"""Curves of many short edges list more, most of them about the same place; there the climb takes too many steps."""
 
 
 def climbed(search: LocalSearch, start: Start) -> Start:
@@ -41,6 +45,8 @@ def climbed(search: LocalSearch, start: Start) -> Start:
         return start
     began = time.perf_counter()
     program = _program(search, start)
+    if program.rows > MAX_ROWS_PER_PAIR * len(program.cells.a):
+        return start
     begin = nudged(program, program.variables(start.inner))
     solution = interior_point.solve(
         program, begin, mu=start.mu, tolerance=CLIMB_TOLERANCE, horizon=ESCAPE_DISTANCE * search.ready.size,
@@ -59,7 +65,8 @@ def _program(search: LocalSearch, start: Start) -> DistanceProgram:
     n = len(ready.bodies.fixed)
     facing, key = start.cells.a * n + start.cells.b, np.union1d(start.cells.a * n + start.cells.b, ready.corners)
     reach = ready.clearance * np.where(np.isin(key, facing), REACH, CORNER_REACH)
-    near = near_vertices(ready.bodies, key // n, key % n, start.inner, reach, BEHIND * ready.clearance)
+    beside = ready.clearance * np.where(np.isin(key, facing), BESIDE, CORNER_REACH)
+    near = near_vertices(ready.bodies, key // n, key % n, start.inner, reach, beside, BEHIND * ready.clearance)
     return build_distances(ready.bodies, near, search.objective, length=ready.clearance)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +31,8 @@ MIN_IMPROVEMENT = 1e-4
 """An end better by this share is followed to its own end."""
 SINGLE_BODY_SHARE = 0.5
 """Share of the random objectives that are about one body."""
+HILLS_LEFT = 0.2
+"""The search ends where fewer hills than this, by an estimate, were not met yet."""
 VALUE_TOLERANCE = 1e-3
 """Ends that differ by less than this share count as equal."""
 
@@ -53,7 +56,16 @@ class SearchEffort:
     next_best: float | None
 
 
-def search_on(first: LocalSearch, starts: int | None = None) -> tuple[LocalSearch, SearchEffort]:
+def effort(ends: Sequence[float], value: float) -> SearchEffort:
+    """How the values at which climbs ended compare with the one reported."""
+    margin = VALUE_TOLERANCE * abs(value)
+    others = [end for end in ends if end < value - margin]
+    return SearchEffort(len(ends), sum(abs(end - value) <= margin for end in ends), max(others, default=None))
+
+
+def search_on(
+    first: LocalSearch, starts: int | None = None, ends: Sequence[float] = ()
+) -> tuple[LocalSearch, SearchEffort]:
     """Go on after a first search has come to its end.
 
     Parameters
@@ -62,6 +74,8 @@ def search_on(first: LocalSearch, starts: int | None = None) -> tuple[LocalSearc
         Ended on the hill that rest leads to.
     starts : int, optional
         Further climbs; by default as many as a fixed amount of work allows, none in large assemblies.
+    ends : sequence of float, optional
+        Values at which climbs ended before, that of `first` among them.
 
     Returns
     -------
@@ -71,7 +85,7 @@ def search_on(first: LocalSearch, starts: int | None = None) -> tuple[LocalSearc
 
     Source: a tree of states grown by random steps, after LaValle, "Rapidly-exploring random trees" (1998), with climbs as steps.
     """
-    whole = _GlobalSearch(first)
+    whole = _GlobalSearch(first, ends)
     if not whole.goes_on(starts):
         return whole.result()
     whole.plant()
@@ -87,12 +101,13 @@ def search_on(first: LocalSearch, starts: int | None = None) -> tuple[LocalSearc
 class _GlobalSearch:
     """State of a search: the tree of states, the ends of all climbs, and the search that found the best of them."""
 
-    def __init__(self, first: LocalSearch) -> None:
+    def __init__(self, first: LocalSearch, ends: Sequence[float]) -> None:
         self.first, self.best, self.made = first, first, 0
         self.work = _work(first.rounds, first.iterations, len(first.ready.cells.kind))
         self.rounds, self.iterations, self.seconds = first.rounds, first.iterations, dict(first.seconds)
         self.value, self.free = first.certain_value()
-        self.values = [self.value]
+        self.values = list(ends) or [self.value]
+        self.before = len(self.values)
         self.hills = {0: self.value}  # values to which the states climbed
 
     def plant(self) -> None:
@@ -119,17 +134,15 @@ class _GlobalSearch:
         ends = np.sort(self.values)
         n = len(ends)
         met = 1 + int((np.diff(ends) > VALUE_TOLERANCE * np.abs(ends[1:])).sum())
-        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + 0.5
+        return n > met + 2 and met * (n - 1) / (n - met - 2) <= met + HILLS_LEFT
 
     def result(self) -> tuple[LocalSearch, SearchEffort]:
         """The search that found the best end, with the work of all, and how the ends compare with it."""
         best = self.best
         best.rounds, best.iterations, best.seconds = self.rounds, self.iterations, self.seconds
         best.ended = best.ended and not self.first.stopped
-        margin = VALUE_TOLERANCE * abs(self.value)
-        others = [v for v in self.values if v < self.value - margin]
-        at_value = sum(abs(v - self.value) <= margin for v in self.values)
-        return best, SearchEffort(self.made + 1, at_value, max(others, default=None))
+        done = effort(self.values, self.value)
+        return best, replace(done, starts=self.made + self.before)
 
     def start_from(self, state: int, aside: Objective) -> None:
         """Climb another objective from a state for a short while, and then the true one."""

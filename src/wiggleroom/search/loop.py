@@ -208,12 +208,20 @@ class LocalSearch:
 
     @property
     def unlimited(self) -> bool:
-        """True where a body that the objective is about has moved or turned so far that perhaps nothing stops it."""
+        """True where a body that is asked about has moved so far, or turned so far and gains by it, that perhaps nothing stops it."""
         if self.best is None:
             return False
-        asked = (self.objective.gradient(self.best.motion) != 0).any(axis=1)
-        far = np.hypot(*self.best.motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size
-        return bool(far or np.abs(self.best.motion[asked, 2]).max(initial=0.0) > self.turn_limit)
+        motion = self.best.motion
+        asked = (self.objective.gradient(motion) != 0).any(axis=1)
+        if np.hypot(*motion[asked, :2].T).max(initial=0.0) > ESCAPE_DISTANCE * self.ready.size:
+            return True
+        turned = asked & (np.abs(motion[:, 2]) > self.turn_limit)
+        if not turned.any():
+            return False
+        once_more = motion.copy()
+        once_more[turned, 2] += 2 * np.pi * np.sign(motion[turned, 2])
+        value = self.objective.value(motion)
+        return bool(self.objective.value(once_more) > value + MIN_GAIN * abs(value))
 
     def certain_value(self) -> tuple[float, bool]:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
@@ -307,16 +315,16 @@ class LocalSearch:
         """Pairs that overlap at a motion (n, 3), apart from those with known keys a * n + b."""
         return overlaps(self.ready.bodies, motion, np.concatenate([self.ready.ignored, known]))
 
-    def _begun_with(self, start: Start, found: Incumbent, a: Ints, b: Ints) -> Start:
-        """The start with all pairs of a round and some more, those that are new with room towards the round's end."""
+    def _begun_with(self, start: Start, found: Incumbent, a: Ints, b: Ints) -> Start | None:
+        """The start with all pairs of a round and some more, with room towards the round's end; None where not all have cells there."""
         n, cells = len(found.motion), found.program.cells
         known = np.concatenate([cells.a * n + cells.b, a * n + b])
         extra = np.setdiff1d(known, start.cells.a * n + start.cells.b)
-        grown, _ = self._grown(extra // n, extra % n, start.inner, found.motion)
-        return replace(start, cells=joined(start.cells, grown))
+        grown, good = self._grown(extra // n, extra % n, start.inner, found.motion)
+        return replace(start, cells=joined(start.cells, grown)) if good.all() else None
 
-    def _gone_back(self, start: Start, best: Incumbent, a: Ints, b: Ints) -> Start:
-        """Where the path to the best motion is certain for the last time, with the pairs that it meets then."""
+    def _gone_back(self, start: Start, best: Incumbent, a: Ints, b: Ints) -> Start | None:
+        """Where the path to the best motion is certain for the last time, with the pairs that it meets then; None without cells there."""
         kept = self.way(best).kept
         segment = kept[-1]
         if not isinstance(segment.program.cells, Cells):  # the climb before there were cells

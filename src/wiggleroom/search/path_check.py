@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
+from wiggleroom.audit.audit_outlines import AuditOutlines
 from wiggleroom.audit.path_audit import PathAudit, audit_path
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies
@@ -75,7 +75,7 @@ def whole_way(ready: Prepared, segments: Sequence[PathSegment], stop: Stop | Non
 
     Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help.
     """
-    parts = outlines(ready.assembly)
+    parts = ready.outlines
     points = [_Point(0, 0, segments[0].points[0], 0)]
     points += [_Point(k, i, u, 0) for k, segment in enumerate(segments) for i, u in enumerate(segment.points) if i]
     waypoints = _waypoints(ready, segments, points)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
@@ -60,6 +62,11 @@ class Prepared:
     corners: Ints
     simplified: float = 0.0
     model: Walls = field(default_factory=Walls)
+
+    @cached_property
+    def outlines(self) -> AuditOutlines:
+        """What the judge of paths is given."""
+        return outlines(self.assembly)
 
     def objective(self, goals: tuple[Goal, ...]) -> Objective:
         """What the program maximises for some goals."""

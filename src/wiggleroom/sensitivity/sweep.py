@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any, Protocol
 
 import numpy as np
 import shapely
@@ -55,7 +56,7 @@ class SweepStep:
     verdict : Verdict
     checked : bool
         True where the way from rest was checked, at this gap.
-    answer : Answer or None
+    answer : Answer, SpatialAnswer or None
         What was found there, its way from rest through the ends at smaller gaps; None where there is no such motion.
     """
 
@@ -63,7 +64,7 @@ class SweepStep:
     objective: float | None
     verdict: Verdict
     checked: bool
-    answer: Answer | None = field(default=None, repr=False)
+    answer: Any = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +73,8 @@ class Sweep(Drawable):
 
     Parameters
     ----------
-    assembly : Assembly
-    goals : tuple of Pull, Turn or W
+    assembly : Assembly or SpatialAssembly
+    goals : tuple of Pull, Turn or W, or of SpatialPull, SpatialTurn or Weight
     steps : tuple of Step
         Gaps in order of size.
     lost : (float, float) or None [mm]
@@ -81,8 +82,8 @@ class Sweep(Drawable):
         large.
     """
 
-    assembly: Assembly
-    goals: tuple[Goal, ...]
+    assembly: Any
+    goals: tuple[Any, ...]
     steps: tuple[SweepStep, ...]
     lost: tuple[float, float] | None
 
@@ -128,19 +129,56 @@ def sweep(
     """
     asked = assembly.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
     wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
-    sizes = _gaps(assembly, gaps, wrong)
+    return sweep_over(_PlanarGapSteps(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
+
+
+class GapSteps(Protocol):
+    """What a sweep needs of an assembly: the answer at one gap, begun where a smaller gap ended."""
+
+    @property
+    def assembly(self) -> Any:
+        """The assembly that is asked about."""
+
+    @property
+    def goals(self) -> tuple[Any, ...]:
+        """What is asked."""
+
+    def step(self, gap: float, last: Any, stop: Stop | None) -> tuple[SweepStep, Any]:
+        """One gap, and what the next larger one may start from: it has `gap` and `motion`."""
+
+    def looser(self, step: SweepStep, gap: float) -> SweepStep:
+        """The step of a gap at which parts leave by the way of a smaller gap."""
+
+
+def sweep_over(
+    model: GapSteps,
+    gaps: Sequence[float] | None,
+    wrong: list[str],
+    *,
+    stop: Stop | None = None,
+    progress: Callable[[int, int], None] | None = None,
+    each: Callable[[SweepStep, NDArray[np.float64] | None], None] | None = None,
+) -> Sweep:
+    """The sweep of any assembly; `wrong` holds what is wrong with the question.
+
+    Raises
+    ------
+    InputError
+        If anything is wrong.
+    """
+    sizes = _gaps(model.assembly, gaps, wrong)
     if wrong:
         raise InputError(wrong)
     steps: list[SweepStep] = []
-    state: _SweepState | None = None
-    held: _SweepState | None = None
+    state: Any = None
+    held: Any = None
     for gap in sizes:
         if stop is not None and stop.is_set():
             break
         if any(s.verdict == Verdict.UNBOUNDED for s in steps):  # smaller parts leave by the same way
-            steps.append(_looser(assembly, steps[-1], gap))
+            steps.append(model.looser(steps[-1], gap))
             continue
-        step, state = _step(assembly, asked, gap, state, stop)
+        step, state = model.step(gap, state, stop)
         if step.verdict == Verdict.STOPPED and stop is not None and stop.is_set():
             break  # a gap that was not finished says nothing about the curve
         if state is not None and state.gap == gap:
@@ -153,13 +191,13 @@ def sweep(
     free = next((s.gap for s in steps if s.verdict == Verdict.UNBOUNDED), None)
     lost = None
     if free is not None and held is not None:
-        lost = _lost(assembly, asked, held, free, stop)
+        lost = _lost(model, held, free, stop)
         least = lost[1]
         steps = [s if s.gap < least or s.verdict == Verdict.UNBOUNDED else _beyond(s.gap) for s in steps]
-    return Sweep(assembly, asked, tuple(steps), lost)
+    return Sweep(model.assembly, model.goals, tuple(steps), lost)
 
 
-def _gaps(assembly: Assembly, gaps: Sequence[float] | None, wrong: list[str]) -> list[float]:
+def _gaps(assembly: Any, gaps: Sequence[float] | None, wrong: list[str]) -> list[float]:
     """Gaps in order; what is wrong with them is added to the list."""
     if gaps is None:
         if assembly.gap <= 0:
@@ -170,6 +208,22 @@ def _gaps(assembly: Assembly, gaps: Sequence[float] | None, wrong: list[str]) ->
     if not len(gaps):
         wrong.append("sweep: name at least one gap")
     return sorted({float(g) for g in gaps if g not in odd})
+
+
+@dataclass(frozen=True, eq=False)
+class _PlanarGapSteps:
+    """Gaps of a drawing."""
+
+    assembly: Assembly
+    goals: tuple[Goal, ...]
+
+    def step(self, gap: float, last: _SweepState | None, stop: Stop | None) -> tuple[SweepStep, _SweepState | None]:
+        """One gap, and what the next larger one may start from."""
+        return _step(self.assembly, self.goals, gap, last, stop)
+
+    def looser(self, step: SweepStep, gap: float) -> SweepStep:
+        """The step of a gap at which parts leave by the way of a smaller gap."""
+        return _looser(self.assembly, step, gap)
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,16 +302,14 @@ def _from(last: _SweepState, ready: Prepared, goals: tuple[Goal, ...], stop: Sto
     return answer if audit_path(ready.assembly, answer.waypoints).free else None
 
 
-def _lost(
-    assembly: Assembly, goals: tuple[Goal, ...], held: _SweepState, free: float, stop: Stop | None
-) -> tuple[float, float]:
+def _lost(model: GapSteps, held: Any, free: float, stop: Stop | None) -> tuple[float, float]:
     """Between which gaps the motion loses its end, by halving."""
     low, tries = held.gap, list(BISECTION_SHARES)
     while free - low > BRACKET_TOLERANCE * free and tries and not (stop is not None and stop.is_set()):
         gap = low + tries[0] * (free - low)
-        step, state = _step(assembly, goals, gap, held, stop)
+        step, state = model.step(gap, held, stop)
         if step.objective is not None:  # a narrow way out may show from rest and not from there
-            anew, _ = _step(assembly, goals, gap, None, stop)
+            anew, _ = model.step(gap, None, stop)
             step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:
             free, tries = gap, list(BISECTION_SHARES)

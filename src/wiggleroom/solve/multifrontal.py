@@ -70,6 +70,13 @@ class Multifrontal:
         threads = min(2, os.cpu_count() or 1, len(self._shares) - 1)
         self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
 
+    @property
+    def operations(self) -> float:
+        """Floating-point operations of one factorisation."""
+        wide = self._block * np.diff(self._tree.first).astype(float)
+        high = self._block * np.diff(self._tree.border_start).astype(float)
+        return float((wide**3 / 3 + wide**2 * high + wide * high**2).sum())
+
     def update(self, data: Floats, shift: float) -> bool:
         """Factorise with `shift` added to the diagonal; False where the matrix is not positive definite."""
         *subtrees, top = self._shares

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.solve.factorisation import factor
 from wiggleroom.spatial import separating_plane_constraints as kernel
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential, logarithm
+from wiggleroom.spatial.separating_plane_newton import SeparatingPlaneSystem
 from wiggleroom.spatial.separating_plane_program import (
     GraphRetraction,
     SeparatingPlanePoint,
@@ -24,7 +26,9 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
-MOST_HALVINGS = 7
+MOST_HALVINGS = 9
+MOST_LIFTS, ENOUGH_LIFT = 6, 0.2
+"""Corrections of a point half way, until no row is below this share of the mean of both ends."""
 
 
 def refined(
@@ -88,8 +92,30 @@ def halfway(
     q, Psi = P.frames(pose)
     weight = 1 / np.maximum(goal, 1e-14) ** 2
     kernel.fit_planes(q, Psi, P.plane, P.row, P.own, P.V, P.c, P.lever, goal, weight, 5, np.empty((8, 12, 12)), n, d)
-    point = SeparatingPlanePoint(pose, n, d)
+    point = _lifted(retraction, P, SeparatingPlanePoint(pose, n, d), goal / P.length)
     h = P.values(point)
     if h.min(initial=np.inf) <= 0:
         point = parted(P, point, h)
     return point if P.values(point).min(initial=np.inf) > 0 else None
+
+
+def _lifted(
+    retraction: GraphRetraction, program: SeparatingPlaneProgram, point: SeparatingPlanePoint, goal: Floats
+) -> SeparatingPlanePoint:
+    """The point with bodies and planes moved so that rows come near to `goal` (R,): Gauss-Newton, in relative terms."""
+    system = SeparatingPlaneSystem(factor(program.pattern), retraction)
+    weight = 1 / np.maximum(goal, 1e-13) ** 2
+    at = program.linearise(point)
+    for _ in range(MOST_LIFTS):
+        if (at.h > ENOUGH_LIFT * goal).all():
+            break
+        if not system.set_least_squares(at, weight):
+            break
+        du, dy = system.correction(np.where(at.h > goal, 0.0, goal - at.h))
+        if not np.isfinite(du).all():
+            break
+        ahead = program.linearise(retraction.step(at, du, dy, 1.0))
+        if (ahead.h / goal).min(initial=np.inf) <= (at.h / goal).min(initial=np.inf):
+            break
+        at = ahead
+    return at.point

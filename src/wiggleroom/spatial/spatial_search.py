@@ -61,37 +61,15 @@ class SpatialSearch:
         )
         self.pieces = near
         done = self._attempt(inside=False)
-        if _good(done) or self._asked_to_stop():
-            return done
-        best = self._attempt(inside=True)
-        if not _good(best) and not self._asked_to_stop():
-            best = self._polished(best)
-        return best if _good(best) or self._worth(best) >= self._worth(done) else done
+        return done if _good(done) or self._asked_to_stop() else self._attempt(inside=True)
 
     def _attempt(self, inside: bool) -> SearchEnd:
         """Solve from the start, and check the way."""
         program, found = self._with_missed(inside)
         return program, found, *refined(self.ready, program, found.way or [program.start])
 
-    def _polished(self, done: SearchEnd) -> SearchEnd:
-        """Go on with slacks from where iterates were well inside all rows; what passes through something is not taken."""
-        program, first, _, whole = done
-        if not whole or first.status is not SolverStatus.FAILED:
-            return done
-        count, mu = first.inner
-        solve = SeparatingPlaneSolver(program, horizon=HORIZON * self.ready.size, stop=self.stop, progress=self.tell)
-        found = solve.solve(first.way[count - 1], mu=mu)
-        self.iterations += found.iterations
-        self.rounds += 1
-        more = program, found, *refined(self.ready, program, [*first.way[:count], *found.way[1:]])
-        return more if _good(more) and self._worth(more) > self._worth(done) - NEARLY * self.ready.clearance else done
-
     def _asked_to_stop(self) -> bool:
         return self.stop is not None and self.stop.is_set()
-
-    def _worth(self, done: SearchEnd) -> float:
-        """Objective at the end of the way as far as it is free."""
-        return self.objective.value(self.ready.grouping.pose_of(done[2][-1]))
 
     def _with_missed(self, inside: bool) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
         """Solve; pairs of pieces outside the program that meet on the way join it, and it is solved again from rest."""

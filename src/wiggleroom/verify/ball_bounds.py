@@ -1,26 +1,32 @@
 """Step 2: bounds. What the pairs' regions leave, by weak duality, in ball arithmetic.
 
 Body b moves its origin by (x, y) and turns by t. With arms p, q from both origins to the pivot of a pair, and tau where the pivot of B is
-seen from A,
+seen from A, phi = t_b - t_a,
 
     E = x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) p - R(t_a) tau = 0.
 
-So for any forces w of pairs, any weights u >= 0 of facets n . tau + c (t_b - t_a) <= d and any weight g >= 0 of "goal >= worth",
+Let v be t_a less the middle of its range, u the mean of t_a and t_b less the middle m of its own. So for any force w of a pair, any
+moment k, slopes l and n, couplings r and s, and any weight g >= 0 of "goal >= worth",
 
-    what is asked <= what is asked - sum of w . E + sum of u (d - n . tau - c (t_b - t_a)) + g (goal - worth),
+    what is asked <= what is asked - sum of w . E + k (phi - t_b + t_a) + l (t_a - middle - v) + n ((t_a + t_b) / 2 - m - u)
+        + r (cos m (sin t_b - sin t_a) - sin m (cos t_b - cos t_a) - 2 cos u sin(phi / 2))
+        + s (cos m (cos t_b - cos t_a) + sin m (sin t_b - sin t_a) + 2 sin u sin(phi / 2)) + g (goal - worth),
 
-and the right side falls into a part for each body, a function alpha cos t + beta sin t + gamma t whose largest value over a
-range of turns is known, and a part for each pair, in which tau differs from the middle of its region by at most its
-reach. Bad numbers give a bad bound,
-never a wrong one.
+as every term in brackets is nought. The right side falls into a part for each body, a function alpha cos t + beta sin t + gamma t
+whose largest value over a range of turns is known, and a part for each pair in (tau, phi), v and u. That one is linear in each
+of the three but for remainders (d = tau less its middle, all absolute values at their largest):
+
+    w . R(middle + v) d = w . R(middle) (d + v J d) + at most |w| |d| (v^2 / 2 + v^3 / 6), or without v J d at most |w| |d| 2 sin(v / 2),
+    2 cos u sin(phi / 2) = c phi + at most e |phi|, where c - e and c + e are cos u sin(phi / 2) / (phi / 2) at the ends and 1,
+    2 sin u sin(phi / 2) = u phi + at most |u phi| (u^2 / 6 + phi^2 / 24).
+
+What is linear in each is largest at corners. Bad numbers give a bad bound, never a wrong one.
 """
 
 from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -31,6 +37,8 @@ from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
 ROUNDED = 1e-12
 """Largest values over corners are found in double precision and made larger by this share of their terms, a thousand times their error."""
+WIDEST = 1.5
+"""Means of turns are known this well [rad], or couplings are refused."""
 
 
 class Enclosure:
@@ -63,166 +71,227 @@ class Enclosure:
         return np.vstack(found)
 
 
-class TurnRanges:
-    """Turns of all bodies, None where nothing is known; cuts are taken back when a step of the proof is done."""
-
-    def __init__(self, low: list, high: list, far: list) -> None:
-        self.low, self.high, self.far = low, high, far
-
-    @contextmanager
-    def cut(self, cuts: list[tuple[int, int, float]]) -> Iterator[bool]:
-        """For a while the turns of bodies are at most `end` (sign 1) or at least `end` (-1); True where this leaves some body no turn."""
-        before = [(body, self.low[body], self.high[body]) for body, _, _ in cuts]
-        for body, sign, end in cuts:
-            if sign > 0:
-                self.high[body] = min(self.high[body], end)
-            else:
-                self.low[body] = max(self.low[body], end)
-        yield any(self.low[body] > self.high[body] for body, _, _ in cuts)
-        for body, low, high in reversed(before):
-            self.low[body], self.high[body] = low, high
-
-    def pair(self, a: int, b: int) -> tuple[float, float]:
-        """Turns of b against a, rounded outwards."""
-        need(None not in (self.low[a], self.low[b]), "a pair is used that nothing holds")
-        low, high = self.low[b] - self.high[a], self.high[b] - self.low[a]
-        return math.nextafter(low, -math.inf), math.nextafter(high, math.inf)
-
-
 class Case:
-    """Regions, pairs and goal of a certificate, to ask what multipliers prove."""
+    """Bodies, regions and pairs, what is known of turns between bodies, and the goal, if there is one.
 
-    def __init__(self, content: dict[str, Any], work: WorkLimit) -> None:
-        self.bodies = content["bodies"]
-        self.fixed = [body["fixed"] for body in self.bodies]
-        self.origin = [tuple(exact(v) for v in body["origin"]) for body in self.bodies]
-        self.enclosures = [Enclosure(region) for region in content["regions"]]
-        self.pairs = content["pairs"]
-        self.goal = content["goal"]
-        self.worth = exact(content["worth"])
-        self.work = work
+    `known` holds (a, b, low, high): in every motion low <= t_b - t_a <= high.
+    """
 
-    def first(self) -> TurnRanges:
-        """Ranges of the file, once it is sure that they hold: turns and shifts add up along ways to a fixed body."""
-        spans = [(a, b, self.enclosures[kind].angles) for a, b, kind, *_ in self.pairs]
-        up = self._shortest([(a, b, float(t[-1])) for a, b, t in spans] + [(b, a, -float(t[0])) for a, b, t in spans])
-        down = self._shortest([(a, b, -float(t[0])) for a, b, t in spans] + [(b, a, float(t[-1])) for a, b, t in spans])
-        steps = []
+    def __init__(
+        self,
+        origin: list[Point],
+        fixed: list[bool],
+        enclosures: list[Enclosure],
+        pairs: list,
+        goal: list,
+        worth: arb,
+        work: WorkLimit,
+        doubt: arb | None = None,
+    ) -> None:
+        self.origin, self.fixed, self.enclosures, self.pairs = origin, fixed, enclosures, pairs
+        self.goal, self.worth, self.work = goal, worth, work
+        self.doubt = arb(0) if doubt is None else doubt
+        self.known: list[tuple[int, int, float, float]] = []
+        for a, b, kind, *_ in pairs:
+            turns = enclosures[kind].angles
+            self.known.append((a, b, float(turns[0]), float(turns[-1])))
+
+    def first(self, low: list, high: list, far: list, names: list[str]) -> None:
+        """Refuse first ranges that nothing shows: turns and shifts add up along ways to a fixed body."""
+        steps = self._steps()
+        up, down = self._shortest(steps[0]), self._shortest(steps[1])
+        shifts = []
         for a, b, kind, x, y, _ in self.pairs:
             swing = 0.0
             for k in (a, b):
                 arm = math.hypot(x - float(self.origin[k][0]), y - float(self.origin[k][1]))
                 swing += arm * 2 * math.sin(min(max(up[k], down[k]), math.pi) / 2)
-            step = (self.enclosures[kind].far + swing) * (1 + ROUNDED)
-            steps += [(a, b, step), (b, a, step)]
-        far = self._shortest(steps)
-        for k, body in enumerate(self.bodies):
-            if body["low"] is not None:
-                fits = -body["low"] >= down[k] and body["high"] >= up[k] and body["far"] >= far[k]
-                need(fits, f"nothing shows that {body['parts'][0]} stays within its first range")
-        return TurnRanges(*([body[k] for body in self.bodies] for k in ("low", "high", "far")))
+            step = (self.enclosures[kind].far + swing + float(self.doubt.upper())) * (1 + ROUNDED)
+            shifts += [(a, b, step), (b, a, step)]
+        most = self._shortest(shifts)
+        for k, name in enumerate(names):
+            if low[k] is not None:
+                fits = -low[k] >= down[k] and high[k] >= up[k] and far[k] >= most[k]
+                need(fits, f"nothing shows that {name} stays within its first range")
 
-    def _shortest(self, steps: list[tuple[int, int, float]]) -> list[float]:
-        """Length of the shortest way from a fixed body to each, along steps (from, to, length); rounded up."""
-        out: list[list[tuple[int, float]]] = [[] for _ in self.bodies]
-        for start, end, length in steps:
-            out[start].append((end, length))
-        found = [math.inf] * len(self.bodies)
-        heap = [(0.0, k) for k, fixed in enumerate(self.fixed) if fixed]
+    def _steps(self) -> tuple[list, list]:
+        up = [(a, b, high) for a, b, _, high in self.known] + [(b, a, -low) for a, b, low, _ in self.known]
+        down = [(a, b, -low) for a, b, low, _ in self.known] + [(b, a, high) for a, b, _, high in self.known]
+        return up, down
+
+    def _shortest(self, steps: list[tuple[int, int, float]], start: list[float] | None = None) -> list[float]:
+        """Length of the shortest way to each body along steps (from, to, length >= 0), from a fixed one or with a `start`; rounded up."""
+        self.work.spend(4 * len(steps) + EXACT)
+        out: list[list[tuple[int, float]]] = [[] for _ in self.fixed]
+        for one, end, length in steps:
+            out[one].append((end, length))
+        found = [0.0 if fixed else math.inf for fixed in self.fixed] if start is None else list(start)
+        heap = [(length, k) for k, length in enumerate(found) if length < math.inf]
+        heapq.heapify(heap)
         while heap:
             length, k = heapq.heappop(heap)
-            if length >= found[k]:
+            if length > found[k]:
                 continue
-            found[k] = length
+            self.work.spend(len(out[k]))
             for end, more in out[k]:
-                if found[end] == math.inf:
-                    heapq.heappush(heap, (math.nextafter(length + more, math.inf), end))
+                reached = math.nextafter(length + more, math.inf)
+                if reached < found[end]:
+                    found[end] = reached
+                    heapq.heappush(heap, (reached, end))
         return found
 
+    def spread(self, low: list, high: list) -> tuple[list, list]:
+        """Ranges of turns, narrower where turns of other bodies say so."""
+        up, down = self._steps()
+        high = self._shortest(up, [math.inf if v is None else v for v in high])
+        least = self._shortest(down, [math.inf if v is None else -v for v in low])
+        ends = zip(low, least, high, strict=True)
+        return [None if one is None else -v for one, v, _ in ends], [
+            None if one is None else v for one, v in zip(low, high, strict=True)
+        ]
 
-class WeakDuality:
-    """One step of a proof: facets of pairs, and the ranges of turns in which its multipliers are asked."""
 
-    def __init__(self, case: Case, facets: list, ranges: TurnRanges) -> None:
-        self.case, self.facets, self.ranges = case, facets, ranges
-        self.pairs: dict[int, tuple[np.ndarray, arb, dict[int, float]]] = {}
+class RangedCase:
+    """One step of a proof: ranges of turns, of bodies and of pairs, in which multipliers are asked.
+
+    `low`, `high` and `far` are of bodies, `turns` of pairs [[low, high], ..], all at least as wide as what is known.
+    """
+
+    def __init__(self, case: Case, low: list, high: list, far: list, turns: list) -> None:
+        self.case, self.low, self.high, self.far = case, low, high, far
+        need(len(turns) == len(case.pairs), "turns of pairs are not complete")
+        for p, (one, two) in enumerate(turns):
+            mine = self.pair(p)
+            need(one <= mine[0] and mine[1] <= two, "nothing shows that a pair stays within its range")
+        self.turns = turns
+        self.shapes: dict[int, tuple] = {}
+
+    def pair(self, p: int) -> tuple[float, float]:
+        """Turns of a pair that ranges of its bodies and what is known of it leave, rounded outwards."""
+        a, b = self.case.pairs[p][:2]
+        need(None not in (self.low[a], self.low[b]), "a pair is used that nothing holds")
+        low, high = self.low[b] - self.high[a], self.high[b] - self.low[a]
+        least, most = self.case.known[p][2:]
+        return max(math.nextafter(low, -math.inf), least), min(math.nextafter(high, math.inf), most)
 
     def most(self, multipliers: list, asked: tuple[int, int] | None) -> arb:
         """Bound of the goal, or of what a body (number, sign) turns in motions worth more than `worth`."""
-        goal, pushes, weights = multipliers
-        case, ranges = self.case, self.ranges
-        parts: dict[int, list[arb]] = {}  # weights of x, y, cos t - 1, sin t, t
+        unit, goal, rows = multipliers
+        case = self.case
         weight = exact(goal) if asked else arb(1)
         need(bool(weight >= 0), "a weight is negative")
         total = -weight * case.worth if asked else arb(0)
+        parts: dict[int, list[arb]] = {}  # weights of x, y, cos t - 1, sin t, t
         if asked:
             _part(parts, asked[0])[4] += asked[1]
-        case.work.spend(EXACT * (len(case.goal) + len(pushes) + len(weights) + 1))
+        case.work.spend(EXACT * (len(case.goal) + 2 * len(rows) + 1))
         for body, dx, dy, px, py, spin in case.goal:
             d = weight * exact(dx), weight * exact(dy)
             part = _part(parts, body)
             _add(part, d, less((exact(px), exact(py)), case.origin[body]))
             part[4] += weight * exact(spin)
-        by_pair: dict[int, list] = {}
-        for which, u in weights:
-            need(bool(exact(u) >= 0), "a weight is negative")
-            by_pair.setdefault(self.facets[which][0], []).append((which, exact(u)))
-        forces = {p: (exact(x), exact(y)) for p, x, y in pushes}
-        need(len(forces) == len(pushes), "a pair is named twice")
-        for p in sorted({*forces, *by_pair}):
-            total += self._pair(p, forces.get(p, (arb(0), arb(0))), by_pair.get(p, []), parts)
+        need(len({row[0] for row in rows}) == len(rows), "a pair is named twice")
+        of_one = exact(unit)
+        for p, *whole in rows:
+            total += self._pair(p, [of_one * v for v in whole], parts)
         for k, (x, y, c, s, t) in parts.items():
             if case.fixed[k] or all(v == 0 for v in (x, y, c, s, t)):
                 continue
-            need(ranges.far[k] is not None, "a body counts that nothing holds")
+            need(self.far[k] is not None and self.low[k] is not None, "a body counts that nothing holds")
             total += (
-                (abs(x) + abs(y)) * exact(ranges.far[k])
-                + highest(c, s, t, exact(ranges.low[k]), exact(ranges.high[k]))
-                - c
+                (abs(x) + abs(y)) * exact(self.far[k]) + highest(c, s, t, exact(self.low[k]), exact(self.high[k])) - c
             )
         return total
 
-    def _pair(self, p: int, force: Point, weights: list, parts: dict[int, list[arb]]) -> arb:
+    def _pair(self, p: int, multipliers: list[arb], parts: dict[int, list[arb]]) -> arb:
         """What a pair adds; what depends on the turns of its bodies goes to their parts."""
-        a, b, _, x, y, axes = self.case.pairs[p]
-        middle, reach, facets = self._corners(p, [which for which, _ in weights])
-        mid = turned((exact(middle[0]), exact(middle[1])), exact(axes))  # the region in the world's axes
-        pivot = exact(x), exact(y)
-        origin = self.case.origin
-        _add(_part(parts, b), (-force[0], -force[1]), less(pivot, origin[b]))
+        wx, wy, k, slope, lean, r, s = multipliers
+        a, b, _, x, y, _ = self.case.pairs[p]
+        corners, middle, reach, own, mean, chord, sag, skew = self._shape(p)
+        force, pivot, origin = (wx, wy), (exact(x), exact(y)), self.case.origin
+        one, two = _part(parts, a), _part(parts, b)
+        _add(two, (-wx, -wy), less(pivot, origin[b]))
         arm = less(pivot, origin[a])
-        _add(_part(parts, a), force, (arm[0] + mid[0], arm[1] + mid[1]))  # R(t_a) (p + mid), without p itself
-        total = force[0] * mid[0] + force[1] * mid[1]
-        low, high = exact(self.ranges.low[a]), exact(self.ranges.high[a])
-        total += size(force) * reach * 2 * (((high - low) / 2).min(arb.pi()) / 2).sin()
-        rest = turned(force, -(low + high) / 2 - exact(axes))
-        for which, u in weights:
-            nx, ny, c = (exact(v) for v in self.facets[which][1:])
-            total += u * (exact(facets[which]) - nx * exact(middle[0]) - ny * exact(middle[1]))
-            rest = less(rest, (u * nx, u * ny))
-            parts[b][4] -= u * c
-            parts[a][4] += u * c
-        return total + size(rest) * reach
+        _add(one, force, (arm[0] + middle[0], arm[1] + middle[1]))  # R(t_a) (p + mid), without p itself
+        c, z = mean[0].cos(), mean[0].sin()
+        for part, sign in ((one, -1), (two, 1)):
+            part[2] += sign * (s * c - r * z)
+            part[3] += sign * (r * c + s * z)
+            part[4] += lean / 2 - sign * k
+        one[4] += slope
+        total = wx * middle[0] + wy * middle[1] - slope * own[0] - lean * mean[0]
+        total += size(force) * self.case.doubt
+        if not (r == 0 and s == 0):
+            need(skew is not None, "turns are coupled that are not known well enough")
+            total += abs(r) * sag + abs(s) * skew
+            k = k - r * chord
+        rest = turned(force, -own[0])
+        slip, plain, bent, blur, flat = own[1:]
+        self.case.work.spend(len(corners))
+        v = [float(n) for n in (rest[0], rest[1], k, slope, lean, s)]
+        tau, phi = corners[:, :2], corners[:, 2]
+        level = tau[:, 0] * v[0] + tau[:, 1] * v[1] + phi * v[2]
+        tilt = np.abs(phi * v[5] - v[4]) * float(mean[1])
+        swing = np.abs(tau[:, 1] * v[0] * -1 + tau[:, 0] * v[1] - v[3]) * float(plain)
+        wide = np.abs(corners).max(0)
+        terms = (wide[0] * (abs(v[0]) + abs(v[1])) + wide[1] * (abs(v[0]) + abs(v[1]))) * (1 + float(plain)) + (
+            wide[2] * abs(v[2]) + (wide[2] * abs(v[5]) + abs(v[4])) * float(mean[1]) + abs(v[3]) * float(plain)
+        )
+        bounds = (
+            exact(float((level + tilt + swing).max())) + size(force) * reach * bent,
+            exact(float((level + tilt).max())) + size(force) * reach * blur + abs(slope) * flat,
+        )
+        best = bounds[0] if bounds[0] < bounds[1] else bounds[1]
+        return total + best + size(force) * slip + exact(ROUNDED * terms)
 
-    def _corners(self, p: int, facets: list[int]) -> tuple[np.ndarray, arb, dict[int, float]]:
-        """Middle (2,) of what a pair can reach in the ranges, reach from there, and most of facets; all kept."""
-        known = self.pairs.get(p)
-        new = [k for k in facets if known is None or k not in known[2]]
-        if known is not None and not new:
-            return known
-        a, b, kind, *_ = self.case.pairs[p]
+    def _shape(self, p: int) -> tuple:
+        """Corners less their middle in the world's axes, and what else does not depend on multipliers; kept."""
+        if p in self.shapes:
+            return self.shapes[p]
+        a, b, kind, _, _, axes = self.case.pairs[p]
+        low, high = self.turns[p]
         enclosure = self.case.enclosures[kind]
-        self.case.work.spend(enclosure.steps * (2 + len(new)))
-        corners = enclosure.between(*self.ranges.pair(a, b))
+        self.case.work.spend(3 * enclosure.steps)
+        corners = enclosure.between(low, high)
         need(len(corners) > 0, "a pair is left no turn")
-        if known is None:
-            middle = (corners[:, :2].min(0) + corners[:, :2].max(0)) / 2
-            reach = float(np.hypot(*(corners[:, :2] - middle).T).max()) * (1 + ROUNDED)
-            known = self.pairs[p] = middle, exact(reach + ROUNDED * float(np.abs(corners).max())), {}
-        for k in new:
-            terms = corners * np.array(self.facets[k][1:], dtype=float)
-            known[2][k] = float(terms.sum(1).max()) + ROUNDED * float(np.abs(terms).sum(1).max())
-        return known
+        c, s = math.cos(axes), math.sin(axes)
+        at = np.column_stack([c * corners[:, 0] - s * corners[:, 1], s * corners[:, 0] + c * corners[:, 1]])
+        middle = (at.min(0) + at.max(0)) / 2
+        at = at - middle
+        rounded = ROUNDED * (float(np.abs(corners[:, :2]).max()) + float(np.abs(middle).max()))
+        reach = float(np.hypot(*at.T).max()) * (1 + ROUNDED) + rounded
+        around = np.column_stack([at, corners[:, 2]])
+        one, two = exact(self.low[a]), exact(self.high[a])
+        half = (two - one) / 2
+        turn = half.min(arb.pi())
+        sums = one + exact(self.low[b]), two + exact(self.high[b])
+        mean, lean = (sums[0] + sums[1]) / 4, (sums[1] - sums[0]) / 4
+        most = max(abs(low), abs(high))
+        chord = sag = skew = None
+        if lean < WIDEST and most < WIDEST:
+            f = exact(most)
+            least = lean.cos() * ((f / 2).sin() / (f / 2) if most > 0 else arb(1))
+            chord, sag = (1 + least) / 2, (1 - least) / 2 * f
+            skew = lean * f * (lean * lean / 6 + f * f / 24)
+        # a corner that is rounded adds at most the force times this
+        slip = exact(2 * rounded * (1 + _up(half)))
+        own = (one + two) / 2, slip, _up(half), turn * turn / 2 + turn * turn * turn / 6, 2 * (turn / 2).sin(), half
+        self.shapes[p] = (
+            around,
+            (exact(middle[0]), exact(middle[1])),
+            exact(reach),
+            own,
+            (mean, _up(lean)),
+            chord,
+            sag,
+            skew,
+        )
+        return self.shapes[p]
+
+
+def _up(value: arb) -> float:
+    """A double that is not less."""
+    return math.nextafter(float(value.upper()), math.inf)
 
 
 def _part(parts: dict[int, list[arb]], body: int) -> list[arb]:

@@ -13,7 +13,7 @@ from typing import Any
 
 from wiggleroom.verify.ball_arithmetic import Refused, cross, less, need, point
 
-FORMAT = "wiggleroom.certificate/1"
+FORMAT = "wiggleroom.certificate/2"
 CHANGED = "the file was changed after it was written"
 
 LENGTH, ANGLE, FACTOR = 1e12, 1e6, 1e100
@@ -21,9 +21,11 @@ LENGTH, ANGLE, FACTOR = 1e12, 1e6, 1e100
 DEEPEST = 256
 """So many steps of a proof may follow each other."""
 
-TOP = {"format", "gap", "turns", "at_most", "worth", "bodies", "goal", "regions", "pairs", "proof", "sha256"}
+TOP = {"format", "gap", "turns", "at_most", "worth", "bodies", "goal", "regions", "pairs", "windows", "proof", "sha256"}
 BODY = {"parts", "fixed", "origin", "polygons", "low", "high", "far"}
 REGION = {"a", "b", "loops", "seams"}
+WINDOW = {"placements", "pairs", "far", "steps", "low", "high"}
+STEP = {"low", "high", "turns"}
 
 
 def read(text: str) -> dict[str, Any]:
@@ -99,6 +101,8 @@ class _StructureCheck:
             need(a != b, "a pair names one body twice")
             self.lengths(spot[:2], "pairs")
             self.number(spot[2], ANGLE, "pairs")
+        for window in _rows(content["windows"], "windows"):
+            self.window(window, bodies, len(content["pairs"]))
         self.proof(content["proof"], bodies, len(content["pairs"]))
         return self.numbers
 
@@ -185,6 +189,34 @@ class _StructureCheck:
                 self.index(row[0], len(region["a"]), "chords")
                 self.index(row[1], len(region["b"]), "chords")
 
+    def window(self, window: Any, bodies: int, pairs: int) -> None:
+        _keys(window, WINDOW, "a window")
+        placements, joined = _rows(window["placements"], "windows"), _rows(window["pairs"], "windows")
+        need(0 < len(placements) == len(joined), "a window's placements are not complete")
+        size, wide = len(_rows(placements[0], "windows")), len(_rows(joined[0], "windows"))
+        need(size >= 2 and wide >= 1, "a window is too small")
+        for rows, count, named in ((placements, size, bodies), (joined, wide, pairs)):
+            for row in _rows(rows, "windows", count):
+                for k in row:
+                    self.index(k, named, "windows")
+                need(len(set(row)) == count, "a window names a body or a pair twice")
+        self.numbers += 10 * len(placements) * size
+        for key, most in (("far", LENGTH), ("low", ANGLE), ("high", ANGLE)):
+            need(len(_rows(window[key], "windows")) == size, "a window's ranges are not complete")
+            for value in window[key]:
+                self.number(value, most, "windows")
+        steps = _rows(window["steps"], "windows")
+        need(len(steps) > 0, "a window has no steps")
+        for step in steps:
+            need(
+                isinstance(step, dict) and not {"best", "empty", "split"} & set(step),
+                "a window's step does more than cut",
+            )
+            need(None not in step.get("low", [None]), "a window's step has no ranges")
+            _rows(step.get("then", []), "windows")
+            need(not step.get("then"), "a window's step is followed by another one")
+            self.step(step, size, wide)
+
     def proof(self, proof: Any, bodies: int, pairs: int) -> None:
         todo, seen = [(proof, 0)], set()
         while todo:
@@ -197,43 +229,47 @@ class _StructureCheck:
     def step(self, step: dict[str, Any], bodies: int, pairs: int) -> list:
         """Steps that follow."""
         self.numbers += 1
+        for key in ("low", "high"):
+            need(len(_rows(step.get(key), "ranges")) == bodies, "ranges of a step are not complete")
+            for value in step[key]:
+                if value is not None:
+                    self.number(value, ANGLE, "ranges")
         if "empty" in step:
-            _keys(step, {"empty"}, "a step")
+            _keys(step, {"low", "high", "empty"}, "a step")
             self.index(step["empty"], pairs, "proof")
             return []
         best = "best" in step
-        more = {"then"} & set(step) | {"split"} & set(step)
-        _keys(step, {"facets", "best"} if best else {"facets", "cuts"} | more, "a step")
-        for p, *facet in _rows(step["facets"], "facets", 4):
-            self.index(p, pairs, "facets")
-            for value in facet:
-                self.number(value, FACTOR, "facets")
+        more = {"then", "split"} & set(step)
+        _keys(step, STEP | ({"best"} if best else {"cuts"} | more), "a step")
+        need(len(_rows(step["turns"], "turns", 2)) == pairs, "turns of pairs are not complete")
+        for ends in step["turns"]:
+            for value in ends:
+                self.number(value, ANGLE, "turns")
         if best:
-            self.multipliers(step["best"], pairs, len(step["facets"]))
+            self.multipliers(step["best"], pairs)
             return []
         for body, sign, end, multipliers in _rows(step["cuts"], "cuts", 4):
             self.index(body, bodies, "cuts")
             self.number(sign, 1, "cuts")
             need(type(sign) is int and sign in (1, -1), "a cut has no side")
             self.number(end, ANGLE, "cuts")
-            self.multipliers(multipliers, pairs, len(step["facets"]))
+            self.multipliers(multipliers, pairs)
         if "split" in step:
             need(isinstance(step["split"], list) and len(step["split"]) == 2, "a split names nothing")
             self.index(step["split"][0], bodies, "splits")
             self.number(step["split"][1], ANGLE, "splits")
         return _rows(step.get("then", []), "proof")
 
-    def multipliers(self, multipliers: Any, pairs: int, facets: int) -> None:
+    def multipliers(self, multipliers: Any, pairs: int) -> None:
         need(isinstance(multipliers, list) and len(multipliers) == 3, "multipliers are not complete")
-        goal, forces, weights = multipliers
+        unit, goal, rows = multipliers
+        self.number(unit, FACTOR, "multipliers")
         self.number(goal, FACTOR, "multipliers")
-        for p, x, y in _rows(forces, "multipliers", 3):
+        for p, *whole in _rows(rows, "multipliers", 8):
             self.index(p, pairs, "multipliers")
-            self.number(x, FACTOR, "multipliers")
-            self.number(y, FACTOR, "multipliers")
-        for k, weight in _rows(weights, "multipliers", 2):
-            self.index(k, facets, "multipliers")
-            self.number(weight, FACTOR, "multipliers")
+            for value in whole:
+                self.number(value, FACTOR, "multipliers")
+                need(type(value) is int, "a multiplier is no whole number of units")
 
 
 def _keys(value: Any, keys: set[str], what: str) -> None:

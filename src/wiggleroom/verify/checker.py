@@ -14,8 +14,8 @@ from typing import Any
 
 from flint import arb, ctx
 
-from wiggleroom.verify.ball_arithmetic import Refused, exact, need, point, turned
-from wiggleroom.verify.ball_bounds import Case, TurnRanges, WeakDuality
+from wiggleroom.verify.ball_arithmetic import Refused, exact, less, need, point, size, turned
+from wiggleroom.verify.ball_bounds import Case, Enclosure, RangedCase
 from wiggleroom.verify.caging_check import Material, check_caging_surface
 from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read
 from wiggleroom.verify.claim import Claim, claim_of, sentence
@@ -88,9 +88,22 @@ def _verify(content: Any) -> Verified:
     for region in content["regions"]:
         check_caging_surface(region)
     chords = _check_chords(content, work)
-    case = Case(content, work)
+    bodies = content["bodies"]
+    case = Case(
+        [point(body["origin"]) for body in bodies],
+        [body["fixed"] for body in bodies],
+        [Enclosure(region) for region in content["regions"]],
+        content["pairs"],
+        content["goal"],
+        exact(content["worth"]),
+        work,
+    )
     counted = [0]
-    bound = _bound(case, content["proof"], case.first(), counted)
+    for window in content["windows"]:
+        _check_window(case, window, counted)
+    low, high, far = ([body[key] for body in bodies] for key in ("low", "high", "far"))
+    case.first(low, high, far, [body["parts"][0] for body in bodies])
+    bound = _bound(case, content["proof"], (low, high, far), counted)
     worked_out, stated = bound.max(case.worth), exact(content["at_most"])
     need(
         bool(worked_out <= stated),
@@ -115,42 +128,143 @@ def _check_chords(content: dict[str, Any], work: WorkLimit) -> int:
     return chords
 
 
-def _bound(case: Case, step: dict[str, Any], ranges: TurnRanges, counted: list[int]) -> arb:
-    """What a step proves of the goal within some ranges: what its multipliers say, or the larger of what follows its cuts."""
-    if "empty" in step:
-        a, b, kind = case.pairs[step["empty"]][:3]
-        case.work.spend(case.enclosures[kind].steps)
-        left = case.enclosures[kind].between(*ranges.pair(a, b))
-        need(len(left) == 0, "a pair that should have no turn left has one")
-        return arb.neg_inf()
-    duality = WeakDuality(case, step["facets"], ranges)
-    if "best" in step:
-        counted[0] += 1
-        return duality.most(step["best"], None)
-    cuts = []
+def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> None:
+    """Turns against the first body of a window, as its own steps prove them, become known in all placements that really are alike."""
+    placements, pairs = window["placements"], window["pairs"]
+    bodies = placements[0]
+    number = {k: i for i, k in enumerate(bodies)}
+    own = []
+    for p in pairs[0]:
+        a, b, *rest = case.pairs[p]
+        need(a in number and b in number, "a pair of a window has a body outside it")
+        own.append([number[a], number[b], *rest])
+    doubt = max(
+        (_unlike(case, placements[0], pairs[0], *other) for other in zip(placements, pairs, strict=True)), default=0.0
+    )
+    small = Case(
+        [case.origin[k] for k in bodies],
+        [k == 0 for k in range(len(bodies))],
+        case.enclosures,
+        own,
+        [],
+        case.worth,
+        case.work,
+        exact(doubt),
+    )
+    for at, p in enumerate(pairs[0]):
+        small.known[at] = (*small.known[at][:2], *case.known[p][2:])
+    small.known += [
+        (number[a], number[b], low, high)
+        for a, b, low, high in case.known[len(case.pairs) :]
+        if a in number and b in number
+    ]
+    case.work.spend(len(case.known))
+    first = window["steps"][0]
+    ranges = first["low"], first["high"], window["far"]
+    small.first(*ranges, [f"body {k} of a window" for k in range(len(bodies))])
+    for step in window["steps"]:
+        ranges = _stated(small, step, ranges)
+        ranges = _cut(small, step, ranges, counted, worth=False)
+    low, high = window["low"], window["high"]
+    for k in range(1, len(bodies)):
+        fits = low[k] <= min(ranges[0][k], 0) and high[k] >= max(ranges[1][k], 0)
+        need(fits, "the steps of a window do not prove what it says of turns")
+    for placement in placements:
+        case.known += [(placement[0], placement[k], low[k], high[k]) for k in range(1, len(bodies))]
+
+
+def _unlike(case: Case, bodies: list[int], pairs: list[int], others: list[int], joined: list[int]) -> float:
+    """How much the equations of two windows may differ [mm], the second turned like its first pair; infinite where they are not alike.
+
+    A pivot at p from an origin, turned by at most half a turn, moves by (R - 1) p: an arm that differs by d changes that by at most 2 d.
+    """
+    place = dict(zip(bodies, others, strict=True))
+    need(len(set(others)) == len(others), "a window names a body twice")
+    turn = exact(case.pairs[joined[0]][5]) - exact(case.pairs[pairs[0]][5])
+    worst = 0.0
+    for p, q in zip(pairs, joined, strict=True):
+        a, b, kind, x, y, axes = case.pairs[p]
+        c, d, other, u, v, turned_axes = case.pairs[q]
+        need((place[a], place[b], kind) == (c, d, other), "a placement of a window joins other bodies")
+        case.work.spend(EXACT)
+        away = exact(turned_axes) - exact(axes) - turn
+        half = (away / 2).sin()
+        apart = abs(2 * half) * exact(case.enclosures[kind].far)
+        for one, two in ((a, c), (b, d)):
+            arm = turned(less(point([x, y]), case.origin[one]), turn)
+            apart += 2 * size(less(arm, less(point([u, v]), case.origin[two])))
+        worst = max(worst, float(apart.upper()))
+    return worst
+
+
+def _stated(case: Case, step: dict[str, Any], ranges: tuple[list, list, list]) -> tuple[list, list, list]:
+    """Ranges that a step names, which must be no narrower than what is known."""
+    low, high, far = ranges
+    need(len(step["low"]) == len(step["high"]) == len(case.fixed), "ranges of a step are not complete")
+    for k, (one, two) in enumerate(zip(step["low"], step["high"], strict=True)):
+        if one is None or two is None:
+            need(one is None and two is None, "a body's range is not complete")
+        else:
+            fits = low[k] is not None and one <= low[k] and high[k] <= two
+            need(fits, "nothing shows that a body stays within the range of a step")
+    return step["low"], step["high"], far
+
+
+def _cut(
+    case: Case, step: dict[str, Any], ranges: tuple[list, list, list], counted: list[int], worth: bool = True
+) -> tuple[list, list, list]:
+    """Ranges after the cuts of a step, each of which its multipliers prove."""
+    stage = RangedCase(case, *ranges, step["turns"])
+    low, high = list(ranges[0]), list(ranges[1])
     for body, sign, end, multipliers in step["cuts"]:
         counted[0] += 1
-        need(ranges.far[body] is not None, "a turn is cut of a body that nothing holds")
-        need(
-            bool(duality.most(multipliers, (body, sign)) <= sign * exact(end)),
-            "multipliers do not prove a cut of a turn",
-        )
-        cuts.append((body, sign, end))
-    with ranges.cut(cuts) as empty:
-        return arb.neg_inf() if empty else _follow(case, step, ranges, counted)
+        need(low[body] is not None and ranges[2][body] is not None, "a turn is cut of a body that nothing holds")
+        need(worth or multipliers[1] == 0, "a window asks what motions are worth")
+        proven = stage.most(multipliers, (body, sign))
+        need(bool(proven <= sign * exact(end)), "multipliers do not prove a cut of a turn")
+        if sign > 0:
+            high[body] = min(high[body], end)
+        else:
+            low[body] = max(low[body], end)
+    return (*case.spread(low, high), ranges[2])
 
 
-def _follow(case: Case, step: dict[str, Any], ranges: TurnRanges, counted: list[int]) -> arb:
-    """What the steps after some cuts prove: one, or two for both sides of a split."""
+def _bound(case: Case, step: dict[str, Any], ranges: tuple[list, list, list], counted: list[int]) -> arb:
+    """What a step proves of the goal within some ranges: what its multipliers say, or the larger of what follows its cuts."""
+    ranges = _stated(case, step, ranges)
+    if "empty" in step:
+        p = step["empty"]
+        stage = RangedCase(case, *ranges, [list(case.known[k][2:]) for k in range(len(case.pairs))])
+        least, most = stage.pair(p)
+        enclosure = case.enclosures[case.pairs[p][2]]
+        case.work.spend(enclosure.steps)
+        left = least <= most and len(enclosure.between(least, most)) > 0
+        need(not left, "a pair that should have no turn left has one")
+        return arb.neg_inf()
+    if "best" in step:
+        counted[0] += 1
+        return RangedCase(case, *ranges, step["turns"]).most(step["best"], None)
+    low, high, far = _cut(case, step, ranges, counted)
+    if _empty(low, high):
+        return arb.neg_inf()
     then = step.get("then", [])
     if "split" not in step:
         need(len(then) == 1, "nothing follows the cuts of a step")
-        return _bound(case, then[0], ranges, counted)
+        return _bound(case, then[0], (low, high, far), counted)
     need(len(then) == 2, "a split is not followed up on both sides")
     body, middle = step["split"]
-    need(ranges.far[body] is not None, "a turn is split of a body that nothing holds")
+    need(low[body] is not None, "a turn is split of a body that nothing holds")
     sides = []
     for side, sign in zip(then, (1, -1), strict=True):
-        with ranges.cut([(body, sign, middle)]) as empty:
-            sides.append(arb.neg_inf() if empty else _bound(case, side, ranges, counted))
+        one, two = list(low), list(high)
+        if sign > 0:
+            two[body] = min(two[body], middle)
+        else:
+            one[body] = max(one[body], middle)
+        sides.append(arb.neg_inf() if one[body] > two[body] else _bound(case, side, (one, two, far), counted))
     return sides[0].max(sides[1])
+
+
+def _empty(low: list, high: list) -> bool:
+    """Whether some body is left no turn."""
+    return any(one is not None and one > two for one, two in zip(low, high, strict=True))

@@ -3,6 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { openFile } from "../session.ts";
+import { Start } from "./Start.tsx";
 import { baked, drawing, line, opening } from "../state.ts";
 
 export function Drop() {
@@ -33,14 +34,15 @@ export function Drop() {
   if (over.value) return <div class="drop over">Let go to open it</div>;
   if (opening.value) return <div class="drop" role="status">Opening {opening.value}…</div>;
   if (drawing.value || baked.value) return null;
-  if (line.value === "refused") return <div class="drop">Open the address that <code>wiggleroom serve</code> prints.</div>;
-  return (
-    <div class="drop">
-      <div>
-        <p class="big">Drop a drawing here</p>
-        <p>SVG, DXF, LightBurn or an assembly file (JSON). Or <label class="link" for="file">choose one</label>.</p>
-        <p class="quiet">It stays on this machine.</p>
+  if (line.value === "refused") {
+    return (
+      <div class="drop">
+        <div class="calm">
+          <p class="big">This address lacks its key</p>
+          <p>Open the whole address that <code>wiggleroom serve</code> prints in the terminal: it ends with <code>?token=…</code>, and lets in nobody else.</p>
+        </div>
       </div>
-    </div>
-  );
+    );
+  }
+  return <Start />;
 }

@@ -1,19 +1,27 @@
-/** The gap: a slider, a box, and above them the curve of the motion that grows with every gap that was solved. */
+/** The gap: a slider that can play, a box, and above them the curve of the motion that grows with every gap that was solved. */
 
-import { useSignal } from "@preact/signals";
+import { signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { asks, design, goals, settle } from "../design.ts";
 import { valueBetween } from "../motion.ts";
 import { isPull, isTurn } from "../protocol.ts";
 import { ask, setGap } from "../session.ts";
-import { answer, baked, drawing, lost, running, solved } from "../state.ts";
-import { nearestBy, number } from "../words.ts";
+import { answer, baked, current, drawing, findings, lost, running, type Solved, solved } from "../state.ts";
+import { nearestBy, number, ticks } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
 import { stepOf } from "./Selection.tsx";
 
-const HIGH = 74;
-const PAD = 9; // half of the thumb: the curve stands exactly over the slider
+const HIGH = 92;
+const LEFT = 58;
+const RIGHT = 9; // half of the thumb: the curve stands exactly over the slider
+const TOP = 12;
+const FOOT = 18;
+
+/** True while the gap goes up by itself, from solved answer to solved answer. */
+const playing = signal(false);
+const PAUSE = 90;
+const STEPS = 24;
 
 export function GapStrip() {
   const top = useSignal(0);
@@ -23,6 +31,7 @@ export function GapStrip() {
   const gap = design.value.gap;
   useEffect(() => {
     top.value = opened ? firstTop(opened) : 0;
+    playing.value = false;
   }, [opened]);
   useEffect(() => {
     if (!box.current) return;
@@ -30,31 +39,59 @@ export function GapStrip() {
     watch.observe(box.current);
     return () => watch.disconnect();
   }, [opened === null]);
-  if (!opened || (baked.value && solved.value.length < 2)) return null;
   const still = baked.value !== null;
   const gaps = solved.value.map((one) => one.gap);
   const most = still ? Math.max(...gaps, 1e-9) : niceTop(Math.max(top.value, gap, ...gaps));
   const low = still ? Math.min(...gaps) : 0;
+  const done = current(answer.value) && answer.value!.reply.settled;
+  useEffect(() => {
+    if (!playing.value || !(done || findings.value.length)) return;
+    const timer = setTimeout(() => playOn(low, most), PAUSE);
+    return () => clearTimeout(timer);
+  }, [playing.value, done, gap, findings.value.length]);
+  if (!opened || (still && solved.value.length < 2)) return null;
+  const slider = still ? (most - low) / 400 || 1e-6 : stepOf(most / 30);
   return (
     <section class="gapstrip" aria-label="gap">
       <div class="gapbox">
         <label for="gap">Gap</label>
         <NumberBox value={gap} min={0} step={stepOf(gap || most / 10)} unit="mm" label="gap" onChange={(value) => setGap(value, "")} disabled={still} />
-        {!still && (
-          <Button label="Solve a row of gaps" onClick={() => sweep(most)} disabled={!asks(design.value) || running.value.has("sweep")} class="small">
-            {running.value.has("sweep") ? "Sweeping…" : "Sweep"}
-          </Button>
-        )}
+        <div class="group">
+          <Button
+            icon={playing.value ? "pause" : "play"} label={playing.value ? "Stop the gap" : "Play the gap: solve one after the other"} class="small" disabled={!asks(design.value)}
+            onClick={() => (playing.value ? (playing.value = false) : startPlaying(low, most))}
+          />
+          {!still && (
+            <Button label="Solve a row of gaps" onClick={() => sweep(most)} disabled={!asks(design.value) || running.value.has("sweep")} class="small">
+              {running.value.has("sweep") ? "Sweeping…" : "Sweep"}
+            </Button>
+          )}
+        </div>
       </div>
       <div class="gapcurve" ref={box}>
         <Curve width={width.value} low={low} most={most} gap={gap} />
         <input
-          id="gap" type="range" min={low} max={most} step={still ? (most - low) / 400 || 1e-6 : stepOf(most / 30)} value={gap}
-          aria-valuetext={`${number(gap)} mm`} onInput={(event) => setGap(slid(Number(event.currentTarget.value), most))} onPointerUp={settle} onBlur={settle}
+          id="gap" type="range" min={low} max={most} step={slider} value={gap} style={{ marginLeft: `${LEFT - RIGHT}px`, width: `calc(100% - ${LEFT - RIGHT}px)` }}
+          aria-valuetext={`${number(gap)} mm`} onPointerDown={() => (playing.value = false)}
+          onInput={(event) => setGap(slid(Number(event.currentTarget.value), most))} onPointerUp={settle} onBlur={settle}
         />
       </div>
     </section>
   );
+}
+
+function startPlaying(low: number, most: number): void {
+  playing.value = true;
+  settle();
+  if (design.peek().gap >= most * (1 - 1e-9)) setGap(baked.peek() ? low : slid(most / STEPS, most), "play");
+}
+
+/** The next gap, or the end. */
+function playOn(low: number, most: number): void {
+  const now = design.peek().gap;
+  const next = baked.peek() ? solved.peek().find((one) => one.gap > now * (1 + 1e-9))?.gap : slid(now + (most - low) / STEPS, most);
+  if (next === undefined || next > most * (1 + 1e-9) || next <= now || findings.peek().length) playing.value = false;
+  else setGap(next, "play");
 }
 
 /** The slider gives round numbers, except on a baked page, where only stored gaps have answers. */
@@ -82,43 +119,66 @@ function niceTop(value: number): number {
 }
 
 function Curve({ width, low, most, gap }: { width: number; low: number; most: number; gap: number }) {
-  if (width < 40) return <svg class="curve" height={HIGH} aria-hidden="true" />;
-  const x = (g: number): number => PAD + ((g - low) / Math.max(most - low, 1e-12)) * (width - 2 * PAD);
-  const known = solved.value.filter((one) => one.objective !== null && one.gap <= most);
-  const high = Math.max(...known.map((one) => one.objective!), 1e-9);
-  const y = (v: number): number => HIGH - 4 - (v / high) * (HIGH - 20);
-  const points = [...(known.length && low === 0 && known[0]!.gap > 0 && drawing.value!.gap > 0 ? [{ gap: 0, objective: 0 }] : []), ...known];
-  const path = points.map((one, i) => `${i ? "L" : "M"}${x(one.gap).toFixed(1)} ${y(one.objective!).toFixed(1)}`).join("");
-  const area = points.length > 1 ? `${path}L${x(points.at(-1)!.gap).toFixed(1)} ${HIGH - 4}L${x(points[0]!.gap).toFixed(1)} ${HIGH - 4}Z` : "";
-  const free = solved.value.filter((one) => one.objective === null).map((one) => one.gap);
+  if (width < 120) return <svg class="curve" height={HIGH} aria-hidden="true" />;
+  const foot = HIGH - FOOT;
+  const x = (g: number): number => LEFT + ((g - low) / Math.max(most - low, 1e-12)) * (width - LEFT - RIGHT);
+  const inside = solved.value.filter((one) => one.gap <= most);
+  const known = inside.filter((one) => one.objective !== null);
+  const high = Math.max(...known.map((one) => Math.max(one.objective!, one.atMost ?? 0)), 1e-9);
+  const y = (v: number): number => foot - (v / high) * (foot - TOP);
+  const runs = connected(inside);
+  const free = inside.filter((one) => one.objective === null).map((one) => one.gap);
   const edge = lost.value ?? (free.length ? [known.filter((one) => one.gap < free[0]!).at(-1)?.gap ?? 0, free[0]!] : null);
   const now = valueBetween(solved.value, gap);
   const loose = edge !== null && gap >= edge[1]!;
   const exact = solved.value.some((one) => Math.abs(one.gap - gap) < 1e-9);
   return (
     <svg class="curve" width={width} height={HIGH} role="img" aria-label={curveWords(edge)}>
-      <line class="axis" x1={PAD} x2={width - PAD} y1={HIGH - 4} y2={HIGH - 4} />
-      {edge && x(edge[1]!) <= width && (
-        <>
-          <rect class="lost" x={x(edge[1]!)} width={Math.max(width - PAD - x(edge[1]!), 0)} y={8} height={HIGH - 12} />
-          <rect class="between" x={x(edge[0]!)} width={Math.max(x(edge[1]!) - x(edge[0]!), 1.5)} y={8} height={HIGH - 12} />
-          <text class="lostword" x={Math.min(x(edge[1]!) + 6, width - 78)} y={19}>comes free</text>
-        </>
-      )}
-      {area && <path class="under" d={area} />}
-      {path && <path class="line" d={path} />}
-      {solved.value.filter((one) => one.gap <= most).map((one) => (
-        <g key={one.gap}>
-          <line class="tick" x1={x(one.gap)} x2={x(one.gap)} y1={HIGH - 7} y2={HIGH} />
-          {one.objective !== null && <circle class="dot" cx={x(one.gap)} cy={y(one.objective)} r={2.4} />}
+      {ticks(low, most, Math.max(2, Math.floor(width / 110))).map((g, i, all) => (
+        <g key={g}>
+          <line class="axis" x1={x(g)} x2={x(g)} y1={foot} y2={foot + 4} />
+          <text class="scale" x={Math.min(x(g), width - 2)} y={HIGH - 2} text-anchor={x(g) > width - 40 ? "end" : "middle"}>{number(g, 3)}{i === all.length - 1 ? " mm gap" : ""}</text>
         </g>
       ))}
-      {known.length > 0 && <text class="scale" x={PAD} y={10}>{number(high, 3)} {unitOf()}</text>}
+      {known.length > 0 && ticks(0, high, 3).map((v, i, all) => (
+        <g key={v}>
+          <line class="grid" x1={LEFT} x2={width - RIGHT} y1={y(v)} y2={y(v)} />
+          <text class="scale" x={LEFT - 6} y={y(v) + 4} text-anchor="end">{number(v, 3)}{i === all.length - 1 ? ` ${unitOf()}` : ""}</text>
+        </g>
+      ))}
+      <line class="axis" x1={LEFT} x2={width - RIGHT} y1={foot} y2={foot} />
+      {edge && x(edge[1]!) <= width && (
+        <>
+          <rect class="lost" x={x(edge[1]!)} width={Math.max(width - RIGHT - x(edge[1]!), 0)} y={TOP} height={foot - TOP} />
+          <rect class="between" x={x(edge[0]!)} width={Math.max(x(edge[1]!) - x(edge[0]!), 1.5)} y={TOP} height={foot - TOP} />
+          <text class="lostword" x={Math.min(x(edge[1]!) + 6, width - 78)} y={TOP + 12}>comes free</text>
+        </>
+      )}
+      {runs.map((run) => <path key={run[0]!.gap} class="line" d={run.map((one, i) => `${i ? "L" : "M"}${x(one.gap).toFixed(1)} ${y(one.objective!).toFixed(1)}`).join("")} />)}
+      {known.filter((one) => one.atMost != null).map((one) => (
+        <path key={one.gap} class="bound" d={`M${x(one.gap)} ${y(one.objective!)}V${y(one.atMost!)}M${x(one.gap) - 5} ${y(one.atMost!)}h10`}><title>proven: no motion exceeds {number(one.atMost!)}</title></path>
+      ))}
+      {inside.map((one) => (
+        <g key={one.gap}>
+          <line class="tick" x1={x(one.gap)} x2={x(one.gap)} y1={foot - 3} y2={foot + 3} />
+          {one.objective !== null && <circle class={one.verdict === "proven" ? "dot proven" : "dot"} cx={x(one.gap)} cy={y(one.objective)} r={2.6} />}
+        </g>
+      ))}
       <line class="now" x1={x(gap)} x2={x(gap)} y1={6} y2={HIGH} />
-      {now !== null && !loose && <circle class={exact ? "here" : "here guess"} cx={x(gap)} cy={Math.max(y(now), 4)} r={4.6} />}
-      {answer.value === null && known.length === 0 && <text class="empty" x={width / 2} y={HIGH / 2}>motion against gap grows here</text>}
+      {now !== null && !loose && exact && <circle class="here" cx={x(gap)} cy={Math.max(y(now), 4)} r={4.6} />}
+      {known.length === 0 && <text class="empty" x={LEFT + (width - LEFT) / 2} y={HIGH / 2}>motion against gap grows here</text>}
     </svg>
   );
+}
+
+/** Solved gaps in runs that nothing lies between at which parts come free. */
+function connected(all: readonly Solved[]): Solved[][] {
+  const runs: Solved[][] = [[]];
+  for (const one of all) {
+    if (one.objective === null) runs.push([]);
+    else runs.at(-1)!.push(one);
+  }
+  return runs.filter((run) => run.length > 1);
 }
 
 /** Unit of the objective, as the answers say it. */

@@ -1,12 +1,13 @@
 /** The answer in one line over the canvas, and for screen readers as it changes. */
 
 import { asks, design, goals } from "../design.ts";
-import { factor, shown, valueBetween } from "../motion.ts";
-import { answer, baked, checked, dragged, drawing, modes, running, selected, solved, waiting } from "../state.ts";
+import { factor, shown } from "../motion.ts";
+import { answer, baked, busy, checked, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
-import { ask, few, number } from "../words.ts";
+import { ask, few, number, short } from "../words.ts";
 import { unitOf } from "./GapStrip.tsx";
+import { Meaning } from "./Meaning.tsx";
 
 export function Headline() {
   if (!drawing.value) return null;
@@ -14,8 +15,12 @@ export function Headline() {
   const settled = shown.value.what === "answer" && answer.value?.design === design.value && answer.value.reply.settled;
   return (
     <div class="headline">
-      <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled}>{title}</p>
-      <p class="facts">{line}</p>
+      <div class="said">
+        <p class={`answer ${tone}`} aria-live="polite" aria-atomic="true" id="answer" data-settled={settled} title={title}>
+          {busy.value && <i class="busy" role="img" aria-label="working" />}{title}
+        </p>
+        <p class="facts">{line}{settled && <Meaning verdict={answer.value!.reply.verdict} />}</p>
+      </div>
       <Work />
     </div>
   );
@@ -23,15 +28,15 @@ export function Headline() {
 
 interface Said { title: string; line: string; tone: "" | "guess" | "warn" }
 
+/** A shorter way than this share of the gap is none. */
+const NOTHING = 2e-3;
+
 function said(): Said {
   const { what, label } = shown.value;
   const about = answer.value;
   const told = baked.value?.said;
-  if (what === "drag" && dragged.value) {
-    const { part, reached, distance, blocking } = dragged.value.reply;
-    const short = distance > 1e-9 ? `${number(distance, 3)} mm short of the pointer` : "at the pointer";
-    return { title: `${part} dragged to (${number(reached[0])}, ${number(reached[1])})`, line: blocking.length ? `held by ${few(blocking)} · ${short}` : short, tone: "" };
-  }
+  const { gap } = design.value;
+  if (dragging.value && (what === "drag" || running.value.has("drag"))) return draggedSaid();
   if (what === "mode" && modes.value) {
     const mode = modes.value.reply.modes[modes.value.ways.indexOf(shown.value.frames!)];
     const far = mode ? (mode.ends === false ? "without end" : `up to ${number(mode.size, 3)} mm`) : "";
@@ -44,28 +49,43 @@ function said(): Said {
   if (told) return { title: told.title, line: [...told.facts, ...enlarged()].join(" · "), tone: "" };
   if (!asks(design.value)) {
     const count = drawing.value!.parts.length;
-    return { title: `${count} ${count === 1 ? "part" : "parts"}, nothing asked`, line: "choose a part and press P to pull it, or drag it", tone: "" };
+    return { title: `${count} ${count === 1 ? "part" : "parts"}, nothing asked`, line: "drag a part to feel where it stops, or choose what is pulled", tone: "" };
   }
-  if (what === "between") {
-    const guess = valueBetween(solved.value, design.value.gap);
-    return { title: guess === null ? "…" : `about ${number(guess, 3)} ${unitOf()}`, line: "between solved gaps, solving", tone: "guess" };
+  const asked = goals.value.length ? few(goals.value.map(ask), 2) : design.value.goals === "closer" ? "parts closer together" : "parts as far as they go";
+  if (what === "between" || unsure.value || !about || about.design !== design.value) {
+    if (!unsure.value) return { title: asked, line: about ? "" : "no answer", tone: "guess" };
+    const far = about?.design === design.value ? about.reply.objective : null;
+    const least = far !== null && far > 0.01 * gap ? [`at least ${number(far, 3)} ${unitOf()} so far`] : [];
+    return { title: asked, line: [`solving at gap ${number(gap)} mm`, ...least].join(" · "), tone: "guess" };
   }
-  if (!about) return { title: goals.value.map(ask).slice(0, 2).join(", "), line: waiting.value ? "solving" : "no answer", tone: "guess" };
-  const { headline, facts, settled } = about.reply;
-  const line = [...(settled ? facts : ["settling", ...facts.slice(1)]), ...enlarged()].join(" · ");
-  return { title: headline, line, tone: about.reply.objective === null ? "warn" : about.design === design.value ? "" : "guess" };
+  const { headline, facts } = about.reply;
+  return { title: headline, line: [...facts, ...enlarged()].join(" · "), tone: about.reply.objective === null ? "warn" : "" };
+}
+
+/** What a dragged part does: while the hand leads nothing is claimed. */
+function draggedSaid(): Said {
+  const { part, grip } = dragging.value!;
+  const name = short(part);
+  const about = dragged.value;
+  if (running.value.has("drag") || about?.reply.part !== part) return { title: `${name} follows the hand`, line: "the dashed outline is where the hand wants it", tone: "guess" };
+  const { reached, distance, blocking } = about.reply;
+  const tiny = NOTHING * (design.value.gap || extent.value.radius / 500);
+  const moved = Math.hypot(reached[0] - grip[0], reached[1] - grip[1]);
+  const away = distance > tiny ? `${number(distance, 3)} mm short of the pointer` : "at the pointer";
+  const held = distance > tiny && blocking.length ? [`held by ${few(blocking)}`] : [];
+  return { title: `${name} moved ${moved > tiny ? number(moved, 3) : "0"} mm`, line: [...held, away, ...enlarged()].join(" · "), tone: "" };
 }
 
 const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
 
 const NAMES: Record<string, string> = {
-  flex: "solving", check: "checking whether it comes apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound",
-  space: "free space", wiggle: "freedoms", save: "saving", open: "opening",
+  flex: "solving", check: "checking whether it comes apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",
+  space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 
 /** Long work under way: what it is, how far, and a way to end it. */
 function Work() {
-  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "sweep", "rank", "prove", "save", "space", "wiggle"].includes(kind)));
+  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
   return (
     <>
       {rows.map(([kind, told]) => (

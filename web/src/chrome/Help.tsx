@@ -7,15 +7,15 @@ import { Button } from "./Button.tsx";
 type Row = readonly [keys: string, words: string];
 /** What serves without a server too. */
 const LOOK: Row[] = [
-  [", .", "choose the part before or after"], ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"],
+  [", .", "choose the part before or after"], ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"],
   ["1 … 5", "panels"], ["Esc", "back to the answer, let the part go"], ["?", "this list"],
 ];
 const KEYS: Row[] = [
   [", .", "choose the part before or after"], ["F", "fix the chosen part, or let it go"], ["P", "pull the chosen part, or stop pulling it"],
-  ["G", "glue the chosen part to another one"], ["W", "wiggle: show every freedom that is left"],
-  ["← ↑ → ↓", "of a pulled part: point the pull that way (Shift: turn it by 5°); else drag the part a step"],
-  ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"], ["[ ]", "gap smaller or larger by a step"],
-  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["1 … 5", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
+  ["G", "glue the chosen part to another one"], ["L", "choose many: draw a line round them (or Shift and drag on the ground; Shift and press adds one)"], ["A", "choose all parts"], ["W", "wiggle: show every freedom that is left"],
+  ["R", "show where the chosen part can be brought"], ["← ↑ → ↓", "of a pulled part: point the pull that way (Shift: turn it by 5°); else drag the part a step"],
+  ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"], ["[ ]", "gap smaller or larger by a step"],
+  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["1 … 6", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
   ["?", "this list"],
 ];
 const LOOK_MICE: Row[] = [["Click a part", "choose it"], ["Drag, wheel, pinch", "pan and zoom"]];

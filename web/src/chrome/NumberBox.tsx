@@ -1,6 +1,7 @@
 /** A box for a number that takes it when it is finished: by Enter, by leaving, or by the arrows. */
 
 import { useEffect, useRef } from "preact/hooks";
+import { notice } from "../state.ts";
 import { number } from "../words.ts";
 
 interface Asked { value: number; onChange: (value: number) => void; label: string; min?: number; step?: number; unit?: string; digits?: number; disabled?: boolean }
@@ -13,8 +14,11 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
   }, [text]);
   const take = (): void => {
     const typed = Number(box.current!.value.replace(",", "."));
-    if (!Number.isFinite(typed) || box.current!.value.trim() === "" || (min !== undefined && typed < min)) box.current!.value = text;
-    else if (typed !== value) onChange(typed);
+    const given = box.current!.value.trim();
+    if (!Number.isFinite(typed) || given === "" || (min !== undefined && typed < min)) {
+      notice.value = `${label}: “${given}” is not ${min === undefined ? "a number" : `a number of ${min} or more`}; it stays ${text}${unit ? ` ${unit}` : ""}`;
+      box.current!.value = text;
+    } else if (typed !== value) onChange(typed);
   };
   const keys = (event: KeyboardEvent): void => {
     event.stopPropagation();

@@ -3,8 +3,11 @@
 import { autoFactor, chosenFactor, place, play, playing, shown } from "../motion.ts";
 import { back, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
-import { answer, drawing, modes } from "../state.ts";
+import { measuring, stopMeasuring } from "../stage/measure.ts";
+import { answer, baked, drawing, modes } from "../state.ts";
+import { lassoing } from "../stage/lasso.ts";
 import { Button } from "./Button.tsx";
+import { Notices } from "./Notices.tsx";
 
 const FACTORS = [1, 2, 5, 10, 20, 50, 100];
 
@@ -37,6 +40,7 @@ export function Player() {
         )}
         {other && <Button icon="rest" label={answer.value ? "Back to the answer" : "Back to rest"} keyName="Escape" onClick={back}>{answer.value ? "Answer" : "Rest"}</Button>}
       </div>
+      <Notices />
       <label class="group factor" title="how many times the motion is enlarged">
         <span>motion</span>
         <select value={chosenFactor.value} aria-label="how many times the motion is enlarged" onChange={(event) => (chosenFactor.value = Number(event.currentTarget.value))}>
@@ -44,6 +48,13 @@ export function Player() {
           {FACTORS.map((f) => <option key={f} value={f}>×{f}</option>)}
         </select>
       </label>
+      <div class="group">
+        {!baked.value && <Button icon="lasso" label="Choose many: draw a line round them" keyName="L" pressed={lassoing.value} onClick={() => (lassoing.value = !lassoing.value)} />}
+        <Button
+          icon="measure" label="Measure: press two edges or corners" keyName="M" pressed={measuring.value}
+          onClick={() => (measuring.value ? stopMeasuring() : (measuring.value = true))}
+        />
+      </div>
       <div class="group zoom">
         <Button icon="minus" label="Zoom out" keyName="-" onClick={() => zoomBy(1 / 1.3)} />
         <Button icon="plus" label="Zoom in" keyName="+" onClick={() => zoomBy(1.3)} />

@@ -3,7 +3,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { SaveWhat } from "../protocol.ts";
 import { copy } from "../save.ts";
-import { save } from "../session.ts";
+import { link, save } from "../session.ts";
 import { shown } from "../motion.ts";
 import { answer, can, checked, drawing, running } from "../state.ts";
 import { Button } from "./Button.tsx";
@@ -72,6 +72,9 @@ export function SaveMenu() {
               </button>
             );
           })}
+          <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(link()))} title="for this file, in a page of this server">
+            <span>Copy a link to this design</span><kbd>link</kbd>
+          </button>
           {command && (
             <button type="button" role="menuitem" onClick={() => (setOpen(false), copy(command))}>
               <span>Copy the command</span><kbd>text</kbd>

@@ -1,8 +1,10 @@
 /** What can be done with the chosen part. */
 
-import { design, fixedNames, groupOf, pulledNames, setExtra, settle, toggleFixed, togglePull, unglue } from "../design.ts";
-import { ask } from "../session.ts";
-import { baked, extent, gluing, selected } from "../state.ts";
+import { design, fixAll, fixedNames, glueAll, groupOf, pulledNames, setExtra, setExtras, settle, toggleFixed, togglePull, unglue } from "../design.ts";
+import { ask, askReach } from "../session.ts";
+import { measuring, picked } from "../stage/measure.ts";
+import { baked, drawing, extent, gluing, many, reach, selected } from "../state.ts";
+import { chooseMany, lassoing } from "../stage/lasso.ts";
 import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
@@ -20,7 +22,11 @@ export function Selection() {
   const name = selected.value;
   if (baked.value) return null;
   if (gluing.value) return <div class="selection hint" role="status">Choose the part to glue to {short(gluing.value)} <button type="button" class="link" onClick={() => (gluing.value = null)}>cancel</button></div>;
-  if (!name) return null;
+  if (!drawing.value) return null;
+  if (measuring.value) return <p class="selection hint" role="status">{["Press an edge or a corner", "Press another one: the clearance between them is shown and follows the motion", "Press again to measure something else, Escape to end"][picked.value.length]}</p>;
+  if (lassoing.value) return <p class="selection hint" role="status">Draw a line round the parts to choose</p>;
+  if (many.value.size) return <Several names={[...many.value]} />;
+  if (!name) return <p class="selection hint">Drag a part to feel where it stops. Press one to fix, pull, glue or loosen it.</p>;
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
       <span class="name" title={name}>{short(name, 18)}</span>
@@ -28,7 +34,29 @@ export function Selection() {
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name)}>Pull</Button>
       <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
       <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => wiggle(name)}>Wiggle</Button>
+      <Button icon="reach" label="Show where it can be brought" keyName="R" onClick={() => askReach(name)} disabled={fixedNames.value.has(name)} pressed={reached(name)}>Reach</Button>
+      {reached(name) && <span class="quiet note">{reach.value!.reply.words}</span>}
       <ExtraGap name={name} />
+    </div>
+  );
+}
+
+const reached = (name: string): boolean => reach.value !== null && reach.value.design === design.value && reach.value.reply.part === name;
+
+/** What can be done with many parts at once. */
+function Several({ names }: { names: string[] }) {
+  const fixed = names.filter((one) => fixedNames.value.has(one));
+  const gap = design.value.extra[names[0]!] ?? 0;
+  return (
+    <div class="selection" role="toolbar" aria-label={`${names.length} parts`}>
+      <span class="name" title={names.join(", ")}>{names.length} parts</span>
+      <Button icon="fix" label="Fix these parts" onClick={() => fixAll(names, fixed.length < names.length)} pressed={fixed.length === names.length}>Fix</Button>
+      <Button icon="glue" label="Glue these parts to each other" onClick={() => glueAll(names)}>Glue</Button>
+      <div class="extra">
+        <span aria-hidden="true">extra gap</span>
+        <NumberBox value={gap} step={stepOf(design.value.gap || extent.value.radius / 50)} unit="mm" label="extra gap around each of these parts" onChange={(value) => setExtras(names, value)} />
+      </div>
+      <Button icon="close" label="Choose none" onClick={() => chooseMany([])} class="small" />
     </div>
   );
 }

@@ -55,7 +55,7 @@ function Mark() {
 
 function Line() {
   if (baked.value) return null;
-  if (line.value === "refused") return <span class="pill bad" role="status">this page is no longer let in: use the address that serve prints</span>;
+  if (line.value === "refused") return <span class="pill bad" role="status">not let in</span>;
   if (line.value === "broken") return <span class="pill bad" role="status">no server: trying again</span>;
   if (workerState.value === "lost") return <span class="pill warn" role="status">solver lost, starting anew</span>;
   return null;

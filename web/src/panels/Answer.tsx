@@ -1,13 +1,15 @@
 /** What is asked, what was found, and what holds it. */
 
 import { asks, design, goals, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
-import { type Cell, type Goal, isPull, isTurn, type Point } from "../protocol.ts";
-import { answer, baked, dragged, highlit, names, selected } from "../state.ts";
+import { type Cell, type Finding, type Goal, isPull, isTurn, type Point } from "../protocol.ts";
+import { answer, baked, dragged, drawing, findings, highlit, names, selected } from "../state.ts";
 import { end, shown } from "../motion.ts";
-import { ask, degrees, few, short } from "../words.ts";
+import { ask, degrees, few, number, short } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
+import { Explain, FORCE } from "../chrome/Meaning.tsx";
 import { Command } from "./Command.tsx";
+import { mend } from "./Findings.tsx";
 import { Section } from "./Section.tsx";
 import { Table } from "./Table.tsx";
 
@@ -15,8 +17,9 @@ export function Answer() {
   const about = answer.value;
   return (
     <>
-      <Asked />
       <Standing />
+      <Asked />
+      <Gap />
       {about && (
         <>
           {about.reply.leaves.length > 0 && <Section title="Leaves"><p>{few(about.reply.leaves, 12)}</p></Section>}
@@ -33,10 +36,29 @@ function Asked() {
   const whole = design.value.goals;
   if (baked.value && !asks(design.value)) return null;
   return (
-    <Section title="Asked">
+    <Section title="What is pulled" step={baked.value ? undefined : 2} done={asks(design.value)}>
+      <Likely about="pulled" />
       {typeof whole === "string" && <p>{whole === "closer" ? "neighbours closer" : "sum of squared translations"}</p>}
-      {typeof whole !== "string" && goals.value.length === 0 && <p class="quiet">Nothing yet. Choose a part, then P pulls it.</p>}
+      {typeof whole !== "string" && goals.value.length === 0 && <p class="quiet">Nothing yet. Press a part in the picture, then Pull.</p>}
       <ul class="rows">{goals.value.map((goal, i) => <GoalRow key={i} goal={goal} index={i} />)}</ul>
+    </Section>
+  );
+}
+
+/** The button that does the likely thing, where something is missing. */
+function Likely({ about }: { about: Finding["about"] }) {
+  const likely = findings.value.find((one) => one.about === about)?.mends[0];
+  if (!likely || baked.value) return null;
+  return <p class="likely"><Button label={likely.words} onClick={() => mend(likely)} class="main small">{likely.words}</Button></p>;
+}
+
+function Gap() {
+  if (baked.value) return null;
+  const wrong = findings.value.some((one) => one.about === "gap");
+  return (
+    <Section title="The gap" step={3} done={!wrong && drawing.value !== null && answer.value !== null} side={<span>{number(design.value.gap)} mm</span>}>
+      <Likely about="gap" />
+      {wrong && <p class="quiet">Parts need room to move: the gap is taken off all outlines, half on each side.</p>}
     </Section>
   );
 }
@@ -73,8 +95,9 @@ function Standing() {
   const { fixed, glue } = design.value;
   if (baked.value && fixed.length + glue.length === 0) return null;
   return (
-    <Section title="Fixed">
-      {fixed.length === 0 && <p class="quiet">Nothing is fixed. Choose a part, then F fixes it.</p>}
+    <Section title="What stands" step={baked.value ? undefined : 1} done={fixed.length > 0}>
+      <Likely about="stands" />
+      {fixed.length === 0 && <p class="quiet">Nothing yet. Press a part in the picture, then Fix.</p>}
       <ul class="chips">
         {fixed.slice(0, 40).map((name) => <Chip key={name} class="fixed" name={name} onRemove={() => toggleFixed(name)} words={`let ${name} go`} />)}
         {fixed.length > 40 && <li class="quiet">and {fixed.length - 40} more</li>}
@@ -103,6 +126,7 @@ function Held() {
   const rows = contacts.map(({ parts, point, force }): Cell[] => [parts, ...point, force]);
   return (
     <Section title="What holds it" side={<span class="quiet">{contacts.length} {contacts.length === 1 ? "contact" : "contacts"}</span>}>
+      <p>Where parts press on each other at the end, and how hard<Explain word="force" words={FORCE} /></p>
       <Table columns={["between", "x mm", "y mm", "force"]} rows={rows} bar={3} onHover={(i) => (highlit.value = i === null ? null : contacts[i]!.point)} />
     </Section>
   );

@@ -4,7 +4,8 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, groupOf, pulledNames, setExtra } from "../design.ts";
 import { ask } from "../session.ts";
-import { answer, current, drawing, names as allNames, ranking, selected } from "../state.ts";
+import { answer, current, drawing, names as allNames, many, ranking, selected } from "../state.ts";
+import { chooseMany, chooseToo } from "../stage/lasso.ts";
 import { number, short } from "../words.ts";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Run } from "../chrome/Run.tsx";
@@ -79,7 +80,8 @@ export function Gaps() {
           {names.slice(0, most.value).map((name) => (
             <tr key={name} aria-selected={name === chosen}>
               <td>
-                <button type="button" class="link" onClick={() => (selected.value = name)}>
+                <input type="checkbox" aria-label={`choose ${name} too`} checked={many.value.has(name) || name === chosen} onChange={() => chooseToo(name)} />
+                <button type="button" class="link" onClick={() => chooseMany([name])}>
                   <i class={`dot ${fixedNames.value.has(name) ? "fixed" : pulledNames.value.has(name) ? "pulled" : ""}`} />
                   {short(name, 18)}
                   {groupOf(name) && <span class="quiet"> glued</span>}

@@ -5,11 +5,13 @@ import type { ComponentType } from "preact";
 import { answer, baked, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
+import { Findings } from "./Findings.tsx";
 import { Gaps } from "./Gaps.tsx";
 import { Joints, Ranked } from "./Ranked.tsx";
 import { Space } from "./Space.tsx";
 import { Study } from "./Study.tsx";
 import { Sure } from "./Sure.tsx";
+import { Vary } from "./Vary.tsx";
 
 interface Page { name: Tab; words: string; Shown: ComponentType }
 
@@ -20,7 +22,7 @@ export const pages = computed<Page[]>(() => {
   const page = (name: Tab, words: string, Shown: ComponentType, there: boolean = true): Page[] => (there ? [{ name, words, Shown }] : []);
   const told = baked.value;
   if (!told) {
-    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space), ...page("sure", "How sure", Sure)];
+    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space), ...page("sure", "How sure", Sure)];
   }
   return [
     ...page("answer", "Answer", Answer, answer.value !== null), ...page("gaps", "Whose gap", Ranked, ranking.value !== null),
@@ -58,6 +60,7 @@ export function Panel() {
           >{words}</button>
         ))}
       </div>
+      <Findings />
       <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
     </aside>
   );

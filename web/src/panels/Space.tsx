@@ -80,7 +80,7 @@ function Body() {
     viewer().then(
       (show) => {
         if (gone || !box.current) return;
-        made.current = show(box.current, about.reply, isDark());
+        made.current = show(box.current, about.reply, isDark(), (angle) => (which.value = nearest(slices, angle)));
         made.current.point(state);
         made.current.slice(slices[which.peek()]?.angle_deg ?? 0);
       },
@@ -97,7 +97,7 @@ function Body() {
   const slice = slices[which.value];
   return (
     <>
-      <div class="space3d" ref={box} role="img" aria-label={`free space of ${b} against ${a}, turns from ${number(about.reply.range_deg[0], 3)} to ${number(about.reply.range_deg[1], 3)} degrees`} />
+      <div class="space3d" ref={box} role="group" aria-label={`free space of ${b} against ${a}, turns from ${number(about.reply.range_deg[0], 3)} to ${number(about.reply.range_deg[1], 3)} degrees`} />
       {failed.value && <p class="quiet">{failed.value}</p>}
       <p class="quiet">now: {number(state[0], 3)}, {number(state[1], 3)} mm, {number(state[2], 3)}°</p>
       {slice && (

@@ -1,6 +1,7 @@
 /** What a study says beside the answer: pictures, tables and terms, as they came. */
 
 import { baked } from "../state.ts";
+import type { StudyTab } from "../protocol.ts";
 import { Blamebar } from "./Ranked.tsx";
 import { Section } from "./Section.tsx";
 import { Table } from "./Table.tsx";
@@ -11,7 +12,15 @@ export function Study() {
   return (
     <>
       {tints?.per && <Blamebar most={Math.max(...Object.values(tints.values))} per={tints.per} />}
-      {study!.sections.map(({ title, text, svg, columns, rows, terms }) => (
+      <Sections of={study!} />
+    </>
+  );
+}
+
+export function Sections({ of }: { of: StudyTab }) {
+  return (
+    <>
+      {of.sections.map(({ title, text, svg, columns, rows, terms }) => (
         <Section key={title} title={title}>
           {text && <p>{text}</p>}
           {svg && <figure class="plot" dangerouslySetInnerHTML={{ __html: svg }} />}

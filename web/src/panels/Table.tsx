@@ -42,7 +42,7 @@ export function Table({ columns, rows, bar, first = 12, onHover }: Asked) {
     if (numeric[k]) return one === null ? "–" : one === "∞" ? one : (value(one) + 0).toFixed(decimals[k]);
     const names = typeof one === "string" ? [one] : (one as readonly string[]);
     return names.map((name, i) => (
-      <Fragment key={i}>{i > 0 && " | "}{indexOf.value.has(name) ? <button type="button" class="link" title={name} onClick={() => (selected.value = name)}>{short(name, 18)}</button> : name}</Fragment>
+      <Fragment key={i}>{i > 0 && " | "}{indexOf.value.has(name) ? <button type="button" class="link" title={name} onClick={() => (selected.value = name)}>{short(name, names.length > 1 ? 12 : 18)}</button> : name}</Fragment>
     ));
   };
   return (

@@ -1,15 +1,20 @@
 /** What lies over the canvas as SVG: the arrow of a pull or a turn, with handles to take it elsewhere. */
 
 import { useRef } from "preact/hooks";
-import { goals, setGoal, settle } from "../design.ts";
+import { design, goals, setGoal, settle } from "../design.ts";
 import { factor, shown } from "../motion.ts";
 import { type Goal, isPull, isTurn, type Point, type Pull } from "../protocol.ts";
-import { baked, drawing, indexOf } from "../state.ts";
+import { baked, drawing, extent, indexOf, pointed, reach, selected } from "../state.ts";
+import { lassoed } from "./lasso.ts";
 import { size, view } from "./camera.ts";
+import { ends, long, picked, shortest } from "./measure.ts";
 import { current, frame, gripAt, partAt } from "./now.ts";
 import { outOf, placed } from "./shapes.ts";
+import { number } from "../words.ts";
 import { toScreen } from "./view.ts";
 
+/** What is nearer than this share of the drawing touches: outlines are told no finer. */
+const TOUCHING = 1e-6;
 const LONG = 74;
 const SHORT = 34;
 const EDGE = 6;
@@ -19,8 +24,13 @@ export function Overlay() {
   void frame.value;
   const { width, height } = size.value;
   if (!drawing.value || !width || shown.value.what === "escape") return null;
+  const spot = pointed.value?.point && toScreen(view.value, size.value, pointed.value.point);
   return (
     <svg class="overlay" width={width} height={height} aria-hidden="true">
+      {spot && <circle class="spot" cx={spot[0]} cy={spot[1]} r={16} />}
+      <Reach />
+      <Measure />
+      {lassoed.value.length > 2 && <polygon class="lasso" points={lassoed.value.map((p) => p.join()).join(" ")} />}
       {goals.value.slice(0, MOST).map((goal, i) => {
         const at = anchor(goal);
         if (!at) return null;
@@ -28,6 +38,41 @@ export function Overlay() {
         return isTurn(goal) ? <TurnArrow key={i} at={at} ccw={goal.turn === "ccw"} /> : null;
       })}
     </svg>
+  );
+}
+
+/** Where the chosen part can be brought by its grip. */
+function Reach() {
+  const about = reach.value;
+  if (!about || about.design !== design.value || about.reply.part !== selected.value) return null;
+  const { rings, grip, exact } = about.reply;
+  const f = factor();
+  const screen = ([x, y]: Point): Point => toScreen(view.value, size.value, [grip[0] + (x - grip[0]) * f, grip[1] + (y - grip[1]) * f]);
+  const path = rings.map((ring) => `M${ring.map((p) => screen(p).map((v) => v.toFixed(1)).join(" ")).join("L")}Z`).join("");
+  const [x, y] = screen(grip);
+  return <g class={exact ? "reach" : "reach sampled"}><path d={path} fill-rule="evenodd" /><circle cx={x} cy={y} r={3} /></g>;
+}
+
+/** What was picked to measure, and how far it is apart: true lengths, whatever the motion is enlarged by. */
+function Measure() {
+  void frame.value; // parts move
+  const some = picked.value;
+  if (some.length === 0 || some.some(({ part }) => !current.shapes[part])) return null;
+  const screen = (p: Point): Point => toScreen(view.value, size.value, p);
+  const drawn = some.map((one) => ends(one, factor()));
+  const lines = drawn.map((pair) => pair.map(screen) as [Point, Point]);
+  const [one, other] = drawn;
+  const way = other ? (shortest(one!, other).map(screen) as [Point, Point]) : null;
+  const [a, b] = some.map((feature) => ends(feature, 1));
+  const far = b ? long(shortest(a!, b)) : 0;
+  const words = b ? (far < TOUCHING * extent.value.radius ? "they touch" : `${number(far, 4)} mm`) : "";
+  const middle: Point | null = way && [(way[0][0] + way[1][0]) / 2, (way[0][1] + way[1][1]) / 2];
+  return (
+    <g class="measure">
+      {lines.map(([[x1, y1], [x2, y2]], i) => (x1 === x2 && y1 === y2 ? <circle key={i} cx={x1} cy={y1} r={5} /> : <line key={i} class="edge" x1={x1} y1={y1} x2={x2} y2={y2} />))}
+      {way && <line class="way" x1={way[0][0]} y1={way[0][1]} x2={way[1][0]} y2={way[1][1]} />}
+      {middle && <text x={Math.min(Math.max(middle[0], 60), size.value.width - 60)} y={Math.max(middle[1] - 14, 16)}>{words}</text>}
+    </g>
   );
 }
 

@@ -1,23 +1,34 @@
 /** The canvas with the parts, and what the pointer does on it. */
 
-import { effect, untracked } from "@preact/signals";
+import { computed, effect, untracked } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, glue } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
-import { askDrag, release } from "../session.ts";
+import { askDrag, askReach, release } from "../session.ts";
 import * as state from "../state.ts";
-import { content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
+import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
 import { colours } from "./colours.ts";
+import { type Lead, lead } from "./lead.ts";
+import { chooseMany, chooseToo, close, draw, lassoing } from "./lasso.ts";
 import { cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
 import { paintMarks } from "./marks.ts";
-import { paint } from "./paint.ts";
+import { measuring, pick, picked } from "./measure.ts";
+import { clear, type Scene, paint, paintGhost } from "./paint.ts";
 import { Overlay } from "./Overlay.tsx";
 import { blame, roles } from "./roles.ts";
 import { around, outOf, placed, shapes } from "./shapes.ts";
 import { toWorld } from "./view.ts";
 
 const SLOW = 36;
+/** Of so few parts the reach is worked out when one is pressed. */
+const AT_ONCE = 25;
+
+/** Indices of the chosen parts. */
+const chosen = computed<ReadonlySet<number>>(() => {
+  const some = state.many.value.size ? [...state.many.value] : state.selected.value ? [state.selected.value] : [];
+  return new Set(some.flatMap((name) => state.indexOf.value.get(name) ?? []));
+});
 
 function painter(canvas: HTMLCanvasElement): () => void {
   const g = canvas.getContext("2d", { alpha: false })!;
@@ -25,11 +36,17 @@ function painter(canvas: HTMLCanvasElement): () => void {
   let still = 0;
   let rough = false;
   let lastView = view.peek();
+  const behind = new Behind();
   const draw = (now: number): void => {
     wanted = 0;
     if (!size.peek().width || !state.drawing.peek()) return;
     const { motion, moving } = pose(now, current.shapes.length);
     current.motion = motion;
+    const led = lead.peek();
+    for (const i of led?.group ?? []) {
+      motion[3 * i]! += led!.free[0];
+      motion[3 * i + 1]! += led!.free[1];
+    }
     const changing = moving || lastView !== view.peek() || pointerTarget.peek() !== null;
     lastView = view.peek();
     rough = changing && (rough || cost.last > SLOW);
@@ -37,9 +54,16 @@ function painter(canvas: HTMLCanvasElement): () => void {
     const at = state.indexOf.peek();
     const scene = {
       shapes: current.shapes, names: state.names.peek(), roles: roles.peek(), blame: blame.peek(),
-      motion, factor: factor(), chosen: at.get(state.selected.peek() ?? "") ?? -1, hovered: at.get(state.hovered.peek() ?? "") ?? -1, colours: colours(),
+      motion, factor: factor(), chosen: chosen.peek(), hovered: at.get(state.hovered.peek() ?? "") ?? -1, colours: colours(),
     };
-    paint(g, size.peek(), ratio, view.peek(), scene, rough);
+    if (led && !moving) {
+      behind.show(g, scene, led);
+      paint(g, size.peek(), ratio, view.peek(), scene, false, new Set(led.group));
+      paintGhost(g, size.peek(), ratio, view.peek(), scene, led.group, [led.wish[0] - led.free[0], led.wish[1] - led.free[1]]);
+    } else {
+      clear(g, size.peek(), ratio, scene.colours);
+      paint(g, size.peek(), ratio, view.peek(), scene, rough);
+    }
     const marks = marksNow();
     if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, motion, scene.factor, marks);
     requestAnimationFrame((next) => (cost.last = next - now)); // painting goes on after this function: only the next frame tells
@@ -56,6 +80,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
   const stopShapes = effect(() => {
     const opened = state.drawing.value;
     current.shapes = opened ? shapes(opened.parts, state.rings.value) : [];
+    if (picked.peek().length) picked.value = []; // other outlines
     invalidate();
   });
   const stopBox = effect(() => {
@@ -70,9 +95,13 @@ function painter(canvas: HTMLCanvasElement): () => void {
   const stopFit = effect(() => {
     if (state.drawing.value && size.value.width) untracked(fitAll);
   });
+  const stopSpot = effect(() => {
+    const place = state.pointed.value?.point;
+    if (place) untracked(() => bringIntoView(place));
+  });
   const stop = effect(() => {
-    void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), state.selected.value];
-    void [playing.value, state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
+    void [view.value, size.value, shown.value, place.value, factor(), roles.value, blame.value, colours(), chosen.value];
+    void [lead.value, playing.value, state.hovered.value, state.highlit.value, state.answer.value, state.dragged.value, pointerTarget.value];
     invalidate();
   });
   return () => {
@@ -80,9 +109,34 @@ function painter(canvas: HTMLCanvasElement): () => void {
     stopShapes();
     stopBox();
     stopFit();
+    stopSpot();
     stop();
     cancelAnimationFrame(wanted);
   };
+}
+
+/** All parts but those under the hand, painted once for many frames. */
+class Behind {
+  #canvas = document.createElement("canvas");
+  #of: unknown[] = [];
+
+  show(g: CanvasRenderingContext2D, scene: Scene, { group }: Lead): void {
+    const { width, height } = g.canvas;
+    const { frames } = shown.peek();
+    const of = [width, height, view.peek(), size.peek(), frames, place.peek(), scene.factor, scene.roles, scene.blame, scene.chosen, scene.colours, scene.shapes, group.join()];
+    if (of.some((one, k) => one !== this.#of[k])) {
+      this.#of = of;
+      if (this.#canvas.width !== width) this.#canvas.width = width;
+      if (this.#canvas.height !== height) this.#canvas.height = height;
+      const own = this.#canvas.getContext("2d", { alpha: false })!;
+      const ratio = width / size.peek().width;
+      clear(own, size.peek(), ratio, scene.colours);
+      const mine = new Set(group);
+      paint(own, size.peek(), ratio, view.peek(), { ...scene, hovered: -1 }, false, mine, true);
+    }
+    g.setTransform(1, 0, 0, 1, 0, 0);
+    g.drawImage(this.#canvas, 0, 0);
+  }
 }
 
 function marksNow() {
@@ -113,6 +167,7 @@ interface Held { at: Point; moved: boolean; part: string | null; grip: Point }
 
 function pointers(canvas: HTMLCanvasElement): () => void {
   const down = new Map<number, Held>();
+  let lassoPointer = -1;
   const here = (event: PointerEvent | WheelEvent): Point => {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left, event.clientY - box.top];
@@ -121,13 +176,20 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     if (event.button > 1 || !state.drawing.peek()) return;
     canvas.setPointerCapture(event.pointerId);
     const at = here(event);
-    const name = event.button === 0 && down.size === 0 ? partAt(at) : null;
+    if (event.button === 0 && (lassoing.peek() || event.shiftKey) && down.size === 0 && !state.baked.peek()) {
+      if (lassoing.peek() || partAt(at) === null) {
+        lassoPointer = event.pointerId;
+        return draw(at);
+      }
+    }
+    const name = event.button === 0 && down.size === 0 && !measuring.peek() ? partAt(at) : null;
     const grip = name ? gripAt(name, at) : ([0, 0] as Point);
     down.set(event.pointerId, { at, moved: false, part: name, grip });
   };
   const move = (event: PointerEvent): void => {
     const held = down.get(event.pointerId);
     const at = here(event);
+    if (lassoPointer === event.pointerId) return draw(at);
     if (!held) {
       if (event.pointerType !== "touch") state.hovered.value = partAt(at);
       return;
@@ -156,18 +218,31 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     const world = toWorld(view.peek(), size.peek(), at);
     const f = factor();
     const target: Point = [held.grip[0] + (world[0] - held.grip[0]) / f, held.grip[1] + (world[1] - held.grip[1]) / f];
-    state.selected.value = held.part;
+    chooseMany([held.part!]);
     pointerTarget.value = { part: held.part!, grip: held.grip, target };
     askDrag(held.part!, held.grip, target);
   };
   const lift = (event: PointerEvent): void => {
+    if (lassoPointer === event.pointerId) {
+      lassoPointer = -1;
+      lassoing.value = false;
+      return close(event.shiftKey && state.many.peek().size > 0);
+    }
     const held = down.get(event.pointerId);
     down.delete(event.pointerId);
     if (!held) return;
     if (pointerTarget.peek()) {
       pointerTarget.value = null;
       release();
-    } else if (!held.moved && event.type === "pointerup") choose(held.part);
+    } else if (!held.moved && event.type === "pointerup") {
+      if (measuring.peek()) pick(here(event));
+      else if (event.shiftKey && held.part) chooseToo(held.part);
+      else {
+        state.pressed.value = held.part ? held.grip : null;
+        choose(held.part);
+        if (held.part && state.names.peek().length <= AT_ONCE && !fixedNames.peek().has(held.part) && !state.baked.peek()) askReach(held.part);
+      }
+    }
   };
   const wheel = (event: WheelEvent): void => {
     event.preventDefault();
@@ -196,7 +271,7 @@ export function choose(name: string | null): void {
   const other = state.gluing.peek();
   state.gluing.value = null;
   if (other && name) glue(other, name);
-  else state.selected.value = name;
+  else chooseMany(name ? [name] : []);
 }
 
 export function Stage() {
@@ -225,7 +300,7 @@ export function Stage() {
   const grabbing = pointerTarget.value !== null;
   const over = state.hovered.value !== null && !state.baked.value;
   return (
-    <div class="stage" data-cursor={grabbing ? "grabbing" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
+    <div class="stage" data-unsure={state.unsure.value || shown.value.what === "between"} data-cursor={grabbing ? "grabbing" : measuring.value || lassoing.value ? "cell" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
       <canvas
         ref={canvas} tabIndex={0} role="application" aria-roledescription="drawing"
         aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part${state.baked.value ? "" : ", arrow keys move it or turn its pull"}, question mark lists all keys.`}

@@ -12,8 +12,8 @@ export const content = signal<Box>([0, 0, 1, 1]);
 export const fitted = signal(true);
 
 const inset = (): Inset => (size.value.width < 560
-  ? { top: 70, right: 20, bottom: 62, left: 20 }
-  : { top: 80, right: 48, bottom: 68, left: 48 });
+  ? { top: 14, right: 16, bottom: 14, left: 16 }
+  : { top: 22, right: 40, bottom: 24, left: 40 });
 
 export function fitAll(): void {
   fitted.value = true;
@@ -51,4 +51,14 @@ function kept(next: View): View {
   const [x0, y0, x1, y1] = content.value;
   const [wide, high] = [(0.4 * size.value.width) / next.scale, (0.4 * size.value.height) / next.scale];
   return { ...next, x: Math.min(Math.max(next.x, x0 - wide), x1 + wide), y: Math.min(Math.max(next.y, y0 - high), y1 + high) };
+}
+
+/** Moves the view where a place is not in it. */
+export function bringIntoView(at: [number, number]): void {
+  const [x, y] = toScreen(view.value, size.value, at);
+  const { width, height } = size.value;
+  if (x < 20 || y < 20 || x > width - 20 || y > height - 20) {
+    fitted.value = false;
+    view.value = { ...view.value, x: at[0], y: at[1] };
+  }
 }

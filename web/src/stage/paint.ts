@@ -12,7 +12,7 @@ export interface Scene {
   blame: Float32Array | null;
   motion: Float32Array;
   factor: number;
-  chosen: number;
+  chosen: ReadonlySet<number>;
   hovered: number;
   colours: Colours;
 }
@@ -20,17 +20,28 @@ export interface Scene {
 const SMALLEST = 3;
 const NAMED = 70;
 const MOST_NAMES = 140;
+/** A ghost nearer than this [px] to its part is left out. */
+const GHOST = 2;
 
-/** Draws everything; `rough` leaves out thin lines, for frames that come too slowly. */
-export function paint(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, rough: boolean): void {
-  const { colours } = scene;
-  const scale = view.scale * ratio;
+/** The empty ground. */
+export function clear(g: CanvasRenderingContext2D, size: Size, ratio: number, colours: Colours): void {
   g.setTransform(1, 0, 0, 1, 0, 0);
   g.fillStyle = colours.paper;
   g.fillRect(0, 0, size.width * ratio, size.height * ratio);
+}
+
+/**
+ * Draws the parts; `rough` leaves out thin lines, for frames that come too slowly.
+ * With a `group` only those of it, or all `besides` them.
+ */
+export function paint(
+  g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, rough: boolean, group?: ReadonlySet<number>, besides = false,
+): void {
+  const { colours } = scene;
+  const scale = view.scale * ratio;
   g.lineJoin = "round";
-  const seen = visible(size, view, scene);
-  if (!rough) restOutlines(g, size, ratio, view, scene);
+  const seen = visible(size, view, scene).filter(({ i }) => !group || group.has(i) !== besides);
+  if (!rough && (!group || besides)) restOutlines(g, size, ratio, view, scene, group);
   let last = "";
   for (const { i, place } of seen) {
     const one = scene.shapes[i]!;
@@ -50,11 +61,33 @@ export function paint(g: CanvasRenderingContext2D, size: Size, ratio: number, vi
     g.lineWidth = (role === "neutral" ? 1 : 1.4) / view.scale;
     g.stroke(one.path);
   }
-  for (const i of [scene.hovered, scene.chosen]) {
-    const found = seen.find((one) => one.i === i);
-    if (found) ring(g, size, ratio, view, scene, found, i === scene.chosen);
+  for (const found of seen) {
+    if (scene.chosen.has(found.i)) ring(g, size, ratio, view, scene, found, true);
+    else if (found.i === scene.hovered) ring(g, size, ratio, view, scene, found, false);
   }
   if (!rough) names(g, size, ratio, view, scene, seen);
+}
+
+/** Where the hand wants parts that may not get there: not known yet, so it does not look like parts. */
+export function paintGhost(
+  g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, group: readonly number[], [dx, dy]: readonly [number, number],
+): void {
+  if (Math.hypot(dx, dy) * scene.factor * view.scale < GHOST) return;
+  for (const i of group) {
+    const one = scene.shapes[i]!;
+    const at = placed(one, scene.motion, i, scene.factor);
+    stand(g, size, ratio, view, { ...at, x: at.x + dx * scene.factor, y: at.y + dy * scene.factor });
+    g.fillStyle = scene.colours.motion;
+    g.globalAlpha = 0.1;
+    g.fill(one.path, "evenodd");
+    g.globalAlpha = 0.8;
+    g.strokeStyle = scene.colours.motion;
+    g.lineWidth = 1.2 / view.scale;
+    g.setLineDash([5 / view.scale, 4 / view.scale]);
+    g.stroke(one.path);
+    g.setLineDash([]);
+    g.globalAlpha = 1;
+  }
 }
 
 interface Seen { i: number; place: Placed }
@@ -81,7 +114,7 @@ function stand(g: CanvasRenderingContext2D, size: Size, ratio: number, view: Vie
   g.setTransform(c, -s, -s, -c, x * ratio, y * ratio);
 }
 
-function restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene): void {
+function restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, underHand?: ReadonlySet<number>): void {
   g.strokeStyle = scene.colours.rest;
   g.lineWidth = 1 / view.scale;
   for (let i = 0; i < scene.shapes.length; i++) {
@@ -89,7 +122,7 @@ function restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, vi
     if (one.radius * view.scale < SMALLEST || !onScreen(size, view, one.at[0], one.at[1], one.radius)) continue;
     const place = placed(one, scene.motion, i, scene.factor);
     const away = Math.hypot(place.x - one.at[0], place.y - one.at[1]) + one.radius * Math.hypot(place.cos - 1, place.sin);
-    if (away * view.scale < 0.6) continue;
+    if (away * view.scale < 0.6 && !underHand?.has(i)) continue;
     stand(g, size, ratio, view, { x: one.at[0], y: one.at[1], cos: 1, sin: 0 });
     g.stroke(one.path);
   }

@@ -3,18 +3,25 @@
 import { computed } from "@preact/signals";
 import { fixedNames, pulledNames } from "../design.ts";
 import { shown } from "../motion.ts";
-import { answer, baked, checked, coloured, dragged, names, ranking, space as pair, tab } from "../state.ts";
+import { answer, baked, checked, coloured, dragged, names, pointed, ranking, space as pair, studies, tab } from "../state.ts";
 
 export type Role = "neutral" | "pulled" | "fixed" | "leaves" | "lit";
 
 /** Shares 0..1 of the importance of the parts; null while the ranking is not shown. */
 export const blame = computed<Float32Array | null>(() => {
-  const of = tab.value === "gaps" ? blamed() : tab.value === "study" ? baked.value?.tints?.values : undefined;
+  const of = tab.value === "gaps" ? blamed() : tab.value === "vary" ? varied() : tab.value === "study" ? baked.value?.tints?.values : undefined;
   if (!of || !coloured.value) return null;
   const values = names.value.map((name) => Math.abs(of[name] ?? 0));
   const most = Math.max(...values, 1e-12);
   return Float32Array.from(values, (v) => v / most);
 });
+
+/** Colours of the study that was made last. */
+function varied(): Record<string, number> | undefined {
+  const { tighten, sample } = studies.value;
+  const last = (sample?.reply.id ?? 0) > (tighten?.reply.id ?? 0) ? sample : tighten;
+  return last?.reply.tints.values;
+}
 
 function blamed(): Record<string, number> | undefined {
   const parts = ranking.value?.reply.parts;
@@ -31,9 +38,11 @@ export const roles = computed<Role[]>(() => {
   const leaving = new Set(
     shown.value.what === "escape" ? escaping() : (answer.value?.reply.leaves ?? []),
   );
+  const pressed = new Set(pointed.value?.parts ?? []);
   const held = new Set(shown.value.what === "drag" ? (dragged.value?.reply.blocking ?? []) : []);
   const space = baked.value ? pair.value?.reply : undefined; // the pair that the page is about
   const role = (name: string): Role => {
+    if (pressed.has(name)) return "lit";
     if (space?.a === name || fixedNames.value.has(name)) return "fixed";
     if (space?.b === name) return "pulled";
     if (held.has(name)) return "lit";

@@ -182,6 +182,51 @@ def hidden(pair, work, ahead, i, j, tiny):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
+def hidden_piecewise(pair, work, cut, other, p, q, tiny):
+    """True where lines together hide all of edge `cut` from edge `other`: one line the piece up to a point of it, another the rest."""
+    up_to, down_to = 0.0, 1.0
+    begin, end = pair.edges[cut], pair.edges[pair.edges[cut].after]
+    for k in range(work.number[LINES]):
+        line = work.lines[k]
+        own = pair.edges[line.edge]
+        if (line.edge < pair.na) == (cut < pair.na):  # what lies behind the parallel that `other` stays in front of
+            most = work.ahead[k, other] + tiny
+            low = most - (own.nx * begin.x + own.ny * begin.y - own.off)
+            high = most - (own.nx * end.x + own.ny * end.y - own.off)
+            up_to, down_to = _longer(up_to, down_to, low, high)
+            continue
+        least = work.ahead[k, other] - tiny
+        px, py = normal_seen(pair, line.edge, p if cut < pair.na else q)
+        qx, qy = normal_seen(pair, line.edge, q if cut < pair.na else p)
+        for w in range(
+            line.count
+        ):  # in between a point stays in front by at least the mean of both ends, a minimum being concave
+            v = pair.edges[line.walls[w]]
+            low = least_in_front(px, py, qx, qy, begin.x - v.x, begin.y - v.y) - least
+            high = least_in_front(px, py, qx, qy, end.x - v.x, end.y - v.y) - least
+            up_to, down_to = _longer(up_to, down_to, low, high)
+    return up_to >= down_to
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def _longer(up_to, down_to, low, high):
+    """Ends of the hidden pieces of an edge, with what is hidden where a linear function, `low` and `high` at its ends, is not negative."""
+    if low >= 0.0:
+        up_to = max(up_to, 1.0 if high >= 0.0 else low / (low - high))
+    if high >= 0.0:
+        down_to = min(down_to, 0.0 if low >= 0.0 else low / (low - high))
+    return up_to, down_to
+
+
+@njit(**COMPILED_CALLERS_ONLY)
+def strike(work, n):
+    """Take one edge pair from the list of open ones."""
+    last = work.number[PAIRS] - 1
+    work.open_pairs[n] = work.open_pairs[last]
+    work.number[PAIRS] = last
+
+
+@njit(**COMPILED_CALLERS_ONLY)
 def first_look(pair, work, pose, tiny):
     """Look from a pose: which pairs of runs some line covers wholly, and how near the pose brings the others at least."""
     for v in range(pair.n):

@@ -10,9 +10,11 @@ from wiggleroom.freespace.cells.separating_lines import (
     add_wall,
     cover,
     first_look,
+    hidden_piecewise,
     line_of,
     nearest_open,
     set_ahead,
+    strike,
 )
 from wiggleroom.freespace.cells.walls import keeps, out_of_reach
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, INLINED, njit
@@ -147,6 +149,9 @@ def hide_all(pair, work, seed, keep, pose, p, q):
         if line == OUT_OF_MEMORY:
             return False, np.nan
         if line == NO_SEPARATING_LINE:
+            if hidden_piecewise(pair, work, i, j, p, q, tiny) or hidden_piecewise(pair, work, j, i, p, q, tiny):
+                strike(work, where)
+                continue
             beyond = not looked and out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny)
             return beyond, parallel(pair, i, j, p, q)
         set_ahead(pair, work, line, p, q)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import shapely
@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.chords import chords
 from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, zipped
-from wiggleroom.freespace.outer.outer_region import OuterRegion, leftover
-from wiggleroom.freespace.outer.outer_slices import PairMaterial
+from wiggleroom.freespace.outer.outer_region import ReachedSlices
+from wiggleroom.freespace.outer.outer_slices import PairMaterial, core, forbidden, uncovered
+from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -35,8 +36,8 @@ MAX_MITRE = 10.0
 CLOSING_ANGLES = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 """A loop may shrink to a point this share of the whole turn further, where walls have closed well over it."""
 CHORD_SETTINGS = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2, False), (0.1, False))
-"""Chords lie so far inside their part, as shares of the least outset, and loops have few corners or many; the first with which a
-caging surface is found. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
+"""Chords lie so far inside their part, as shares of the least outset, and loops have few corners or many; the first that one is
+found with. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
 MAX_LOOPS = 1200
 
 
@@ -69,6 +70,10 @@ class CagingSurface:
     def _corners(self) -> Floats:
         return np.vstack([np.column_stack([p.at, np.full(len(p.at), p.angle)]) for p in self.loops])
 
+    @cached_property
+    def _angles(self) -> Floats:
+        return np.array([loop.angle for loop in self.loops])
+
     @property
     def far(self) -> float:
         """Largest motion of the pivot [mm]."""
@@ -76,21 +81,24 @@ class CagingSurface:
 
     def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
         """Corners (M, 3) of the loops between two turns and where tracks pass these; none has an interval of its own (M,)."""
-        found = [self._corners[(self._corners[:, 2] >= low) & (self._corners[:, 2] <= high)]]
+        turns = self._corners[:, 2]
+        found = [self._corners[(turns >= low) & (turns <= high)]]
         for level in (low, high):
-            for one, two, seam in zip(self.loops, self.loops[1:], self.seams, strict=False):
-                if one.angle < level < two.angle:
-                    share = (level - one.angle) / (two.angle - one.angle)
-                    at = (1 - share) * one.at[seam.tracks[:, 0]] + share * two.at[seam.tracks[:, 1]]
-                    found.append(np.column_stack([at, np.full(len(at), level)]))
+            k = int(np.searchsorted(self._angles, level)) - 1
+            if 0 <= k < len(self.seams) and level < self._angles[k + 1]:
+                one, two, tracks = self.loops[k], self.loops[k + 1], self.seams[k].tracks
+                share = (level - one.angle) / (two.angle - one.angle)
+                at = (1 - share) * one.at[tracks[:, 0]] + share * two.at[tracks[:, 1]]
+                found.append(np.column_stack([at, np.full(len(at), level)]))
         points = np.vstack(found)
         return points, np.zeros(len(points), dtype=np.int64)
 
 
-def caging_surface(outer: OuterRegion, over: Callable[[], bool]) -> CagingSurface | None:
-    """Caging surface round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
-    material = outer.material
-    window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in outer.pieces)
+def caging_surface(whole: PairMaterial, slices: ReachedSlices, over: Callable[[], bool]) -> CagingSurface | None:
+    """CagingSurface round rest; None where none was found, for example where a slice has several pieces, or before it is `over`."""
+    window = 1.2 * max(float(np.abs(shapely.bounds(p)).max()) for p in slices.pieces)
+    first, last = float(slices.low[0]), float(slices.high[-1])
+    material = whole.near(3 * window + 2 * np.sin(min(max(-first, last), np.pi) / 2) * whole.radius)
     for inset, few in CHORD_SETTINGS:
         depth = inset * LOOP_OUTSETS[0][0] * material.clearance
         crossings = Crossings(*(chords(g, depth, material.clearance) for g in (material.a, material.b)))
@@ -99,12 +107,12 @@ def caging_surface(outer: OuterRegion, over: Callable[[], bool]) -> CagingSurfac
         )
         if start is None or over():
             continue
-        up = _half(material, crossings, start, window, outer.turns[1], few, over)
-        down = None if up is None else _half(material, crossings, start, window, outer.turns[0], few, over)
+        up = _half(material, crossings, start, window, last, few, over)
+        down = None if up is None else _half(material, crossings, start, window, first, few, over)
         if up is not None and down is not None:
             loops = (*(p for p, _ in reversed(down)), start, *(p for p, _ in up))
             return CagingSurface(
-                material, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up))
+                whole, crossings, loops, (*(s.reversed() for _, s in reversed(down)), *(s for _, s in up))
             )
     return None
 
@@ -169,9 +177,16 @@ def _next(
 
 def _pieces(material: PairMaterial, angle: float, window: float, met: shapely.Geometry) -> NDArray[np.object_]:
     """What is free at an angle and meets `met`."""
-    left = leftover(material, angle, 0.0, window)
-    which = shapely.dwithin(left.pieces, met, material.margin)
-    return left.pieces[which][left.open(which)]
+    turned = shapely.transform(_core(material), lambda p: turn(p, angle))
+    pieces = uncovered(material.a, turned, window)
+    pieces = pieces[shapely.dwithin(pieces, met, material.margin)]
+    return pieces[~forbidden(material.a, turned, pieces, material.margin)]
+
+
+@lru_cache(maxsize=4)
+def _core(material: PairMaterial) -> shapely.Geometry:
+    """B less the margin for rounding."""
+    return core(material.b, 0.0, 0.0, material.margin)
 
 
 def _loop(

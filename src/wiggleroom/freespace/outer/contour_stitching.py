@@ -115,18 +115,34 @@ def loop_of(crossings: Crossings, ring: Floats, angle: float, deep: float, few: 
     normal, level = crossings.at(angle, ring.min(0), ring.max(0)).forms()
     corners: list[Floats] = []
     for start, end in zip(ring, np.roll(ring, -1, 0), strict=True):
-        value = normal @ start + level - deep
-        slope = normal @ (end - start)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = -value / slope
-        never = (slope == 0) & (value <= 0)
-        enter = np.where(slope > 0, at, np.where(never, np.inf, -np.inf)).max(1)
-        leave = np.where(slope < 0, at, np.where(never, -np.inf, np.inf)).min(1)
+        enter, leave = _crossed(normal, level - deep, start, end)
+        some = enter < leave
+        enter, leave = enter[some], leave[some]
         share = _changes(enter, leave) if few else _breaks(enter, leave)
         if share is None or len(corners) + len(share) > MAX_LOOP_CORNERS:
             return None
         corners += [start + k * (end - start) for k in share]
     return Loop(np.array(corners), angle)
+
+
+@njit(cache=True)
+def _crossed(normal: Floats, level: Floats, start: Floats, end: Floats) -> tuple[Floats, Floats]:
+    """Shares of a side between which each pair of chords (E,) crosses; it does not where the first is not less."""
+    enter, leave = np.full(len(level), -np.inf), np.full(len(level), np.inf)
+    for e in range(len(level)):
+        for k in range(4):
+            value = normal[e, k, 0] * start[0] + normal[e, k, 1] * start[1] + level[e, k]
+            slope = normal[e, k, 0] * (end[0] - start[0]) + normal[e, k, 1] * (end[1] - start[1])
+            if slope > 0:
+                enter[e] = max(enter[e], -value / slope)
+            elif slope < 0:
+                leave[e] = min(leave[e], -value / slope)
+            elif value <= 0:
+                leave[e] = -np.inf
+            if enter[e] >= leave[e] or enter[e] > 1 or leave[e] < 0:
+                leave[e] = -np.inf
+                break
+    return enter, leave
 
 
 def _changes(enter: Floats, leave: Floats) -> Floats | None:
@@ -205,7 +221,7 @@ def zipped(crossings: Crossings, one: Loop, two: Loop) -> Seam | None:
 
 def _values(depths: Depths, at: Floats) -> Floats:
     normal, level = depths.forms()
-    return np.einsum("ekd,nd->nek", normal, at) + level
+    return (at @ normal.reshape(-1, 2).T).reshape(len(at), *level.shape) + level
 
 
 def _tracks(depths: Depths, first: Floats, second: Floats, one: Loop, two: Loop) -> Bools:

@@ -17,7 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
-from wiggleroom.freespace.outer.outer_walls import corners_between
+from wiggleroom.freespace.outer.outer_walls import corners_between, cut_corners
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -69,6 +69,10 @@ class LocalOuterRegion:
     def far(self) -> float:
         """Largest motion of the pivot [mm]."""
         return float(np.hypot(*self.corner[:, :2].T).max()) + 4 * self.material.margin
+
+    def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
+        """Corners (M, 3) of the polyhedra, cut to turns between `low` and `high`, and the interval of each (M,)."""
+        return cut_corners(self.corner, self.which, self.low, self.high, low, high)
 
 
 @dataclass(frozen=True, eq=False)

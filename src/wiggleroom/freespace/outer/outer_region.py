@@ -16,7 +16,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, Pieces, core, forbidden, uncovered
-from wiggleroom.freespace.outer.outer_walls import polyhedron
+from wiggleroom.freespace.outer.outer_walls import cut_corners, polyhedron
 
 Floats = NDArray[np.float64]
 Shapes = dict[tuple[float, float], Floats]
@@ -78,29 +78,7 @@ class OuterRegion:
 
     def points(self, low: float = -np.inf, high: float = np.inf) -> tuple[Floats, Ints]:
         """Corners (M, 3) of the polyhedra, cut to turns between `low` and `high`, and the interval of each (M,)."""
-        inside = (self.low[self.which] >= low) & (self.high[self.which] <= high)
-        corner, which = [self.corner[inside]], [self.which[inside]]
-        for k in np.flatnonzero((self.low <= high) & (self.high >= low) & ((self.low < low) | (self.high > high))):
-            cut = _cut(self.corner[self.which == k], low, high)
-            corner.append(cut)
-            which.append(np.full(len(cut), k))
-        return np.vstack(corner), np.concatenate(which)
-
-
-def _cut(corner: Floats, low: float, high: float) -> Floats:
-    """Corners (and a few points more) of what a convex polyhedron has at turns between `low` and `high`."""
-    t = corner[:, 2]
-    found = [corner[(t >= low) & (t <= high)]]
-    for level in (low, high):
-        below, above = corner[t <= level], corner[t >= level]
-        if len(below) and len(above):
-            one, other = np.repeat(below, len(above), 0), np.tile(above, (len(below), 1))
-            rise = other[:, 2] - one[:, 2]
-            share = np.where(rise > 0, (level - one[:, 2]) / np.where(rise > 0, rise, 1.0), 0.0)
-            found.append(
-                np.column_stack([one[:, :2] + share[:, None] * (other - one)[:, :2], np.full(len(one), level)])
-            )
-    return np.vstack(found)
+        return cut_corners(self.corner, self.which, self.low, self.high, low, high)
 
 
 def _outer(
@@ -130,6 +108,23 @@ def _apart(material: PairMaterial, low: float, high: float, window: float) -> fl
 def outer_region(
     material: PairMaterial, lever: float, limit: float, over: Callable[[], bool] | None = None
 ) -> OuterRegion | None:
+    """Outer region in coarse intervals; None where it does not end within `limit` [mm], or is cut short by `over`."""
+    found = reached_slices(material, lever, limit, over)
+    return None if found is None else _outer(material, lever, found.low, found.high, list(found.pieces), {})
+
+
+@dataclass(frozen=True, eq=False)
+class ReachedSlices:
+    """Pieces that can be reached, for intervals of turns from `low` to `high` (K,) [rad]."""
+
+    low: Floats
+    high: Floats
+    pieces: tuple[Pieces, ...]
+
+
+def reached_slices(
+    material: PairMaterial, lever: float, limit: float, over: Callable[[], bool] | None = None
+) -> ReachedSlices | None:
     """Follow what is left over from rest both ways, in coarse intervals; None where it does not end within `limit` [mm], or is cut short.
 
     Parameters
@@ -160,7 +155,7 @@ def outer_region(
             return None
     order = sorted(found)
     ends = np.array([(2 * k - 1) * half for k in (*order, order[-1] + 1)])
-    return _outer(material, lever, ends[:-1], ends[1:], [found[k] for k in order], {})
+    return ReachedSlices(ends[:-1], ends[1:], tuple(found[k] for k in order))
 
 
 def _followed(
@@ -271,7 +266,8 @@ def pivot_of(a: shapely.Geometry, b: shapely.Geometry, reach: float) -> tuple[Fl
 
 def _edges_near(b: shapely.Geometry, a: shapely.Geometry, reach: float) -> Floats:
     """Pieces (k, 2, 2) of B's boundary within `reach` of A."""
-    near = shapely.intersection(shapely.boundary(b), shapely.buffer(a, reach, join_style="mitre"))
+    around = shapely.make_valid(shapely.buffer(a, reach, join_style="mitre"))  # a mitred buffer may cross itself
+    near = shapely.intersection(shapely.boundary(b), around)
     lines = shapely.get_parts(shapely.line_merge(near))
     lines = lines[shapely.get_type_id(lines) == shapely.GeometryType.LINESTRING]
     if not len(lines):

@@ -16,6 +16,7 @@ from wiggleroom.freespace.outer.outer_slices import PairMaterial, Pieces, corner
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 MAX_CONTACTS_PER_SIDE = 3
 """So many contacts are tried for each side."""
@@ -199,3 +200,35 @@ def corners_between(planes: Floats, low: float, high: float) -> Floats:
     good = (first <= last + 1e-13 * (high - low)) & ~never.any(1)
     ends = [np.column_stack([fixed[good] + moving[good] * t[good, None], t[good]]) for t in (first, last)]
     return np.unique(np.vstack(ends), axis=0)
+
+
+def cut_corners(
+    corner: Floats, which: Ints, starts: Floats, ends: Floats, low: float, high: float
+) -> tuple[Floats, Ints]:
+    """Corners (N, 3) of convex polyhedra over intervals of turns, cut to turns between `low` and `high`; and the interval of each.
+
+    `which` (N,) is the interval of each corner, from `starts` to `ends` (K,) [rad].
+    """
+    inside = (starts[which] >= low) & (ends[which] <= high)
+    found, interval = [corner[inside]], [which[inside]]
+    for k in np.flatnonzero((starts <= high) & (ends >= low) & ((starts < low) | (ends > high))):
+        cut = _cut(corner[which == k], low, high)
+        found.append(cut)
+        interval.append(np.full(len(cut), k))
+    return np.vstack(found), np.concatenate(interval)
+
+
+def _cut(corner: Floats, low: float, high: float) -> Floats:
+    """Corners (and a few points more) of what a convex polyhedron has at turns between `low` and `high`."""
+    t = corner[:, 2]
+    found = [corner[(t >= low) & (t <= high)]]
+    for level in (low, high):
+        below, above = corner[t <= level], corner[t >= level]
+        if len(below) and len(above):
+            one, other = np.repeat(below, len(above), 0), np.tile(above, (len(below), 1))
+            rise = other[:, 2] - one[:, 2]
+            share = np.where(rise > 0, (level - one[:, 2]) / np.where(rise > 0, rise, 1.0), 0.0)
+            found.append(
+                np.column_stack([one[:, :2] + share[:, None] * (other - one)[:, :2], np.full(len(one), level)])
+            )
+    return np.vstack(found)

@@ -10,12 +10,22 @@ from __future__ import annotations
 
 import numpy as np
 
+from wiggleroom.freespace.subdivision.box_relaxation import (
+    MAX_EDGES,
+    MAX_ROWS,
+    add_rows,
+    edges_within,
+    in_front,
+    most_of,
+)
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 
 STACK_SIZE = 96
 """Room for the nodes that wait while a tree is walked."""
 MIXED, FREE, FORBIDDEN, TINY = 0, 1, 2, 3
 FOUND, CLOSED, SPENT, PAUSED = 0, 1, 2, 3
+SPLIT_VISITS = 100
+"""Cutting a box takes about as long as going over so many."""
 
 
 @njit(**COMPILED_CALLERS_ONLY)
@@ -62,7 +72,7 @@ def depth_at(x, y, edge, normal, disc, kid, stack):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces):
+def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some):
     """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad]."""
     c, s = np.cos(turn), np.sin(turn)
     shift, spread = np.sqrt(2.0) * half, 2.0 * np.sin(min(swing, np.pi) / 2)
@@ -107,6 +117,18 @@ def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_di
                 continue
             if mixed and apart - w > -shift - spread * max(far - w, 0.0):
                 continue
+            most = shift + spread * (far + w)
+            px, py = c * mx - s * my + x, s * mx + c * my + y
+            if (
+                edges_within(px, py, w + most, a_edge, a_disc, a_kid, stack, some) == 1
+            ):  # along one line both ends decide
+                qx, qy = c * (x1 - mx) - s * (y1 - my), s * (x1 - mx) + c * (y1 - my)
+                one = in_front(a_edge, some[0], px - qx, py - qy)
+                other = in_front(a_edge, some[0], px + qx, py + qy)
+                if min(one, other) <= -most:
+                    return FORBIDDEN
+                mixed = mixed or min(one, other) <= most
+                continue
             for k in range(2):
                 pieces[left + k, 0] = x0 if k == 0 else mx
                 pieces[left + k, 1] = y0 if k == 0 else my
@@ -121,7 +143,7 @@ def straight(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid,
     """True where every motion on the straight line between two (3,) is free; halves it until boxes decide."""
     stack = np.empty(STACK_SIZE, dtype=np.int64)
     nodes = np.empty(STACK_SIZE, dtype=np.int64)
-    pieces = np.empty((128, 4))
+    pieces, some = np.empty((128, 4)), np.empty(MAX_EDGES + 1, dtype=np.int64)
     todo = np.empty((64, 2))
     todo[0, 0], todo[0, 1] = 0.0, 1.0
     count = 1
@@ -133,8 +155,8 @@ def straight(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid,
         half = max(abs(d[0]), abs(d[1])) * (t1 - t0) / 2
         swing = abs(d[2]) * (t1 - t0) / 2
         how = judge(
-            m[0], m[1], m[2], half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces
-        )
+            m[0], m[1], m[2], half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
+        )  # fmt: skip
         if how == FREE:
             continue
         if how == FORBIDDEN or t1 - t0 < least or count > 60:
@@ -213,12 +235,17 @@ def worth(asked, x, y, turn):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
+def slope_and_bend(asked, turn):
+    """Derivative of the value by the turn, and the most that it may change with it."""
+    slope = asked[3] * np.cos(turn) - asked[2] * np.sin(turn) + asked[4]
+    return slope, np.sqrt(asked[2] ** 2 + asked[3] ** 2)
+
+
+@njit(**COMPILED_CALLERS_ONLY)
 def worth_at_most(asked, x, y, turn, half, swing):
     """Value that no motion of a box exceeds."""
-    c, s = np.cos(turn), np.sin(turn)
-    slope = abs(asked[3] * c - asked[2] * s + asked[4])
-    bend = np.sqrt(asked[2] ** 2 + asked[3] ** 2)
-    return worth(asked, x, y, turn) + half * (abs(asked[0]) + abs(asked[1])) + swing * (slope + swing * bend / 2)
+    slope, bend = slope_and_bend(asked, turn)
+    return worth(asked, x, y, turn) + half * (abs(asked[0]) + abs(asked[1])) + swing * (abs(slope) + swing * bend / 2)
 
 
 @njit(**NO_ALLOCATION)
@@ -235,21 +262,17 @@ def best_corner(asked, x, y, turn, half, swing):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def is_goal(n, middle, level, origin, scale, turning, asked):
+def is_goal(n, middle, level, upper, turning, asked):
     """True where a box meets the rim of the window, or may hold motions worth more than asked[5]."""
     half = 0.5 ** level[n]
     if max(abs(middle[n, 0]), abs(middle[n, 1])) + half >= 1.0 or (turning and abs(middle[n, 2]) + half >= 1.0):
         return True
-    if asked[5] == np.inf:
-        return False
-    x, y = origin[0] + scale[0] * middle[n, 0], origin[1] + scale[0] * middle[n, 1]
-    turn = origin[2] + scale[1] * middle[n, 2]
-    return worth_at_most(asked, x, y, turn, scale[0] * half, scale[1] * half) > asked[5]
+    return upper[n] > asked[5]
 
 
 @njit(**OPTIONS)
 def cheapest(
-    start, middle, level, state, first, count, origin, scale, wrap, turning, asked, cost, before, heap_cost, heap, out, ends
+    start, middle, level, state, first, upper, wrap, turning, asked, count, cost, before, heap_cost, heap, out, ends
 ):  # fmt: skip
     """Cheapest ways of boxes from `start` to goals; mixed boxes cost much more than free ones.
 
@@ -267,7 +290,7 @@ def cheapest(
         _sift_down(heap_cost, heap, size)
         if at > cost[n]:
             continue
-        if is_goal(n, middle, level, origin, scale, turning, asked):
+        if is_goal(n, middle, level, upper, turning, asked):
             ends[found] = n
             found += 1
             if found == len(ends):
@@ -289,22 +312,77 @@ def cheapest(
 
 
 @njit(**OPTIONS)
-def split(n, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid):
+def split(
+    n, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid
+):  # fmt: skip
     """Cut box n into eight and judge them; returns the new number of boxes."""
     stack = np.empty(STACK_SIZE, dtype=np.int64)
     nodes = np.empty(STACK_SIZE, dtype=np.int64)
     pieces = np.empty((128, 4))
+    some = np.empty(MAX_EDGES + 1, dtype=np.int64)
+    one = np.empty(1, dtype=np.int64)
+    rows, active, inverse = np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
     first[n] = count
-    half = 0.5 ** (level[n] + 1)
+    side = 0.5 ** (level[n] + 1)
+    half, swing = scale[0] * side, scale[1] * side
     for k in range(8):
         m = count + k
         for axis in range(3):
-            middle[m, axis] = middle[n, axis] + (half if (k >> axis) & 1 else -half)
+            middle[m, axis] = middle[n, axis] + (side if (k >> axis) & 1 else -side)
         level[m], first[m] = level[n] + 1, -1
+        x, y = origin[0] + scale[0] * middle[m, 0], origin[1] + scale[0] * middle[m, 1]
+        turn = origin[2] + scale[1] * middle[m, 2]
         state[m] = judge(
-            origin[0] + scale[0] * middle[m, 0], origin[1] + scale[0] * middle[m, 1], origin[2] + scale[1] * middle[m, 2],
-            scale[0] * half, scale[1] * half, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces,
-        )  # fmt: skip
+            x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
+        )
+        upper[m] = worth_at_most(asked, x, y, turn, half, swing)
+        if state[m] != MIXED or asked[5] == np.inf:
+            continue
+        found = add_rows(
+            x,
+            y,
+            turn,
+            half,
+            swing,
+            True,
+            b_edge,
+            b_disc,
+            b_kid,
+            a_edge,
+            a_disc,
+            a_kid,
+            stack,
+            nodes,
+            some,
+            one,
+            rows,
+            0,
+        )
+        found = add_rows(
+            x,
+            y,
+            turn,
+            half,
+            swing,
+            False,
+            a_edge,
+            a_disc,
+            a_kid,
+            b_edge,
+            b_disc,
+            b_kid,
+            stack,
+            nodes,
+            some,
+            one,
+            rows,
+            found,
+        )
+        slope, bend = slope_and_bend(asked, turn)
+        most = most_of(half * asked[0], half * asked[1], swing * slope, rows, found, active, inverse)
+        if most == -np.inf:
+            state[m] = FORBIDDEN
+        upper[m] = min(upper[m], worth(asked, x, y, turn) + most + swing * swing * bend / 2)
     return count + 8
 
 
@@ -319,7 +397,7 @@ def leaf_at(x, y, z, middle, first):
 
 @njit(**OPTIONS)
 def search(
-    middle, level, state, first, count, pause, origin, scale, deepest, wrap, turning, asked, goals,
+    middle, level, state, first, upper, count, pause, origin, scale, deepest, wrap, turning, asked, goals,
     a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way, visits,
 ):  # fmt: skip
     """Cut the mixed boxes on the cheapest ways from rest to goals, again and again, until one way is free or none is left.
@@ -340,8 +418,9 @@ def search(
         if state[n] != MIXED or level[n] >= deepest or count + 8 > most:
             break
         count = split(
-            n, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid
-        )
+            n, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge,
+            b_disc, b_kid,
+        )  # fmt: skip
     start = leaf_at(x, y, z, middle, first)
     if state[start] != FREE:
         return SPENT, count, 0
@@ -352,8 +431,7 @@ def search(
             return SPENT, count, 0
         visits[0] += count
         found = cheapest(
-            start, middle, level, state, first, count, origin, scale, wrap, turning, asked, cost, before, heap_cost, heap,
-            out, ends,
+            start, middle, level, state, first, upper, wrap, turning, asked, count, cost, before, heap_cost, heap, out, ends,
         )  # fmt: skip
         if found < 0:
             return SPENT, count, 0
@@ -382,7 +460,7 @@ def search(
                     state[n] = TINY
                     continue
                 # mixed boxes beside it that are as large will be asked next
-                near = beside(n, middle, level, first, wrap, out) if goals == 1 else 0
+                near = beside(n, middle, level, first, wrap, out) if e == 0 else 0
                 out[near] = n
                 for i in range(near + 1):
                     m = out[i]
@@ -390,12 +468,10 @@ def search(
                         continue
                     if count + 8 > most:
                         return SPENT, count, 0
-                    visits[0] += 8 << min(
-                        max(level[m] - 6, 0), 10
-                    )  # along a flush contact, smaller boxes need more pieces
+                    visits[0] += SPLIT_VISITS
                     count = split(
-                        m, middle, level, state, first, count, origin, scale, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc,
-                        b_kid,
+                        m, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid,
+                        b_edge, b_disc, b_kid,
                     )  # fmt: skip
             if cut == 0:
                 way[:length] = way[:length][::-1].copy()

@@ -17,6 +17,7 @@ from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.classify_box import CLOSED, FOUND, PAUSED, best_corner, search
 from wiggleroom.freespace.subdivision.disc_tree import solid
 from wiggleroom.freespace.subdivision.passage import WINDOW_OFFSET, middle_of_contact, shorter, way_through
+from wiggleroom.geometry.rigid_motions import about
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -27,8 +28,10 @@ GOALS_PER_PASS = 256
 """Ways looked at in every lap."""
 STOP_CHECK_BOXES = 2000
 """After so many boxes, whether to stop is asked again."""
-MAX_VISITS = 2_500_000
-"""Boxes that all searches for ways go over at most: where many motions are nearly the best, each of many searches brings little."""
+MAX_TURN_OF_PIECE = 0.05
+"""Turns of the pieces of a way [rad] that are straight about another point instead."""
+CHORD = np.pi / 16
+"""Angle of the chords [rad] by which a body goes round another outside the window."""
 MAX_TURN = 2.2 * np.pi
 """Turns are followed so far [rad] both ways where turning itself is asked for."""
 
@@ -39,6 +42,8 @@ class MotionBoxes:
 
     Parameters
     ----------
+    body : int
+        Number of the body b, for whoever asks.
     a, b : shapely polygons [mm]
         Material at rest, not touching; a stands.
     pull : (2,) float64
@@ -51,6 +56,7 @@ class MotionBoxes:
         Boxes judged at most.
     """
 
+    body: int
     a: shapely.Geometry
     b: shapely.Geometry
     pull: Floats
@@ -70,43 +76,82 @@ class MotionBoxes:
         self._origin = WINDOW_OFFSET * self._scale[[0, 0, 1]]
         self._middle, self._level = np.zeros((self.most, 3)), np.zeros(self.most, dtype=np.int64)
         self._state, self._first = np.zeros(self.most, dtype=np.int64), np.full(self.most, -1)
-        self._way = np.zeros(self.most, dtype=np.int64)
-        self._visits = np.array([0, MAX_VISITS])
+        self._upper, self._way = np.full(self.most, np.inf), np.zeros(self.most, dtype=np.int64)
+        self._visits = np.zeros(2, dtype=np.int64)
         x, y = self.pivot
         dx, dy = self.pull
         # arms are measured from the pivot
         alpha, beta = self.lever[0] - (dx * x + dy * y), self.lever[1] - (x * dy - y * dx)
         self._asked = np.array([dx, dy, alpha, beta, self.turn, np.inf, np.inf])
 
-    def beyond(self, least: float, most: float, stop: Stop | None = None) -> tuple[bool, Floats | None]:
+    @property
+    def visits(self) -> int:
+        """Boxes that all searches for paths have gone over."""
+        return int(self._visits[0])
+
+    @property
+    def largest_value(self) -> float:
+        """A value that no motion inside the window exceeds."""
+        x, y = np.abs(self._origin[:2]) + self._scale[0]
+        alpha, beta, turn = self._asked[2:5]
+        swing = abs(self._origin[2]) + self._scale[1]
+        return float(np.abs(self.pull) @ (x, y) + 2 * abs(alpha) + abs(beta) + abs(turn) * swing)
+
+    def beyond(self, least: float, most: float, visits: int, stop: Stop | None = None) -> tuple[bool, Floats | None]:
         """Look for a motion worth more than `least`, or a proof that none is worth more than `most`.
+
+        Parameters
+        ----------
+        least, most : float
+        visits : int
+            Boxes that all searches for paths since the first question go over at most; where that does not suffice, nothing is known.
+        stop : optional
+            Asked now and then.
 
         Returns
         -------
         closed : bool
             True where that is proven.
         way : (k, 3) float64 [mm, mm, rad] or None
-            Free motions about `pivot` from rest to one that is worth more, straight between them.
+            Free motions about `pivot` from rest to one that is worth more, or out of the window; straight about it between them.
         """
         self._asked[5:] = most, least
+        self._visits[1] = visits
         self._state[: self.count][self._state[: self.count] == 3] = 0
         how = PAUSED
         while how == PAUSED and not (stop is not None and stop.is_set()):
             how, self.count, length = search(
-                self._middle, self._level, self._state, self._first, self.count, self.count + STOP_CHECK_BOXES, self._origin,
+                self._middle, self._level, self._state, self._first, self._upper, self.count, self.count + STOP_CHECK_BOXES, self._origin,
                 self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._way, self._visits,
             )  # fmt: skip
         if how != FOUND:
             return how == CLOSED, None
         way = self._way[:length]
-        if self._at_rim(int(way[-1])):
-            return False, None
         points = way_through(way, self._middle, self._level, self._origin, self._scale)
+        if self._at_rim(int(way[-1])):
+            return False, np.vstack([points, self._round(points[-1])])
         half = 0.5 ** self._level[way[-1]] * self._scale
         x, y, turn = points[-1]
         _, turn = best_corner(self._asked, x, y, turn, *half)
         corner = [x + np.copysign(half[0], self.pull[0]), y + np.copysign(half[0], self.pull[1]), turn]
-        return False, np.vstack([shorter(points, self._pair), corner])
+        return False, np.vstack([points, corner])
+
+    def straightened(self, way: Floats, spot: Floats) -> Floats:
+        """The same way (k, 3) as motions about another point (2,) [mm], with as few pieces straight about that point as are free."""
+        count = np.maximum(np.ceil(np.abs(np.diff(way[:, 2])) / MAX_TURN_OF_PIECE), 1).astype(int)
+        finer = [np.linspace(one, other, n, endpoint=False) for one, other, n in zip(way, way[1:], count, strict=False)]
+        points = about(np.concatenate([*finer, way[-1:]])[:, None], (spot - self.pivot)[None])[:, 0]
+        one, other = solid(self.a, spot), solid(self.b, spot)
+        return shorter(points, (*one.arrays, other.edge, other.disc, other.kid))
+
+    def _round(self, last: Floats) -> Floats:
+        """From where a is left behind, on a circle round it to where the pull leads away from it."""
+        if not self.pull.any():
+            return last[None]
+        radius, begin = np.hypot(*last[:2]), np.arctan2(last[1], last[0])
+        turn = (np.arctan2(self.pull[1], self.pull[0]) - begin + np.pi) % (2 * np.pi) - np.pi
+        angle = begin + np.linspace(0, turn, 1 + int(np.ceil(abs(turn) / CHORD)))
+        return np.column_stack([radius * np.cos(angle), radius * np.sin(angle), np.full(len(angle), last[2])])
 
     def _at_rim(self, n: int) -> bool:
         reach = np.abs(self._middle[n]) + 0.5 ** self._level[n]

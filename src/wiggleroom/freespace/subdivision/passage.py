@@ -71,7 +71,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
     scale = np.array([1.1 * (one.radius + other.radius), np.pi])
     origin = WINDOW_OFFSET * scale[[0, 0, 1]]
     middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
-    state, first = np.zeros(most, dtype=np.int64), np.full(most, -1)
+    state, first, upper = np.zeros(most, dtype=np.int64), np.full(most, -1), np.full(most, np.inf)
     way, count = np.zeros(most, dtype=np.int64), 1
     unlimited = np.array([0, np.iinfo(np.int64).max])
     pair = (*one.arrays, other.edge, other.disc, other.kid)
@@ -82,7 +82,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
                 return Passage(False, False, None, pivot)
             began, before = time.perf_counter(), count
             how, count, length = search(
-                middle, level, state, first, count, count + pace, origin, scale, MAX_DEPTH, not turning, turning,
+                middle, level, state, first, upper, count, count + pace, origin, scale, MAX_DEPTH, not turning, turning,
                 NOTHING_ASKED, 1, *pair, way, unlimited,
             )  # fmt: skip
             pace = max(100, int((count - before) * STOP_CHECK_SECONDS / max(time.perf_counter() - began, 1e-9)))

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.disassembly.swept_distance import swept_distance
 from wiggleroom.geometry.bodies import Bodies
-from wiggleroom.planning.swept_distance import swept_distance
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -1,0 +1,140 @@
+"""From the pointer to the picture: how soon a dragged part follows the hand, and how soon the true answer is painted.
+
+``python -m benchmarks.page_drag`` drags random parts in headless Chromium, against the server as users start it, and
+prints a row an assembly: parts, the time from opening to the first settled answer, and for 50 and 95 of 100 moves of the
+pointer the time to the frame in which the part follows (predicted), to the first true motion for that place or a newer
+one (corrected), and how many frames a second were painted while the hand moved. ``--sides 10x10,27x25`` measures some.
+It needs the extra ``page``, playwright and a Chromium.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import wiggleroom as wr
+from benchmarks.page_memory import serving
+from wiggleroom.drawing.assembly_writer import write_assembly
+
+SIDES = ("4x5", "10x10", "27x25", "64x64")
+DRAGS, STEPS = 12, 14
+"""So many drags, each of so many moves of the pointer."""
+FAR = 60.0
+"""Furthest move of the pointer in one drag [px]."""
+
+WATCH = """
+(() => {
+  const seen = (window.seen = { moves: [], painted: [], answers: [] });
+  addEventListener("pointermove", (event) => event.buttons && seen.moves.push(event.timeStamp), true);
+  const frame = window.requestAnimationFrame.bind(window);
+  let touched = false;
+  window.requestAnimationFrame = (call) => frame((now) => {
+    touched = false;
+    call(now);
+    if (touched) frame((next) => seen.painted.push(next)); // painting goes on after the call: the next frame tells
+  });
+  const image = CanvasRenderingContext2D.prototype.drawImage;
+  const clear = CanvasRenderingContext2D.prototype.fillRect;
+  const watched = (call) => function (...of) {
+    touched ||= this.canvas.isConnected;
+    return call.apply(this, of);
+  };
+  CanvasRenderingContext2D.prototype.drawImage = watched(image);
+  CanvasRenderingContext2D.prototype.fillRect = watched(clear);
+  const send = WebSocket.prototype.send;
+  const asked = new Map();
+  WebSocket.prototype.send = function (text) {
+    const said = JSON.parse(text);
+    if (said.kind === "drag") asked.set(said.id, seen.moves.at(-1));
+    if (!this.watched) {
+      this.watched = true;
+      this.addEventListener("message", ({ data }) => {
+        if (typeof data !== "string") return;
+        const reply = JSON.parse(data);
+        if (reply.kind !== "drag" || !asked.has(reply.id)) return;
+        frame(() => frame(() => seen.answers.push([asked.get(reply.id), performance.now()])));
+      });
+    }
+    return send.call(this, text);
+  };
+})();
+"""
+
+
+def first_after(times: np.ndarray, moments: np.ndarray) -> np.ndarray:
+    """Waiting time from each moment to the first of some ascending times; what never came is infinite."""
+    at = np.searchsorted(times, moments)
+    return np.where(at < len(times), np.append(times, np.inf)[np.minimum(at, len(times))], np.inf) - moments
+
+
+def drag(page: Any, box: dict[str, float], random: np.random.Generator) -> None:
+    """One drag from a random place of the picture's middle, in steps as a hand makes them."""
+    x, y = box["x"] + box["width"] * random.uniform(0.35, 0.65), box["y"] + box["height"] * random.uniform(0.35, 0.6)
+    page.mouse.move(x, y)
+    page.mouse.down()
+    angle, far = random.uniform(0, 2 * np.pi), random.uniform(0.3, 1) * FAR
+    for step in range(1, STEPS + 1):
+        page.mouse.move(x + far * np.cos(angle) * step / STEPS, y + far * np.sin(angle) * step / STEPS)
+        page.wait_for_timeout(16)
+    page.wait_for_timeout(int(random.uniform(200, 500)))
+    page.mouse.up()
+    page.wait_for_timeout(150)
+
+
+def measure(columns: int, rows: int) -> str:
+    """One row of the table."""
+    from playwright.sync_api import sync_playwright
+
+    chromium = next(w for w in map(shutil.which, ("chromium", "chromium-browser", "google-chrome")) if w)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "grid.json"
+        assembly = wr.patterns.grid(columns, rows, joint="tee", gap=0.01)
+        path.write_text(write_assembly(assembly.drawing))
+        with serving(str(path), "--pull", f"{assembly.names[-1]}:+x") as (_, address), sync_playwright() as p:
+            browser = p.chromium.launch(executable_path=chromium, args=["--no-sandbox"])
+            page = browser.new_page(viewport={"width": 1440, "height": 900})
+            page.add_init_script(WATCH)
+            began = time.monotonic()
+            page.goto(address)
+            page.locator("#answer[data-settled=true]").wait_for(timeout=300_000)
+            opened = time.monotonic() - began
+            box = page.locator(".stage canvas").bounding_box()
+            random = np.random.default_rng(1)
+            drag(page, box, random)  # compiled code is loaded
+            page.evaluate("for (const list of Object.values(seen)) list.length = 0")
+            for _ in range(DRAGS):
+                drag(page, box, random)
+            page.wait_for_timeout(3000)
+            seen = page.evaluate("seen")
+            browser.close()
+    moves, painted = np.array(seen["moves"]), np.array(seen["painted"])
+    answers = np.array(seen["answers"]).reshape(-1, 2)
+    predicted = first_after(painted, moves)
+    order = np.argsort(answers[:, 0], kind="stable")
+    about, told = answers[order, 0], np.minimum.accumulate(answers[order[::-1], 1])[::-1]
+    at = np.searchsorted(about, moves)
+    corrected = np.append(told, np.inf)[at] - moves
+    numbers = [*np.percentile(predicted, [50, 95]), *np.percentile(corrected, [50, 95])]
+    frames = 1e3 / np.median(np.diff(painted))
+    return f"{columns * rows:6d} {opened:10.1f}   " + " ".join(f"{v:9.0f}" for v in numbers) + f" {frames:12.0f}"
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sides", default=",".join(SIDES))
+    options = parser.parse_args()
+    print(" parts  first [s]   predicted 50, 95 %   corrected 50, 95 % [ms]   frames a second")
+    for sides in options.sides.split(","):
+        columns, rows = map(int, sides.split("x"))
+        print(measure(columns, rows), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,183 @@
+"""Everything that is wrong with a design at once: in words, where it is, and changes that put it right."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+
+import numpy as np
+import shapely
+from msgspec import UNSET
+
+from wiggleroom.app.design_cache import DesignCache
+from wiggleroom.app.open_requests import suggested
+from wiggleroom.app.reporter import on_the_page
+from wiggleroom.assembly.findings import examine_parts, free_overlaps
+from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.model import Drawing, Part
+from wiggleroom.report.answer_words import number, short
+from wiggleroom.schema.replies import Finding, Mend
+from wiggleroom.schema.requests import Design
+from wiggleroom.search.prepare import CONTACT_TOLERANCE
+
+MAX_FINDINGS = 60
+"""So many are told, the rest is counted."""
+MAX_GAP_SHARE = 0.03
+"""No gap above this share of the median part's size is proposed."""
+MAX_HALVINGS = 8
+"""So often a gap at which parts cannot be made is halved."""
+DEPTH_MARGIN = 1.25
+"""A gap that opens overlaps is so many times as large as the deepest."""
+GAP_SHARE = 1 / 2000
+"""A gap that opens what touches, as a share of the drawing's size."""
+
+
+def review(designs: DesignCache, design: Design) -> list[Finding]:
+    """List what is wrong with a design.
+
+    Raises
+    ------
+    InputError
+        If it names parts that are not there.
+    """
+    drawing = designs.with_offsets(design)
+    parts, lines = examine_parts(drawing)
+    found = [*_roles(drawing, design), *_unmakeable(drawing, lines)]
+    found += _meeting(drawing, parts, design)
+    if len(found) > MAX_FINDINGS:
+        found = [*found[:MAX_FINDINGS], Finding("parts", f"and {len(found) - MAX_FINDINGS} more")]
+    return found
+
+
+def _roles(drawing: Drawing, design: Design) -> list[Finding]:
+    """What a question about motion lacks."""
+    found = []
+    fixed = [part.name for part in drawing.parts if part.fixed]
+    if not fixed and len(drawing.parts) > 1:
+        name = largest(drawing)
+        goals = [g for g in design.goals if g.part != name] if isinstance(design.goals, list) else UNSET
+        mend = Mend(f"Fix {short(name)}", fixed=[name], goals=goals)
+        found.append(
+            Finding(
+                "stands", "Nothing stands: some part must hold still for others to move against", [name], mends=[mend]
+            )
+        )
+    elif len(fixed) == len(drawing.parts):
+        name = fixed[-1]
+        mend = Mend(f"Let {short(name)} go", fixed=fixed[:-1])
+        found.append(
+            Finding(
+                "stands", "Everything is fixed: leave at least one part free to move", mends=[mend] * (len(fixed) > 1)
+            )
+        )
+    if not drawing.goals and len(drawing.parts) > 1:
+        goal = suggested(drawing)
+        mend = Mend(f"Pull {short(goal.part)}", goals=[goal])
+        found.append(Finding("pulled", "Nothing is pulled: say which part, and which way", [goal.part], mends=[mend]))
+    return found
+
+
+def largest(drawing: Drawing) -> str:
+    """Name of the part with the most material."""
+    shapes, owner = placed(drawing.parts)
+    area = np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts))
+    return drawing.parts[int(area.argmax())].name
+
+
+def usual_size(drawing: Drawing) -> float:
+    """Side of a square with as much material as the median part [mm]."""
+    shapes, owner = placed(drawing.parts)
+    return float(np.median(np.sqrt(np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts)))))
+
+
+def _unmakeable(drawing: Drawing, lines: Sequence[str]) -> list[Finding]:
+    """What is wrong with single parts; a smaller gap may help where they cannot be made."""
+    mends: list[Mend] = []
+    gap = min(drawing.gap, 2 * MAX_GAP_SHARE * usual_size(drawing)) if 0 < drawing.gap < math.inf else 0.0
+    for _ in range(MAX_HALVINGS if lines and gap else 0):
+        gap = _rounded(gap / 2)
+        if not examine_parts(dataclasses.replace(drawing, gap=gap))[1]:
+            mends = [Mend(f"Use a gap of {number(gap)} mm", gap=gap)]
+            break
+    names = [part.name for part in drawing.parts]
+    return [Finding("parts", on_the_page(line), [n for n in names if f'"{n}"' in line], mends=mends) for line in lines]
+
+
+def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Finding]:
+    """Pairs of parts that overlap or touch at rest."""
+    if len(parts) < 2:
+        return []
+    index = {part.name: k for k, part in enumerate(parts)}
+    shapes, owner = placed(parts)
+    whole = [shapely.union_all(shapes[owner == k]) for k in range(len(parts))]
+    size = float(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0).max())
+    deep = free_overlaps(drawing, parts)
+    pairs = {(a, b): depth for a, b, depth in deep}
+    touching = [pair for pair in _near(drawing, parts, whole, CONTACT_TOLERANCE * size) if pair not in pairs]
+    if not pairs and not touching:
+        return []
+    wanted = max([GAP_SHARE * size, *(drawing.gap + DEPTH_MARGIN * depth for depth in pairs.values())])
+    usual = float(np.median([math.sqrt(one.area) for one in whole]))
+    gap = _opening(drawing, _rounded(wanted), MAX_GAP_SHARE * usual, CONTACT_TOLERANCE * size)
+    wider = [] if gap is None else [Mend(f"Use a gap of {number(gap)} mm", gap=gap)]
+
+    def finding(words: str, a: str, b: str, names: list[str], place: shapely.Geometry, alone: bool) -> Finding:
+        x, y = shapely.get_coordinates(place)[0].tolist()
+        glued = [Mend("Glue them", glue=[*design.glue, [a, b]])]
+        return Finding("gap", words, names, (x, y), [*wider, *glued] if alone else wider)
+
+    found = []
+    for (a, b), depth in pairs.items():
+        place = shapely.point_on_surface(shapely.intersection(whole[index[a]], whole[index[b]]))
+        words = f"{short(a)} and {short(b)} overlap by {number(depth, 3)} mm"
+        found.append(finding(words, a, b, [a, b], place, alone=True))
+    if touching:
+        a, b = touching[0]
+        more = f", and so do {len(touching) - 1} more pairs" if len(touching) > 1 else ""
+        words = f"{short(a)} and {short(b)} touch at rest{more}: there is no room to move"
+        names = list(dict.fromkeys(name for pair in touching[:MAX_FINDINGS] for name in pair))
+        place = shapely.shortest_line(whole[index[a]], whole[index[b]])
+        found.append(finding(words, a, b, names, place, alone=len(touching) == 1))
+    return found
+
+
+def _near(
+    drawing: Drawing, parts: Sequence[Part], whole: list[shapely.Geometry], reach: float
+) -> list[tuple[str, str]]:
+    """Pairs of parts no further apart than `reach` [mm] that are neither glued nor ignored nor both fixed."""
+    group, ignored = glue_groups(drawing), {frozenset(pair) for pair in drawing.ignore}
+    i, j = shapely.STRtree(whole).query(whole, predicate="dwithin", distance=reach)
+    found = []
+    for a, b in ((parts[k], parts[m]) for k, m in zip(i.tolist(), j.tolist(), strict=True) if k < m):
+        together = a.name in group and group[a.name] == group.get(b.name)
+        if not (together or frozenset((a.name, b.name)) in ignored or (a.fixed and b.fixed)):
+            found.append((a.name, b.name))
+    return found
+
+
+def _opening(drawing: Drawing, gap: float, most: float, near: float) -> float | None:
+    """A gap near this one [mm] at which all can be made and no parts are `near` each other; None where none up to `most` was found."""
+    for wider in (gap, _rounded(1.6 * gap), _rounded(2.5 * gap)):
+        if wider > most:
+            return None
+        parts, wrong = examine_parts(dataclasses.replace(drawing, gap=wider))
+        if wrong:
+            return None
+        shapes, owner = placed(parts)
+        whole = [shapely.union_all(shapes[owner == k]) for k in range(len(parts))]
+        if not free_overlaps(dataclasses.replace(drawing, gap=wider), parts) and not _near(drawing, parts, whole, near):
+            return wider
+    return None
+
+
+def _rounded(x: float) -> float:
+    """A round number at or just above x.
+
+    >>> _rounded(0.37), _rounded(1.9), _rounded(0.001)
+    (0.4, 2.0, 0.001)
+    """
+    power = 10.0 ** math.floor(math.log10(x))
+    lead = next((k for k in (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8) if k * power >= x * (1 - 1e-9)), 10)
+    return float(f"{lead * power:.6g}")

@@ -1,0 +1,162 @@
+"""A bound from any multipliers of joints: the Lagrangian relaxation of the whole program, evaluated exactly but for rounding.
+
+A joint keeps E = x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) p - R(t_a) tau = 0, with arms p, q from both origins to its pivot,
+tau the motion of the pivot seen from A and phi = t_b - t_a. Let v be t_a less the middle of its range, m the middle of the range
+of (t_a + t_b) / 2 and u that mean less m. For any force w, moment k, slopes l and n, and couplings r and s
+
+    goal = goal - w . E + k (phi - t_b + t_a) + l (t_a - middle - v) + n ((t_a + t_b) / 2 - m - u)
+           + r (cos m (S_b - S_a) - sin m (C_b - C_a) - 2 cos u sin(phi / 2))
+           + s (cos m (C_b - C_a) + sin m (S_b - S_a) + 2 sin u sin(phi / 2)),
+
+S = sin t and C = cos t. What depends on one body's turn alone falls into parts alpha cos t + beta sin t + gamma t, whose largest
+value over a range is known; shifts drop out where forces balance. What is left of a joint is linear in (tau, phi), in v and in u
+but for products v tau and u phi and remainders of higher order. So it is largest at a corner of the joint's region, with v and u
+at an end. Any multipliers give a valid bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
+from wiggleroom.bound.joint_ranges import JointRanges
+from wiggleroom.bound.trigonometric_envelopes import support
+from wiggleroom.geometry.relative_pose import turn
+from wiggleroom.program.objectives import PointMotion
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+FORCE_X, FORCE_Y, MOMENT, TURN_SLOPE, MEAN_SLOPE, SINE, COSINE = range(7)
+"""Columns of multipliers (P, 7): w, k, l, n, r and s above."""
+MULTIPLIERS = 7
+X, Y, COS, SIN, TURN = range(5)
+"""Weights of a body: its shift, cos t - 1, sin t and t."""
+ROUNDING_MARGIN = 1e-12
+"""Bounds are larger by this share of all that they are summed up from."""
+
+
+def goal_weights(goal: PointMotion, n: int) -> Floats:
+    """Weights (5 n,) of the bodies in what is asked."""
+    out = np.zeros((n, 5))
+    lever = goal.arm[:, 0] * goal.direction[:, 1] - goal.arm[:, 1] * goal.direction[:, 0]
+    np.add.at(out, goal.body, np.column_stack([goal.direction, (goal.direction * goal.arm).sum(1), lever, goal.turn]))
+    return out.ravel()
+
+
+@dataclass(frozen=True, eq=False)
+class LagrangianBound:
+    """Bodies and joints within some ranges, to ask what multipliers prove.
+
+    Parameters
+    ----------
+    fixed : (n,) bool
+    joints : JointConstraints
+    at : JointRanges
+    ranges : AngleRanges
+    """
+
+    fixed: Bools
+    joints: JointConstraints
+    at: JointRanges
+    ranges: AngleRanges
+
+    def most(self, weights: Floats, constant: Floats, multipliers: Floats) -> Floats:
+        """Upper bounds (K,) of weights (K, 5 n) . (x, y, C - 1, S, t) + constant, by multipliers (K, P, 7)."""
+        count = len(multipliers)
+        flat = multipliers.reshape(count, -1)
+        body = self._bodies()
+        weights = weights + (body @ flat.T).T
+        size = np.abs(weights) + (abs(body) @ np.abs(flat).T).T
+        total, terms = constant.copy(), np.abs(constant)
+        for value, doubt in (self._turns(weights, size), self._joints(multipliers)):
+            total, terms = total + value, terms + doubt
+        return np.asarray(total + ROUNDING_MARGIN * terms)
+
+    def _bodies(self) -> sp.csr_matrix:
+        """Weights of bodies (5 n,) that multipliers (7 P,) give."""
+        joints, at = self.joints, self.at
+        arm = {0: joints.arm_a + at.middle, 1: joints.arm_b}
+        one, none = np.ones(len(joints.a)), np.zeros(len(joints.a))
+        c, s = np.cos(at.mean), np.sin(at.mean)
+        parts = []
+        for side, (of, sign) in enumerate(((joints.a, 1.0), (joints.b, -1.0))):
+            x, y = arm[side].T
+            for column, row, value in (
+                (FORCE_X, X, one),
+                (FORCE_Y, Y, one),
+                (FORCE_X, COS, x),
+                (FORCE_X, SIN, -y),
+                (FORCE_Y, COS, y),
+                (FORCE_Y, SIN, x),
+                (MOMENT, TURN, one),
+                (TURN_SLOPE, TURN, one if side == 0 else none),
+                (MEAN_SLOPE, TURN, sign * one / 2),
+                (SINE, COS, s),
+                (SINE, SIN, -c),
+                (COSINE, COS, -c),
+                (COSINE, SIN, -s),
+            ):
+                parts.append((5 * of + row, MULTIPLIERS * np.arange(len(of)) + column, sign * value))
+        rows, columns, values = (np.concatenate(v) for v in zip(*parts, strict=True))
+        return sp.csr_matrix((values, (rows, columns)), shape=(5 * len(self.fixed), MULTIPLIERS * len(joints.a)))
+
+    def _turns(self, weights: Floats, size: Floats) -> tuple[Floats, Floats]:
+        """What bodies add at most, and the sum of absolute terms."""
+        moving = np.flatnonzero(~self.fixed & (size.reshape(len(size), -1, 5) != 0).any((0, 2)))
+        if not np.isfinite(self.ranges.far[moving]).all():
+            return np.full(len(weights), np.inf), np.zeros(len(weights))
+        low, high, far = (v[moving] for v in (self.ranges.low, self.ranges.high, self.ranges.far))
+        middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-15) + 1e-15
+        w = weights.reshape(len(weights), -1, 5)[:, moving]
+        c, s = np.cos(middle), np.sin(middle)
+        alpha, beta, gamma = w[..., COS], w[..., SIN], w[..., TURN]
+        top = support(alpha * c + beta * s, beta * c - alpha * s, gamma, half) + gamma * middle - alpha
+        shift = (np.abs(w[..., X]) + np.abs(w[..., Y])) * far
+        scale = np.column_stack([far, far, 2 + 0 * far, 1 + 0 * far, np.abs(middle) + half])
+        doubt = (size.reshape(len(size), -1, 5)[:, moving] * scale).sum((1, 2))
+        return (top + shift).sum(1), doubt
+
+    def _joints(self, multipliers: Floats) -> tuple[Floats, Floats]:
+        """What joints add at most, and the sum of absolute terms."""
+        at, m = self.at, multipliers
+        force = m[..., :2]
+        size = np.hypot(force[..., 0], force[..., 1])
+        local = turn(force, -at.turn)
+        coupled = np.abs(m[..., SINE]) + np.abs(m[..., COSINE])
+        total = (
+            (force * at.middle).sum(2)
+            - m[..., TURN_SLOPE] * at.turn
+            - m[..., MEAN_SLOPE] * at.mean
+            + np.abs(m[..., SINE]) * at.sag
+            + np.abs(m[..., COSINE]) * at.skew
+        ).sum(1)
+        total[(coupled[:, ~at.coupled] != 0).any(1)] = np.inf
+        moment = m[..., MOMENT] - m[..., SINE] * at.chord
+        doubt = (np.abs(m[..., TURN_SLOPE] * at.turn) + np.abs(m[..., MEAN_SLOPE] * at.mean)).sum(1)
+        for p in np.flatnonzero((m != 0).any((0, 2))):
+            corner, margin = at.corner[p], at.cuts[p].margin
+            w, k, slope = local[:, p], moment[:, p], m[:, p, TURN_SLOPE]
+            plain = corner @ np.stack([w[:, 0], w[:, 1], k])
+            # w . R(v) d = w . d + v (w . J d) and a remainder; far from the middle the plain blur is less
+            bent = np.abs(corner[:, :2] @ np.stack([w[:, 1], -w[:, 0]]) - slope)
+            other = np.abs(np.outer(corner[:, 2], m[:, p, COSINE]) - m[:, p, MEAN_SLOPE])
+            side = at.half_mean[p] * other
+            most = (plain + at.half_turn[p] * bent + side).max(0) + size[:, p] * at.bend[p]
+            flat = (plain + side).max(0) + size[:, p] * at.blur[p] + at.half_turn[p] * np.abs(slope)
+            spread = np.abs(corner).max(0)
+            terms = (
+                size[:, p] * (np.abs(at.middle[p]).sum() + spread[:2].sum() * (1 + at.half_turn[p]))
+                + np.abs(k) * spread[2]
+                + np.abs(slope) * at.half_turn[p]
+                + (np.abs(m[:, p, COSINE]) * spread[2] + np.abs(m[:, p, MEAN_SLOPE])) * at.half_mean[p]
+            )
+            rounded = margin * 2 * size[:, p] * (1 + at.half_turn[p]) + at.cuts[p].angle_margin * np.abs(k)
+            total += np.minimum(most, flat) + rounded
+            doubt += terms
+        return total, doubt

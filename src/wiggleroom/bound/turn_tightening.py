@@ -1,0 +1,202 @@
+"""Tightening of turns: the least and largest turn of some bodies that motions worth enough, or any motions, can have.
+
+Programs differ in their cost alone. They are asked in an order in which neighbours follow each other, in two chains at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.bound.joint_constraints import (
+    AngleRanges,
+    JointConstraints,
+    TurnDifferences,
+    narrowed,
+    propagated,
+)
+from wiggleroom.bound.joint_multipliers import MULTIPLIERS, TURN, LagrangianBound
+from wiggleroom.bound.joint_ranges import JointRanges, RegionCuts, joint_ranges
+from wiggleroom.bound.linear_relaxation import LinearRelaxation, relaxation
+from wiggleroom.bound.proof_steps import TurnCuts, rounded
+from wiggleroom.solve.dual_linear_program import DualLinearProgram
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+CHAINS = 2
+"""So many chains of programs are worked on at once."""
+RANGE_MARGIN = 1e-4
+"""Ranges stay wider by this share, so that facets, which can be refined, hold the program up and not the ranges themselves."""
+
+
+@dataclass(frozen=True, eq=False)
+class Linkage:
+    """Bodies, some of which stand, and the joints that hold them.
+
+    Parameters
+    ----------
+    fixed : (n,) bool
+    radius : (n,) float64 [mm]
+    place : (n, 2) float64 [mm]
+        Where bodies lie at rest.
+    joints : JointConstraints
+    turns : TurnDifferences
+        Of the joints first.
+    unit : float [mm]
+        A typical clearance.
+    """
+
+    fixed: Bools
+    radius: Floats
+    place: Floats
+    joints: JointConstraints
+    turns: TurnDifferences
+    unit: float
+
+
+@dataclass(frozen=True, eq=False)
+class Cutoff:
+    """Only motions count whose weights (5 n,) . (x, y, C - 1, S, t) are at least `worth`."""
+
+    weights: Floats
+    worth: float
+
+
+class RelaxationInRanges:
+    """The linear program of a linkage within some ranges.
+
+    Raises
+    ------
+    InfeasibleRanges
+        If these leave a pair no turn at all.
+    """
+
+    def __init__(self, linkage: Linkage, regions: RegionCuts, ranges: AngleRanges) -> None:
+        self.linkage, self.ranges = linkage, ranges
+        self.at: JointRanges = joint_ranges(linkage.joints, regions, ranges, linkage.turns)
+        self.linear: LinearRelaxation = relaxation(
+            linkage.fixed, linkage.radius, linkage.joints, self.at, ranges, linkage.unit
+        )
+        self.lagrangian = LagrangianBound(linkage.fixed, linkage.joints, self.at, ranges)
+
+    def largest(self, weights: Floats, seconds: float) -> tuple[float, Floats, Floats, Floats]:
+        """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 7) that prove it, those of rows, and where it is taken."""
+        linear = self.linear
+        self.program = program = self._program(seconds)
+        y = program.ask(linear.cost(weights))
+        multipliers = rounded(linear.multipliers(y[None]))
+        most = self.lagrangian.most(weights[None], np.zeros(1), multipliers)
+        return float(most[0]), multipliers[0], y, program.x * linear.unit
+
+    def _program(self, seconds: float) -> DualLinearProgram:
+        linear = self.linear
+        return DualLinearProgram(linear.rows, linear.low, linear.high, linear.least, linear.most, seconds)
+
+    def turn_cuts(
+        self, bodies: Ints, cutoff: Cutoff | None, over: Callable[[], bool], seconds: float, chains: int = CHAINS
+    ) -> TurnCuts:
+        """Ends of the turns of some bodies, as far as they are news; with a cutoff after `largest` of it, from where that ended."""
+        asked = [(int(b), sign) for sign in (1, -1) for b in bodies[::sign]]
+        half = -(-len(asked) // chains)
+        groups = [asked[k : k + half] for k in range(0, len(asked), half)]
+        if len(groups) > 1:
+            with ThreadPoolExecutor(len(groups)) as pool:
+                done = list(pool.map(lambda group: self._chain(group, cutoff, over, seconds), groups))
+        else:
+            done = [self._chain(group, cutoff, over, seconds) for group in groups]
+        found = [one for chain in done for one in chain]
+        return self._proven([one[0] for one in found], np.array([one[1] for one in found]), cutoff)
+
+    def _chain(
+        self, asked: list[tuple[int, int]], cutoff: Cutoff | None, over: Callable[[], bool], seconds: float
+    ) -> list[tuple[tuple[int, int], Floats]]:
+        """Multipliers of rows for one question after the other, until it is over."""
+        linear = self.linear
+        if cutoff is None:
+            program = self._program(seconds)
+        else:
+            cost = linear.cost(cutoff.weights)
+            scale = 1.0 / max(float(np.abs(cost).max()), 1e-300)
+            program = self.program.with_row(cost * scale, cutoff.worth * scale, seconds)
+        found = []
+        for body, sign in asked:
+            if over():
+                break
+            cost = np.zeros(len(linear.unit))
+            column = linear.column[body] + 2
+            cost[column] = sign * linear.unit[column]
+            y = program.ask(cost)
+            if cutoff is not None:
+                y[-1] *= scale
+            found.append(((body, sign), y))
+        return found
+
+    def _proven(self, asked: list[tuple[int, int]], y: Floats, cutoff: Cutoff | None) -> TurnCuts:
+        """What multipliers of rows really prove."""
+        body, sign = np.array(asked, dtype=np.int64).reshape(-1, 2).T
+        count = len(body)
+        if not count:
+            none = np.zeros(0)
+            return TurnCuts(body, sign, none, none, np.zeros((0, len(self.linkage.joints.a), MULTIPLIERS)))
+        weights, constant, goal = np.zeros((count, 5 * len(self.linkage.fixed))), np.zeros(count), np.zeros(count)
+        weights[np.arange(count), 5 * body + TURN] = sign
+        if cutoff is not None:
+            goal = np.maximum(-y[:, -1], 0.0)
+            weights, constant, y = weights + goal[:, None] * cutoff.weights, -goal * cutoff.worth, y[:, :-1]
+        multipliers = rounded(self.linear.multipliers(y))
+        most = self.lagrangian.most(weights, constant, multipliers)
+        width = self.ranges.high[body] - self.ranges.low[body]
+        end = sign * (most + 1e-12 + RANGE_MARGIN * width)
+        news = np.where(sign > 0, end < self.ranges.high[body], end > self.ranges.low[body])
+        return TurnCuts(body[news], sign[news], end[news], goal[news], multipliers[news])
+
+
+def after_cuts(ranges: AngleRanges, cuts: TurnCuts, turns: TurnDifferences) -> AngleRanges:
+    """What cuts leave of some ranges, also of other bodies' turns."""
+    low, high = ranges.low.copy(), ranges.high.copy()
+    up = cuts.sign > 0
+    np.minimum.at(high, cuts.body[up], cuts.end[up])
+    np.maximum.at(low, cuts.body[~up], cuts.end[~up])
+    return propagated(narrowed(ranges, low, high), turns)
+
+
+def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
+    """Bodies such that every one lies no more than so many joints from one of them, neighbours one after the other."""
+    near: dict[int, list[int]] = {int(b): [] for b in bodies}
+    for a, b in zip(linkage.joints.a.tolist(), linkage.joints.b.tolist(), strict=True):
+        if a in near and b in near:
+            near[a].append(b)
+            near[b].append(a)
+    chosen: list[int] = []
+    left = set(near)
+    # from the outside inwards: ends of ways matter most
+    far = np.hypot(*(linkage.place[bodies] - linkage.place[linkage.fixed].mean(0)).T)
+    for b in bodies[np.argsort(-far, kind="stable")].tolist():
+        if b not in left:
+            continue
+        chosen.append(b)
+        ball = {b}
+        for _ in range(hops):
+            ball |= {k for j in ball for k in near[j]}
+        left -= ball
+    return _chained(linkage.place, np.array(chosen, dtype=np.int64))
+
+
+def _chained(place: Floats, bodies: Ints) -> Ints:
+    """Bodies in an order in which the nearest one left follows."""
+    if not len(bodies):
+        return bodies
+    order, left = [0], np.ones(len(bodies), dtype=bool)
+    left[0] = False
+    while left.any():
+        rest = np.flatnonzero(left)
+        away = np.hypot(*(place[bodies[rest]] - place[bodies[order[-1]]]).T)
+        order.append(int(rest[away.argmin()]))
+        left[order[-1]] = False
+    return bodies[order]

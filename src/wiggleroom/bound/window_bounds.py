@@ -1,0 +1,79 @@
+"""Turns within all local windows, one span after the other, and the sub-proofs of what was found."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.bound.joint_constraints import AngleRanges, first_ranges
+from wiggleroom.bound.joint_ranges import RegionCuts
+from wiggleroom.bound.local_windows import SPANS, Window, window_joints, window_turns, windows, with_window
+from wiggleroom.bound.proof_steps import ProofNode
+from wiggleroom.bound.turn_tightening import Linkage, RelaxationInRanges, after_cuts
+from wiggleroom.geometry.bodies import Bodies
+
+Floats = NDArray[np.float64]
+
+SWEEPS = 2
+"""So often all turns of a window are tightened."""
+
+
+@dataclass(frozen=True, eq=False)
+class WindowProof:
+    """A window, the first ranges of its bodies, what was cut step by step, and what is left.
+
+    Parameters
+    ----------
+    window : Window
+    first, last : AngleRanges
+        Of the window's bodies (w,), against the first of them.
+    steps : tuple of ProofNode
+    """
+
+    window: Window
+    first: AngleRanges
+    last: AngleRanges
+    steps: tuple[ProofNode, ...]
+
+
+def bounded_windows(
+    bodies: Bodies, linkage: Linkage, regions: RegionCuts, over: Callable[[], bool]
+) -> Iterator[tuple[Linkage, WindowProof]]:
+    """The linkage with what one window after the other says of turns, and why that is so."""
+    for span in SPANS:
+        for window in windows(bodies.shape, bodies.rest, bodies.radius, linkage.joints, span):
+            if over():
+                return
+            if len(window.placements) < 2:
+                continue
+            proof = _bounded(window, linkage, regions, over)
+            low, high = proof.last.low, proof.last.high
+            linkage = replace(linkage, turns=with_window(linkage.turns, linkage.joints, window, low, high))
+            yield linkage, proof
+
+
+def _bounded(window: Window, linkage: Linkage, regions: RegionCuts, over: Callable[[], bool]) -> WindowProof:
+    own = window.bodies
+    fixed = np.zeros(len(own), dtype=bool)
+    fixed[0] = True
+    small = Linkage(
+        fixed,
+        linkage.radius[own],
+        linkage.place[own],
+        window_joints(window, linkage.joints),
+        window_turns(window, linkage.turns),
+        linkage.unit,
+    )
+    first = ranges = first_ranges(fixed, small.joints, regions.regions, small.turns)
+    steps = []
+    for _ in range(SWEEPS):
+        program = RelaxationInRanges(small, regions, ranges)
+        step = ProofNode()
+        step.at(ranges, program.at)
+        step.cuts = program.turn_cuts(np.arange(1, len(own)), None, over, 60.0, chains=1)
+        ranges = after_cuts(ranges, step.cuts, small.turns)
+        steps.append(step)
+    return WindowProof(window, first, ranges, tuple(steps))

@@ -1,0 +1,269 @@
+"""The same assembly in a frame of its own: what is found does not depend on how it was told.
+
+Order, place, direction, handedness and unit are chosen from the outlines and from what is asked. A search takes many decisions, between
+equals too, so its answer would else depend on which part is named first. Coordinates are rounded far below any tolerance: what was turned
+or scaled is then the same to the last digit.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly, rings_at
+from wiggleroom.drawing.model import Closer, Goal, Part, Pull, Region, Towards, Translation, Turn, W
+from wiggleroom.search.answer import Answer, Contact
+
+Floats = NDArray[np.float64]
+
+GRID = 2.0**-36
+"""Coordinates are multiples of this share of the size."""
+ORDER_DIGITS = 7
+"""Digits by which parts and regions are told apart."""
+DISTINCT = 1e-4
+"""A vector shorter than this share of what it is made of has no direction."""
+ALIGNED = 1e-3
+"""Edges agree on two axes where their sum, as fourfold angles, is longer than this share of their total."""
+FIRST_QUARTER = np.radians(-37.3)
+"""The main direction lies within the quarter turn from here on from the x axis; no usual direction lies at its ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class CanonicalFrame:
+    """An assembly in its own frame, x' = scale * axes (x - origin).
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Parts in canonical order, none turned about its reference point.
+    goals : tuple of goals
+        Worth `scale` times what they were.
+    order : (n,) int64
+        Number of each of its parts in the assembly that was given.
+    origin : (2,) float64 [mm]
+    axes : (2, 2) float64
+        Orthogonal; of determinant -1 where it is the mirror image.
+    scale : float
+    """
+
+    assembly: Assembly
+    goals: tuple[Goal, ...]
+    order: NDArray[np.int64]
+    origin: Floats
+    axes: Floats
+    scale: float
+
+    @property
+    def sense(self) -> float:
+        """1, or -1 where turns go the other way."""
+        return float(np.sign(np.linalg.det(self.axes)))
+
+    def motions(self, motions: Floats) -> Floats:
+        """Motions (k, n, 3) of the parts in the frame and order in which they were given [mm, mm, rad]."""
+        out = np.empty_like(motions)
+        out[:, self.order, :2] = motions[..., :2] @ self.axes / self.scale
+        out[:, self.order, 2] = self.sense * motions[..., 2]
+        return out
+
+    def contact(self, contact: Contact) -> Contact:
+        """A contact in the frame in which the assembly was given."""
+        x, y = self.origin + np.array(contact.point) @ self.axes / self.scale
+        nx, ny = np.array(contact.normal) @ self.axes
+        return replace(contact, point=(float(x), float(y)), normal=(float(nx), float(ny)))
+
+    def answer(self, found: Answer, assembly: Assembly, asked: tuple[Goal, ...]) -> Answer:
+        """An answer about the canonical assembly as one about the assembly that was given."""
+        waypoints, unit = self.motions(found.waypoints), self.scale
+        bound, search = found.bound, found.search
+        if bound is not None and bound.at_most is not None:
+            bound = replace(bound, at_most=bound.at_most / unit)
+        if search is not None and search.next_best is not None:
+            search = replace(search, next_best=search.next_best / unit)
+        period = found.period
+        if period is not None:
+            turn = np.empty_like(period.turn)
+            turn[self.order] = self.sense * period.turn
+            period = replace(period, objective=period.objective / unit, turn=turn)
+        return replace(
+            found,
+            period=period,
+            assembly=assembly,
+            goals=asked,
+            objective=None if found.objective is None else found.objective / unit,
+            motion=waypoints[-1],
+            waypoints=waypoints,
+            contacts=tuple(map(self.contact, found.contacts)),
+            deepest_overlap=found.deepest_overlap / unit,
+            at_most=None if found.at_most is None else found.at_most / unit,
+            bound=bound,
+            search=search,
+            warm_start=None,
+        )
+
+
+def canonical_frame(assembly: Assembly, asked: tuple[Goal, ...]) -> CanonicalFrame:
+    """The frame that belongs to an assembly and what is asked of it.
+
+    Examples
+    --------
+    >>> import wiggleroom as wr
+    >>> frame = canonical_frame(wr.patterns.chain(3, joint="tee", gap=0.01), (Pull("b3", (0.0, 1.0)),))
+    >>> frame.assembly.names, frame.goals[0].direction
+    (('b1', 'b2', 'b3'), (0.0, 1.0))
+    """
+    rings = [rings_at(part) for part in assembly.parts]
+    corners = np.concatenate([ring for its in rings for ring in its])
+    origin = corners[0] + _centroid([ring - corners[0] for its in rings for ring in its])
+    size = float(np.hypot(*(corners - origin).T).max())
+    vectors = _vectors(assembly, asked, [[(ring - origin) / size for ring in its] for its in rings], origin, size)
+    main = next((v for v in vectors if np.hypot(*v) > DISTINCT), np.array([1.0, 0.0]))
+    mirrored = _sense(asked) < 0
+    if _sense(asked) == 0:
+        sides = (float(main[0] * v[1] - main[1] * v[0]) for v in vectors)
+        mirrored = next((side < 0 for side in sides if abs(side) > DISTINCT * np.hypot(*main)), False)
+    flip = np.diag([1.0, -1.0 if mirrored else 1.0])
+    edges = np.concatenate([np.roll(ring, -1, 0) - ring for its in rings for ring in its]) @ flip
+    angle = _angle(flip @ main, edges)
+    c, s = np.cos(angle), np.sin(angle)
+    axes = np.array([[c, s], [-s, c]]) @ flip
+    # the outline of a part is told about its reference point, wherever that lies
+    parts = [_part(part, origin, axes, 1 / size) for part in assembly.parts]
+    order = sorted(range(len(parts)), key=lambda k: _key(parts[k]))
+    goals = tuple(_goal(goal, origin, axes, 1 / size) for goal in asked)
+    drawn = replace(
+        assembly.drawing,
+        parts=tuple(parts[k] for k in order),
+        gap=assembly.gap / size,
+        gaps=(),
+        goals=goals,
+        tolerances=(),
+    )
+    return CanonicalFrame(Assembly(drawn.parts, drawn), goals, np.array(order, dtype=np.int64), origin, axes, 1 / size)
+
+
+def _part(part: Part, origin: Floats, axes: Floats, scale: float) -> Part:
+    """A part in the frame, its outlines in canonical order."""
+    c, s = np.cos(part.at[2]), np.sin(part.at[2])
+    turned = scale * axes @ np.array([[c, -s], [s, c]])
+    mirrored = np.linalg.det(axes) < 0
+
+    def ring(points: Floats) -> Floats:
+        found = GRID * np.round(points @ turned.T / GRID)
+        found = found[::-1] if mirrored else found
+        return np.roll(found, -min(range(len(found)), key=lambda k: _rounded(found[k])), axis=0)
+
+    regions = [
+        Region(ring(r.outer), tuple(sorted(map(ring, r.holes), key=lambda hole: _rounded(hole[0]))))
+        for r in part.regions
+    ]
+    x, y = GRID * np.round(scale * axes @ (np.array(part.at[:2]) - origin) / GRID)
+    regions.sort(key=lambda r: _rounded(r.outer[0]))
+    return replace(part, regions=tuple(regions), at=(float(x), float(y), 0.0), offset=0.0)
+
+
+def _key(part: Part) -> tuple[Any, ...]:
+    """Where a part lies, in its order among others."""
+    first = part.regions[0].outer[0] + part.at[:2]
+    return not part.fixed, *_rounded(first), *(_rounded(c) for c in part.regions[0].outer + part.at[:2])
+
+
+def _rounded(point: Floats) -> tuple[float, ...]:
+    return tuple((np.round(point, ORDER_DIGITS) + 0.0).tolist())
+
+
+def _goal(goal: Goal, origin: Floats, axes: Floats, scale: float) -> Goal:
+    """What is asked, in the frame; worth `scale` times as much."""
+    sense = np.linalg.det(axes)
+
+    def spot(point: tuple[float, float] | None) -> tuple[float, float] | None:
+        return None if point is None else _pair(scale * axes @ (np.array(point) - origin))
+
+    if isinstance(goal, Pull):
+        direction = np.array(goal.direction, dtype=float)
+        return replace(goal, direction=_pair(axes @ (direction / np.hypot(*direction))), point=spot(goal.point))
+    if isinstance(goal, Turn):
+        same = sense > 0
+        return replace(
+            goal, sense=goal.sense if same else {"cw": "ccw", "ccw": "cw"}[goal.sense], weight=goal.weight * scale
+        )
+    if isinstance(goal, W):
+        x, y = axes @ np.array(goal.w[:2], dtype=float)
+        return replace(goal, w=(float(x), float(y), float(goal.w[2] * sense * scale)))
+    if isinstance(goal, Towards):
+        target = spot(goal.target)
+        return replace(goal, point=spot(goal.point), target=target or goal.target, weight=goal.weight / scale)
+    whole: Translation | Closer = goal
+    return replace(whole, weight=whole.weight / scale)
+
+
+def _pair(v: Floats) -> tuple[float, float]:
+    x, y = GRID * np.round(v / GRID)
+    return float(x), float(y)
+
+
+def _sense(asked: Sequence[Goal]) -> float:
+    """Sum of the turns that are asked for, counter-clockwise ones positive."""
+    turns = [g.weight * (1 if g.sense == "ccw" else -1) for g in asked if isinstance(g, Turn)]
+    return float(sum(turns) + sum(g.weight * g.w[2] for g in asked if isinstance(g, W)))
+
+
+def _vectors(
+    assembly: Assembly, asked: Sequence[Goal], rings: list[list[Floats]], origin: Floats, size: float
+) -> list[Floats]:
+    """Vectors that turn with the assembly: what is pulled and where, what is fixed, and how the material lies about its centroid."""
+    pulls = [g for g in asked if isinstance(g, Pull)]
+    out = [sum((g.weight * np.array(g.direction) / np.hypot(*g.direction) for g in pulls), np.zeros(2))]
+    out += [np.array(g.w[:2], dtype=float) / max(np.hypot(*g.w[:2]), 1e-300) for g in asked if isinstance(g, W)]
+    for goal in asked:
+        if isinstance(goal, Pull) and goal.point is not None:
+            out.append((np.array(goal.point) - origin) / size)
+        elif isinstance(goal, Pull | Turn | W | Towards):
+            out.append(_centroid(rings[assembly.names.index(goal.part)]))
+    fixed = [ring for part, its in zip(assembly.parts, rings, strict=True) for ring in its if part.fixed]
+    if fixed:
+        out.append(_centroid(fixed))
+    everything = [ring for its in rings for ring in its]
+    x, y = np.array([_moment(everything, lambda p, k=k: (p[:, 0] ** 2 + p[:, 1] ** 2) * p[:, k]) for k in (0, 1)])
+    xx, yy, xy = (
+        _moment(everything, lambda p: p[:, 0] ** 2),
+        _moment(everything, lambda p: p[:, 1] ** 2),
+        _moment(everything, lambda p: p[:, 0] * p[:, 1]),
+    )
+    angle = np.arctan2(2 * xy, xx - yy) / 2
+    axis = np.hypot(2 * xy, xx - yy) * np.array([np.cos(angle), np.sin(angle)])
+    reference = next((v for v in [*out, np.array([x, y])] if np.hypot(*v) > DISTINCT), axis)
+    return [*out, np.array([x, y]), axis * np.sign(axis @ reference)]
+
+
+def _centroid(rings: Sequence[Floats]) -> Floats:
+    area = _moment(rings, lambda p: np.ones(len(p)))
+    return np.array([_moment(rings, lambda p, k=k: p[:, k]) for k in (0, 1)]) / area
+
+
+def _moment(rings: Sequence[Floats], of: Any) -> float:
+    """Integral of a cubic polynomial of the place over the material, hole rings running the other way; exact."""
+    total = 0.0
+    for ring in rings:
+        after = np.roll(ring, -1, 0)
+        area = (ring[:, 0] * after[:, 1] - after[:, 0] * ring[:, 1]) / 2  # triangles with the origin
+        value = -27 / 48 * of((ring + after) / 3)
+        for a, b in ((0.2, 0.2), (0.6, 0.2), (0.2, 0.6)):
+            value = value + 25 / 48 * of(a * ring + b * after)
+        total += float(area @ value)
+    return total
+
+
+def _angle(main: Floats, edges: Floats) -> float:
+    """Direction of the x axis [rad]: along the edges where these agree, as near to the main direction as that allows."""
+    direction = float(np.arctan2(main[1], main[0]))
+    length, angle = np.hypot(*edges.T), np.arctan2(edges[:, 1], edges[:, 0])
+    total = complex((length * np.exp(4j * angle)).sum())
+    if abs(total) < ALIGNED * length.sum():
+        return direction
+    along = float(np.angle(total)) / 4
+    quarters = np.floor((direction - along - FIRST_QUARTER) / (np.pi / 2))
+    return along + float(quarters) * np.pi / 2

@@ -1,0 +1,128 @@
+"""One linear program asked again and again with other costs, given to HiGHS in its dual form.
+
+max cost . x with low <= rows x <= high and least <= x <= most has far fewer variables than rows. Its dual has a variable for each
+side of a row or a box and one equation for each x, so a basis is as small as x is. Another cost only changes right sides:
+the old basis stays dual feasible, and the dual simplex method goes on from it. What HiGHS says is not believed here: its
+multipliers prove bounds that are worked out elsewhere.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from wiggleroom.errors import see_extra
+
+Floats = NDArray[np.float64]
+
+
+def need_highs() -> Any:
+    """Module highspy.
+
+    Raises
+    ------
+    MissingExtraError
+        If it is not installed.
+    """
+    see_extra("prove", "proving a bound needs highspy", "highspy")
+    import highspy
+
+    return highspy
+
+
+class DualLinearProgram:
+    """A linear program that is asked for the largest value of other and other costs.
+
+    Parameters
+    ----------
+    rows : (m, n) sparse
+    low, high : (m,) float64
+    least, most : (n,) float64
+        Finite.
+    limit : float [s]
+        All questions together end after this.
+
+    Raises
+    ------
+    MissingExtraError
+        If highspy is not installed.
+
+    Examples
+    --------
+    >>> rows, zero, one = sp.csr_matrix([[1.0, 1.0]]), np.zeros(2), np.ones(2)
+    >>> program = DualLinearProgram(rows, np.array([-np.inf]), np.array([1.5]), zero, one)
+    >>> program.ask(np.array([1.0, 2.0])), program.x.round(6)
+    (array([1.]), array([0.5, 1. ]))
+    """
+
+    def __init__(
+        self, rows: sp.csr_matrix, low: Floats, high: Floats, least: Floats, most: Floats, limit: float = 60.0
+    ) -> None:
+        highspy = need_highs()
+        self.up, self.down = np.flatnonzero(np.isfinite(high)), np.flatnonzero(np.isfinite(low))
+        (self.count, n), self.more = rows.shape, False
+        rows = rows.tocsr()
+        one = sp.identity(n, format="csr")
+        matrix = sp.hstack([rows[self.up].T, -rows[self.down].T, one, -one]).tocsc()
+        lp = highspy.HighsLp()
+        lp.num_row_, lp.num_col_ = matrix.shape
+        lp.col_cost_ = np.concatenate([high[self.up], -low[self.down], most, -least])
+        lp.col_lower_ = np.zeros(matrix.shape[1])
+        lp.col_upper_ = np.full(matrix.shape[1], highspy.kHighsInf)
+        lp.row_lower_ = lp.row_upper_ = np.zeros(n)
+        lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
+        lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
+        self.highs = _solver(highspy, limit)
+        self.highs.passModel(lp)
+        self.every = np.arange(n, dtype=np.int32)
+        self.x: Floats = np.zeros(n)
+
+    def with_row(self, row: Floats, low: float, limit: float) -> DualLinearProgram:
+        """The same program with one more row (n,), row . x >= low, which begins where this one ended."""
+        highspy = need_highs()
+        other: DualLinearProgram = object.__new__(DualLinearProgram)
+        other.up, other.down, other.every, other.x = self.up, self.down, self.every, self.x
+        other.count, other.more = self.count, True
+        other.highs = _solver(highspy, limit)
+        other.highs.passModel(self.highs.getLp())
+        other.highs.setBasis(self.highs.getBasis())
+        used = np.flatnonzero(row).astype(np.int32)
+        other.highs.addCol(-low, 0.0, highspy.kHighsInf, len(used), used, -row[used])
+        return other
+
+    def ask(self, cost: Floats) -> Floats:
+        """Multipliers (m,) of the rows, positive where a row's upper side holds; where it ended is left in `x`."""
+        self.highs.changeRowsBounds(len(self.every), self.every, cost, cost)
+        self.highs.run()
+        found = self.highs.getSolution()
+        y = np.zeros(self.count + self.more)
+        value = np.array(found.col_value)
+        if len(value) and np.isfinite(value).all():
+            value = np.maximum(value, 0.0)
+            y[self.up] += value[: len(self.up)]
+            y[self.down] -= value[len(self.up) : len(self.up) + len(self.down)]
+            if self.more:
+                y[-1] = -value[-1]
+            self.x = np.array(found.row_dual)
+        return y
+
+    @property
+    def iterations(self) -> int:
+        """Of the simplex method, in the last question."""
+        return int(self.highs.getInfo().simplex_iteration_count)
+
+
+def _solver(highspy: Any, limit: float) -> Any:
+    solver = highspy.Highs()
+    for option, value in (
+        ("output_flag", False),
+        ("threads", 1),
+        ("solver", "simplex"),
+        ("presolve", "off"),
+        ("time_limit", float(limit)),
+    ):
+        solver.setOptionValue(option, value)
+    return solver

@@ -1,0 +1,130 @@
+"""One iterate of the method over bodies and planes, and the Newton directions from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.solve.factorisation import Factor
+from wiggleroom.solve.newton_step import dot
+from wiggleroom.spatial import separating_plane_constraints as kernel
+from wiggleroom.spatial.rigid import SpatialPose
+from wiggleroom.spatial.rotations import logarithm
+from wiggleroom.spatial.separating_plane_program import GraphRetraction, LinearisedSeparatingPlanes
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(eq=False)
+class SeparatingPlaneIterate:
+    """A point, with slacks and multipliers of its rows.
+
+    Parameters
+    ----------
+    at : LinearisedSeparatingPlanes
+    s : (R,) float64
+        Slacks of the rows: these themselves, or larger where they run ahead.
+    lam : (R,) float64
+        Multipliers, in units of the objective's largest derivative per clearance.
+    unit : float
+        Largest derivative of the objective at the start.
+    shift : float
+        Last strengthening of the diagonal.
+    anchor : SpatialPose
+        Where displacements begin.
+    held : float
+        Weight of the proximal term, in units of the barrier's.
+    """
+
+    at: LinearisedSeparatingPlanes
+    s: Floats
+    lam: Floats
+    unit: float
+    shift: float
+    anchor: SpatialPose
+    held: float
+
+    @property
+    def displacement(self) -> Floats:
+        """Scaled motion (V,) from the anchor."""
+        P, pose = self.at.program, self.at.point.pose
+        turn = logarithm(np.einsum("nji,njk->nik", self.anchor.R, pose.R))
+        return P.packed(np.hstack([pose.T - self.anchor.T, turn]) / P.scale)
+
+    @property
+    def complementarity(self) -> float:
+        """Mean of slacks times multipliers."""
+        return dot(self.s, self.lam) / max(len(self.lam), 1)
+
+    def proximal(self, mu: float, u: Floats) -> float:
+        """Weight of half the squared displacement at a barrier parameter; it never counts more than the barrier."""
+        rows = max(len(self.lam), 1)
+        return self.held * mu * rows / max(dot(u, u), rows)
+
+    def residuals(self, weight: float, u: Floats) -> tuple[Floats, Floats]:
+        """Dual residuals of the bodies (V,) and of the planes (K, 3), with a proximal term of some weight."""
+        force, moment = self.at.against(self.lam)
+        return weight * u - self.at.gradient / self.unit - force, -moment
+
+    def barrier(self, at: LinearisedSeparatingPlanes, mu: float, weight: float) -> float:
+        """Barrier function at a point, infinite outside the rows."""
+        if at.h.min(initial=np.inf) <= 0:
+            return np.inf
+        u = SeparatingPlaneIterate(at, self.s, self.lam, self.unit, 0.0, self.anchor, self.held).displacement
+        return -at.value / self.unit - mu * float(np.log(at.h).sum()) + weight / 2 * dot(u, u)
+
+
+class SeparatingPlaneSystem:
+    """The condensed system of one iterate, factorised."""
+
+    def __init__(self, matrix: Factor, retraction: GraphRetraction) -> None:
+        self._matrix, self._retraction = matrix, retraction
+
+    def set(self, state: SeparatingPlaneIterate, dual: Floats, weight: float) -> None:
+        """Work the matrix out."""
+        at = self._at = state.at
+        self._s, self._lam = state.s, state.lam
+        balance = self._retraction.balance(dual, at)
+        self._data, self._inverse, self._mixed = at.condensed(state.lam / state.s, state.lam, balance, 1.0 / state.unit)
+        self._data[at.program.pattern.diagonal] += weight
+
+    def set_least_squares(self, at: LinearisedSeparatingPlanes, weight: Floats) -> bool:
+        """Work out and factorise the matrix of weighted least squares of the rows, for corrections; False where that fails."""
+        self._at = at
+        self._s, self._lam = np.ones_like(weight), weight
+        nothing = np.zeros((len(at.program.a), 3))
+        self._data, self._inverse, self._mixed = at.condensed(weight, np.zeros_like(weight), nothing, 0.0)
+        return self.factorise(1e-9 * float(weight.max(initial=1.0)))
+
+    def factorise(self, shift: float) -> bool:
+        """Factorise with a shift of the diagonal; False where the matrix is not positive definite."""
+        return bool(np.isfinite(self._data).all()) and self._matrix.update(self._data, shift)
+
+    def newton(
+        self, primal: Floats, dual: Floats, dual_planes: Floats, goal: Floats
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """Directions (du, dy, ds, dlam) that change s * lam by `goal` and remove the residuals, to first order."""
+        du, dy = self._solved((self._lam * primal + goal) / self._s, dual, dual_planes)
+        ds = self._at.along(du, dy) - primal
+        return du, dy, ds, (goal - self._lam * ds) / self._s
+
+    def correction(self, missing: Floats) -> tuple[Floats, Floats]:
+        """Changes (du, dy) that bring rows nearer by `missing` (R,): least squares, weighted as the rows are."""
+        P = self._at.program
+        return self._solved(self._lam / self._s * missing, np.zeros_like(self._at.gradient), np.zeros((P.planes, 3)))
+
+    def _solved(self, force: Floats, dual: Floats, dual_planes: Floats) -> tuple[Floats, Floats]:
+        """Changes of bodies and planes for forces (R,) of the rows and dual residuals."""
+        at, P = self._at, self._at.program
+        x, y = at.against(force)
+        y = y - dual_planes
+        bodies, share = P.unpacked(x - dual), np.empty_like(y)
+        on_bodies = np.zeros_like(bodies)
+        kernel.eliminate(
+            at.Psi, at.point.pose.R, P.a, P.b, P.plane, self._inverse, self._mixed, y, P.scale, share, on_bodies
+        )
+        du = self._matrix.solve(P.packed(bodies + on_bodies))
+        kernel.substitute(P.plane, self._inverse, self._mixed, at.seen(du), share)
+        return du, share

@@ -1,0 +1,49 @@
+"""Cells of a pair: every pose inside is free of overlap, by shapely."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import shapely
+from shapely import affinity
+
+from tests.flexing import polygon_part
+from wiggleroom.assembly.build import assemble
+from wiggleroom.drawing.model import Drawing
+from wiggleroom.freespace.cells.cells import grow_cells, select
+from wiggleroom.geometry.bodies import bodies
+from wiggleroom.geometry.neighbours import placed, relative_pose
+from wiggleroom.program.nonlinear_program import build
+from wiggleroom.program.objectives import ZERO_MOTION
+
+
+def tip_over_notch(depth, half, clearance, tilt):
+    """A pin whose tip stands over a notch of the same angle in a long bar."""
+    tip = shapely.Polygon([(-half, 0), (0, -depth), (half, 0), (half, 0.8), (-half, 0.8)])
+    notch = shapely.Polygon([(-9 * half, 8 * depth), (0, -depth), (9 * half, 8 * depth)])
+    bar = shapely.box(-2, -0.7, 3, 0.1) - affinity.translate(notch, 0, -clearance)
+    turned = [affinity.rotate(shape, tilt, origin=(0, 0), use_radians=True) for shape in (bar, tip)]
+    parts = polygon_part("bar", turned[0], fixed=True), polygon_part("pin", turned[1])
+    return bodies(assemble(Drawing(parts, gap=0.0)))
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize("depth", [0.05, 0.15])
+def test_a_tip_over_a_notch_of_its_angle_has_a_cell_that_holds_no_overlap(depth, tilt):
+    clearance = 0.02
+    them = tip_over_notch(depth, 0.12, clearance, tilt)
+    a, b = np.array([0]), np.array([1])
+    cells, good = grow_cells(them, a, b, relative_pose(them, a, b), np.full(1, clearance))
+    assert good.all()
+    program = build(them, select(cells, a), ZERO_MOTION, length=clearance)
+    rng, inside = np.random.default_rng(1), 0
+    for scale in (0.02, 0.2, 1.0):
+        for _ in range(400):
+            motion = np.zeros((2, 3))
+            motion[1] = rng.uniform(-scale, scale, 3)
+            if program.values(program.variables(motion)).min() < 0:
+                continue
+            inside += 1
+            bar, pin = placed(them, motion)
+            assert shapely.intersection(bar, pin).area < 1e-12
+    assert inside > 100  # the pin can leave upwards

@@ -1,0 +1,63 @@
+/** What is seen before there is a drawing: a place to drop one, samples to press, files opened before. */
+
+import { useSignal } from "@preact/signals";
+import { forgetRecent, recent } from "../keep.ts";
+import type { SampleEntry } from "../protocol.ts";
+import { openAs } from "../session.ts";
+import { findings, hello, line } from "../state.ts";
+import { short } from "../words.ts";
+
+export function Start() {
+  const files = useSignal(recent());
+  const samples = hello.value?.samples ?? [];
+  return (
+    <div class="start">
+      <div class="startpage">
+        <section class="dropzone">
+          <p class="big">Drop a drawing here</p>
+          <p>SVG, DXF, LightBurn or an assembly file (JSON).</p>
+          <label class="button main worded" for="file"><span>Choose a file</span></label>
+          <p class="quiet">It stays on this machine.</p>
+        </section>
+        {line.value !== "open" && <p class="quiet" role="status">{line.value === "connecting" ? "Reaching the server…" : "The server does not answer; this page tries again by itself."}</p>}
+        {findings.value.length > 0 && <div class="notice bad" role="alert"><ul>{findings.value.map((one) => <li key={one.words}>{one.words}</li>)}</ul></div>}
+        {files.value.length > 0 && (
+          <section>
+            <header><h2>Opened before</h2><button type="button" class="link" onClick={() => { forgetRecent(); files.value = []; }}>forget them</button></header>
+            <ul class="recents">
+              {files.value.map((one) => (
+                <li key={one.name}>
+                  <button type="button" class="recent" title={one.name} onClick={() => openAs({ name: one.name, data: one.data })}>
+                    <span>{short(one.name, 40)}</span><span class="quiet">{new Date(one.when).toLocaleDateString()}</span>
+                  </button>
+                </li>
+              ))}
+            </ul>
+          </section>
+        )}
+        {samples.length > 0 && (
+          <section>
+            <header><h2>Or press a sample</h2></header>
+            <ul class="samples">{samples.map((one) => <li key={one.name}><SampleCard sample={one} /></li>)}</ul>
+          </section>
+        )}
+      </div>
+    </div>
+  );
+}
+
+function SampleCard({ sample: { name, words, count, picture } }: { sample: SampleEntry }) {
+  const path = picture.flat().map((ring) => `M${ring.map(([x, y]) => `${x} ${100 - y}`).join("L")}Z`).join("");
+  const [last, first] = [picture.at(-1)!, picture[0]!].map((rings) => rings.map((ring) => `M${ring.map(([x, y]) => `${x} ${100 - y}`).join("L")}Z`).join(""));
+  const xs = picture.flat(2).map(([, y]) => y);
+  const high = Math.max(...xs);
+  return (
+    <button type="button" class="sample" onClick={() => openAs({ name, sample: true })}>
+      <svg viewBox={`-2 ${98 - high} 104 ${high + 4}`} aria-hidden="true">
+        <path class="part" d={path} /><path class="part fixed" d={first} /><path class="part pulled" d={last} />
+      </svg>
+      <span class="strong">{name}</span>
+      <span class="quiet">{words}</span><span class="quiet">{count} parts</span>
+    </button>
+  );
+}

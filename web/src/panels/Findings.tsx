@@ -1,0 +1,38 @@
+/** Everything that is wrong with the design, each with its place in the picture and what would put it right. */
+
+import { change } from "../design.ts";
+import type { Finding, Mend } from "../protocol.ts";
+import { findings, pointed } from "../state.ts";
+import { Button } from "../chrome/Button.tsx";
+
+export const mend = ({ words: _, ...changed }: Mend): void => {
+  pointed.value = null;
+  change(changed);
+};
+
+export function Findings() {
+  const all = findings.value;
+  if (all.length === 0) return null;
+  return (
+    <section class="findings" aria-label="what is wrong" role="alert">
+      <header><h2>{all.length === 1 ? "One thing to put right" : `${all.length} things to put right`}</h2><Button icon="close" label="Close the list" onClick={() => (findings.value = [])} class="small" /></header>
+      <ul>{all.map((one) => <Row key={one.words} finding={one} />)}</ul>
+    </section>
+  );
+}
+
+function Row({ finding }: { finding: Finding }) {
+  const { words, parts, point, mends } = finding;
+  const shown = pointed.value === finding;
+  return (
+    <li>
+      <p>{words}</p>
+      {(mends.length > 0 || point || parts.length > 0) && (
+        <div class="mends">
+          {mends.map((one, i) => <Button key={one.words} label={one.words} onClick={() => mend(one)} class={`small ${i ? "" : "main"}`}>{one.words}</Button>)}
+          {(point || parts.length > 0) && <Button label={shown ? "Do not show it" : "Show it in the picture"} onClick={() => (pointed.value = shown ? null : finding)} pressed={shown} class="small">Show</Button>}
+        </div>
+      )}
+    </li>
+  );
+}

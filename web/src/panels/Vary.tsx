@@ -1,0 +1,72 @@
+/** Which parts to make tighter, and how far it moves where gaps vary at random. */
+
+import { useSignal } from "@preact/signals";
+import { asks, design, fixedNames } from "../design.ts";
+import { ask } from "../session.ts";
+import { answer, current, names, studies } from "../state.ts";
+import { NumberBox } from "../chrome/NumberBox.tsx";
+import { Run } from "../chrome/Run.tsx";
+import { stepOf } from "../chrome/Selection.tsx";
+import { Blamebar, Colouring } from "./Ranked.tsx";
+import { Command } from "./Command.tsx";
+import { Section } from "./Section.tsx";
+import { Sections } from "./Study.tsx";
+
+export function Vary() {
+  return <><Tighten /><Sample /></>;
+}
+
+const asked = (): boolean => asks(design.value) && answer.value?.reply.objective != null;
+
+function Tighten() {
+  const free = names.value.filter((name) => !fixedNames.value.has(name)).length;
+  const parts = useSignal(Math.max(1, Math.min(3, free)));
+  return (
+    <Section title="Which parts should be tighter?">
+      <p>The parts whose gap, made smaller, takes most of the motion away.</p>
+      <div class="asks">
+        <label>so many <NumberBox value={parts.value} min={1} step={1} label="how many parts to make tighter" onChange={(v) => (parts.value = Math.round(v))} /></label>
+        <Run kind="tighten" label="Find the parts to make tighter" onClick={() => void ask("tighten", { design: design.peek(), parts: parts.value })} disabled={!asked()}>Find them</Run>
+      </div>
+      <Result of="tighten" />
+    </Section>
+  );
+}
+
+function Sample() {
+  const { gap } = design.value;
+  const spread = useSignal(0);
+  const limit = useSignal(0);
+  const draws = useSignal(100);
+  const used = spread.value || Number((gap / 20).toPrecision(2));
+  const run = (): void => void ask("sample", { design: design.peek(), spread: used, draws: draws.value, ...(limit.value > 0 && { limit: limit.value }) });
+  return (
+    <Section title="When gaps vary">
+      <p>No cut is exact. Every draw gives each part an extra gap of its own, and says how far it then moves: the worst case, and how many stay below a limit.</p>
+      <div class="asks">
+        <label>standard deviation <NumberBox value={used} min={0} step={stepOf(gap / 5)} unit="mm" label="standard deviation of the gap" onChange={(v) => (spread.value = v)} /></label>
+        <label>draws <NumberBox value={draws.value} min={1} step={50} label="number of draws" onChange={(v) => (draws.value = Math.min(Math.round(v), 5000))} /></label>
+        <label>good up to <NumberBox value={limit.value} min={0} step={stepOf(10 * gap)} unit="mm" label="largest motion that is good, 0 for none" onChange={(v) => (limit.value = v)} /></label>
+        <Run kind="sample" label="Draw gaps at random" onClick={run} disabled={!asked() || used <= 0}>Draw</Run>
+      </div>
+      <Result of="sample" />
+    </Section>
+  );
+}
+
+function Result({ of }: { of: "tighten" | "sample" }) {
+  const about = studies.value[of];
+  if (!about) return null;
+  const { said, study, tints, command } = about.reply;
+  return (
+    <div class={current(about) ? "result" : "result old"}>
+      <p class="strong">{said.title}</p>
+      <p class="quiet">{said.facts.join(" · ")}</p>
+      {!current(about) && <p class="quiet">said of an earlier design</p>}
+      <Colouring />
+      {tints.per && <Blamebar most={Math.max(...Object.values(tints.values))} per={tints.per} />}
+      <Sections of={study} />
+      <Command text={command} />
+    </div>
+  );
+}

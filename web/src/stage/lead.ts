@@ -1,0 +1,85 @@
+/**
+ * The hand leads: where a dragged part is drawn before the server has answered.
+ *
+ * From the last motion that is known to be free it goes towards the pointer, straight and along what it meets, while all others stand:
+ * as far as that is free by the outlines themselves. What lies beyond, where others might give way, is a ghost until the answer comes.
+ */
+
+import { signal } from "@preact/signals";
+import { type Body, slideTowards } from "../collision/sweep.ts";
+import { type Outline, outlineOf } from "../collision/outline.ts";
+import { fixedNames, groupOf } from "../design.ts";
+import { end, place, shown } from "../motion.ts";
+import type { Point } from "../protocol.ts";
+import { drawing, extent, indexOf } from "../state.ts";
+import { current } from "./now.ts";
+import { outOf, placed, type Shape } from "./shapes.ts";
+
+export interface Lead {
+  /** Parts that move as one with the dragged one. */
+  group: readonly number[];
+  /** Shift [mm] from the last known motion, free by the outlines. */
+  free: Point;
+  /** Shift at which the grip would be at the pointer. */
+  wish: Point;
+}
+
+export const lead = signal<Lead | null>(null);
+
+/** Kept between outlines, as a share of the drawing's size: more than they are rounded by on their way here. */
+const SKIN = 3e-7;
+
+const outlines = new WeakMap<Shape, Outline>();
+function outlined(shape: Shape): Outline {
+  let found = outlines.get(shape);
+  if (!found) outlines.set(shape, (found = outlineOf(shape.rings)));
+  return found;
+}
+
+/** The last motion known to be free, where a drag begins or goes on: what is shown at its end, or rest. */
+export function known(): { motion: Float32Array; from: "here" | "answer" | "rest" } {
+  const { what, frames } = shown.peek();
+  const n = current.shapes.length;
+  if (frames?.n === n && what === "drag") return { motion: end(frames), from: "here" };
+  if (frames?.n === n && what === "answer" && place.peek() >= 1) return { motion: end(frames), from: "answer" };
+  return { motion: new Float32Array(3 * n), from: "rest" };
+}
+
+/** Leads a part, and all that is glued to it, towards the pointer; `shaped` tells whether the outlines are those of the present design. */
+export function leadTo(part: string, grip: Point, target: Point, shaped: boolean): void {
+  const i = indexOf.peek().get(part);
+  if (i === undefined || !current.shapes[i]) return;
+  const { motion } = known();
+  const at = (k: number) => placed(current.shapes[k]!, motion, k, 1);
+  const shape = current.shapes[i]!;
+  const held = outOf(at(i), [grip[0] - shape.at[0], grip[1] - shape.at[1]]);
+  const wish: Point = [target[0] - held[0], target[1] - held[1]];
+  const names = groupOf(part) ?? [part];
+  const group = names.flatMap((name) => indexOf.peek().get(name) ?? []);
+  if (!shaped || names.some((name) => fixedNames.peek().has(name))) {
+    lead.value = { group, free: [0, 0], wish };
+    return;
+  }
+  const body = (k: number): Body => ({ ...at(k), outline: outlined(current.shapes[k]!) });
+  const moving = group.map(body);
+  const free = slideTowards(moving, standing(moving, group, motion, wish).map(body), wish, SKIN * 2 * extent.peek().radius);
+  lead.value = { group, free, wish };
+}
+
+/** Parts that the moving ones could meet on their way. */
+function standing(moving: readonly Body[], group: readonly number[], motion: Float32Array, wish: Point): number[] {
+  const far = Math.hypot(...wish);
+  const aside = new Set(group);
+  for (const pair of drawing.peek()?.ignore ?? []) { // stacked sheets pass each other
+    const [a, b] = pair.map((name) => indexOf.peek().get(name)!) as [number, number];
+    if (group.length === 1 && group[0] === a) aside.add(b);
+    if (group.length === 1 && group[0] === b) aside.add(a);
+  }
+  const found: number[] = [];
+  current.shapes.forEach((shape, k) => {
+    if (aside.has(k)) return;
+    const p = placed(shape, motion, k, 1);
+    if (moving.some((one) => Math.hypot(p.x - one.x, p.y - one.y) <= one.outline.radius + shape.radius + far)) found.push(k);
+  });
+  return found;
+}
