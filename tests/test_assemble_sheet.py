@@ -191,7 +191,7 @@ def test_a_name_that_is_not_there_is_said_with_what_was_meant() -> None:
 
 
 @pytest.mark.parametrize(
-    "options", [(), ("--thickness", "0"), ("--thickness", "lid:x"), ("--thickness", "3", "--burn", "-1")]
+    "options", [("--thickness", "0"), ("--thickness", "lid:x"), ("--thickness", "3", "--burn", "-1")]
 )
 def test_bad_options_are_bad_usage(command: Callable[..., int], tmp_path: Path, options: tuple[str, ...]) -> None:
     out = tmp_path / "out.json"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from cyclopts import Parameter
 
@@ -13,7 +13,12 @@ from wiggleroom.cli.outputs import check, write_picture, write_result
 from wiggleroom.report.file_endings import STILLS
 
 if TYPE_CHECKING:
-    pass
+    from collections.abc import Callable
+
+    from rich.console import Group
+
+    from wiggleroom.mating.assembled_sheet import AssembledSheet
+    from wiggleroom.mating.cutting_sheet import CuttingSheet
 
 
 def assemble(
@@ -29,12 +34,13 @@ def assemble(
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     picture: Path | None = None,
 ) -> int:
-    """Put the plates of a flat cutting sheet together in space, by the joints that their outlines show.
+    """Put the parts of a flat cutting sheet together: plates in space, or without --thickness a puzzle in the plane.
 
-    Example: wiggleroom assemble box.svg --thickness 3 --picture box.png -o box.json
+    Examples: wiggleroom assemble box.svg --thickness 3 --picture box.png -o box.json
+    wiggleroom assemble puzzle.svg -o puzzle.json
 
     Exit code 0: every panel is placed; 3: some are not, what is placed is written all the same. Whether the result is
-    sure is said: it is only where every flank meets another and no other assembly does as well.
+    sure is said: it is only where everything fits and nothing else does as well.
 
     Parameters
     ----------
@@ -44,15 +50,16 @@ def assemble(
         The assembly file to write (.json): plates as cut, in space.
     thickness
         Of the material [mm], for which joints are drawn. NAME:2.8 gives the real thickness of one panel. May repeat.
+        Without it parts stay in the plane and are put where their outlines fit, turned and shifted, never turned over.
     burn
         By how much outlines are drawn larger than they come out [mm], half the width of the cut. By default what the
         sheet itself says, else 0.
     hints
-        A TOML file with what is known: thickness, burn, groups, joins, plates.
+        A TOML file with what is known of plates in space: thickness, burn, groups, joins, plates.
     unit
         Unit of the drawing, in place of the file's.
     time
-        Processor time [s] after which no wider search is begun.
+        Processor time [s] after which no wider search for plates is begun.
     json
         Write joints, unmatched flanks and unplaced panels as JSON to this file; - is stdout, which then holds nothing else.
     picture
@@ -67,16 +74,13 @@ def assemble(
     from wiggleroom.mating.assembled_sheet import assemble_sheet
     from wiggleroom.mating.cutting_sheet import read_sheet
     from wiggleroom.mating.hints import Hints, read_hints
-    from wiggleroom.mating.plates_writer import write_plates
-    from wiggleroom.report.sheet_picture import sheet_picture
-    from wiggleroom.report.sheet_record import assemble_record, sheet_page
 
     check(file, {"-o": (output, (".json",)), "--json": (json, ()), "--picture": (picture, STILLS)})
     said = read_hints(hints) if hints else Hints()
     common, single = _thicknesses(thickness)
     said = replace(said, thicknesses=said.thicknesses | single)
     common = common if common is not None else said.thickness
-    if common is None:
+    if common is None and (hints or single):
         message = f"{file}: the thickness of the material is not known; give it, such as --thickness 3"
         raise InputError(message)
     if burn is not None and burn < 0:
@@ -86,18 +90,53 @@ def assemble(
         message = f"--time {time:g}: it must be more than 0 s"
         raise InputError(message)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
-    found = assemble_sheet(read_sheet(Path(file), unit=unit), common, burn=burn, hints=said, seconds=time)
+    sheet = read_sheet(Path(file), unit=unit)
+    if common is None:
+        done = _in_plane(sheet, burn, command)
+    else:
+        done = _in_space(assemble_sheet(sheet, common, burn=burn, hints=said, seconds=time), command)
     if json is not None:
-        write_result(assemble_record(found, command=command), json)
+        write_result(done.record, json)
     if json != "-":
-        show(sheet_page(found))
-    for line in found.notes:
+        show(done.page)
+    for line in done.record["notes"]:
         note(line)
     if picture is not None:
-        write_picture(sheet_picture(found, command=command), picture)
-    write_whole(output, write_plates(found))
-    note(f"{sum(len(body.rows) for body in found.bodies)} of {len(found.plates)} panels: {output}")
-    return 3 if found.unplaced else 0
+        write_picture(done.picture(), picture)
+    write_whole(output, done.text)
+    note(f"{done.record['placed']} of {done.record['panels']} panels: {output}")
+    return 3 if done.record["unplaced"] else 0
+
+
+class _Done(NamedTuple):
+    """What is written: the record, the page on the terminal, the picture when it is asked for, the assembly file."""
+
+    record: dict[str, Any]
+    page: Group
+    picture: Callable[[], str]
+    text: str
+
+
+def _in_plane(sheet: CuttingSheet, burn: float | None, command: str) -> _Done:
+    from wiggleroom.drawing.assembly_writer import write_assembly
+    from wiggleroom.mating.planar_assembly import assemble_plane
+    from wiggleroom.report.planar_picture import planar_picture
+    from wiggleroom.report.planar_record import planar_page, planar_record
+
+    found = assemble_plane(sheet, burn=burn)
+    record = planar_record(found, command=command)
+    return _Done(
+        record, planar_page(found), lambda: planar_picture(found, command=command), write_assembly(found.drawing())
+    )
+
+
+def _in_space(found: AssembledSheet, command: str) -> _Done:
+    from wiggleroom.mating.plates_writer import write_plates
+    from wiggleroom.report.sheet_picture import sheet_picture
+    from wiggleroom.report.sheet_record import assemble_record, sheet_page
+
+    record = assemble_record(found, command=command)
+    return _Done(record, sheet_page(found), lambda: sheet_picture(found, command=command), write_plates(found))
 
 
 def _thicknesses(said: tuple[str, ...]) -> tuple[float | None, dict[str, float]]:

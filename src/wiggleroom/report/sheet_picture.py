@@ -22,7 +22,7 @@ COLUMN_WIDTH = (PICTURE_WIDTH - 3 * palette.MARGIN) / 2
 """Of the sheet, and of the bodies beside it [px]."""
 PICTURE_HEIGHT = 760.0
 """[px]"""
-_OPEN = "#d00000"
+OPEN = "#d00000"
 _VIEW = np.array([[0.82, 0.57, 0.0], [-0.27, 0.39, 0.88], [0.5, -0.72, 0.48]])
 """Rows: where the picture's right, its up and the eye lie in space."""
 
@@ -36,41 +36,43 @@ def sheet_picture(found: AssembledSheet, *, command: str = "") -> str:
     return frame.document(PICTURE_WIDTH, y + PICTURE_HEIGHT + 2 * palette.MARGIN, title, said, command, body)
 
 
-def _colour(k: int) -> str:
+def hue(k: int) -> str:
     """Colours that stay apart however many there are (golden-angle hues)."""
     red, green, blue = colorsys.hls_to_rgb((0.07 + 0.618034 * k) % 1.0, 0.40, 0.65)
     return f"#{int(255 * red):02x}{int(255 * green):02x}{int(255 * blue):02x}"
 
 
-def _fitted(points: Floats, x: float, y: float) -> tuple[float, Floats]:
+def fitted(points: Floats, x: float, y: float) -> tuple[float, Floats]:
     """Scale, and the shift of points with y up that fits them into one half of the picture."""
     low, high = points.min(axis=0), points.max(axis=0)
     scale = min(COLUMN_WIDTH / max(high[0] - low[0], 1e-9), PICTURE_HEIGHT / max(high[1] - low[1], 1e-9))
     return scale, np.array([x - scale * low[0], y + scale * high[1]])
 
 
-def _path(rings: list[Floats], scale: float, shift: Floats) -> str:
+def path_data(rings: list[Floats], scale: float, shift: Floats) -> str:
+    """Closed rings (n, 2) [mm] as the data of an SVG path."""
     moved = [ring * (scale, -scale) + shift for ring in rings]
     return "".join("M" + "L".join(f"{px:.2f},{py:.2f}" for px, py in ring) + "Z" for ring in moved)
 
 
-def _rings(polygon: shapely.Polygon) -> list[Floats]:
+def rings_of(polygon: shapely.Polygon) -> list[Floats]:
+    """Outer ring and holes (n, 2) [mm], the first corner not repeated."""
     return [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
 
 
 def _sheet(found: AssembledSheet, x: float, y: float) -> str:
-    rings = [[ring + plate.centre for ring in _rings(plate.polygon)] for plate in found.plates]
-    scale, shift = _fitted(np.vstack([ring for panel in rings for ring in panel]), x, y)
+    rings = [[ring + plate.centre for ring in rings_of(plate.polygon)] for plate in found.plates]
+    scale, shift = fitted(np.vstack([ring for panel in rings for ring in panel]), x, y)
     lines = ["<g>"]
     for row, (plate, panel) in enumerate(zip(found.plates, rings, strict=True)):
         fill, dash = (palette.PAPER, ' stroke-dasharray="4 3"') if row in found.unplaced else (palette.NEUTRAL[0], "")
         lines.append(
-            f'<path d="{_path(panel, scale, shift)}" fill="{fill}" fill-rule="evenodd" stroke="{palette.NEUTRAL[1]}"{dash}/>'
+            f'<path d="{path_data(panel, scale, shift)}" fill="{fill}" fill-rule="evenodd" stroke="{palette.NEUTRAL[1]}"{dash}/>'
         )
         px, py = plate.centre * (scale, -scale) + shift
-        lines.append(_label(px, py, plate.name, palette.INK, 10.0))
+        lines.append(label(px, py, plate.name, palette.INK, 10.0))
     for k, joint in enumerate(found.joints):
-        colour = _colour(k)
+        colour = hue(k)
         for side, row in enumerate(joint.panels):
             points = on_sheet(found, row, joint.flanks[:, side]) * (scale, -scale) + shift
             lines += [f'<circle cx="{px:.2f}" cy="{py:.2f}" r="2" fill="{colour}"/>' for px, py in points]
@@ -78,15 +80,16 @@ def _sheet(found: AssembledSheet, x: float, y: float) -> str:
             centre = found.plates[row].centre * (scale, -scale) + shift
             away = centre - inner
             inner = inner + away / max(float(np.hypot(*away)), 1e-9) * 9.0
-            lines.append(_label(inner[0], inner[1], f"J{k + 1}", colour, 8.0))
+            lines.append(label(inner[0], inner[1], f"J{k + 1}", colour, 8.0))
     for row, flanks in found.open.items():
         for px, py in on_sheet(found, row, flanks) * (scale, -scale) + shift:
             cross = f"M{px - 3:.2f},{py - 3:.2f}l6,6m0,-6l-6,6"
-            lines.append(f'<path d="{cross}" stroke="{_OPEN}" stroke-width="1.5" fill="none"/>')
+            lines.append(f'<path d="{cross}" stroke="{OPEN}" stroke-width="1.5" fill="none"/>')
     return "\n".join([*lines, "</g>"])
 
 
-def _label(x: float, y: float, text: str, colour: str, size: float) -> str:
+def label(x: float, y: float, text: str, colour: str, size: float) -> str:
+    """Text with a halo, centred."""
     return (
         f'<text x="{x:.2f}" y="{y + size / 3:.2f}" font-size="{size:g}" text-anchor="middle" fill="{colour}" '
         f'stroke="{palette.PAPER}" stroke-width="2" paint-order="stroke">{escape(text)}</text>'
@@ -101,10 +104,10 @@ def _bodies(found: AssembledSheet, x: float, y: float) -> str:
             faces += _faces(found, row, turn, move)
     if not faces:
         return ""
-    scale, shift = _fitted(np.vstack([ring for _, rings, _ in faces for ring in rings]), x, y)
+    scale, shift = fitted(np.vstack([ring for _, rings, _ in faces for ring in rings]), x, y)
     faces.sort(key=lambda face: face[0])
     drawn = [
-        f'<path d="{_path(rings, scale, shift)}" fill="{fill}" fill-rule="evenodd" stroke="{palette.INK}" '
+        f'<path d="{path_data(rings, scale, shift)}" fill="{fill}" fill-rule="evenodd" stroke="{palette.INK}" '
         'stroke-width="0.5" stroke-linejoin="round"/>'
         for _, rings, fill in faces
     ]
@@ -117,7 +120,7 @@ def _faces(found: AssembledSheet, row: int, turn: Floats, move: Floats) -> list[
     right_up, eye = _VIEW[:2], _VIEW[2]
     hue = (0.1 + 0.618034 * row) % 1.0
     faces = []
-    rings = _rings(inset(plate.polygon, found.relief))
+    rings = rings_of(inset(plate.polygon, found.relief))
     normal = turn[:, 2]
     side = 1.0 if normal @ eye > 0 else -1.0
     spatial = [np.column_stack([ring, np.full(len(ring), side * half)]) @ turn.T + move for ring in rings]

@@ -1,0 +1,286 @@
+"""Search for the places of parts in the plane: the longest contact first, neighbours fitted by least squares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import affinity
+
+from wiggleroom.errors import Stop, go_on
+from wiggleroom.mating.contour_matching import (
+    ContourContact,
+    ContourMatch,
+    PlanarPose,
+    SampledContour,
+    clearance,
+    closest,
+    contact,
+    contour_matches,
+    sampled,
+)
+from wiggleroom.mating.cutting_sheet import CHORD_ERROR
+from wiggleroom.mating.flanks import inset
+
+Floats = NDArray[np.float64]
+
+_TOLERANCE = 0.01
+"""Outlines that belong together may miss each other by this share of a part's usual size."""
+_KEPT = 0.7
+"""A finer tolerance is taken while most parts keep this share of their best contact."""
+_WINDOW = 0.05
+"""Arc to either side of a sample that a descriptor sees, as share of the usual outline."""
+_SAMPLES = 240
+"""On an outline of usual length."""
+LEAST_CONTACT = 1.5
+"""Bent contact below this many windows puts nothing together."""
+_RIVAL = 0.9
+"""Another place that has this share of the contact makes an assembly doubtful."""
+_ASIDE = 0.05
+"""A sample faces a neighbour whose nearest point is aside by no more than this share of the tolerance."""
+_REFINEMENTS = 30
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """A place for one part and the bent contact that it has there."""
+
+    row: int
+    pose: PlanarPose
+    salient: float
+
+
+class PlanarSearch:
+    """The parts, their contours and the poses in which two of them fit; caches what is asked again."""
+
+    def __init__(self, polygons: list[shapely.Polygon]) -> None:
+        lengths = [polygon.length for polygon in polygons]
+        usual = float(np.median(lengths))
+        self.tolerance = _TOLERANCE * float(np.median([np.sqrt(polygon.convex_hull.area) for polygon in polygons]))
+        self.window = _WINDOW * usual
+        self.contours: list[SampledContour] = [sampled(polygon, usual / _SAMPLES, self.window) for polygon in polygons]
+        found = contour_matches(self.contours, self.tolerance)
+        self.clearance = self._clearance(found)
+        self.tolerance = self._fit(found)
+        self.cores = [inset(polygon, self.tolerance) for polygon in polygons]
+        self.matches: dict[int, list[tuple[int, PlanarPose, ContourMatch]]] = {}
+        for match in self._refined(found):
+            a, b = match.parts
+            self.matches.setdefault(a, []).append((b, match.pose, match))
+            self.matches.setdefault(b, []).append((a, match.pose.inverse(), match))
+
+    def _clearance(self, found: list[ContourMatch]) -> float:
+        """Gap [mm] that outlines that belong together leave to each other as they are drawn."""
+        best: dict[int, ContourMatch] = {}
+        for match in found:
+            for row in match.parts:
+                if row not in best or match.salient > best[row].salient:
+                    best[row] = match
+        gaps = [
+            clearance(self.contours[match.parts[0]], self.contours[match.parts[1]], match.pose, self.tolerance)
+            for match in set(best.values())
+        ]
+        return float(np.median(gaps)) if gaps else 0.0
+
+    def _fit(self, found: list[ContourMatch]) -> float:
+        """How closely [mm] outlines that belong together fit on this sheet: as fine as keeps most parts' best contact."""
+        loose = self._best(found, self.tolerance)
+        tolerance = self.tolerance
+        while loose and tolerance > 2 * CHORD_ERROR:
+            finer = self._best(found, 0.5 * tolerance)
+            if np.median([finer[row] / loose[row] for row in loose]) < _KEPT:
+                break
+            tolerance *= 0.5
+        return tolerance
+
+    def _best(self, found: list[ContourMatch], tolerance: float) -> dict[int, float]:
+        """Longest bent contact of every part."""
+        best: dict[int, float] = {}
+        for match in found:
+            a, b = match.parts
+            salient = contact(self.contours[a], self.contours[b], match.pose, tolerance).salient
+            for row in (a, b):
+                best[row] = max(best.get(row, 0.0), salient)
+        return {row: salient for row, salient in best.items() if salient}
+
+    def _refined(self, found: list[ContourMatch]) -> list[ContourMatch]:
+        """Matches fitted at the sheet's tolerance."""
+        refined = []
+        for match in found:
+            a, b = (self.contours[row] for row in match.parts)
+            pose = closest(a, b, match.pose, self.tolerance)
+            salient = contact(a, b, pose, self.tolerance).salient
+            if salient:
+                refined.append(ContourMatch(match.parts, pose, salient))
+        return refined
+
+    def first(self, left: set[int]) -> ContourMatch | None:
+        """The two parts with the longest bent contact that do not overlap."""
+        found = {match for row in left for other, _, match in self.matches.get(row, []) if other in left}
+        for match in sorted(found, key=lambda match: (-match.salient, match.parts)):
+            if match.salient < LEAST_CONTACT * self.window:
+                return None
+            a, b = match.parts
+            if not self.overlap({a: PlanarPose()}, b, match.pose):
+                return match
+        return None
+
+    def overlap(self, body: dict[int, PlanarPose], row: int, pose: PlanarPose) -> bool:
+        """Whether a part overlaps a body by more than the tolerance."""
+        core = moved(self.cores[row], pose)
+        return any(core.intersects(moved(self.cores[other], place)) for other, place in body.items())
+
+    def touching(self, body: dict[int, PlanarPose], row: int, pose: PlanarPose) -> dict[int, ContourContact]:
+        """Contacts of a part with the parts of a body."""
+        reach = self.tolerance + self.contours[0].step
+        box = shapely.box(*_grown(moved(self.contours[row].polygon, pose).bounds, reach))
+        found = {}
+        for other, place in body.items():
+            if not box.intersects(shapely.box(*moved(self.contours[other].polygon, place).bounds)):
+                continue
+            touch = contact(self.contours[other], self.contours[row], place.inverse().after(pose), self.tolerance)
+            if len(touch.first):
+                found[other] = touch
+        return found
+
+    def nearest(self, row: int, pose: PlanarPose, points: Floats) -> Floats:
+        """Points (n, 2) of a placed part's outline, exactly, that are nearest to others."""
+        local = shapely.points(pose.inverse().of(points))
+        polygon = self.contours[row].polygon
+        rings = [polygon.exterior, *polygon.interiors]
+        ring = np.argmin([shapely.distance(ring, local) for ring in rings], axis=0)
+        found = np.empty((len(points), 2))
+        for k, line in enumerate(rings):
+            here = ring == k
+            places = shapely.line_locate_point(line, local[here])
+            found[here] = shapely.get_coordinates(shapely.line_interpolate_point(line, places))
+        return pose.of(found)
+
+    def choices(self, body: dict[int, PlanarPose], newest: int, left: set[int]) -> list[_Choice]:
+        """Places of loose parts beside the newest part of a body."""
+        return [
+            _Choice(row, body[newest].after(pose), match.salient)
+            for row, pose, match in self.matches.get(newest, [])
+            if row in left
+        ]
+
+
+def moved(polygon: shapely.Polygon, pose: PlanarPose) -> shapely.Polygon:
+    """Polygon moved by a pose."""
+    (a, b), (c, d) = pose.rotation.tolist()
+    return affinity.affine_transform(polygon, [a, b, c, d, pose.x, pose.y])
+
+
+def _grown(bounds: tuple[float, float, float, float], by: float) -> tuple[float, float, float, float]:
+    return bounds[0] - by, bounds[1] - by, bounds[2] + by, bounds[3] + by
+
+
+def grow_body(
+    work: PlanarSearch,
+    match: ContourMatch,
+    left: set[int],
+    names: tuple[str, ...],
+    stop: Stop | None,
+    progress: Callable[[int], None] | None,
+) -> tuple[dict[int, PlanarPose], list[str]]:
+    """A body of the parts that are left, from its first two on, and why it may be wrong."""
+    a = match.parts[0]
+    body = {a: PlanarPose()}
+    left = left - {a}
+    doubts: list[str] = []
+    choices = work.choices(body, a, left)
+    while choices:
+        go_on(stop)
+        choices = [choice for choice in choices if choice.row in left]
+        best: list[_Choice] = []
+        for choice in sorted(choices, key=lambda choice: -choice.salient):
+            touching = work.touching(body, choice.row, choice.pose)
+            salient = sum(touch.salient for touch in touching.values())
+            if best and salient < _RIVAL * best[0].salient:
+                continue
+            if salient >= LEAST_CONTACT * work.window and not work.overlap(body, choice.row, choice.pose):
+                best = sorted([*best, _Choice(choice.row, choice.pose, salient)], key=lambda c: -c.salient)
+        if not best:
+            break
+        chosen = best[0]
+        rivals = [c for c in best[1:] if c.salient >= _RIVAL * chosen.salient and _conflict(work, chosen, c)]
+        if rivals:
+            others = dict.fromkeys(names[c.row] for c in rivals)
+            doubts.append(f'"{names[chosen.row]}" fits in more than one way, or {listed([*others])} as well there')
+        body[chosen.row] = _pressed_on(work, body, chosen)
+        left = left - {chosen.row}
+        choices = [c for c in choices if c.row in left] + work.choices(body, chosen.row, left)
+        if progress:
+            progress(len(body))
+    return body, doubts
+
+
+def _conflict(work: PlanarSearch, one: _Choice, other: _Choice) -> bool:
+    """Whether two choices exclude each other and end in another assembly."""
+    shapes = [moved(work.contours[choice.row].polygon, choice.pose) for choice in (one, other)]
+    if shapes[0].symmetric_difference(shapes[1]).area < 2 * work.tolerance * shapes[0].length:
+        return False  # congruent parts in the same place, or one part turned into itself
+    if one.row == other.row:
+        return True
+    cores = [moved(work.cores[choice.row], choice.pose) for choice in (one, other)]
+    return bool(cores[0].intersects(cores[1]))
+
+
+def _pressed_on(work: PlanarSearch, body: dict[int, PlanarPose], choice: _Choice) -> PlanarPose:
+    """PlanarPose of a choice after it is fitted to all its neighbours."""
+    return settled(work, body | {choice.row: choice.pose}, only=choice.row)[choice.row]
+
+
+def settled(work: PlanarSearch, body: dict[int, PlanarPose], only: int | None = None) -> dict[int, PlanarPose]:
+    """Poses by least squares over all contacts (Gauss-Newton); the first part stays, or all but one."""
+    rows = list(body)
+    free = [only] if only is not None else rows[1:]
+    place = {row: k for k, row in enumerate(free)}
+    for _ in range(_REFINEMENTS):
+        lines: list[Floats] = []
+        wanted: list[Floats] = []
+        for k, row in enumerate(rows):
+            others = {other: body[other] for other in rows[:k]}
+            if only is not None and row != only:
+                others = {only: body[only]} if rows.index(only) < k else {}
+            for other, touch in work.touching(others, row, body[row]).items():
+                points = body[row].of(work.contours[row].points[touch.second])
+                tangents = work.contours[other].tangents[touch.first] @ body[other].rotation.T
+                normals = np.column_stack([-tangents[:, 1], tangents[:, 0]])
+                there = (
+                    work.nearest(other, body[other], points)
+                    if only is None
+                    else body[other].of(work.contours[other].points[touch.first])
+                )
+                if only is None:  # beyond a corner of the neighbour nothing is asked of a sample
+                    aside = np.abs(np.einsum("nd,nd->n", there - points, tangents))
+                    facing = aside <= _ASIDE * work.tolerance
+                    points, there, normals = points[facing], there[facing], normals[facing]
+                matrix = np.zeros((len(points), 3 * len(free)))
+                for sign, part, at in ((1.0, row, points), (-1.0, other, there)):
+                    if part in place:
+                        arm = at - (body[part].x, body[part].y)
+                        turn = arm[:, 0] * normals[:, 1] - arm[:, 1] * normals[:, 0]
+                        matrix[:, 3 * place[part] : 3 * place[part] + 3] = sign * np.column_stack([normals, turn])
+                lines.append(matrix)
+                wanted.append(np.einsum("nd,nd->n", there - points, normals))
+        if not lines:
+            return body
+        whole, right = np.concatenate(lines), np.concatenate(wanted)
+        light = 1e-9 * len(whole) * np.diag(np.tile([1.0, 1.0, work.window**2], len(free)))
+        step = np.linalg.solve(whole.T @ whole + light, whole.T @ right).reshape(-1, 3)
+        body = body | {
+            row: PlanarPose(body[row].x + dx, body[row].y + dy, body[row].angle + turn)
+            for row, (dx, dy, turn) in zip(free, step.tolist(), strict=True)
+        }
+        if np.abs(step[:, :2]).max() < 1e-10:
+            break
+    return body
+
+
+def listed(names: list[str]) -> str:
+    """The first few names, and how many more there are."""
+    return ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
