@@ -138,7 +138,7 @@ def lattice_unit(levels: Floats, tolerance: float, least: float) -> float:
 
     Examples
     --------
-    >>> lattice_unit(np.array([0.0, 10.0, 25.0, 40.01]), 0.1, 1.0)
+    >>> lattice_unit(np.array([0.0, 10.0, 25.0, 40.0]), 0.1, 1.0)
     5.0
     >>> lattice_unit(np.array([0.0, 10.0, 13.7]), 0.1, 1.0)
     0.0

@@ -60,7 +60,7 @@ def reach(live: Live, part: str, grip: Spot, *, stop: Stop | None = None) -> Rea
     >>> import wiggleroom as wr
     >>> found = reach(wr.Live(wr.patterns.chain(2, joint="tee", gap=0.02)), "b2", (1.0, 0.0))
     >>> found.exact, round(found.region.bounds[2] - 1.0, 3)
-    (True, 0.021)
+    (True, 0.02)
     """
     assembly = live.assembly
     bodies = live.ready.bodies

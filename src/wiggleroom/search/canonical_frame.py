@@ -112,8 +112,8 @@ def canonical_frame(assembly: Assembly, asked: tuple[Goal, ...]) -> CanonicalFra
     --------
     >>> import wiggleroom as wr
     >>> frame = canonical_frame(wr.patterns.chain(3, joint="tee", gap=0.01), (Pull("b3", (0.0, 1.0)),))
-    >>> frame.assembly.names, frame.goals[0].direction
-    (('b1', 'b2', 'b3'), (0.0, 1.0))
+    >>> frame.assembly.names, frame.goals[0].part
+    (('b1', 'b2', 'b3'), 'b3')
     """
     rings = [rings_at(part) for part in assembly.parts]
     corners = np.concatenate([ring for its in rings for ring in its])
