@@ -13,6 +13,7 @@ from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import Outputs
 
 if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 
 _AXES = {
@@ -111,9 +112,38 @@ def _path(file: str) -> Any:
     return Path(file)
 
 
-def in_three_dimensions(result: Any) -> dict[str, Any]:
-    """A result of a study as JSON that says its dimension."""
+def read_question(file: str, asked: QuestionOptions) -> Assembly | SpatialAssembly:
+    """Assembly of either dimension, if a question about motion can be asked of it; its notes go to stderr.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong, one line each.
+    """
+    from wiggleroom.cli.options import read
+    from wiggleroom.cli.running import complete
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
+
+    if not is_spatial_file(file):
+        return complete(read(file, asked))
+    from wiggleroom.spatial.spatial_flex import lacking
+
+    assembly = read_in_space(file, asked)
+    wrong = lacking(assembly, assembly.goals)
+    if wrong:
+        raise InputError(wrong)
+    return assembly
+
+
+def with_dimension(result: Any, assembly: Any) -> Any:
+    """A result of a study; of an assembly in space as JSON that says its dimension."""
     import msgspec
+
+    from wiggleroom.assembly.assembly import Assembly
+
+    if isinstance(assembly, Assembly):
+        return result
 
     record = msgspec.to_builtins(result)
     return {"format": record.pop("format"), "dimension": 3} | record

@@ -75,10 +75,10 @@ class SpatialDisassembly:
     seconds: float = 0.0
 
 
-def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> SpatialDisassembly:
+def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every: bool = True) -> SpatialDisassembly:
     """Whether some parts can be moved without limit away from the others.
 
-    Fixed parts stand; where none is fixed, the part of the largest volume stands.
+    Fixed parts stand; where none is fixed, the part of the largest volume stands. Without `every` the first way out is enough.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> Spa
         keep = [k for k in range(len(alive)) if k not in set(who)]
         alive = [alive[k] for k in keep]
         left = _reduced(left, keep)
-        if len(alive) < 2 or all(p.fixed for p in left.parts):
+        if not every or len(alive) < 2 or all(p.fixed for p in left.parts):
             break
     if escapes:
         verdict, sure = Separability.COMES_APART, Certainty.PROVEN

@@ -13,7 +13,7 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.overlap_check import deepest_overlap
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import goal_findings
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
@@ -76,7 +76,7 @@ def flex_spatial(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=way, contacts=contacts,
         path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP * ready.size,
         deepest_overlap=deepest, solver=solver, rounds=search.rounds, iterations=search.iterations, seconds=spent,
-        leaves=leaves, turns=turns,
+        leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip
 
 
