@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 from wiggleroom.report.file_endings import ending
@@ -193,9 +195,15 @@ def _camera() -> tuple[Floats, Floats, Floats]:
 
 
 def part_colours(assembly: SpatialAssembly) -> list[Colour]:
-    """Colours of the parts: grey what stands."""
-    free = iter(range(len(assembly.parts)))
-    return [FIXED if p.fixed else COLOURS[next(free) % len(COLOURS)] for p in assembly.parts]
+    """Colours of the parts: grey what stands, one colour for what is glued together."""
+    glued = glue_groups(Drawing((), glue=assembly.drawing.glue))
+    still = {glued.get(p.name, p.name) for p in assembly.parts if p.fixed}
+    known: dict[int | str, Colour] = {}
+    found = []
+    for part in assembly.parts:
+        body = glued.get(part.name, part.name)
+        found.append(FIXED if body in still else known.setdefault(body, COLOURS[len(known) % len(COLOURS)]))
+    return found
 
 
 def _moved(assembly: SpatialAssembly, motion: Floats) -> list[Surface]:

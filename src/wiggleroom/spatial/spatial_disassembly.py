@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.convex import distinct_axes
+from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
@@ -112,7 +113,7 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
         keep = [k for k in range(len(alive)) if k not in set(who)]
         alive = [alive[k] for k in keep]
         left = _reduced(left, keep)
-        if not every or len(alive) < 2 or all(p.fixed for p in left.parts):
+        if not every or len(alive) < 2 or not grouped(left).bodies.moves.any():
             break
     if escapes:
         verdict, sure = Separability.COMES_APART, Certainty.PROVEN
