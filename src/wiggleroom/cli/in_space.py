@@ -13,6 +13,8 @@ from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import Outputs, Places
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 
@@ -22,7 +24,6 @@ _AXES = {
     for sign in "+-"
 }
 _HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
-SPATIAL_PICTURES = (".svg", ".png", ".glb")
 
 
 def spatial_questions(
@@ -136,6 +137,23 @@ def read_question(file: str, asked: QuestionOptions) -> Assembly | SpatialAssemb
     return assembly
 
 
+def see_no_page(file: str, *places: Path | None) -> None:
+    """See that no page is asked for of curves in space.
+
+    Raises
+    ------
+    InputError
+        If one is.
+    """
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
+
+    for place in places:
+        if place is not None and place.suffix.lower() == ".html" and is_spatial_file(file):
+            message = f"{place}: curves in space are not made into a page; name an .svg or .png"
+            raise InputError(message)
+
+
 def with_dimension(result: Any, assembly: Any) -> Any:
     """A result of a study; of an assembly in space as JSON that says its dimension."""
     import msgspec
@@ -159,6 +177,7 @@ def spatial_places(outputs: Outputs) -> Places:
     """
     from wiggleroom.cli.outputs import TABLE
     from wiggleroom.errors import InputError
+    from wiggleroom.report.write_spatial import SPATIAL_PICTURES
 
     if outputs.moved is not None:
         message = (
@@ -202,9 +221,9 @@ def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: s
 
         write_table(spatial_steps(answer.assembly.names, [answer.waypoints]), outputs.csv)
     if outputs.picture is not None:
-        from wiggleroom.report.spatial_picture import draw_spatial
+        from wiggleroom.report.write_spatial import write_spatial
 
-        draw_spatial(answer, outputs.picture)
+        write_spatial(answer, outputs.picture)
         note(f"picture: {outputs.picture}")
     return 3 if answer.verdict == "stopped" else 0
 
@@ -239,8 +258,8 @@ def check_in_space(
 
         write_table(spatial_steps(found.assembly.names, [e.path for e in found.escapes]), outputs.csv)
     if outputs.picture is not None:
-        from wiggleroom.report.spatial_picture import draw_separation
+        from wiggleroom.report.write_spatial import write_spatial
 
-        draw_separation(found, outputs.picture)
+        write_spatial(found, outputs.picture, shlex.join(["wiggleroom", *sys.argv[1:]]))
         note(f"picture: {outputs.picture}")
     return {"interlocked": 0, "comes apart": 1, "unknown": 3}[found.verdict]
