@@ -9,7 +9,7 @@ from importlib import import_module
 
 from wiggleroom.app.document import Document
 from wiggleroom.app.messages import decode, kind_of
-from wiggleroom.app.open_requests import opened, told
+from wiggleroom.app.open_requests import opened, opened_reply
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.app.worker_protocol import StartOrder
 from wiggleroom.errors import InputError, StoppedError, WiggleroomError
@@ -43,7 +43,7 @@ class Dispatcher:
     def open(self, request: OpenRequest, out: Reporter) -> None:
         """Read a drawing and tell the page; where that fails the one before stays."""
         sheet, design = Document(opened(request)), request.design
-        content = told(sheet.file, sheet.file.drawing if design is None else sheet.designs.drawing(design))
+        content = opened_reply(sheet.file, sheet.file.drawing if design is None else sheet.designs.drawing(design))
         if design is not None:
             content.design.extra = design.extra
         out.check()

@@ -13,7 +13,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
-from wiggleroom.report.path_frames import way_frames
+from wiggleroom.report.path_frames import path_frames
 from wiggleroom.report.stacked_slices import rings
 from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, Released, ShapeReply
 from wiggleroom.schema.requests import (
@@ -71,7 +71,7 @@ def settled(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
     sheet.display.move(answer.assembly, answer.motion)
     content = answer_message(answer, command("flex", sheet.file, request.design))
     content.rings = sheet.display.new_rings(sheet.designs.shape(request.design), answer.assembly, out.stop)
-    out.reply(content, [way_frames(answer.assembly, answer.waypoints)])
+    out.reply(content, [path_frames(answer.assembly, answer.waypoints)])
     return False
 
 

@@ -10,8 +10,8 @@ import numpy as np
 
 from wiggleroom.app.command import command
 from wiggleroom.app.reporter import Reporter
-from wiggleroom.report.answer_words import bounded
-from wiggleroom.report.path_frames import way_frames
+from wiggleroom.report.answer_words import bound_sentence
+from wiggleroom.report.path_frames import path_frames
 from wiggleroom.report.study_messages import check_message, ranking_message, step_message
 from wiggleroom.schema.replies import ProveReply, SweepReply
 from wiggleroom.schema.requests import (
@@ -41,7 +41,7 @@ def check(sheet: Document, request: CheckRequest, out: Reporter) -> None:
     """Whether it comes apart; one film for each escape."""
     found = sheet.checked(request.design, out)
     content = check_message(found, command("check", sheet.file, request.design, pulled=False))
-    out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
+    out.reply(content, [path_frames(found.assembly, e.path) for e in found.escapes])
 
 
 def sweep(sheet: Document, request: SweepRequest, out: Reporter) -> None:
@@ -109,6 +109,6 @@ def prove(sheet: Document, request: ProveRequest, out: Reporter) -> None:
     within = None if bound is None or bound.within is None or not math.isfinite(bound.within) else bound.within
     more = ("--prove", f"{request.share:g}", "--time", f"{request.seconds:g}")
     said = command("flex", sheet.file, request.design, more)
-    out.reply(ProveReply(at_most=done.at_most, within=within, words=bounded(done), command=said))
+    out.reply(ProveReply(at_most=done.at_most, within=within, words=bound_sentence(done), command=said))
     if done.at_most is not None:
         sheet.know(request.design, replace(answer, at_most=done.at_most, bound=bound))

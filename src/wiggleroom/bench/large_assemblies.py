@@ -64,7 +64,7 @@ CASES = (
 """Assemblies in the order they are asked."""
 
 
-def assembly_of(case: LargeAssembly) -> Assembly:
+def make_assembly(case: LargeAssembly) -> Assembly:
     """Make it."""
     if case.picture:
         return patterns.image(dark_cells(case.picture), "tee", GAP, fix=case.fix, goals=case.pull)

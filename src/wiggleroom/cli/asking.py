@@ -40,7 +40,7 @@ def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[
     return found, wrong
 
 
-def listed(texts: Iterable[str]) -> list[str]:
+def split_words(texts: Iterable[str]) -> list[str]:
     """Words from lists such as "A,B"; a point "@12,30" is one word, and so is a colour such as "rgb(1,2,3)".
 
     >>> listed(["a,@12,30,b", "rgb(255,0,0)"])

@@ -7,7 +7,7 @@ from typing import Literal
 
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+from wiggleroom.cli.running import Running, TimeLimit, require_question, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
 
@@ -69,7 +69,7 @@ def sample(
         from wiggleroom.sensitivity.gap_distribution import Spread
 
         lot = Spread(spread, kind, sheet, bias)
-        assembly = complete(read(file, asked))
+        assembly = require_question(read(file, asked))
 
         from wiggleroom.sensitivity.sample import sample as work_out
 

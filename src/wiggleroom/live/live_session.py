@@ -27,9 +27,9 @@ from wiggleroom.live.warm_start import (
     State,
     TimeBudget,
     WarmSearch,
-    at_rest,
     free_of_overlap,
     pushed,
+    state_at_rest,
 )
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
@@ -242,7 +242,7 @@ class Live:
         term, until = ready.objective(asked), TimeBudget(seconds, stop)
         state = self._nearby(asked)
         if state is None:
-            state = at_rest(ready)
+            state = state_at_rest(ready)
             for pull in pulls(ready.bodies, term, ready.clearance)[:1]:  # rest shows no direction
                 state, _ = WarmSearch(ready, pull, state, until).reach()
         search = WarmSearch(ready, term, state, until)
@@ -335,7 +335,7 @@ class Live:
             found = [e.state for e in self._ends if e.goals == asked and e.design.assembly is self._design.assembly]
             if found and found[-1].linked:
                 return replace(found[-1], mu=FIRST_BARRIER, ended=None)
-        return at_rest(self.ready)
+        return state_at_rest(self.ready)
 
     def _neighbours(
         self, term: Approach, aim: Floats, state: State, count: int, until: TimeBudget
@@ -349,7 +349,7 @@ class Live:
         points = Points(np.array([body]), term.points.turned(state.inner))
         grip = aim + term.apart[0] + term.points.moved(state.inner)[0]
         local = Approach(points, (grip - aim)[None], term.weight)
-        search = _towards(near.ready, local, at_rest(near.ready), float((grip - aim) @ (grip - aim)), until)
+        search = _towards(near.ready, local, state_at_rest(near.ready), float((grip - aim) @ (grip - aim)), until)
         there, settled = search.reach()
         if near.left(search):
             return None

@@ -81,7 +81,7 @@ class State:
     ended: Floats | None = None
 
 
-def at_rest(ready: Prepared) -> State:
+def state_at_rest(ready: Prepared) -> State:
     """Return the state at rest."""
     still = np.zeros((len(ready.bodies.fixed), 3))
     return State(ready.cells, still, still)
@@ -257,5 +257,5 @@ def pushed(ready: Prepared, state: State) -> State | None:
         shift = SLACK_ROW_WEIGHT
         while not matrix.update(at.condensed(weight, np.zeros_like(weight), share=0.0), shift):
             shift *= 100
-        u = u + matrix.solve(at.against(short))
+        u = u + matrix.solve(at.transposed_jacobian_product(short))
     return None

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import UNSET
 
-from wiggleroom.report.answer_words import asked, number, unit
+from wiggleroom.report.answer_words import goals_text, number, unit
 from wiggleroom.report.plots import curve
 from wiggleroom.report.separability_picture import Checked, picture_of_check
 from wiggleroom.report.table import columns
@@ -62,7 +62,7 @@ def gap_sentence(found: AllowableGap) -> str:
     gap = f"{number(found.gap, GAP_DIGITS)} mm"
     match found.question:
         case "at most":
-            return f"largest gap {gap}: {asked(found.goals)} stays below {limit} {what}".rstrip()
+            return f"largest gap {gap}: {goals_text(found.goals)} stays below {limit} {what}".rstrip()
         case "holds":
             return f"largest gap {gap}: interlocked"
     return f"smallest gap {gap}: fits with every outline {limit} mm larger"

@@ -46,7 +46,7 @@ def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]
     Source: the views of Mind the Gap, Figs 2 and 7.
     """
     regions = about_pivot(space)
-    low, high = extent(regions)
+    low, high = slices_box(regions)
     scale = SIZE / float((high - low).max())
     middle, (first, last) = (low + high) / 2, space.angles
     levels = (edges(space) - first) / (last - first) * HEIGHT_RATIO * SIZE
@@ -63,7 +63,7 @@ def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]
     return "".join(found), float(wide) + 140, float(tall) + 50
 
 
-def extent(regions: Sequence[shapely.Geometry]) -> tuple[Floats, Floats]:
+def slices_box(regions: Sequence[shapely.Geometry]) -> tuple[Floats, Floats]:
     """Lower left and upper right corner of all slices [mm]."""
     bounds = np.array([r.bounds for r in regions])
     return bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)

@@ -58,7 +58,7 @@ class CompleteSearch:
         return self.at_most is not None and self.at_most <= self.best.certain_value()[0] * (1 + PROVEN_GAP)
 
 
-def complete(first: LocalSearch) -> CompleteSearch:
+def complete_search(first: LocalSearch) -> CompleteSearch:
     """Look for better motions of the only free body wherever it gets, until there certainly is none.
 
     Where there are a few more, the body that the goal is about is led past the others where these lie at rest: nothing is proven then, but

@@ -18,7 +18,7 @@ from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.perturbation import PerturbedObjective, afresh, ended, vary
+from wiggleroom.sensitivity.perturbation import PerturbedObjective, ended, perturbed_objective, perturbed_objective_anew
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.verdict import Verdict
 
@@ -214,9 +214,9 @@ def _extremes(value: Floats) -> list[int]:
 def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, with the moved walls of the prepared assembly."""
     ready, objective, goals = shared
-    return vary(ready, objective, goals, inward)
+    return perturbed_objective(ready, objective, goals, inward)
 
 
 def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, everything worked out anew."""
-    return afresh(*shared, inward)
+    return perturbed_objective_anew(*shared, inward)

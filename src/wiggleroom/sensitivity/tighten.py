@@ -18,7 +18,7 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, vary
+from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, perturbed_objective
 from wiggleroom.sensitivity.rank import rank
 
 Floats = NDArray[np.float64]
@@ -249,4 +249,4 @@ def tightened_at_random(shared: tuple[Prepared, Objective, tuple[Goal, ...], Flo
     ready, objective, goals, room = shared
     inward = np.zeros(len(room))
     inward[chosen] = -room[chosen]
-    return vary(ready, objective, goals, inward).value
+    return perturbed_objective(ready, objective, goals, inward).value

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.models.bounded_slices import bounded
 from wiggleroom.freespace.models.pair_models import Hull
-from wiggleroom.freespace.slices import PairOutlines, Slice, march, slice_near
+from wiggleroom.freespace.slices import PairOutlines, Slice, slice_near, slice_sequence
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -83,7 +83,7 @@ def pair_hull(pair: PairOutlines, model: Hull, reach: float) -> PairHull | None:
         found = [_slice(pair, phi, centre, limit) for phi in ends]
         slices = [found[0], rest, found[1]]
     else:
-        space = march(pair, reach)
+        space = slice_sequence(pair, reach)
         ends, limit = space.ends, space.limit
         angles = np.linspace(*ends, model.slices)
         slices = [s for phi in angles if (s := space.at(float(phi))) is not None]
