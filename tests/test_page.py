@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlparse
 
 import pytest
 
@@ -66,7 +67,15 @@ def visiting(browser: Any, served: Served, **how: Any) -> Iterator[Any]:
     wrong: list[str] = []
     home = f"127.0.0.1:{served.port}"
     page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.on("console", lambda said: wrong.append(said.text) if said.type == "error" else None)
+    # a reload asks without the token; the refusal goes on to the page with the token that the tab keeps
+    page.on(
+        "console",
+        lambda said: (
+            wrong.append(said.text)
+            if said.type == "error" and not ("403" in said.text and urlparse(said.location["url"]).path == "/")
+            else None
+        ),
+    )
     page.on(
         "request",
         lambda asked: None if home in asked.url or asked.url[:5] in ("data:", "blob:") else wrong.append(asked.url),
