@@ -476,7 +476,7 @@ def test_5000_parts_pan_and_play_in_time(browser: Any, tmp_path: Path) -> None:
         assert page.evaluate("window.counted") < 60
 
 
-def test_a_baked_page_needs_no_server(browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_standalone_page_needs_no_server(browser: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path, made = tmp_path / "peg.json", tmp_path / "peg <1>.html"
     path.write_text(json.dumps(PEG))
     monkeypatch.setattr("sys.argv", ["wiggleroom", "sweep", str(path), "--gaps", "0.5,1,2", "--html", str(made)])

@@ -80,7 +80,7 @@ def test_a_pocket_is_not_much_too_large():
     assert found.far <= 0.05
 
 
-def test_what_slides_out_has_no_pocket():
+def test_what_slides_out_has_no_local_outer_region():
     left, right = shapely.box(0, 0, 1, 1), shapely.box(1.01, 0, 2, 1)
     assert local_outer_region(facing_about(left, right, np.array([1.0, 0.5]), 0.01)) is None
 

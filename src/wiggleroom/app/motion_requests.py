@@ -50,17 +50,17 @@ def flex(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
     live = sheet.live(design)
     last: float | None = None
     for _ in range(MAX_QUICK_ANSWERS):
-        shot = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
+        result = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
         out.check()
-        value = math.inf if shot.objective is None else shot.objective
+        value = math.inf if result.objective is None else result.objective
         if last is not None and not value > last + MIN_IMPROVEMENT * abs(last):
             break
         last = value
-        display.move(live.assembly, shot.motion)
-        content = answer_message(quick(live.assembly, goals, shot), command("flex", sheet.file, design))
+        display.move(live.assembly, result.motion)
+        content = answer_message(quick(live.assembly, goals, result), command("flex", sheet.file, design))
         content.rings, content.settled = display.new_rings(sheet.designs.shape(design), live.assembly, out.stop), False
-        out.reply(content, [shot.motion[None]])
-        if shot.settled:
+        out.reply(content, [result.motion[None]])
+        if result.settled:
             break
     return True
 
@@ -84,34 +84,34 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
     stuck = 0
     for times in range(MAX_DRAG_STEPS):
         within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)]
-        shot = live.drag(
+        result = live.drag(
             request.part, request.grip, request.target,
             start=start, goals=goals, within=within, seconds=QUICK_SECONDS, stop=out.stop,
         )  # fmt: skip
         out.check()
-        assert shot.distance is not None
-        assert shot.reached is not None
+        assert result.distance is not None
+        assert result.reached is not None
         if within is None:
-            stuck, last = stuck + 1 if shot.distance > last * (1 - MIN_APPROACH) else 0, min(last, shot.distance)
-        settled = shot.settled or times == MAX_DRAG_STEPS - 1 or stuck == MAX_STALLED_STEPS
+            stuck, last = stuck + 1 if result.distance > last * (1 - MIN_APPROACH) else 0, min(last, result.distance)
+        settled = result.settled or times == MAX_DRAG_STEPS - 1 or stuck == MAX_STALLED_STEPS
         start = "here"
-        if shot.distance > shown and not settled:  # few parts came nearer than all have so far
+        if result.distance > shown and not settled:  # few parts came nearer than all have so far
             continue
-        sheet.display.move(live.assembly, shot.motion)
+        sheet.display.move(live.assembly, result.motion)
         content = DragReply(
             part=request.part,
             target=request.target,
-            reached=shot.reached,
-            distance=shot.distance,
-            held=contacts_message(shot.contacts),
-            blocking=list(shot.blocking),
+            reached=result.reached,
+            distance=result.distance,
+            held=contacts_message(result.contacts),
+            blocking=list(result.blocking),
             settled=settled,
             rings=rings,
         )
-        out.reply(content, [shot.motion[None]])
+        out.reply(content, [result.motion[None]])
         if settled:
             return
-        rings, shown = UNSET, min(shown, shot.distance)
+        rings, shown = UNSET, min(shown, result.distance)
 
 
 def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:
@@ -151,17 +151,17 @@ def shape(sheet: Document, request: ShapeRequest, out: Reporter) -> None:
     out.reply(ShapeReply(rings=rings_message(sheet.assembly(request.design).parts)))
 
 
-def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: LiveResult) -> Answer:
+def quick(assembly: Assembly, goals: tuple[Goal, ...], result: LiveResult) -> Answer:
     """What was found in the time there was, as an answer."""
     return witnessed(
         assembly,
         goals,
-        Verdict.UNBOUNDED if shot.objective is None else Verdict.STOPPED,
-        shot.objective,
-        shot.motion[None],
+        Verdict.UNBOUNDED if result.objective is None else Verdict.STOPPED,
+        result.objective,
+        result.motion[None],
         "not checked",
-        contacts=shot.contacts,
-        seconds={"total": shot.seconds},
-        leaves=shot.leaves,
-        turns=shot.turns,
+        contacts=result.contacts,
+        seconds={"total": result.seconds},
+        leaves=result.leaves,
+        turns=result.turns,
     )

@@ -78,7 +78,7 @@ def _misfits(pattern: str, ny: int | None, pitch: float, *, drawn_by_lot: bool) 
     if (pattern == "chain") != (ny is None):
         wrong.append(f"{pattern}: give {'one number, the blocks' if pattern == 'chain' else 'columns and rows'}")
     if pattern == "jigsaw" and not drawn_by_lot:
-        wrong.append("jigsaw: its knobs are drawn by lot, it takes no --joint and no --size")
+        wrong.append("jigsaw: its knobs are drawn at random, it takes no --joint and no --size")
     return wrong + pitch_misfits(pitch)
 
 

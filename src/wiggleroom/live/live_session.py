@@ -82,8 +82,8 @@ class Live:
     --------
     >>> import wiggleroom as wr
     >>> live = wr.Live(wr.patterns.chain(3, joint="tee", gap=0.02))
-    >>> shot = live.drag("b3", (2.0, 0.0), (2.0, 0.03))
-    >>> round(shot.distance, 3)
+    >>> result = live.drag("b3", (2.0, 0.0), (2.0, 0.03))
+    >>> round(result.distance, 3)
     0.0
     >>> round(live.design(gap=0.01).gap, 3)
     0.01

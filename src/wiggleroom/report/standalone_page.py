@@ -58,7 +58,7 @@ def standalone_page(title: str, **found: Any) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="{policy}"><meta name="color-scheme" content="light dark">'
         f'<link rel="icon" href="data:,"><title>{escape(title)}</title><style>{style}</style></head>\n'
         '<body><div id="page"><noscript>This page needs JavaScript.</noscript></div>'
-        f'<script type="application/json" id="baked">{data}</script>\n{code}</body></html>\n'
+        f'<script type="application/json" id="standalone">{data}</script>\n{code}</body></html>\n'
     )
 
 

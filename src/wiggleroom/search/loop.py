@@ -343,6 +343,6 @@ class LocalSearch:
 
 
 def nudged(program: Program, u: Floats) -> Floats:
-    """A point beside u: a symmetric assembly would else stay on the ridge between two equal ways."""
+    """A point beside u, always the same: a symmetric assembly would else stay at the saddle point between two equal motions."""
     aside = u + PERTURBATION * np.random.default_rng(0).standard_normal(len(u))
     return aside if (program.values(aside) > 0.5 * program.values(u)).all() else u

@@ -171,9 +171,9 @@ def tighten(
     many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
-    lots = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
+    subsets = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
     found = ended(before)
-    results = many.each(tightened_at_random, (ready, found.program.objective, asked, room), lots)
+    results = many.each(tightened_at_random, (ready, found.program.objective, asked, room), subsets)
     names = tuple(assembly.names[k] for k in choice)
     return Tightening(before, after, names, aim, limit, np.array([r for r in results if r is not None], dtype=float))
 

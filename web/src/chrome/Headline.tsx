@@ -2,7 +2,7 @@
 
 import { asks, design, goals } from "../design.ts";
 import { factor, shown } from "../motion.ts";
-import { answer, baked, busy, checked, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
+import { answer, standalone, busy, checked, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
 import { ask, few, number, short } from "../words.ts";
@@ -34,7 +34,7 @@ const NOTHING = 2e-3;
 function said(): Said {
   const { what, label } = shown.value;
   const about = answer.value;
-  const told = baked.value?.said;
+  const told = standalone.value?.said;
   const { gap } = design.value;
   if (dragging.value && (what === "drag" || running.value.has("drag"))) return draggedSaid();
   if (what === "mode" && modes.value) {

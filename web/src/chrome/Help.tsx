@@ -1,7 +1,7 @@
 /** All keys, in a dialog. */
 
 import { useEffect, useRef } from "preact/hooks";
-import { baked, helpOpen } from "../state.ts";
+import { standalone, helpOpen } from "../state.ts";
 import { Button } from "./Button.tsx";
 
 type Row = readonly [keys: string, words: string];
@@ -35,10 +35,10 @@ export function Help() {
   return (
     <dialog ref={dialog} class="help" aria-label="Keys and help" onClose={() => (helpOpen.value = false)}>
       <header><h2>Keys</h2><Button icon="close" label="Close" onClick={() => (helpOpen.value = false)} /></header>
-      <dl>{rows(baked.value ? LOOK : KEYS)}</dl>
+      <dl>{rows(standalone.value ? LOOK : KEYS)}</dl>
       <h2>Mouse and touch</h2>
-      <dl>{rows(baked.value ? LOOK_MICE : MICE)}</dl>
-      {!baked.value && <p>What you open stays on this machine: the page speaks only to the program that serves it.</p>}
+      <dl>{rows(standalone.value ? LOOK_MICE : MICE)}</dl>
+      {!standalone.value && <p>What you open stays on this machine: the page speaks only to the program that serves it.</p>}
     </dialog>
   );
 }

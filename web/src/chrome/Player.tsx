@@ -4,7 +4,7 @@ import { autoFactor, chosenFactor, place, play, playing, shown } from "../motion
 import { back, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { measuring, stopMeasuring } from "../stage/measure.ts";
-import { answer, baked, drawing, modes } from "../state.ts";
+import { answer, standalone, drawing, modes } from "../state.ts";
 import { lassoing } from "../stage/lasso.ts";
 import { Button } from "./Button.tsx";
 import { Notices } from "./Notices.tsx";
@@ -49,7 +49,7 @@ export function Player() {
         </select>
       </label>
       <div class="group">
-        {!baked.value && <Button icon="lasso" label="Choose many: draw a line round them" keyName="L" pressed={lassoing.value} onClick={() => (lassoing.value = !lassoing.value)} />}
+        {!standalone.value && <Button icon="lasso" label="Choose many: draw a line round them" keyName="L" pressed={lassoing.value} onClick={() => (lassoing.value = !lassoing.value)} />}
         <Button
           icon="measure" label="Measure: press two edges or corners" keyName="M" pressed={measuring.value}
           onClick={() => (measuring.value ? stopMeasuring() : (measuring.value = true))}

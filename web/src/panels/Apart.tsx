@@ -3,7 +3,7 @@
 import { design } from "../design.ts";
 import { shown } from "../motion.ts";
 import { ask, showEscape } from "../session.ts";
-import { baked, checked, current } from "../state.ts";
+import { standalone, checked, current } from "../state.ts";
 import { few } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { Run } from "../chrome/Run.tsx";
@@ -16,14 +16,14 @@ export function Apart() {
     <>
     <Section title="Does it come apart?">
       <p>Can some parts be moved without limit away from the others? Turning in place is not coming apart.</p>
-      {!baked.value && (
+      {!standalone.value && (
         <div class="asks"><Run kind="check" label="Check" onClick={() => void ask("check", { design: design.peek() })}>Check</Run></div>
       )}
       {about && (
-        <div class={current(about) || baked.value ? "result" : "result old"}>
+        <div class={current(about) || standalone.value ? "result" : "result old"}>
           <p class="verdict" data-verdict={about.reply.verdict}>{about.reply.verdict}</p>
           <p class="why">{about.reply.words.replace(/^[^:]*: /, "")}</p>
-          {!current(about) && !baked.value && <p class="quiet">said of an earlier design</p>}
+          {!current(about) && !standalone.value && <p class="quiet">said of an earlier design</p>}
           <ul class="rows">
             {about.reply.escapes.map((one, i) => (
               <li class="row" key={i}>
@@ -41,7 +41,7 @@ export function Apart() {
         </div>
       )}
     </Section>
-    {baked.value && <Command text={about?.reply.command} />}
+    {standalone.value && <Command text={about?.reply.command} />}
     </>
   );
 }

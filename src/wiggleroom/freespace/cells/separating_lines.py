@@ -217,7 +217,7 @@ def separated_piecewise(pair, work, cut, other, p, q, tiny):
 
 @njit(**COMPILED_CALLERS_ONLY)
 def _longer(up_to, down_to, low, high):
-    """Ends of the separated pieces of an edge, with what is separated where a linear function, `low` and `high` at its ends, is not negative."""
+    """Ends of the separated pieces of an edge, with the piece where a linear function, `low` and `high` at its ends, is not negative."""
     if low >= 0.0:
         up_to = max(up_to, 1.0 if high >= 0.0 else low / (low - high))
     if high >= 0.0:
