@@ -41,13 +41,13 @@ MIN_IMPROVEMENT = 1e-3
 """A quick answer that is better by less than this share is not told; the full one is looked for then."""
 
 
-def flex(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
+def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer quickly, and again while that brings more; True where the full answer is to come."""
-    design, display = request.design, sheet.display
-    if sheet.kept(design) is not None:
-        return settled(sheet, request, out)
-    goals = sheet.asked(design)
-    live = sheet.live(design)
+    design, display = request.design, document.display
+    if document.kept(design) is not None:
+        return settled(document, request, out)
+    goals = document.asked(design)
+    live = document.live(design)
     last: float | None = None
     for _ in range(MAX_QUICK_ANSWERS):
         result = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
@@ -57,29 +57,32 @@ def flex(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
             break
         last = value
         display.move(live.assembly, result.motion)
-        content = answer_message(quick(live.assembly, goals, result), command("flex", sheet.file, design))
-        content.rings, content.settled = display.new_rings(sheet.designs.shape(design), live.assembly, out.stop), False
+        content = answer_message(quick(live.assembly, goals, result), command("flex", document.file, design))
+        content.rings, content.settled = (
+            display.new_rings(document.designs.shape(design), live.assembly, out.stop),
+            False,
+        )
         out.reply(content, [result.motion[None]])
         if result.settled:
             break
     return True
 
 
-def settled(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
+def settled(document: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer fully."""
-    answer = sheet.answer(request.design, out)
-    sheet.display.move(answer.assembly, answer.motion)
-    content = answer_message(answer, command("flex", sheet.file, request.design))
-    content.rings = sheet.display.new_rings(sheet.designs.shape(request.design), answer.assembly, out.stop)
+    answer = document.answer(request.design, out)
+    document.display.move(answer.assembly, answer.motion)
+    content = answer_message(answer, command("flex", document.file, request.design))
+    content.rings = document.display.new_rings(document.designs.shape(request.design), answer.assembly, out.stop)
     out.reply(content, [path_frames(answer.assembly, answer.waypoints)])
     return False
 
 
-def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
+def drag(document: Document, request: DragRequest, out: Reporter) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
-    live = sheet.live(request.design)
-    rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
-    goals = sheet.asked(request.design) if request.from_ == "answer" else None
+    live = document.live(request.design)
+    rings = document.display.new_rings(document.designs.shape(request.design), live.assembly, out.stop)
+    goals = document.asked(request.design) if request.from_ == "answer" else None
     start, shown, last = request.from_, math.inf, math.inf
     stuck = 0
     for times in range(MAX_DRAG_STEPS):
@@ -97,7 +100,7 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
         start = "here"
         if result.distance > shown and not settled:  # few parts came nearer than all have so far
             continue
-        sheet.display.move(live.assembly, result.motion)
+        document.display.move(live.assembly, result.motion)
         content = DragReply(
             part=request.part,
             target=request.target,
@@ -114,19 +117,19 @@ def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
         rings, shown = UNSET, min(shown, result.distance)
 
 
-def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:
+def wiggle(document: Document, request: WiggleRequest, out: Reporter) -> None:
     """Show the freedoms that are left."""
-    modes = sheet.live(request.design).wiggle(request.part, stop=out.stop)
+    modes = document.live(request.design).wiggle(request.part, stop=out.stop)
     out.check()
     told = [ModeEntry(mode.size, list(mode.parts), mode.ends) for mode in modes]
     out.reply(Modes(modes=told), [mode.frames for mode in modes])
 
 
-def reach(sheet: Document, request: ReachRequest, out: Reporter) -> None:
+def reach(document: Document, request: ReachRequest, out: Reporter) -> None:
     """Where the point of a part can be brought."""
     from wiggleroom.live import reachable
 
-    found = reachable.reach(sheet.live(request.design), request.part, request.grip, stop=out.stop)
+    found = reachable.reach(document.live(request.design), request.part, request.grip, stop=out.stop)
     out.check()
     how = (
         f"free at {reachable.SLICES} turns; between them hardly more can be reached"
@@ -146,9 +149,9 @@ def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:
     out.reply(Released())
 
 
-def shape(sheet: Document, request: ShapeRequest, out: Reporter) -> None:
+def shape(document: Document, request: ShapeRequest, out: Reporter) -> None:
     """Outlines with the gap applied."""
-    out.reply(ShapeReply(rings=rings_message(sheet.assembly(request.design).parts)))
+    out.reply(ShapeReply(rings=rings_message(document.assembly(request.design).parts)))
 
 
 def quick(assembly: Assembly, goals: tuple[Goal, ...], result: LiveResult) -> Answer:
