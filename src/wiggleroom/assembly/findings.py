@@ -130,6 +130,7 @@ def opened_overlaps(drawing: Drawing) -> tuple[str, ...]:
 _ROUNDING = 0.041
 """Parts that share a curve may overlap by its chord error, a fiftieth of the gap on either side."""
 _MOST_LINES = 5
+"""Lines on overlaps that the gap opens."""
 
 
 def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:

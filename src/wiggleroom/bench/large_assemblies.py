@@ -13,6 +13,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Pull
 
 GAP = 0.01
+"""Of all assemblies [mm]; blocks have side 1."""
 
 
 @dataclass(frozen=True)

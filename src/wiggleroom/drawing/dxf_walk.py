@@ -24,6 +24,7 @@ TEXT_KINDS = ("TEXT", "MTEXT")
 IGNORED_KINDS = ("VIEWPORT", "POINT", "ATTDEF", "ATTRIB", "SEQEND")
 _SPELLED = re.compile(r"\\U\+([0-9A-Fa-f]{4})")
 MAX_NESTING = 50
+"""Blocks inside each other at most."""
 TILT_TOLERANCE = 1e-9
 """An entity whose plane is tilted by more than this is not in the drawing's plane."""
 

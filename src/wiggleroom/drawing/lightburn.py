@@ -32,6 +32,7 @@ _VERTEX = re.compile(rf"V({NUMBER})\s+({NUMBER})((?:c[01][xy]{NUMBER})*)")
 _CONTROL = re.compile(rf"c([01])([xy])({NUMBER})")
 _PRIMITIVE = re.compile(r"([LB])\s*(\d+)\s+(\d+)")
 MAX_NESTING = 100
+"""Groups inside each other at most."""
 
 
 def lightburn_artwork(path: str | Path, unit: str | None = None) -> Artwork:

@@ -55,6 +55,7 @@ MAX_CARRIED_GROWTH = 0.1
 RETREAT_SHARES = (0.01, 0.05, 0.15)
 """Shares of its motion that it is taken back by besides, one after the other: into the room of all joints."""
 MAX_WARM_STARTS = 3
+"""So many ends of earlier requests are tried, the nearest first."""
 MAX_KEPT_ENDS = 16
 """So many ends of largest motions are kept, for others to begin at."""
 

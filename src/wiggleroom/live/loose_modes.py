@@ -32,6 +32,7 @@ FRAMES_PER_SIDE = 12
 MAX_SHOWN_TRAVEL = 0.3
 """Where nothing stops a freedom, it is shown up to this share of the drawing's size."""
 MAX_NAMED_PARTS = 5
+"""Parts that a freedom names, those that move most."""
 
 
 def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> tuple[Mode, ...]:

@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 WIDTH, HEIGHT = 840.0, 440.0
 """Size of the field between the axes [px]."""
 MAX_TICKS = 8
+"""Of one axis."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 MAX_TRIALS = 12
 """Rows of the table: the trials nearest the answer."""
 GAP_DIGITS = 5
+"""Digits of a gap in words."""
 
 
 def gap_result(found: AllowableGap, command: str = "", kerf: float | None = None) -> GapResult:

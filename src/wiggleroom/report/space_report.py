@@ -33,6 +33,7 @@ SIDE_WIDTH = 430.0
 TILE_SIZE = 150.0
 """Side of the picture of one cell [px]."""
 TILES_PER_ROW = 5
+"""Slices that are drawn beside each other."""
 MAX_CELLS = 12
 """Cells that are drawn."""
 

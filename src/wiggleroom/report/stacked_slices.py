@@ -21,6 +21,7 @@ AZIMUTH, ELEVATION = math.radians(-32.0), math.radians(24.0)
 SIZE = 300.0
 """Longer side of the slices, and the height of the stack is 1.15 of it [px]."""
 HEIGHT_RATIO = 1.15
+"""Height of the stack, as a multiple of that."""
 LIGHT = np.array([math.cos(math.radians(200.0)), math.sin(math.radians(200.0))])
 SHADED, LIT = "#1d4f80", "#b4d6f2"
 """In the shade and in full light."""

@@ -32,6 +32,7 @@ MAX_VISITS, VISITS_OF_A_QUESTION = 5_000_000, 800_000
 VISITS_OF_ONE_OF_SEVERAL, MAX_SEVERAL = 1_000_000, 12
 """The same where the body is one of several free ones, and of how many at most."""
 MAX_CLIMBS = 40
+"""Ends looked for at most, each better than the one before."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,7 @@ Ints = NDArray[np.int64]
 ROUGH_TOLERANCE, FINE_TOLERANCE = 1e-2, 1e-6
 """Tolerance of the first rounds, which only show where everything wants to go, and of the others."""
 MAX_ROUNDS = 200
+"""Rounds of one climb at most."""
 TOLERANCE_PER_BODY, MAX_TOLERANCE = 1e-8, 5e-5
 """Share of the objective that each body may leave on the table, where that is more than the tolerance, and all together at most."""
 MIN_GAIN = 2e-7

@@ -29,6 +29,7 @@ Ints = NDArray[np.int64]
 TOLERANCE_SHARE = 1e-2
 """IPOPT bounds each complementarity, ours their sum: its tolerance is this share of ours."""
 MAX_ITERATIONS = 1000
+"""Of one program."""
 
 
 def solve(

@@ -27,6 +27,7 @@ MIN_COVERAGE_GAIN = 2e-5
 SEEDS_PER_ROUND = 16
 """Places where a cell is tried in one round."""
 MAX_COVER_ROUNDS = 60
+"""Rounds at most, for one number of slices."""
 SLICE_COUNTS = (48, 96, 192, 384)
 """Numbers of slices looked at; each after the first is also a fresh test of the cells so far."""
 

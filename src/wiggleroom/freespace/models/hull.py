@@ -25,6 +25,7 @@ CONTACT_TOLERANCE = 1e-7
 MIN_CENTRING_GAIN = 1e-3
 """Rest is kept where no other place has this share more room."""
 MAX_MARCH_STEPS = 2000
+"""Steps of the march to the first touch at most."""
 
 
 @dataclass(frozen=True, eq=False)

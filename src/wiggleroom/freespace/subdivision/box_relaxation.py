@@ -18,6 +18,7 @@ MAX_ROWS = 60
 MAX_EDGES = 6
 """Edges that a corner may meet at most; where it may meet more, it gives no rows."""
 MAX_PIVOTS = 40
+"""Steps of the simplex method; every one of them is a bound, so it may end at any."""
 TOLERANCE = 1e-9
 """Share of a row that counts as nothing."""
 SURE_VIOLATION = 1e-7
