@@ -792,7 +792,8 @@ def test_two_designs_stand_side_by_side(browser: Any, peg: Served) -> None:
         assert "kept: peg moves 1 mm" in beside.inner_text()
         assert beside.get_by_role("status").inner_text() == "gap 1 → 2 mm · motion × 2"
         left, right = beside.bounding_box(), page.locator(".stage").bounding_box()
-        assert left and right
+        assert left
+        assert right
         assert left["x"] + left["width"] <= right["x"] + 1
         assert left["height"] == right["height"]
         beside.get_by_role("button", name="Swap").click()
