@@ -779,3 +779,39 @@ def test_what_should_be_tighter_and_gaps_at_random(browser: Any) -> None:
         page.get_by_role("button", name="Draw", exact=True).click()
         page.locator(".result", has_text="12 draws").wait_for(timeout=90_000)
         assert page.locator(".plot svg").count() >= 1
+
+
+def test_two_designs_stand_side_by_side(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.get_by_role("button", name="Keep this answer beside, to compare").click()
+        page.locator(".gapbox").get_by_role("textbox").fill("2")
+        page.keyboard.press("Enter")
+        answered(page, "peg moves 2 mm")
+        beside = page.locator(".beside")
+        assert "kept: peg moves 1 mm" in beside.inner_text()
+        assert beside.get_by_role("status").inner_text() == "gap 1 → 2 mm · motion × 2"
+        left, right = beside.bounding_box(), page.locator(".stage").bounding_box()
+        assert left
+        assert right
+        assert left["x"] + left["width"] <= right["x"] + 1
+        assert left["height"] == right["height"]
+        beside.get_by_role("button", name="Swap").click()
+        answered(page, "peg moves 1 mm")
+        assert "kept: peg moves 2 mm" in beside.inner_text()
+        beside.get_by_role("button", name="Keep nothing beside").click()
+        beside.wait_for(state="detached")
+
+
+def test_undo_goes_back_beyond_a_reload(browser: Any, peg: Served) -> None:
+    with visiting(browser, peg) as page:
+        answered(page, "peg moves 1 mm")
+        page.locator(".gapbox").get_by_role("textbox").fill("2")
+        page.keyboard.press("Enter")
+        answered(page, "peg moves 2 mm")
+        page.reload()
+        answered(page, "peg moves 2 mm")
+        page.get_by_role("button", name="Undo").click()
+        answered(page, "peg moves 1 mm")
+        page.get_by_role("button", name="Redo").click()
+        answered(page, "peg moves 2 mm")

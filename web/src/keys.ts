@@ -5,6 +5,7 @@ import { factor, play, playing, shown } from "./motion.ts";
 import { isPull, type Point } from "./protocol.ts";
 import { askDrag, askReach, back, cancel, setGap } from "./session.ts";
 import { fitAll, view, zoomBy } from "./stage/camera.ts";
+import { keep, kept } from "./stage/kept.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
 import { measuring, stopMeasuring } from "./stage/measure.ts";
 import { degrees } from "./words.ts";
@@ -52,6 +53,7 @@ function act(event: KeyboardEvent): boolean {
     state.tab.value = pages.peek()[tabAt]!.name;
     state.sheetOpen.value = true;
   } else if (state.standalone.peek()) return false;
+  else if (key === "b") kept.peek() ? (kept.value = null) : keep();
   else if (key === "l") lassoing.value = !lassoing.peek();
   else if (key === "a") chooseMany(state.names.peek());
   else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * stepOf(design.peek().gap));

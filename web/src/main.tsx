@@ -14,6 +14,7 @@ import { listen } from "./keys.ts";
 import { Panel } from "./panels/Panel.tsx";
 import { start } from "./session.ts";
 import { isDark } from "./stage/colours.ts";
+import { Beside } from "./stage/Beside.tsx";
 import { Stage } from "./stage/Stage.tsx";
 import { standalone, drawing, tab } from "./state.ts";
 
@@ -23,7 +24,10 @@ function Page() {
       <TopBar />
       <main class="middle">
         <Headline />
-        <Stage />
+        <div class="stages">
+          <Beside />
+          <Stage />
+        </div>
         <Selection />
         <Player />
         <Drop />

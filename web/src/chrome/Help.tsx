@@ -15,7 +15,7 @@ const KEYS: Row[] = [
   ["G", "glue the chosen part to another one"], ["L", "choose many: draw a line round them (or Shift and drag on the ground; Shift and press adds one)"], ["A", "choose all parts"], ["W", "wiggle: show every freedom that is left"],
   ["R", "show where the chosen part can be brought"], ["← ↑ → ↓", "of a pulled part: point the pull that way (Shift: turn it by 5°); else drag the part a step"],
   ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"], ["[ ]", "gap smaller or larger by a step"],
-  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["1 … 6", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
+  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["B", "keep this answer beside"], ["1 … 6", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
   ["?", "this list"],
 ];
 const LOOK_MICE: Row[] = [["Click a part", "choose it"], ["Drag, wheel, pinch", "pan and zoom"]];
