@@ -8,8 +8,10 @@ import typing
 from pathlib import Path
 
 import pytest
+from benchmarks.architecture_picture import EVERYWHERE, LANES
 from msgspec import Struct
 
+from tests.test_imports import ORDER
 from wiggleroom.app.dispatcher import ANSWERS
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.cli import coupon_command, flex_command, make_command
@@ -64,3 +66,14 @@ def test_every_message_is_part_of_the_protocol(module, base, every):
 def test_every_request_is_answered():
     kinds = {kind.__struct_config__.tag for kind in typing.get_args(requests.AnyRequest)}
     assert kinds - {"open", "flex", "cancel"} == set(ANSWERS)
+
+
+def test_the_picture_of_the_architecture_shows_every_package():
+    assert {*EVERYWHERE, *(name for _, names in LANES for name in names)} == set(ORDER)
+
+
+def test_every_file_that_the_architecture_names_is_there():
+    page = (TOP / "docs/architecture.md").read_text()
+    folders = ("", "src/wiggleroom", "src/wiggleroom/cli", "src/wiggleroom/spatial", "web/src", "web/src/panels")
+    named = re.findall(r"`((?:\w+/)*\w+\.(?:py|tsx?))`", page)
+    assert [name for name in named if not any((TOP / folder / name).exists() for folder in folders)] == []
