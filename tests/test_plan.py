@@ -14,6 +14,7 @@ from benchmarks.plan_families import (
     latches,
     pinwheel,
     random_tray,
+    squares,
     tray,
     tray_of_squares,
     tumbler_lock,
@@ -106,6 +107,26 @@ def test_a_tray_that_is_locked():
     assert (found.verdict, found.steps) == ("interlocked", ())
     assert found.states > 1
     assert found.whole
+
+
+def turning_room(turn=0.0):
+    """A bar of three squares that fits through its door upright only, and the door is shut by a bolt that slides aside."""
+    room = {(x, y) for x in range(1, 6) for y in range(1, 6)}
+    door = {(5, 6), (5, 7), (5, 8)}
+    pocket = {(6, 7), (7, 7)}
+    frame = {(x, y) for x in range(9) for y in range(9)} - room - door - pocket
+    parts = {"frame": frame, "bar": {(1, 2), (2, 2), (3, 2)}, "bolt": {(5, 7), (6, 7)}}
+    return assembled({n: squares(frozenset(c)) for n, c in parts.items()}, "frame", turn=turn)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5])
+def test_a_bar_slides_turns_and_slides_on(turn):
+    found = wr.plan(turning_room(turn), ["bar"])
+    assert found.verdict == "comes apart"
+    assert found.order[-1] == ("bar",)
+    see_free(found)
+    bar = found.assembly.names.index("bar")
+    assert abs(found.way[-1, bar, 2]) == pytest.approx(np.pi / 2, abs=0.2)
 
 
 def test_trays_full_of_squares():

@@ -14,6 +14,7 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.answer_words import few, number, towards
+from wiggleroom.report.search_extent import extent
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.results import (
     PlanAssemblyEntry,
@@ -21,8 +22,8 @@ from wiggleroom.schema.results import (
     PlanRankEntry,
     PlanResult,
     PlanSampleEntry,
-    PlanSearchEntry,
     PlanStepEntry,
+    StateSearchEntry,
 )  # fmt: skip
 from wiggleroom.verdict import Certainty, Separability
 
@@ -67,7 +68,13 @@ def plan_result(found: Plan, command: str = "", told: PlanTolerances | None = No
         ],
         remains=list(found.remains),
         rest=found.rest,
-        search=PlanSearchEntry(states=found.states, whole=found.whole, questions=found.questions),
+        search=StateSearchEntry(
+            states=found.states,
+            turned=found.turned,
+            whole=found.whole,
+            questions=found.questions,
+            unanswered=found.unanswered,
+        ),
         sample=UNSET if told.sample is None else _sample(told.sample),
         rank=UNSET if told.rank is None else _rank(told.rank),
         smallest_gap=UNSET if told.gap is None else _gap(names, told.gap),
@@ -217,9 +224,7 @@ def _how(step: Step) -> str:
 
 def searched_sentence(found: Plan) -> str:
     """How far the search went."""
-    said = f"{found.states} state{'s' if found.states != 1 else ''} visited"
-    if found.questions:
-        said += f", {found.questions} largest motion{'s' if found.questions != 1 else ''} searched"
-    if found.verdict is not Separability.COMES_APART and found.certainty is not Certainty.PROVEN:
-        said += ", all that slides lead to" if found.whole else ", cut short"
+    said = extent(found)
+    if found.verdict is not Separability.COMES_APART and found.certainty is not Certainty.PROVEN and not found.whole:
+        said += ", cut short"
     return said
