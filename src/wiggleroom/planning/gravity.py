@@ -1,39 +1,46 @@
-"""Who falls: loose parts that their weight carries away from all that stands, and whom to hold so that nothing does.
+"""Who falls: loose parts that their weight carries on and on, and whom to hold so that nothing does.
 
-The largest loss of height of all parts together is a motion as any other: every part is pulled down at its centroid by its weight. Parts
-settle by the play that they have. What in the end still lies, neighbour by neighbour, beside what stands or is held as it did before has
-only settled; all else has fallen. There is no friction.
+Everything that is loose sinks in small steps. Each is a linear program: the largest loss of height, weighed by area, that distances of
+corners from edges allow, less a little for every motion, so that nothing moves that loses no height by it. Parts first settle by the play
+that they have; those that still sink after many steps fall. There is no friction, and no swing. Source: Whiting, Ochsendorf and Durand,
+"Procedural modeling of structurally-sound masonry buildings", 2009, for equilibrium as a program over contacts; here is its dual.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.optimize import linprog
 from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from wiggleroom.assembly.assembly import Assembly, place
-from wiggleroom.disassembly.remaining import displaced, only
-from wiggleroom.drawing.model import Pull
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.geometry.neighbours import neighbours, placed, relative_pose
+from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.maximise import witness
+from wiggleroom.planning.clearance_program import Carried, ClearanceProblem, near_corners
 from wiggleroom.planning.steps import Step
-from wiggleroom.search.prepare import NEIGHBOUR_REACH, prepare
+from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-SETTLED = 3.0
-"""Neighbours that move against each other by no more than this multiple of the clearance have only settled."""
-LOOKS = 4
+STEPS = 24
+"""So many steps parts sink; what comes to rest before the second half of them has settled."""
+TRUST = 0.5
+"""In a step corners go no further than about this multiple of the clearance."""
+MARGIN = 0.1
+"""Parts come no nearer to each other than this multiple of the clearance."""
+EFFORT = 0.02
+"""A motion pays where it loses height by more than this share of its length: slopes of one degree count as level."""
+AT_REST = 0.05
+"""A part that sinks by less than this multiple of the clearance in the second half of the steps is at rest."""
+LOOKS = 3
 """Each straight piece of a step is looked at so often."""
 
 
@@ -45,6 +52,8 @@ class Gravity:
     ----------
     assembly : Assembly
         Something in it stands.
+    ground : Survey
+        Of the assembly.
     direction : (x, y)
         In which loose parts fall; any length but zero.
 
@@ -55,6 +64,7 @@ class Gravity:
     """
 
     assembly: Assembly
+    ground: Survey
     direction: tuple[float, float]
     _known: dict[bytes, Bools] = field(default_factory=dict, init=False)
 
@@ -77,19 +87,19 @@ class Gravity:
         held : (n,) bool
             Parts that are held; what is fixed stands anyway.
         stop : optional
-            Asked now and then; then nothing falls that was not seen to.
+            Asked before every step; then those that sink still count as falling.
         """
-        fixed = np.array([p.fixed for p in self.assembly.parts])
+        bodies = self.ground.bodies
+        here = np.array([there[list(m)].all() for m in bodies.members])
+        stands = bodies.fixed | np.array([held[list(m)].any() for m in bodies.members])
+        free = np.flatnonzero(here & ~stands)
         out = np.zeros(len(there), dtype=np.bool_)
-        if not (there & ~fixed & ~held).any():
+        if not len(free):
             return out
-        who = np.flatnonzero(there)
-        key = np.round(motion[who], 9).tobytes() + there.tobytes() + (held & there).tobytes()
+        begin = of_bodies(self.assembly, bodies, motion[None])[0]
+        key = np.round(begin[here], 9).tobytes() + here.tobytes() + free.tobytes()
         if key not in self._known:
-            out[who] = self._fallen(_standing(self.assembly, motion, who, (fixed | held)[who]), stop)
-            if stop is not None and stop.is_set():
-                return out
-            self._known[key] = out
+            self._known[key] = np.isin(bodies.body_of, free[self._sinking(begin, here, free, stop)])
         return self._known[key]
 
     def to_hold(self, step: Step, stop: Stop | None = None) -> tuple[str, ...]:
@@ -112,40 +122,80 @@ class Gravity:
         return tuple(names[held])
 
     def _lowest(self, motion: Floats, who: Ints) -> int:
-        """Which of some parts has its centroid lowest."""
-        some = only(displaced(self.assembly, motion), who)
-        middles = [
-            shapely.MultiPolygon([(place(r.outer, p.at), [place(h, p.at) for h in r.holes]) for r in p.regions])
-            for p in some.parts
-        ]
-        heights = shapely.get_coordinates(shapely.centroid(middles)) @ np.array(self.direction)
+        """Which of some parts has the centroid of its body lowest."""
+        bodies = self.ground.bodies
+        at = bodies.rest + of_bodies(self.assembly, bodies, motion[None])[0]
+        heights = at[bodies.body_of[who], :2] @ np.array(self.direction)
         return int(who[int(heights.argmax())])
 
-    def _fallen(self, state: Assembly, stop: Stop | None) -> Bools:
-        """Parts of a state that its weight moves further than play does."""
-        ready = prepare(state, stop=stop)
-        bodies = ready.bodies
-        geometry = placed(bodies)
-        weight = shapely.area(geometry) * ~bodies.fixed
-        weight /= weight.sum()
-        goals = tuple(
-            Pull(state.names[bodies.members[b][0]], self.direction, _pair(bodies.rest[b]), float(weight[b]))
-            for b in np.flatnonzero(~bodies.fixed)
+    def _sinking(self, motion: Floats, there: Bools, free: Ints, stop: Stop | None) -> Bools:
+        """Which of the `free` bodies still sink after many steps."""
+        ground, down = self.ground, np.array(self.direction)
+        weight = shapely.area(placed(ground.bodies, None, free)[free])
+        problem = ClearanceProblem(
+            ground.bodies, there, ground.ignored, ground.clearance, ground.size, Carried(free, as_one=False)
         )
-        answer = witness(ready, goals, periods=False, stop=stop)
-        end = of_bodies(state, bodies, answer.waypoints[-1:])[0]
-        near = neighbours(bodies, geometry, NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
-        change = relative_pose(bodies, near.a, near.b, end) - relative_pose(bodies, near.a, near.b)
-        moved = np.hypot(change[:, 0], change[:, 1]) + bodies.radius[near.b] * np.abs(change[:, 2])
-        kept = moved <= SETTLED * ready.clearance
-        stands = np.flatnonzero(bodies.fixed)
-        a = np.concatenate([near.a[kept], np.repeat(stands[:1], len(stands))])
-        b = np.concatenate([near.b[kept], stands])
-        n = len(bodies.fixed)
-        label = connected_components(coo_array((np.ones(len(a)), (a, b)), shape=(n, n)), directed=False)[1]
-        gone = np.isin(state.names, answer.leaves)
-        fallen: Bools = (label != label[stands[0]])[bodies.body_of] | gone
-        return fallen
+        sunk = np.zeros((STEPS + 1, len(free)))
+        trust = TRUST * ground.clearance
+        for k in range(STEPS):
+            if stop is not None and stop.is_set():
+                return np.ones(len(free), dtype=np.bool_)
+            change, trust = self._sink(problem, motion, weight / weight.sum(), trust)
+            motion = motion + change
+            sunk[k + 1] = sunk[k] + change[free, :2] @ down
+            if not change.any():
+                return np.zeros(len(free), dtype=np.bool_)
+        half = STEPS // 2
+        return np.asarray(sunk[-1] - sunk[half] > AT_REST * ground.clearance)
+
+    def _sink(self, problem: ClearanceProblem, motion: Floats, weight: Floats, trust: float) -> tuple[Floats, float]:
+        """One step, shorter where a longer one would meet something, and how long the next one may be."""
+        most = TRUST * problem.clearance
+        while trust > 1e-3 * most:
+            change = _program(problem, motion, weight, np.array(self.direction), trust)
+            if not change.any():
+                return change, trust
+            if problem.least(np.stack([motion, motion + change])) > 0:
+                return change, min(2 * trust, most)
+            trust /= 4
+        return np.zeros_like(motion), most
+
+
+def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Floats, trust: float) -> Floats:
+    """Motion (n, 3) [mm, mm, rad] of all bodies by which the free ones lose the most height."""
+    bodies, free = problem.bodies, problem.moving.who
+    mine = {int(b): k for k, b in enumerate(free)}
+    lever = bodies.radius[free]
+    count = 3 * len(free)
+    value, row, column, limit = list[float](), list[int](), list[int](), list[float]()
+    pose = bodies.rest + motion
+    for b, c, point, normal, apart in near_corners(problem, pose, 4 * trust):
+        for body, sign in ((b, -1.0), (c, 1.0)):
+            if body in mine:
+                k, arm = mine[body], point - pose[body, :2]
+                turn = (normal[1] * arm[0] - normal[0] * arm[1]) / bodies.radius[body]
+                value += [sign * normal[0], sign * normal[1], sign * turn]
+                column += [3 * k, 3 * k + 1, 3 * k + 2]
+                row += [len(limit)] * 3
+        limit.append(max(apart - MARGIN * problem.clearance, 0.0))
+    rows = coo_array((value, (row, column)), shape=(len(limit), count)).tocsr()
+    cost = np.zeros((len(free), 3))
+    cost[:, :2] = -weight[:, None] * down
+    effort = EFFORT * np.repeat(weight, 3)
+    # every change as the difference of two that are not negative, so that both ways cost effort
+    found = linprog(
+        np.concatenate([cost.ravel() + effort, effort - cost.ravel()]),
+        A_ub=None if not limit else np.hstack([rows.toarray(), -rows.toarray()]),
+        b_ub=limit or None,
+        bounds=(0.0, trust),
+        method="highs",
+    )
+    change = np.zeros_like(motion)
+    if found.success:
+        moved = (found.x[:count] - found.x[count:]).reshape(-1, 3)
+        moved[np.abs(moved) < 1e-6 * trust] = 0.0
+        change[free] = np.column_stack([moved[:, :2], moved[:, 2] / lever])
+    return change
 
 
 def _states(step: Step) -> Iterator[Floats]:
@@ -154,14 +204,3 @@ def _states(step: Step) -> Iterator[Floats]:
     for one, other in pairwise(step.way):
         for t in np.arange(1, LOOKS + 1) / LOOKS:
             yield one + t * (other - one)
-
-
-def _standing(assembly: Assembly, motion: Floats, who: Ints, stands: Bools) -> Assembly:
-    """The parts `who` where a motion took them, some of them fixed."""
-    state = only(displaced(assembly, motion), who)
-    parts = tuple(replace(p, fixed=bool(f)) for p, f in zip(state.parts, stands, strict=True))
-    return replace(state, parts=parts, drawing=replace(state.drawing, parts=parts))
-
-
-def _pair(v: Floats) -> tuple[float, float]:
-    return float(v[0]), float(v[1])

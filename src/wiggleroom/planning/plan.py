@@ -40,6 +40,8 @@ class Plan(Drawable):
         A plan is proven: every step of it was checked for overlap. Without one: what shows that the parts stay.
     rest : Separability
         What became of the parts that are left.
+    rest_certainty : Certainty
+        What shows that.
     steps : tuple of Step
     level : tuple of int
         Moves up to the first removal, from there to the second, and so on: what is called the level of a burr. A move is one slide of one
@@ -62,6 +64,7 @@ class Plan(Drawable):
     verdict: Separability
     certainty: Certainty
     rest: Separability
+    rest_certainty: Certainty
     steps: tuple[Step, ...]
     level: tuple[int, ...]
     remains: tuple[str, ...]
@@ -136,7 +139,7 @@ def plan(
     limit = stop if seconds is None else Deadline(seconds, stop)
     standing = with_ground(assembly)
     see_targets(standing, targets)
-    weight = None if gravity is None else Gravity(standing, gravity)
+    weight = None if gravity is None else Gravity(standing, survey(standing), gravity)
     done = disassemble(standing, targets=tuple(targets), stop=limit, tell=progress or silent)
     steps: tuple[Step, ...] = ()
     if done.departures:
@@ -155,6 +158,7 @@ def plan(
         verdict=done.last.ended if missed else Separability.COMES_APART,
         certainty=done.last.certainty if missed else Certainty.PROVEN,
         rest=done.last.ended,
+        rest_certainty=done.last.certainty,
         steps=steps,
         level=level(steps),
         remains=remains,

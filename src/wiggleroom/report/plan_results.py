@@ -63,11 +63,13 @@ def plan_result(found: Plan, command: str = "", told: PlanTolerances | None = No
         moves=found.moves,
         steps=steps,
         assembly=[
-            PlanAssemblyEntry(step=k + 1, parts=s.parts, path=s.path[::-1], axis=s.axis, held=s.held)
+            PlanAssemblyEntry(step=k + 1, parts=s.parts, path=s.path[::-1], axis=s.axis, held=s.held, falling=s.falling)
             for k, s in reversed(list(enumerate(steps)))
         ],
         remains=list(found.remains),
         rest=found.rest,
+        rest_certainty=found.rest_certainty,
+        gravity=found.gravity,
         search=StateSearchEntry(
             states=found.states,
             turned=found.turned,
@@ -152,7 +154,8 @@ def _step(names: tuple[str, ...], step: Step) -> PlanStepEntry:
         room=step.room,
         turn_room_deg=math.degrees(step.turn_room),
         axis=step.axis,
-        held=list(step.held),
+        held=[*step.held, *(n for n in step.falling if n not in step.held)],
+        falling=list(step.falling),
     )
 
 
@@ -191,8 +194,17 @@ def plan_facts(found: Plan) -> list[str]:
             f"least clearance: {number(nearest.clearance, 3)} mm, in step {found.steps.index(nearest) + 1}; every step "
             "checked for overlap"
         )
+    if found.gravity is not None and found.steps:
+        most = max(len(step.falling) for step in found.steps)
+        hands = (
+            f"at most {most} part{'s' if most != 1 else ''} held besides those that move"
+            if most
+            else "none needs to be held"
+        )
+        said.append(f"loose parts fall in {towards(found.gravity)}: {hands}")
     if found.remains and found.verdict is Separability.COMES_APART:
-        sure = {Separability.INTERLOCKED: "interlocked", Separability.UNKNOWN: "nothing more was found to leave"}
+        held = f"interlocked, {found.rest_certainty}"
+        sure = {Separability.INTERLOCKED: held, Separability.UNKNOWN: "nothing more was found to leave"}
         said.append(f"remains: {few(found.remains)} ({sure.get(found.rest, found.rest)})")
     return said
 
@@ -202,7 +214,9 @@ def step_sentence(step: Step) -> str:
     many = len(step.parts) > 1
     verb = ("leave" if many else "leaves") if step.leaves else ("move" if many else "moves")
     together = " as one" if many and step.as_one else " at the same time" if many else ""
-    return f"{few(step.parts)} {verb}{together} {_how(step)}, clearance {number(step.clearance, 3)} mm"
+    return f"{few(step.parts)} {verb}{together} {_how(step)}, clearance {number(step.clearance, 3)} mm" + (
+        f"; hold {few(step.falling)}" if step.falling else ""
+    )
 
 
 def _how(step: Step) -> str:

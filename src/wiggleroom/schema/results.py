@@ -162,8 +162,8 @@ class PlanStepEntry(Struct, kw_only=True):
     ]
     turn_room_deg: Annotated[float, Meta(description="an error of angle under which it certainly still goes [deg]")]
     axis: Annotated[Point, Meta(description="unit vector along which the parts go in when they are put together")]
-    falling: Annotated[list[str], Meta(description="loose parts that fall unless they are held by hand; with gravity")]
     held: Annotated[list[str], Meta(description="loose parts that must be held")]
+    falling: Annotated[list[str], Meta(description="of these those that would fall; with gravity")]
 
 
 class PlanAssemblyEntry(Struct, kw_only=True):
@@ -174,6 +174,7 @@ class PlanAssemblyEntry(Struct, kw_only=True):
     path: Annotated[list[dict[str, PartMotion]], Meta(description="that of the step, backwards")]
     axis: Annotated[Point, Meta(description="unit vector of the first straight piece backwards")]
     held: Names
+    falling: Names
 
 
 class PlanSampleEntry(Struct, kw_only=True):
@@ -228,6 +229,8 @@ class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=Tr
     assembly: Annotated[list[PlanAssemblyEntry], Meta(description="the steps backwards: how it is put together")]
     remains: Annotated[list[str], Meta(description="loose parts that were to leave and do not")]
     rest: Annotated[Separability, Meta(description="what became of the parts that are left")]
+    rest_certainty: Annotated[Certainty, Meta(description="what shows that")]
+    gravity: Annotated[Point | None, Meta(description="unit vector in which loose parts fall; null: not looked at")]
     search: StateSearchEntry
     sample: PlanSampleEntry | UnsetType = UNSET
     rank: list[PlanRankEntry] | UnsetType = UNSET
