@@ -207,6 +207,16 @@ def tumbler_lock(count: int = 3, turn: float = 0.0, gap: float = GAP) -> Assembl
     return assembled(shapes | {n: squares(frozenset(c)) for n, c in parts.items()}, "frame", gap, turn)
 
 
+def turning_room(turn: float = 0.0, gap: float = GAP) -> Assembly:
+    """A bar of three squares that fits through its door upright only, and the door is shut by a bolt that slides aside."""
+    room = {(x, y) for x in range(1, 6) for y in range(1, 6)}
+    door = {(5, 6), (5, 7), (5, 8)}
+    pocket = {(6, 7), (7, 7)}
+    frame = {(x, y) for x in range(9) for y in range(9)} - room - door - pocket
+    parts = {"frame": frame, "bar": {(1, 2), (2, 2), (3, 2)}, "bolt": {(5, 7), (6, 7)}}
+    return assembled({n: squares(frozenset(c)) for n, c in parts.items()}, "frame", gap, turn)
+
+
 def frame_puzzle(rows: int = 4, columns: int = 5, gap: float = GAP) -> Assembly:
     """A frame open to the right, full of rows of T-shaped blocks that hold each other sideways: 20 parts and the frame."""
     wide, high = 3 * columns, 3 * rows

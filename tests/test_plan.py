@@ -14,10 +14,10 @@ from benchmarks.plan_families import (
     latches,
     pinwheel,
     random_tray,
-    squares,
     tray,
     tray_of_squares,
     tumbler_lock,
+    turning_room,
 )  # fmt: skip
 
 import wiggleroom as wr
@@ -107,16 +107,6 @@ def test_a_tray_that_is_locked():
     assert (found.verdict, found.steps) == ("interlocked", ())
     assert found.states > 1
     assert found.whole
-
-
-def turning_room(turn=0.0):
-    """A bar of three squares that fits through its door upright only, and the door is shut by a bolt that slides aside."""
-    room = {(x, y) for x in range(1, 6) for y in range(1, 6)}
-    door = {(5, 6), (5, 7), (5, 8)}
-    pocket = {(6, 7), (7, 7)}
-    frame = {(x, y) for x in range(9) for y in range(9)} - room - door - pocket
-    parts = {"frame": frame, "bar": {(1, 2), (2, 2), (3, 2)}, "bolt": {(5, 7), (6, 7)}}
-    return assembled({n: squares(frozenset(c)) for n, c in parts.items()}, "frame", turn=turn)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.5])

@@ -16,6 +16,7 @@ from wiggleroom.report.study_messages import check_message, ranking_message, ste
 from wiggleroom.schema.replies import ProveReply, SweepReply
 from wiggleroom.schema.requests import (
     CheckRequest,
+    PlanRequest,
     ProveRequest,
     RankRequest,
     SampleRequest,
@@ -42,6 +43,15 @@ def check(sheet: Document, request: CheckRequest, out: Reporter) -> None:
     found = sheet.checked(request.design, out)
     content = check_message(found, command("check", sheet.file, request.design, pulled=False))
     out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
+
+
+def plan(sheet: Document, request: PlanRequest, out: Reporter) -> None:
+    """How it is taken apart; one film for each step."""
+    from wiggleroom.report.plan_messages import plan_message, plan_options
+
+    found = sheet.planned(request.design, out, tuple(request.targets), request.gravity)
+    said = command("plan", sheet.file, request.design, plan_options(found), pulled=False)
+    out.reply(plan_message(found, said), [way_frames(found.assembly, step.way) for step in found.steps])
 
 
 def sweep(sheet: Document, request: SweepRequest, out: Reporter) -> None:
