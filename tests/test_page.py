@@ -7,6 +7,7 @@ import os
 import re
 import signal
 import time
+import zipfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -305,6 +306,33 @@ def test_the_way_out_is_a_film(browser: Any) -> None:
             seen.add(place.input_value())
             page.wait_for_timeout(50)
         assert len(seen) > 5  # it plays
+
+
+def test_a_plan_is_played_step_by_step(browser: Any, tmp_path: Path) -> None:
+    with serving(EXAMPLES / "46_plans" / "lock.json") as served, visiting(browser, served) as page:
+        page.get_by_role("tab", name="Come apart").click()
+        page.get_by_label("direction in which loose parts fall").select_option("in -y")
+        page.get_by_role("button", name="Plan", exact=True).click()
+        page.locator(".verdict", has_text="taken apart").wait_for(timeout=120_000)
+        steps = page.locator("ol.rows .row")
+        assert steps.count() > 3
+        assert "1. slide1 moves in +x by 10 mm" in steps.nth(0).text_content()
+        assert any("hold tumbler1" in text for text in steps.all_text_contents())
+        steps.nth(3).get_by_role("button").click()
+        page.locator("#answer", has_text="tumbler1 moves in +y").wait_for()
+        place = page.get_by_label("place on the way from rest")
+        seen = set()
+        for _ in range(20):
+            seen.add(place.input_value())
+            page.wait_for_timeout(50)
+        assert len(seen) > 5  # it plays
+        page.get_by_role("button", name="Save").click()
+        with page.expect_download() as coming:
+            page.get_by_role("menuitem", name="A picture of every step").click()
+        coming.value.save_as(tmp_path / "steps.zip")
+        with zipfile.ZipFile(tmp_path / "steps.zip") as packed:
+            assert len(packed.namelist()) == steps.count()
+            assert b"<svg" in packed.read("step_01.svg")
 
 
 def test_what_is_saved_says_the_same(browser: Any, peg: Served, tmp_path: Path) -> None:

@@ -198,10 +198,14 @@ def witness(
     solver: str = "interior-point",
     start: Answer | None = None,
     search: int | None = 0,
+    periods: bool = True,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
-    """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither."""
+    """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither.
+
+    Without `periods` it is not looked whether a motion repeats without end.
+    """
     began = time.perf_counter()
     tell = progress or silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
@@ -232,7 +236,7 @@ def witness(
         answer = _in_own_frame(ready, asked, solve, solver, search, stop, tell, began)
         if answer is not None:
             return answer
-    return _climbed(ready, asked, solve, solver, search, start, stop, tell, began)
+    return _climbed(ready, asked, solve, solver, search, start, stop, tell, began, periods)
 
 
 def _refined(
@@ -283,6 +287,7 @@ def _climbed(
     stop: Stop | None,
     tell: Callable[[Progress], None],
     began: float,
+    periods: bool = True,
 ) -> Answer:
     """The answer, searched for in the frame of the assembly that was prepared."""
     goal = ready.objective(asked)
@@ -292,7 +297,7 @@ def _climbed(
     if first:
         return _from_several(climb, first, asked, solver, began)
     climb.improve(climbed(climb, start_at_rest(ready)) if start is None else _incumbent(start, ready).start())
-    climb, repeats = periodic_motion(climb, asked)
+    climb, repeats = periodic_motion(climb, asked) if periods else (climb, None)
     if search == 0 or repeats is not None:
         return answer_of(climb, asked, solver, began, repeats)
     return _searched(climb, search, asked, solver, began)

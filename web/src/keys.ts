@@ -14,7 +14,7 @@ import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
 const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const LONG = ["tighten", "sample", "prove", "sweep", "check", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
+const LONG = ["tighten", "sample", "prove", "sweep", "check", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
 
 /** Where a part was asked to go by arrow keys so far. */

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { design } from "./design.ts";
 import type {
-  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
+  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
 
@@ -34,6 +34,7 @@ export const dragging = signal<{ part: string; grip: Point } | null>(null);
 export const modes = signal<About<Modes> | null>(null);
 export const ranking = signal<About<RankReply> | null>(null);
 export const checked = signal<About<CheckReply> | null>(null);
+export const planned = signal<About<PlanReply> | null>(null);
 export const reach = signal<About<ReachReply> | null>(null);
 /** Where the chosen part was pressed, at rest. */
 export const pressed = signal<Point | null>(null);

@@ -24,6 +24,7 @@ ANSWERS = {
     "wiggle": "motion_requests",
     "rank": "study_requests",
     "check": "study_requests",
+    "plan": "study_requests",
     "sweep": "study_requests",
     "prove": "study_requests",
     "tighten": "study_requests",

@@ -16,6 +16,7 @@ from wiggleroom.report.study_messages import check_message, ranking_message, ste
 from wiggleroom.schema.replies import ProveReply, SweepReply
 from wiggleroom.schema.requests import (
     CheckRequest,
+    PlanRequest,
     ProveRequest,
     RankRequest,
     SampleRequest,
@@ -42,6 +43,15 @@ def check(document: Document, request: CheckRequest, out: Reporter) -> None:
     found = document.checked(request.design, out)
     content = check_message(found, command("check", document.file, request.design, pulled=False))
     out.reply(content, [path_frames(found.assembly, e.path) for e in found.escapes])
+
+
+def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
+    """How it is taken apart; one film for each step."""
+    from wiggleroom.report.plan_messages import plan_message, plan_options
+
+    found = document.planned(request.design, out, tuple(request.targets), request.gravity)
+    said = command("plan", document.file, request.design, plan_options(found), pulled=False)
+    out.reply(plan_message(found, said), [path_frames(found.assembly, step.way) for step in found.steps])
 
 
 def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:

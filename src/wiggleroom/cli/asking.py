@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterable
 
 from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn
+from wiggleroom.errors import InputError
 
 _AXES = {"+x": (1.0, 0.0), "-x": (-1.0, 0.0), "+y": (0.0, 1.0), "-y": (0.0, -1.0)}
 
@@ -38,6 +39,19 @@ def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[
         else:
             found.append(Turn(name, sense))
     return found, wrong
+
+
+def direction(option: str, text: str) -> tuple[float, float]:
+    """A direction such as "-y" or "0.6,-0.8"; raises InputError.
+
+    >>> direction("--gravity", "-y")
+    (0.0, -1.0)
+    """
+    found = _AXES.get(text) or _two(text)
+    if found is None or not 0 < math.hypot(*found) < math.inf:
+        finding = f"{option} {text}: write +x, -x, +y or -y, or a direction of two numbers as 0.6,-0.8"
+        raise InputError(finding)
+    return found
 
 
 def split_words(texts: Iterable[str]) -> list[str]:
