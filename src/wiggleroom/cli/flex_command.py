@@ -87,7 +87,7 @@ def flex(
                 raise InputError(wrong)
         from wiggleroom.cli.in_space import flex_in_space
 
-        return flex_in_space(file, asked, outputs, solver)
+        return flex_in_space(file, asked, outputs, solver, limit.time)
     if settings and model != "hull":
         wrong = f"--{next(iter(settings))} is for --model hull only"
         raise InputError(wrong)
