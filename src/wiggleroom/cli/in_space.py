@@ -13,6 +13,8 @@ from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import Outputs
 
 if TYPE_CHECKING:
+    from wiggleroom.cli.sheet_options import SheetOptions
+    from wiggleroom.errors import Stop
     from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 
 _AXES = {
@@ -75,13 +77,17 @@ def _three(text: str) -> tuple[float, float, float] | None:
     return found if found and all(map(math.isfinite, found)) else None
 
 
-def read_in_space(file: str, asked: QuestionOptions) -> SpatialAssembly:
-    """Spatial assembly that a file and the options describe; its notes go to stderr.
+def read_in_space(
+    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Stop | None = None
+) -> SpatialAssembly:
+    """Spatial assembly that a file, or a cutting sheet, and the options describe; its notes go to stderr.
 
     Raises
     ------
     InputError
         With everything that is wrong, one line each.
+    UnsureError
+        Where it is not sure how the panels of a sheet go together.
     """
     from wiggleroom.cli.asking import names
     from wiggleroom.cli.say import note
@@ -90,15 +96,24 @@ def read_in_space(file: str, asked: QuestionOptions) -> SpatialAssembly:
     goals, wrong = spatial_questions(asked.pull, asked.turn, asked.weight)
     if asked.gap is not None and not (math.isfinite(asked.gap) and asked.gap >= 0):
         wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
+    drawn = sheet is not None and sheet.given
     for option in ("unit", "flatten", "objective", "only", "skip", "join", "solid", "ignore", "glue", "gap_of"):
-        if getattr(asked, option) not in (None, ()):
-            wrong.append(f"--{option.replace('_', '-')} is for drawings; {file} is an assembly in space: leave it out")
+        if getattr(asked, option) not in (None, ()) and not (drawn and option == "unit"):
+            wrong.append(
+                f"--{option.replace('_', '-')} is for parts in the plane; {file} is asked in space: leave it out"
+            )
     if wrong:
         raise InputError(wrong)
     from wiggleroom.spatial.spatial_assembly import assemble_spatial
     from wiggleroom.spatial.spatial_file import read_spatial
 
-    drawing = read_spatial(file if "\n" in file else _path(file))
+    if sheet is not None and sheet.given:
+        from wiggleroom.cli.sheet_options import assembled_sheet, sure_text
+
+        found = assembled_sheet(file, sheet, unit=asked.unit, stop=stop)
+        drawing = replace(read_spatial(sure_text(file, found)), source=found.source, notes=found.notes)
+    else:
+        drawing = read_spatial(file if "\n" in file else _path(file))
     for line in drawing.notes:
         note(line)
     fixed = names(asked.fix, {p.name for p in drawing.parts})
@@ -119,7 +134,9 @@ def in_three_dimensions(result: Any) -> dict[str, Any]:
     return {"format": record.pop("format"), "dimension": 3} | record
 
 
-def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: str) -> int:
+def flex_in_space(
+    file: str, asked: QuestionOptions, outputs: Outputs, solver: str, sheet: SheetOptions | None = None
+) -> int:
     """`wiggleroom flex` of an assembly in space."""
     import shlex
     import time
@@ -132,7 +149,7 @@ def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: s
     check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
     begin = time.perf_counter()
     with interruptible() as stop:
-        assembly = read_in_space(file, asked)
+        assembly = read_in_space(file, asked, sheet, stop)
         spent = time.perf_counter() - begin
         answer = flex(assembly, solver=solver, stop=stop)
     seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
@@ -152,7 +169,7 @@ def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: s
     return 3 if answer.verdict == "stopped" else 0
 
 
-def check_in_space(file: str, asked: QuestionOptions, outputs: Outputs) -> int:
+def check_in_space(file: str, asked: QuestionOptions, outputs: Outputs, sheet: SheetOptions | None = None) -> int:
     """`wiggleroom check` of an assembly in space."""
     import shlex
 
@@ -163,7 +180,7 @@ def check_in_space(file: str, asked: QuestionOptions, outputs: Outputs) -> int:
 
     check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
     with interruptible() as stop:
-        found = check_spatial(read_in_space(file, asked), stop=stop)
+        found = check_spatial(read_in_space(file, asked, sheet, stop), stop=stop)
     from wiggleroom.report.spatial_records import spatial_check_record
     from wiggleroom.report.spatial_table import spatial_check_table
 

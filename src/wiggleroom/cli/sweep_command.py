@@ -8,8 +8,9 @@ from pathlib import Path
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import TimeLimit, complete
+from wiggleroom.cli.sheet_options import SheetOptions
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS, _NO_SHEET = QuestionOptions(), StudyOutputs(), TimeLimit(), SheetOptions()
 
 
 def sweep(
@@ -17,6 +18,7 @@ def sweep(
     /,
     *,
     asked: QuestionOptions = _NONE_ASKED,
+    sheet: SheetOptions = _NO_SHEET,
     outputs: StudyOutputs = _NO_OUTPUTS,
     time: TimeLimit = _ENDLESS,
     gaps: str | None = None,
@@ -51,10 +53,11 @@ def sweep(
         from wiggleroom.questions import is_spatial_file
         from wiggleroom.questions import sweep as work_out
 
-        in_space = is_spatial_file(file)
+        sheet.check(file)
+        in_space = sheet.given or is_spatial_file(file)
         if in_space:
             _no_pages(outputs, html)
-        assembly = read_in_space(file, asked) if in_space else complete(read(file, asked))
+        assembly = read_in_space(file, asked, sheet, stop) if in_space else complete(read(file, asked))
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table
