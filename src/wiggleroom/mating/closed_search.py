@@ -235,8 +235,7 @@ class _Search:
                 best = place, line, found
             if len(best[2]) < 2:
                 break
-        assert best is not None  # noqa: S101
-        return best
+        return (*left[0], []) if best is None else best
 
     def _answers(
         self, node: _Partial, place: int, flank: int, waiting: dict[int, int], tried: _Tried
