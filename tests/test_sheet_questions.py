@@ -49,9 +49,7 @@ def test_a_sheet_that_is_not_sure_is_not_answered(
     assert not answer.exists()
 
 
-def test_a_panel_without_a_place_is_named(
-    command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_panel_without_a_place_is_named(command: Command, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     import shapely
 
     design = stool("stool", 60, 50, 3)

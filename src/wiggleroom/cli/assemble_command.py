@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from cyclopts import Parameter
 
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from wiggleroom.mating.assembled_sheet import AssembledSheet
     from wiggleroom.mating.cutting_sheet import CuttingSheet
+    from wiggleroom.schema.results import AssembleResult
 
 _NO_SHEET = SheetOptions()
 
@@ -80,19 +81,19 @@ def assemble(
         write_result(done.record, json)
     if json != "-":
         show(done.page)
-    for line in done.record["notes"]:
+    for line in done.record.notes:
         note(line)
     if picture is not None:
         write_picture(done.picture(), picture)
     write_whole(output, done.text)
-    note(f"{done.record['placed']} of {done.record['panels']} panels: {output}")
-    return 3 if done.record["unplaced"] else 0
+    note(f"{done.record.placed} of {done.record.panels} panels: {output}")
+    return 3 if done.record.unplaced else 0
 
 
 class _Done(NamedTuple):
     """What is written: the record, the page on the terminal, the picture when it is asked for, the assembly file."""
 
-    record: dict[str, Any]
+    record: AssembleResult
     page: Group
     picture: Callable[[], str]
     text: str
