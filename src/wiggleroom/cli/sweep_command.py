@@ -8,8 +8,9 @@ from pathlib import Path
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import TimeLimit
+from wiggleroom.cli.sheet_options import SheetOptions
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS, _NO_SHEET = QuestionOptions(), StudyOutputs(), TimeLimit(), SheetOptions()
 
 
 def sweep(
@@ -17,6 +18,7 @@ def sweep(
     /,
     *,
     asked: QuestionOptions = _NONE_ASKED,
+    sheet: SheetOptions = _NO_SHEET,
     outputs: StudyOutputs = _NO_OUTPUTS,
     time: TimeLimit = _ENDLESS,
     gaps: str | None = None,
@@ -51,9 +53,10 @@ def sweep(
         from wiggleroom.questions import is_spatial_file
         from wiggleroom.questions import sweep as work_out
 
-        if is_spatial_file(file):
+        sheet.check(file)
+        if sheet.given or is_spatial_file(file):
             _no_pages(outputs, html)
-        assembly = read_question(file, asked)
+        assembly = read_question(file, asked, sheet, stop)
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table
