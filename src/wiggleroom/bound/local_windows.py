@@ -53,7 +53,10 @@ class Window:
 
 
 def windows(shape: Ints, rest: Floats, radius: Floats, joints: JointConstraints, span: int) -> Iterator[Window]:
-    """Windows of a span whose joints form rings and that stand more than once, those with most placements first; `shape` (n,), `rest` (n, 3) [mm, mm, rad]."""
+    """Windows of a span whose joints form rings and that stand more than once, those that do so most often first.
+
+    Bodies have a `shape` (n,) each and rest at `rest` (n, 3) [mm, mm, rad].
+    """
     n = len(rest)
     near = _neighbours(n, joints)
     away = [_distances(near, k, span) for k in range(n)]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +52,7 @@ def bounded_windows(
         # those of one span know of shorter spans only, so that several are worked on at once
         known = linkage
         with ThreadPoolExecutor(WORKERS) as pool:
-            for proof in pool.map(lambda window: _bounded(window, known, regions, over), found):
+            for proof in pool.map(partial(_bounded, linkage=known, regions=regions, over=over), found):
                 if proof is None:
                     return
                 low, high = proof.last.low, proof.last.high

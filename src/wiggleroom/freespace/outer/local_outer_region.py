@@ -93,23 +93,23 @@ class _Boxes:
         return _Boxes(np.vstack([self.low, low]), np.vstack([high, self.high]))
 
 
-def pocket(material: PairMaterial) -> LocalOuterRegion | None:
+def pocket(sides: NearSides) -> LocalOuterRegion | None:
     """Walls round rest; None where they do not close in a window of a few clearances."""
-    sides = _Sides(material)
+    material = sides.pair
     for window, rounds in WINDOWS:
         high = window * material.clearance * np.array([1.0, 1.0, 2.0 / sides.lever])
-        found = _within(material, sides, -high, high, rounds)
+        found = _within(sides, -high, high, rounds)
         if found is None or not _at_rim(found, -high, high).any():
             return found
     return None
 
 
-def _within(material: PairMaterial, sides: _Sides, low: Floats, high: Floats, rounds: int) -> LocalOuterRegion | None:
+def _within(sides: NearSides, low: Floats, high: Floats, rounds: int) -> LocalOuterRegion | None:
     """What walls leave of a window between two corners (3,) [mm, mm, rad]; boxes that reach its rim are halved, in so many rounds."""
     ends = np.linspace(low[2], high[2], ANGLE_INTERVALS + 1)
     first, last = np.tile(low, (ANGLE_INTERVALS, 1)), np.tile(high, (ANGLE_INTERVALS, 1))
     first[:, 2], last[:, 2] = ends[:-1], ends[1:]
-    found = _left(material, sides, _Boxes(first, last))
+    found = _left(sides, _Boxes(first, last))
     for _ in range(rounds):
         if found is None:
             return None
@@ -119,18 +119,19 @@ def _within(material: PairMaterial, sides: _Sides, low: Floats, high: Floats, ro
         if len(np.unique(found.which[rim])) > MAX_OPEN_BOXES:
             break
         open_ = np.isin(found.which, found.which[rim])
-        halves = _left(material, sides, _around(_some(found, open_)).halved(sides.lever))
+        halves = _left(sides, _around(_some(found, open_)).halved(sides.lever))
         found = _connected(_joined(_some(found, ~open_), halves))
     if found is None or _at_rim(found, low, high).any():
         return found
     for _ in range(TIGHTENING_ROUNDS):
-        found = None if found is None else _connected(_left(material, sides, _around(found)))
+        found = None if found is None else _connected(_left(sides, _around(found)))
     return found
 
 
 def _at_rim(found: LocalOuterRegion, low: Floats, high: Floats) -> NDArray[np.bool_]:
     """Which corners (N,) reach the rim of a window."""
-    return ((found.corner < (1 - 1e-6) * low) | (found.corner > (1 - 1e-6) * high)).any(1)
+    outside = (found.corner < (1 - 1e-6) * low) | (found.corner > (1 - 1e-6) * high)
+    return np.asarray(outside.any(axis=1))
 
 
 def _connected(found: LocalOuterRegion | None) -> LocalOuterRegion | None:
@@ -138,8 +139,8 @@ def _connected(found: LocalOuterRegion | None) -> LocalOuterRegion | None:
     if found is None or not len(found.corner):
         return None
     boxes = _around(found)
-    meet = ((boxes.low[:, None] <= boxes.high) & (boxes.low <= boxes.high[:, None])).all(2)
-    reached = ((boxes.low <= 0) & (boxes.high >= 0)).all(1)
+    meet = np.asarray(((boxes.low[:, None] <= boxes.high) & (boxes.low <= boxes.high[:, None])).all(axis=2))
+    reached = np.asarray(((boxes.low <= 0) & (boxes.high >= 0)).all(axis=1))
     while True:
         more = reached | meet[reached].any(0)
         if (more == reached).all():
@@ -152,9 +153,7 @@ def _around(found: LocalOuterRegion) -> _Boxes:
     """A box round each polyhedron."""
     first = np.flatnonzero(np.diff(found.which, prepend=-1))
     margin = np.array([4 * found.material.margin] * 2 + [ROUNDING_MARGIN])
-    return _Boxes(
-        np.minimum.reduceat(found.corner, first) - margin, np.maximum.reduceat(found.corner, first) + margin
-    )
+    return _Boxes(np.minimum.reduceat(found.corner, first) - margin, np.maximum.reduceat(found.corner, first) + margin)
 
 
 def _some(found: LocalOuterRegion, corners: NDArray[np.bool_]) -> LocalOuterRegion:
@@ -175,12 +174,12 @@ def _joined(one: LocalOuterRegion, other: LocalOuterRegion | None) -> LocalOuter
     )
 
 
-class _Sides:
+class NearSides:
     """Edges and convex corners of both parts that lie near the other, each in its own axes about the pivot."""
 
     def __init__(self, material: PairMaterial) -> None:
         reach = EDGE_REACH * material.clearance
-        self.material = material.a, material.b
+        self.pair, self.material = material, (material.a, material.b)
         self.sides = []
         for mine, other in ((material.a, material.b), (material.b, material.a)):
             start, end, come, go = corners_of(mine)
@@ -196,16 +195,22 @@ class _Sides:
             )
         seen = np.vstack([s[3] for s in self.sides])
         self.lever = float(np.hypot(*seen.T).max()) if len(seen) else material.radius
-        for material in self.material:
-            shapely.prepare(material)
+        for whole in self.material:
+            shapely.prepare(whole)
+
+    @property
+    def work(self) -> float:
+        """About how long a pocket takes, in milliseconds of some machine: from pairs of edges and points, so the same everywhere."""
+        (one, *_, corners, _, _, _, _), (other, *_, others, _, _, _, _) = self.sides
+        return 15 + 0.012 * (len(one) * len(others) + len(other) * len(corners))
 
 
-def _left(material: PairMaterial, sides: _Sides, boxes: _Boxes) -> LocalOuterRegion | None:
+def _left(sides: NearSides, boxes: _Boxes) -> LocalOuterRegion | None:
     """What the walls that hold in each of some boxes leave of it; None where that is nothing at all."""
     low, high = boxes.low[:, 2], boxes.high[:, 2]
     centre, half = (boxes.low + boxes.high)[:, :2] / 2, (boxes.high - boxes.low)[:, :2] / 2 * (1 + 1e-9)
     window = _Window((low + high) / 2, (high - low) / 2 * (1 + 1e-9) + 1e-14, centre, half)
-    planes = [_planes(material, sides, kind, window) for kind in (0, 1)]
+    planes = [_planes(sides, kind, window) for kind in (0, 1)]
     corners = []
     for k in range(len(low)):
         x, y = centre[k]
@@ -218,7 +223,7 @@ def _left(material: PairMaterial, sides: _Sides, boxes: _Boxes) -> LocalOuterReg
     count = [len(c) for c in corners]
     if not sum(count):
         return None
-    return LocalOuterRegion(material, low, high, np.vstack(corners), np.repeat(np.arange(len(count)), count))
+    return LocalOuterRegion(sides.pair, low, high, np.vstack(corners), np.repeat(np.arange(len(count)), count))
 
 
 def _sector(normal: Floats) -> Ints:
@@ -243,9 +248,9 @@ class _Window:
     sides: Floats
 
 
-def _planes(material: PairMaterial, sides: _Sides, kind: int, window: _Window) -> tuple[Floats, Ints]:
+def _planes(sides: NearSides, kind: int, window: _Window) -> tuple[Floats, Ints]:
     """Walls (k, 4) of edges of A and points of B (`kind` 0), or of B and of A, that hold in the windows; and the window of each."""
-    middle, half = window.middle, window.half
+    material, middle, half = sides.pair, window.middle, window.half
     start, end, go = sides.sides[kind][:3]
     size = np.hypot(*window.sides.T)
     points = _points(sides.sides[1 - kind], CORNER_REACH * float(size.max()))
