@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.cli.sheet_options import SheetOptions
+    from wiggleroom.errors import Stop
     from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 
 _AXES = {
@@ -77,13 +79,17 @@ def _three(text: str) -> tuple[float, float, float] | None:
     return found if found and all(map(math.isfinite, found)) else None
 
 
-def read_in_space(file: str, asked: QuestionOptions) -> SpatialAssembly:
-    """Spatial assembly that a file and the options describe; its notes go to stderr.
+def read_in_space(
+    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Stop | None = None
+) -> SpatialAssembly:
+    """Spatial assembly that a file, or a cutting sheet, and the options describe; its notes go to stderr.
 
     Raises
     ------
     InputError
         With everything that is wrong, one line each.
+    UnsureError
+        Where it is not sure how the panels of a sheet go together.
     """
     from wiggleroom.cli.asking import names
     from wiggleroom.cli.say import note
@@ -92,15 +98,24 @@ def read_in_space(file: str, asked: QuestionOptions) -> SpatialAssembly:
     goals, wrong = spatial_questions(asked.pull, asked.turn, asked.weight)
     if asked.gap is not None and not (math.isfinite(asked.gap) and asked.gap >= 0):
         wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
+    drawn = sheet is not None and sheet.given
     for option in ("unit", "flatten", "objective", "only", "skip", "join", "solid", "ignore", "glue", "gap_of"):
-        if getattr(asked, option) not in (None, ()):
-            wrong.append(f"--{option.replace('_', '-')} is for drawings; {file} is an assembly in space: leave it out")
+        if getattr(asked, option) not in (None, ()) and not (drawn and option == "unit"):
+            wrong.append(
+                f"--{option.replace('_', '-')} is for parts in the plane; {file} is asked in space: leave it out"
+            )
     if wrong:
         raise InputError(wrong)
     from wiggleroom.spatial.spatial_assembly import assemble_spatial
     from wiggleroom.spatial.spatial_file import read_spatial
 
-    drawing = read_spatial(file if "\n" in file else _path(file))
+    if sheet is not None and sheet.given:
+        from wiggleroom.cli.sheet_options import assembled_sheet, sure_text
+
+        found = assembled_sheet(file, sheet, unit=asked.unit, stop=stop)
+        drawing = replace(read_spatial(sure_text(file, found)), source=found.source, notes=found.notes)
+    else:
+        drawing = read_spatial(file if "\n" in file else _path(file))
     for line in drawing.notes:
         note(line)
     fixed = names(asked.fix, {p.name for p in drawing.parts})
@@ -113,7 +128,9 @@ def _path(file: str) -> Any:
     return Path(file)
 
 
-def read_question(file: str, asked: QuestionOptions) -> Assembly | SpatialAssembly:
+def read_question(
+    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Stop | None = None
+) -> Assembly | SpatialAssembly:
     """Assembly of either dimension, if a question about motion can be asked of it; its notes go to stderr.
 
     Raises
@@ -122,23 +139,23 @@ def read_question(file: str, asked: QuestionOptions) -> Assembly | SpatialAssemb
         With everything that is wrong, one line each.
     """
     from wiggleroom.cli.options import read
-    from wiggleroom.cli.running import complete
+    from wiggleroom.cli.running import require_question
     from wiggleroom.errors import InputError
     from wiggleroom.questions import is_spatial_file
 
-    if not is_spatial_file(file):
-        return complete(read(file, asked))
+    if not (sheet is not None and sheet.given) and not is_spatial_file(file):
+        return require_question(read(file, asked))
     from wiggleroom.spatial.spatial_flex import lacking
 
-    assembly = read_in_space(file, asked)
+    assembly = read_in_space(file, asked, sheet, stop)
     wrong = lacking(assembly, assembly.goals)
     if wrong:
         raise InputError(wrong)
     return assembly
 
 
-def see_no_page(file: str, *places: Path | None) -> None:
-    """See that no page is asked for of curves in space.
+def see_no_page(file: str, *places: Path | None, spatial: bool = False) -> None:
+    """See that no page is asked for of curves in space; with `spatial` the file is known to be in space.
 
     Raises
     ------
@@ -149,7 +166,7 @@ def see_no_page(file: str, *places: Path | None) -> None:
     from wiggleroom.questions import is_spatial_file
 
     for place in places:
-        if place is not None and place.suffix.lower() == ".html" and is_spatial_file(file):
+        if place is not None and place.suffix.lower() == ".html" and (spatial or is_spatial_file(file)):
             message = f"{place}: curves in space are not made into a page; name an .svg or .png"
             raise InputError(message)
 
@@ -191,7 +208,9 @@ def spatial_places(outputs: Outputs) -> Places:
     }
 
 
-def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: str, limit: float | None) -> int:
+def flex_in_space(
+    file: str, asked: QuestionOptions, outputs: Outputs, solver: str, limit: float | None, sheet: SheetOptions
+) -> int:
     """`wiggleroom flex` of an assembly in space."""
     import shlex
     import time
@@ -204,7 +223,7 @@ def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: s
     check(file, spatial_places(outputs), outputs.force)
     begin = time.perf_counter()
     with interruptible(limit) as stop:
-        assembly = read_in_space(file, asked)
+        assembly = read_in_space(file, asked, sheet, stop)
         spent = time.perf_counter() - begin
         answer = flex(assembly, solver=solver, stop=stop)
     seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
@@ -229,7 +248,7 @@ def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: s
 
 
 def check_in_space(
-    file: str, asked: QuestionOptions, outputs: Outputs, largest_gap: bool, seconds: float | None
+    file: str, asked: QuestionOptions, outputs: Outputs, largest_gap: bool, seconds: float | None, sheet: SheetOptions
 ) -> int:
     """`wiggleroom check` of an assembly in space."""
     import shlex
@@ -243,7 +262,7 @@ def check_in_space(
 
     check(file, spatial_places(outputs), outputs.force)
     with interruptible(seconds) as stop, unless_stopped(stop):
-        assembly = read_in_space(file, asked)
+        assembly = read_in_space(file, asked, sheet, stop)
         found = check_spatial(assembly, stop=stop)
         border = spatial_largest_gap(assembly, stop=stop) if largest_gap else None
     from wiggleroom.report.spatial_records import spatial_check_record

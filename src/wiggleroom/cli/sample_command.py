@@ -48,7 +48,7 @@ def sample(
     bias
         Mean of the extra gap [mm].
     draws
-        Assemblies drawn by lot.
+        Assemblies drawn at random.
     seed
         Same seed, same draws.
     limit
@@ -70,12 +70,14 @@ def sample(
     with interruptible(time.time) as stop, unless_stopped(stop), bar("draws") as show:
         from wiggleroom.sensitivity.gap_distribution import Spread
 
-        lot = Spread(spread, kind, sheet, bias)
+        distribution = Spread(spread, kind, sheet, bias)
         assembly = read_question(file, asked)
 
         from wiggleroom.questions import sample as work_out
 
-        found = work_out(assembly, lot, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options)
+        found = work_out(
+            assembly, distribution, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options
+        )
     from wiggleroom.report.study_results import sample_result, sample_table
 
     tell(

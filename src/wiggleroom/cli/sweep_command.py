@@ -8,8 +8,9 @@ from pathlib import Path
 from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import StudyOutputs, tell
 from wiggleroom.cli.running import TimeLimit
+from wiggleroom.cli.sheet_options import SheetOptions
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS, _NO_SHEET = QuestionOptions(), StudyOutputs(), TimeLimit(), SheetOptions()
 
 
 def sweep(
@@ -17,6 +18,7 @@ def sweep(
     /,
     *,
     asked: QuestionOptions = _NONE_ASKED,
+    sheet: SheetOptions = _NO_SHEET,
     outputs: StudyOutputs = _NO_OUTPUTS,
     time: TimeLimit = _ENDLESS,
     gaps: str | None = None,
@@ -51,7 +53,10 @@ def sweep(
     with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
         from wiggleroom.questions import sweep as work_out
 
-        assembly = read_question(file, asked)
+        sheet.check(file)
+        if sheet.given:
+            see_no_page(file, outputs.picture, html, spatial=True)
+        assembly = read_question(file, asked, sheet, stop)
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table

@@ -8,13 +8,13 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture, study_plots
-from wiggleroom.report.answer_words import facts, headline, sentence
+from wiggleroom.report.answer_words import facts, headline, verdict_sentence
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence
 from wiggleroom.report.pages import assembly_lines, page_of_answer, page_of_assembly
 from wiggleroom.report.plan_results import plan_facts, plan_title
 from wiggleroom.report.separability import check_facts, check_title
 from wiggleroom.report.separability_picture import Checked
-from wiggleroom.report.spatial_table import check_sentence, spatial_headline, verdict_sentence
+from wiggleroom.report.spatial_table import check_sentence, spatial_headline, spatial_sentence
 from wiggleroom.report.study_results import lost_sentence
 from wiggleroom.report.tolerance_results import tolerances_facts, tolerances_sentence
 from wiggleroom.report.write_spatial import spatial_page
@@ -72,9 +72,9 @@ def lines(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interl
         case Assembly():
             return assembly_lines(found)
         case Answer():
-            return [headline(found), f"{found.verdict}: {sentence(found)}", *facts(found)]
+            return [headline(found), f"{found.verdict}: {verdict_sentence(found)}", *facts(found)]
         case SpatialAnswer():
-            return [spatial_headline(found), f"{found.verdict}: {verdict_sentence(found)}"]
+            return [spatial_headline(found), f"{found.verdict}: {spatial_sentence(found)}"]
         case SpatialDisassembly():
             return [f"{found.verdict} at gap {found.assembly.gap:g} mm: {check_sentence(found)}"]
         case Interlock():

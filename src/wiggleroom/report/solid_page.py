@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.answer_words import few, number, short, spatial_towards
 from wiggleroom.report.spatial_picture import Colour, part_colours
-from wiggleroom.report.spatial_table import check_sentence, spatial_certainty, spatial_headline, verdict_sentence
+from wiggleroom.report.spatial_table import check_sentence, spatial_certainty, spatial_headline, spatial_sentence
 from wiggleroom.report.standalone_page import hashed, shipped
 from wiggleroom.report.table import fixed
 from wiggleroom.report.text import escape
@@ -60,7 +60,7 @@ def page_of_spatial_answer(
     """Answer as a page: orbit, the way from rest by a slider, contacts at its end; `facts` stand first."""
     sure = [
         *(f"<p>{escape(line)}</p>" for line in facts),
-        f'<p><span class="verdict">{escape(answer.verdict.value)}</span>: {escape(verdict_sentence(answer))}</p>',
+        f'<p><span class="verdict">{escape(answer.verdict.value)}</span>: {escape(spatial_sentence(answer))}</p>',
         f"<p>gap {number(answer.assembly.gap)} mm; {escape(spatial_certainty(answer))}; "
         f"deepest overlap {number(answer.deepest_overlap, 2)} mm</p>",
     ]

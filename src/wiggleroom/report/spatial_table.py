@@ -45,7 +45,7 @@ def spatial_headline(answer: SpatialAnswer) -> str:
     return f"{number(answer.objective)}: {asked}"
 
 
-def verdict_sentence(answer: SpatialAnswer) -> str:
+def spatial_sentence(answer: SpatialAnswer) -> str:
     """Say what the verdict means."""
     return _SENTENCES.get(answer.verdict, answer.verdict.sentence)
 
@@ -62,7 +62,7 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    sentence = verdict_sentence(answer)
+    sentence = spatial_sentence(answer)
     lines = [
         Text(spatial_headline(answer), style="bold"),
         Text.assemble((answer.verdict.value, f"bold {_COLOURS.get(answer.verdict, 'yellow')}"), f": {sentence}"),

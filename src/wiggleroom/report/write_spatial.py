@@ -6,7 +6,7 @@ from pathlib import Path
 
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
-from wiggleroom.report.file_endings import PAGE, ending, see
+from wiggleroom.report.file_endings import PAGE, check_ending, ending
 from wiggleroom.report.importance_picture import ranking_facts, shade, tightening_facts
 from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
 from wiggleroom.report.spatial_picture import Colour, draw_separation, draw_spatial, write_moved_parts
@@ -30,7 +30,7 @@ def write_spatial(found: SpatialFound, path: Path, command: str = "") -> None:
     InputError
         If the name has another ending.
     """
-    see(path, SPATIAL_PICTURES)
+    check_ending(path, SPATIAL_PICTURES)
     if ending(path) == PAGE:
         write_whole(path, spatial_page(found, command))
         return

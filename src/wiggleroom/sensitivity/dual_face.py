@@ -109,7 +109,7 @@ def face(jacobian: sp.csr_matrix, holds: Ints, force: Floats, length: float) -> 
     return DualFace(holds, force / length, jacobian.T.tocsr(), turn / length, back)
 
 
-def worths(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:
+def group_gains(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:
     """What multipliers are worth (groups, k): gain of each wall's edge and corner, summed by group; a group of -1 counts nowhere."""
     place = np.full(rows, -1)
     place[holds] = np.arange(len(holds))

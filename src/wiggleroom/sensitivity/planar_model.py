@@ -21,17 +21,17 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import Prepared, prepare
-from wiggleroom.sensitivity.dual_face import face, worths
+from wiggleroom.sensitivity.dual_face import face, group_gains
 from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import (
     PerturbationBase,
     PerturbedObjective,
-    afresh,
     base,
     can_be_ranked,
     ended,
-    follow,
-    vary,
+    objective_in_same_walls,
+    perturbed_objective,
+    perturbed_objective_anew,
 )
 from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives
 from wiggleroom.solve.interior_point import Solution
@@ -119,9 +119,9 @@ def _derivatives(program: Program, solution: Solution, parts: int) -> GapDerivat
     jacobian = program.linearise(solution.u).jacobian()[active.row]
     total = float(active.force.sum())
     return GapDerivatives(
-        worths(some, active.row, program.rows, (some.edge_part, some.corner_part), parts) / 2,
+        group_gains(some, active.row, program.rows, (some.edge_part, some.corner_part), parts) / 2,
         joints,
-        worths(some, active.row, program.rows, (of, of), len(joints)) / 2,
+        group_gains(some, active.row, program.rows, (of, of), len(joints)) / 2,
         face(jacobian, active.row, solution.lam[active.row], program.length),
         float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
     )
@@ -134,7 +134,7 @@ def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
         extra = sign * step * start.program.length
         inward = np.zeros(len(start.program.bodies.body_of))
         inward[part] = extra / 2
-        value = follow(start, inward)
+        value = objective_in_same_walls(start, inward)
         if np.isfinite(value):
             return (value - start.value) / extra
     return np.nan
@@ -143,12 +143,12 @@ def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
 def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, with the moved walls of the prepared assembly."""
     ready, objective, goals = shared
-    return vary(ready, objective, goals, inward)
+    return perturbed_objective(ready, objective, goals, inward)
 
 
 def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, everything worked out anew."""
-    return afresh(*shared, inward)
+    return perturbed_objective_anew(*shared, inward)
 
 
 def model_of(question: Any, goals: Any) -> Any:

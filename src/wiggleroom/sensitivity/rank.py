@@ -163,9 +163,12 @@ def rank(
     if by not in ("duals", "differences"):
         finding = f"by {by!r}: a ranking is by duals or by differences"
         raise InputError(finding)
-    answered = isinstance(question, Answer)
-    model: StudyModel = PlanarModel(question.assembly) if answered else model_of(question, goals)
-    answer = question if answered else model.answer(stop)
+    model: StudyModel
+    if isinstance(question, Answer):
+        model, answer = PlanarModel(question.assembly), question
+    else:
+        model = model_of(question, goals)
+        answer = model.answer(stop)
     see_end(model, answer)
     if by == "duals" and not exact:
         return ranking_of(answer, model.derivatives(answer), stop=stop)

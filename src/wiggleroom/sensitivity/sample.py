@@ -1,4 +1,4 @@
-"""What if the gaps vary: the motion of many assemblies whose gaps are drawn by lot."""
+"""What if the gaps vary: the motion of many assemblies whose gaps are drawn at random."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ RESOLVED_DRAWS = 10
 
 @dataclass(frozen=True, eq=False)
 class Sample(Drawable):
-    """Motions of assemblies with gaps drawn by lot.
+    """Motions of assemblies with gaps drawn at random.
 
     Parameters
     ----------
@@ -175,7 +175,7 @@ def sample(
     >>> some.good, some.misfits
     (20, 0)
     """
-    lot = spread if isinstance(spread, Spread) else Spread(float(spread))
+    distribution = spread if isinstance(spread, Spread) else Spread(float(spread))
     wrong = [f"sample: {draws} draws: ask for at least 1"] if draws < 1 else []
     if limit is not None and not np.isfinite(limit):
         wrong.append(f"sample: limit {limit:g}: it must be a finite number")
@@ -184,7 +184,7 @@ def sample(
     model: StudyModel = model_of(assembly, goals)
     answer = model.answer(stop)
     see_end(model, answer)
-    extra = lot.draw(draws, len(model.assembly.parts), seed)
+    extra = distribution.draw(draws, len(model.assembly.parts), seed)
     many = ParallelRun(workers, cluster, stop, progress)
     results = many.each(*model.draws(answer), list(extra / 2))
     done = [k for k, r in enumerate(results) if r is not None]
@@ -199,7 +199,7 @@ def sample(
         anew = ParallelRun(workers, cluster, stop).each(*afresh, list(extra[again] / 2))
         checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
     return Sample(
-        answer, lot, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
+        answer, distribution, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
         np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer, model), draws,
     )  # fmt: skip
 

@@ -167,8 +167,8 @@ def tighten(
     many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
-    lots = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
-    results = many.each(*model.draws(before), [_inward(lot, room) for lot in lots])
+    subsets = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
+    results = many.each(*model.draws(before), [_inward(subset, room) for subset in subsets])
     names = tuple(model.assembly.names[k] for k in choice)
     return Tightening(
         before, after, names, aim, limit, np.array([r.value for r in results if r is not None], dtype=float)

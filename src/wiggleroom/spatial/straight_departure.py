@@ -24,7 +24,7 @@ class StraightDeparture:
     def __init__(self, ready: SpatialPrepared, motion: Floats, direction: Floats) -> None:
         self._ready, self._motion, self._direction = ready, motion, direction
         moves = ready.grouping.bodies.free[:, :3]
-        self._loose = moves[:, np.abs(direction) > 1e-12].all(axis=1)
+        self._loose: NDArray[np.bool_] = np.asarray(moves[:, np.abs(direction) > 1e-12].all(axis=1))
         self._blocked: dict[int, set[int]] = {}
 
     def parts_with(self, bodies: Sequence[int]) -> list[int]:
