@@ -55,7 +55,9 @@ def command(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
 
 
 @pytest.fixture
-def said(command: Callable[..., int], capfd: pytest.CaptureFixture[str]) -> Callable[..., tuple[int, str, list[str]]]:
+def command_output(
+    command: Callable[..., int], capfd: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str, list[str]]]:
     """The command line: its words, and its exit code, its stdout and the lines of its stderr."""
 
     def run(*words: object) -> tuple[int, str, list[str]]:

@@ -45,9 +45,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def run(folder: Path, said: Run) -> Run:
+def run(folder: Path, command_output: Run) -> Run:
     """Run the program here; exit code, stdout and the lines of stderr."""
-    return said
+    return command_output
 
 
 def test_flex_answers_in_a_table_json_and_a_picture(run, folder: Path) -> None:

@@ -27,11 +27,11 @@ COMMANDS = {
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, said: Run) -> Run:
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command_output: Run) -> Run:
     """Run the program beside a small chain; exit code, stdout and the lines of stderr."""
     write_drawing(wr.patterns.chain(3, joint="tee", gap=0.02).drawing, tmp_path / "chain.json")
     monkeypatch.chdir(tmp_path)
-    return said
+    return command_output
 
 
 @pytest.mark.parametrize("command", COMMANDS)
