@@ -75,12 +75,12 @@ def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | 
     at = P.linearise(point)
 
     def moved(u: np.ndarray, y: np.ndarray) -> SeparatingPlanePoint:
-        from wiggleroom.spatial import separating_plane_constraints as kernel
+        from wiggleroom.spatial.plane_fitting import move_planes
 
         change = P.unpacked(u) * P.scale
         there = SpatialPose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
         n, d = np.empty_like(point.n), np.empty_like(point.d)
-        kernel.move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
+        move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
         return SeparatingPlanePoint(there, n, d)
 
     u, y = rng.normal(size=6), rng.normal(size=(P.planes, 3))
