@@ -66,6 +66,8 @@ def comes_apart_on_grid(parts: list[set], most: int = 20_000) -> bool | None:
         for k, (cells, o) in enumerate(zip(parts, place, strict=True)):
             for v in cells:
                 own[v[0] + o[0], v[1] + o[1], v[2] + o[2]] = k
+        if any(leaves(parts, place, first, step) for first, step in itertools.product(range(count), STEPS)):
+            return True
         for first, step in itertools.product(range(count), STEPS):
             group, open_ = {first}, [first]
             while open_:
@@ -93,6 +95,27 @@ def comes_apart_on_grid(parts: list[set], most: int = 20_000) -> bool | None:
             if shifted not in seen:
                 seen.add(shifted)
                 todo.append(shifted)
+    return False
+
+
+def leaves(parts: list[set], place: tuple, first: int, step: tuple[int, int, int], far: int = 14) -> bool:
+    """Whether a piece goes straight until it is out, alone or with others that it meets."""
+    cells = [{(v[0] + o[0], v[1] + o[1], v[2] + o[2]) for v in p} for p, o in zip(parts, place, strict=True)]
+    group = {first}
+    while len(group) < len(parts):
+        moving = set().union(*(cells[k] for k in group))
+        met = {
+            k
+            for k in set(range(len(parts))) - group
+            if any(
+                (v[0] + d * step[0], v[1] + d * step[1], v[2] + d * step[2]) in cells[k]
+                for d in range(1, far)
+                for v in moving
+            )
+        }
+        if not met:
+            return True
+        group |= met
     return False
 
 
