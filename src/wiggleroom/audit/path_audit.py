@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -19,6 +21,8 @@ MAX_BOX_GROWTH = 2.0
 """A stretch of the way is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
 MAX_NEAR_EDGES = 200_000
 """Pairs of edges of two parts that may meet on one stretch, at most."""
+MIN_PARALLEL_PAIRS, BATCHES = 1000, 8
+"""From so many pairs of parts on, two threads look at them in so many batches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,10 +98,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     a, b = keys // n, keys % n
     doubtful = np.zeros(len(motions) - 1, dtype=np.bool_)
     first = np.full(len(keys), len(motions), dtype=np.int64)
-    sweep(
-        a, b, poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run, parts.first_run,
-        parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, doubtful, first,
-    )  # fmt: skip
+    _sweep_all(parts, poses, a, b, doubtful, first)
     nested = np.zeros(len(keys), dtype=np.bool_)
     inside_each_other(
         a, b, np.ascontiguousarray(poses[:, 0]), parts.first, parts.corner, parts.next_corner, parts.ring, parts.first_ring,
@@ -106,6 +107,23 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     first[nested] = -1
     doubt = first < len(motions)
     return PathAudit(doubtful[:pieces], a[doubt], b[doubt], first[doubt])
+
+
+def _sweep_all(parts: AuditOutlines, poses: Floats, a: Ints, b: Ints, doubtful: NDArray[np.bool_], first: Ints) -> None:
+    """Look at all pairs along the way, many of them on two threads; what is found is filled in."""
+
+    def look(some: slice) -> None:
+        sweep(
+            a[some], b[some], poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run,
+            parts.first_run, parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, doubtful, first[some],
+        )  # fmt: skip
+
+    if len(a) < MIN_PARALLEL_PAIRS:
+        return look(slice(None))
+    cuts = np.linspace(0, len(a), BATCHES + 1).astype(int).tolist()
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        list(pool.map(look, [slice(one, other) for one, other in pairwise(cuts)]))
+    return None
 
 
 def _near(parts: AuditOutlines, poses: Floats) -> Ints:

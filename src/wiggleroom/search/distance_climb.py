@@ -17,18 +17,20 @@ from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.distance_program import DistanceProgram, build_distances
+from wiggleroom.program.nonlinear_program import build
 from wiggleroom.search.incumbent import PathSegment, Start
 from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
 from wiggleroom.solve import interior_point
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
+from wiggleroom.solve.interior_point import Solution, barrier_unit
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 
 MIN_BODIES = 100
 """In smaller assemblies cells alone come as far."""
-CLIMB_TOLERANCE = 1e-2
-"""Of the climb, which is to show the basin only."""
+CLIMB_TOLERANCE, HANDED_OVER_TOLERANCE = 1e-3, 1e-3
+"""Of the climb, and of the first round among cells after it."""
 REACH, BESIDE = 5.0, 1.0
 """Of pairs with edges that face each other: corners up to so many clearances in front of an edge, and beside its ends, are listed."""
 CORNER_REACH = 12.0
@@ -88,9 +90,19 @@ def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, so
     search.seconds["freespace"] += time.perf_counter() - began
     if cells is None:
         return start
-    mu = solution.inner_mu * program.rows / max(len(cells.kind), 1)
     segment = PathSegment(program, tuple(points[: inner + 1]))
-    return replace(start, cells=cells, inner=program.motion(points[inner]), segments=(segment,), mu=mu)
+    begun = Start(cells, program.motion(points[inner]), (segment,), solution.inner_mu, HANDED_OVER_TOLERANCE)
+    if points[inner] is not solution.inner or solution.inner_lam is None:
+        return begun
+    return replace(begun, multipliers=_multipliers(search, program, solution, begun))
+
+
+def _multipliers(search: LocalSearch, program: DistanceProgram, solution: Solution, start: Start) -> Floats:
+    """Multipliers of the walls of all cells, whose forces are those of the distances at the climb's inner point."""
+    forces = wrenches(program.linearise(solution.inner), solution.inner_lam)
+    walls = build(search.ready.bodies, start.cells, search.objective, length=search.ready.clearance)
+    at = walls.linearise(walls.variables(start.inner))
+    return even_multipliers(at, solution.inner_mu * barrier_unit(at), forces, np.full(walls.rows, np.nan))
 
 
 def _last_free(search: LocalSearch, motions: list[Floats]) -> int:

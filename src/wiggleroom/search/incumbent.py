@@ -43,6 +43,8 @@ class Start:
         Complementarity to begin with.
     tolerance : float, optional
         Of the round; by default that of the first rounds.
+    multipliers : (R,) float64, optional
+        Of the rows of all cells, to begin with.
     """
 
     cells: Cells
@@ -50,6 +52,7 @@ class Start:
     segments: tuple[PathSegment, ...] = ()
     mu: float = INITIAL_BARRIER
     tolerance: float | None = None
+    multipliers: Floats | None = None
 
 
 def at_rest(ready: Prepared) -> Start:

@@ -24,7 +24,8 @@ from wiggleroom.search.loop import (
     Policy,
     Progress,
 )
-from wiggleroom.solve.interior_point import INITIAL_BARRIER
+from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
+from wiggleroom.solve.interior_point import INITIAL_BARRIER, barrier_unit
 from wiggleroom.verdict import SolverStatus
 
 Ints = NDArray[np.int64]
@@ -49,12 +50,13 @@ def regrow_stale(search: LocalSearch, incumbent: Incumbent, gained: bool) -> Ite
     pairs = search.policy.stale(search, incumbent) if gained else np.zeros(0, dtype=np.int64)
     if len(pairs):
         failed = incumbent.solution.status is SolverStatus.FAILED  # still on its way: go on in larger steps
-        rough = failed or incumbent.tolerance > 2 * search.fine
+        rough = failed or (incumbent.tolerance > 2 * search.fine and not search.carries_multipliers)
         start = regrown(search, incumbent, pairs)
         yield replace(
             start,
             tolerance=(None if failed else incumbent.tolerance) if rough else search.fine,
             mu=INITIAL_BARRIER if failed else start.mu,
+            multipliers=None if failed else start.multipliers,
         )
 
 
@@ -139,8 +141,25 @@ def regrown(
         to_the_end=turned_out,
     )
     cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
+    start = replace(start, cells=cells)
+    if search.carries_multipliers and level == 0 and incumbent.solution.inner_lam is not None:
+        start = carried(search, incumbent, start, pairs[good])
     search.seconds["freespace"] += time.perf_counter() - began
-    return replace(start, cells=cells)
+    return start
+
+
+def carried(search: LocalSearch, incumbent: Incumbent, start: Start, pairs: Ints) -> Start:
+    """The start with the multipliers of an incumbent's inner point; walls of some pairs are new, and get the forces of the old ones."""
+    solution, program = incumbent.solution, incumbent.program
+    forces = wrenches(program.linearise(solution.inner), solution.inner_lam)
+    renewed = build(search.ready.bodies, start.cells, search.objective, length=search.ready.clearance)
+    at = renewed.linearise(renewed.variables(start.inner))
+    fresh = np.zeros(len(start.cells.a), dtype=bool)
+    fresh[pairs] = True
+    given = np.full(renewed.rows, np.nan)
+    given[~fresh[start.cells.pair]] = solution.inner_lam[~fresh[program.cells.pair]]
+    multipliers = even_multipliers(at, solution.inner_mu * barrier_unit(at), forces, given)
+    return replace(start, mu=solution.inner_mu, multipliers=multipliers)
 
 
 def _swapped(search: LocalSearch, incumbent: Incumbent, swap: CongruentSwap) -> Start:
