@@ -18,7 +18,7 @@ from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.distance_program import DistanceProgram, build_distances
 from wiggleroom.program.nonlinear_program import build
-from wiggleroom.search.incumbent import PathSegment, Start
+from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, PathSegment, Start
 from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
 from wiggleroom.solve import interior_point
 from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
@@ -29,8 +29,8 @@ Floats = NDArray[np.float64]
 
 MIN_BODIES = 100
 """In smaller assemblies cells alone come as far."""
-CLIMB_TOLERANCE, HANDED_OVER_TOLERANCE = 1e-3, 1e-3
-"""Of the climb, and of the first round among cells after it."""
+CLIMB_TOLERANCE = 1e-3
+"""Of the climb: rounds among cells go on from there."""
 REACH, BESIDE = 5.0, 1.0
 """Of pairs with edges that face each other: corners up to so many clearances in front of an edge, and beside its ends, are listed."""
 CORNER_REACH = 12.0
@@ -52,7 +52,7 @@ def climbed(search: LocalSearch, start: Start) -> Start:
     begin = nudged(program, program.variables(start.inner))
     solution = interior_point.solve(
         program, begin, mu=start.mu, tolerance=CLIMB_TOLERANCE, horizon=ESCAPE_DISTANCE * search.ready.size,
-        stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
+        balanced=False, stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
     )  # fmt: skip
     search.iterations += solution.iterations
     search.seconds["solve"] += time.perf_counter() - began

@@ -15,6 +15,8 @@ from wiggleroom.solve.interior_point import INITIAL_BARRIER, Solution
 
 Floats = NDArray[np.float64]
 
+HANDED_OVER_TOLERANCE = 1e-3
+"""Tolerance of the first round among cells after a climb without; the next one is fine, earlier ones show where everything wants to go."""
 BARRIER_GROWTH = 5.0
 """A round begins with this multiple of the complementarity at the inner point of the one before: its new cells leave more to gain."""
 

@@ -14,7 +14,7 @@ from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.search.active_set import target_poses
 from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, exchanged, followed
-from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
+from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
 from wiggleroom.search.loop import (
     FINE_TOLERANCE,
     MAX_TOLERANCE,
@@ -50,7 +50,7 @@ def regrow_stale(search: LocalSearch, incumbent: Incumbent, gained: bool) -> Ite
     pairs = search.policy.stale(search, incumbent) if gained else np.zeros(0, dtype=np.int64)
     if len(pairs):
         failed = incumbent.solution.status is SolverStatus.FAILED  # still on its way: go on in larger steps
-        rough = failed or (incumbent.tolerance > 2 * search.fine and not search.carries_multipliers)
+        rough = failed or incumbent.tolerance > max(2 * search.fine, HANDED_OVER_TOLERANCE)
         start = regrown(search, incumbent, pairs)
         yield replace(
             start,

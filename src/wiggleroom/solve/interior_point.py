@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.program.nonlinear_program import Linearised, Program
 from wiggleroom.program.retraction import Retraction
+from wiggleroom.solve.carried_multipliers import LEAST_CARRIED_SLACK
 from wiggleroom.solve.centrality_correctors import corrected
 from wiggleroom.solve.factorisation import Factor, factor
 from wiggleroom.solve.monotone_barrier import MonotoneBarrier
@@ -33,8 +34,6 @@ SLACK_TOLERANCE = 1e-12
 """Slacks that are right to this share of `program.length` are exact."""
 MAX_LIFTS = 8
 """Most steps that lift rows that are violated at the end."""
-MIN_CORRECTED_VARIABLES = 300
-"""Smaller programs need few iterations as it is."""
 MAX_PULLS = 60
 """Most points tried between a feasible point and an end that violates rows."""
 
@@ -59,9 +58,10 @@ class Settings:
         Share of the horizon that a body may move in one iteration.
     proximal_share : float in (0, 1)
         Share of the tolerance that may be given up to stay near rest, so that bodies that nothing holds do not drift.
-    dual_error_ratio, dual_error_floor : float in (0, 1)
+    dual_error_ratio, dual_error_floor, dual_error_allowance : float in (0, 1)
         Bound on dual residual times displacement since the start, relative to the duality gap; it counts where it exceeds the floor, a
-        share of the objective.
+        share of the objective, as far as it exceeds the allowance. Without allowance it sets in with a jump, which is quick; in large
+        programs such jumps follow each other.
     dual_tolerance : float in (0, 1)
         Largest dual residual at the end, as a share of the objective's largest derivative.
     min_iterations, max_iterations, max_monotone_iterations : int
@@ -90,6 +90,7 @@ class Settings:
     proximal_share: float = 0.01
     dual_error_ratio: float = 0.3
     dual_error_floor: float = 0.05
+    dual_error_allowance: float = 0.0
     dual_tolerance: float = 1e-3
     min_iterations: int = 3
     max_iterations: int = 100
@@ -97,13 +98,21 @@ class Settings:
     max_stalled_iterations: int = 30
     max_saddle_escapes: int = 2
     max_free_shift: float = 1e-3
-    max_centring: float = 1.0
+    max_centring: float = 10.0
     min_restoring_step: float = 0.7
     lifted_slack: float = 1e-9
-    corrected_gap: float = 0.3
+    corrected_gap: float = 0.0
 
 
 SETTINGS = Settings()
+LARGE_PROGRAM = 300
+"""Programs of more variables are large: they take more iterations, so these are made to count, and roundings add up."""
+LARGE_SETTINGS = replace(SETTINGS, max_centring=1.0, dual_error_allowance=SETTINGS.dual_error_floor, corrected_gap=0.3)
+
+
+def settings_for(variables: int) -> Settings:
+    """Parameters for a program of so many variables."""
+    return LARGE_SETTINGS if variables > LARGE_PROGRAM else SETTINGS
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,6 +175,7 @@ def solve(
     horizon: float = np.inf,
     enough: float = np.inf,
     exact: float = SLACK_TOLERANCE,
+    balanced: bool = True,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> Solution:
@@ -188,6 +198,8 @@ def solve(
         A point inside all rows that is worth so much is good enough.
     exact : float
         A point inside all rows whose slacks are right to this share of `program.length` needs no more steps at the end.
+    balanced : bool
+        Whether the multipliers must be in balance with the objective at the end; without, only the motion is of use.
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
 
@@ -199,11 +211,11 @@ def solve(
     matrix, retraction = factor(program.pattern), Retraction(program)
     unit = barrier_unit(program.linearise(begin))
     farthest = SETTINGS.max_step_share * horizon / program.length
-    watch = _Monitor(tolerance, horizon, enough, stop, progress, begin, mu)
+    watch = _Monitor(tolerance, horizon, enough, balanced, stop, progress, begin, mu)
 
     def at_start(u: Floats, mu: float, least: float, lam: Floats | None = None) -> Iterate:
         at = program.linearise(u)
-        s = np.maximum(at.h, least if lam is None else SETTINGS.min_slack)
+        s = np.maximum(at.h, least if lam is None else LEAST_CARRIED_SLACK)
         lam = mu / s if lam is None else lam / unit
         return Iterate(u, s, lam, at, unit, np.zeros_like(u), SETTINGS.proximal_share * tolerance)
 
@@ -254,6 +266,7 @@ class _Monitor:
     tolerance: float
     horizon: float
     enough: float
+    balanced: bool
     stop: Stop | None
     progress: Callable[[int, float], None] | None
     begin: Floats
@@ -303,8 +316,11 @@ class _Monitor:
         infeasible = dot(state.lam, np.abs(primal))
         wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
         dual_displacement = dot(np.abs(dual), np.abs(state.u - self.begin))
-        dual_error = SETTINGS.dual_error_ratio * (
-            dual_displacement - SETTINGS.dual_error_floor * max(abs(value), 1.0)
+        settings, whole = settings_for(len(state.u)), max(abs(value), 1.0)
+        dual_error = (
+            settings.dual_error_ratio * (dual_displacement - settings.dual_error_allowance * whole)
+            if dual_displacement > settings.dual_error_floor * whole
+            else 0.0
         )
         self.infeasibility_ratio = max(infeasible, wrong, dual_error) / gap if gap > 0 else 0.0
         self.error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
@@ -319,8 +335,7 @@ class _Monitor:
         if (
             k >= SETTINGS.min_iterations
             and self.error < self.tolerance
-            and dual_displacement < np.sqrt(self.tolerance) * max(abs(value), 1.0)
-            and np.abs(dual).max() < max(10 * self.tolerance, SETTINGS.dual_tolerance)
+            and (not self.balanced or self._in_balance(dual, dual_displacement, whole))
         ):
             return SolverStatus.CONVERGED
         if self.stop is not None and self.stop.is_set():
@@ -329,6 +344,13 @@ class _Monitor:
         reached = np.abs(state.u.reshape(-1, 3)[pulled, :2]).max(initial=0.0) * state.at.program.length
         far = reached > self.horizon
         return (SolverStatus.ESCAPING if inside else SolverStatus.FAILED) if far else None
+
+    def _in_balance(self, dual: Floats, displacement: float, whole: float) -> bool:
+        """True where the multipliers balance the objective."""
+        return bool(
+            displacement < np.sqrt(self.tolerance) * whole
+            and np.abs(dual).max() < max(10 * self.tolerance, SETTINGS.dual_tolerance)
+        )
 
 
 def _step(
@@ -343,6 +365,7 @@ def _step(
 ) -> _Step | None:
     """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not too short."""
     s, lam, at = state.s, state.lam, state.at
+    settings = settings_for(len(state.u))
     data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
     shift = MIN_SHIFT if state.shift <= 1e-8 else state.shift / 5
     found = None
@@ -354,14 +377,14 @@ def _step(
         after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
         centring = (after / mu) ** 3 if mu > 0 else 0.0
         if infeasibility_ratio > 0.3:  # feasibility must not fall behind complementarity
-            centring = max(centring, min(SETTINGS.max_centring, infeasibility_ratio))
+            centring = max(centring, min(settings.max_centring, infeasibility_ratio))
         goal = (
             max(centring * mu, least)
             - s * lam
             - np.clip(ds * dl, -SETTINGS.max_correction * mu, SETTINGS.max_correction * mu)
         )
         direction = newton(state, matrix, primal, dual, goal)
-        if len(state.u) > MIN_CORRECTED_VARIABLES and mu * len(s) < SETTINGS.corrected_gap * max(abs(at.value) / state.unit, 1.0):
+        if mu * len(s) < settings.corrected_gap * max(abs(at.value) / state.unit, 1.0):
             direction = corrected(state, matrix, direction, max(centring * mu, least))
         du, ds, dl = direction
         far, dfar = max_step(s, ds), max_step(lam, dl)
@@ -410,7 +433,7 @@ def _restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction,
 
     In large programs a point inside all rows is good enough: there slacks are as right as the tolerance asks.
     """
-    large = len(state.u) > MIN_CORRECTED_VARIABLES
+    large = len(state.u) > LARGE_PROGRAM
     exact = np.inf if large else exact
     mu = dot(state.s, state.lam) / max(len(state.s), 1)
     for _ in range(6):
