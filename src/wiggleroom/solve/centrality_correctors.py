@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.newton_step import Iterate, max_step
+from wiggleroom.solve.newton_step import Iterate, max_step, newton
+from wiggleroom.solve.row_operations import add_share, centring_goal, step_length
 
 Floats = NDArray[np.float64]
 Direction = tuple[Floats, Floats, Floats]
@@ -28,22 +29,22 @@ LONG = 0.95
 
 
 def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float) -> Direction:
-    """A direction (du, ds, dlam) along which longer steps are possible, or the same; products should come near `mean`."""
+    """The direction (du, ds, dlam), changed so that longer steps are possible along it; products should come near `mean`."""
     s, lam, at = state.s, state.lam, state.at
     du, ds, dl = direction
+    goal, none = np.empty_like(s), np.zeros_like(s)
     far, dfar = max_step(s, ds), max_step(lam, dl)
     for _ in range(MAX_CORRECTORS):
         if min(far, dfar) > LONG:
             break
-        product = (s + min(1.0, far + ASPIRED_STEP) * ds) * (lam + min(1.0, dfar + ASPIRED_STEP) * dl)
-        goal = np.maximum(np.clip(product, NARROWEST * mean, WIDEST * mean) - product, -WIDEST * mean)
-        more = matrix.solve(at.against(goal / s))
-        more_s = at.along(more)
-        more_lam = (goal - lam * more_s) / s
-        trials = [(share, max_step(s, ds + share * more_s), max_step(lam, dl + share * more_lam)) for share in SHARES]
-        share, longer, dual_longer = max(trials, key=lambda trial: trial[1] + trial[2])
-        if longer + dual_longer < far + dfar + MIN_LONGER:
+        aspired, dual_aspired = min(1.0, far + ASPIRED_STEP), min(1.0, dfar + ASPIRED_STEP)
+        centring_goal(s, ds, lam, dl, aspired, dual_aspired, NARROWEST * mean, WIDEST * mean, goal)
+        more, more_s, more_lam = newton(state, matrix, none, np.zeros_like(du), goal)
+        trials = [(step_length(s, ds, more_s, share), step_length(lam, dl, more_lam, share)) for share in SHARES]
+        best = int(np.argmax([sum(steps) for steps in trials]))
+        if sum(trials[best]) < far + dfar + MIN_LONGER:
             break
-        far, dfar = longer, dual_longer
-        du, ds, dl = du + share * more, ds + share * more_s, dl + share * more_lam
+        far, dfar = trials[best]
+        for whole, part in ((du, more), (ds, more_s), (dl, more_lam)):
+            add_share(whole, part, SHARES[best])
     return du, ds, dl
