@@ -1,7 +1,8 @@
 """What some assemblies of all kinds are worth, and the work that takes: `python -m benchmarks.values [--keep FILE] [--against FILE]`.
 
-Answers of an earlier version, kept in a file with `--keep`, stand beside those of today with `--against`: no value may fall by more
-than 1e-4 of itself, and assemblies of up to 50 parts may not cost more. Processor time is that of the second of two questions in one process.
+Answers of an earlier version, kept in a file with `--keep`, stand beside those of today with `--against`: no value may fall by
+more than 1e-4 of itself, and assemblies of up to 50 parts may not cost more. Processor time is that of the second of two questions
+in one process.
 """
 
 from __future__ import annotations
@@ -13,7 +14,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 import benchmarks.scale  # knows the joint "arrow"  # noqa: F401
-
 import wiggleroom as wr
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly
@@ -83,7 +83,11 @@ def main() -> None:
         old = before.get(name)
         loss = 0.0 if old is None else 1 - now["value"] / old["value"]
         lost += loss > LOSS
-        shown = ("-", "-", "-", "-") if old is None else (f"{old['value']:.6f}", f"{loss:.1e}", old["iterations"], old["seconds"])
+        shown = (
+            ("-", "-", "-", "-")
+            if old is None
+            else (f"{old['value']:.6f}", f"{loss:.1e}", old["iterations"], old["seconds"])
+        )
         print(
             f"| {name} | {now['parts']} | {now['value']:.6f} | {shown[0]} | {shown[1]} | {now['iterations']} | {shown[2]} | "
             f"{now['seconds']} | {shown[3]} | {now['verdict']} | {now['path']} |",

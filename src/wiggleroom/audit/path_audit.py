@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -13,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
+from wiggleroom.geometry.batches import in_batches
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -118,12 +117,7 @@ def _sweep_all(parts: AuditOutlines, poses: Floats, a: Ints, b: Ints, doubtful: 
             parts.first_run, parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, doubtful, first[some],
         )  # fmt: skip
 
-    if len(a) < MIN_PARALLEL_PAIRS:
-        return look(slice(None))
-    cuts = np.linspace(0, len(a), BATCHES + 1).astype(int).tolist()
-    with ThreadPoolExecutor(max_workers=2) as pool:
-        list(pool.map(look, [slice(one, other) for one, other in pairwise(cuts)]))
-    return None
+    in_batches(len(a), BATCHES if len(a) > MIN_PARALLEL_PAIRS else 1, look)
 
 
 def _near(parts: AuditOutlines, poses: Floats) -> Ints:

@@ -7,10 +7,11 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.geometry.batches import in_batches
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
 from wiggleroom.program import vertex_edge_distances as kernel
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.nonlinear_program import Program, build, row_of
 from wiggleroom.program.objectives import Objective
 
 Floats = NDArray[np.float64]
@@ -23,16 +24,42 @@ class DistanceProgram(Program):
     def row_values(self, g: Floats) -> Floats:
         """Distances (R,) in units of `length` at relative poses g (P, 3)."""
         near, shapes, h = self.cells, self.bodies.shapes, np.empty(self.rows)
-        kernel.distances(g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, h)
+
+        def fill(some: slice) -> None:
+            kernel.distances(
+                g[some],
+                row_of(near.row, some),
+                near.kind,
+                near.edge,
+                near.corner,
+                shapes.corner,
+                shapes.normal,
+                shapes.length,
+                h,
+            )
+
+        in_batches(len(g), self.batches, fill)
         h /= self.length
         return h
 
     def row_gradients(self, g: Floats) -> Floats:
         """Derivatives (R, 3) of the distances with respect to (q, psi), in units of `length`."""
         near, shapes, d = self.cells, self.bodies.shapes, np.empty((self.rows, 3))
-        kernel.distance_gradients(
-            g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, d
-        )
+
+        def fill(some: slice) -> None:
+            kernel.distance_gradients(
+                g[some],
+                row_of(near.row, some),
+                near.kind,
+                near.edge,
+                near.corner,
+                shapes.corner,
+                shapes.normal,
+                shapes.length,
+                d,
+            )
+
+        in_batches(len(g), self.batches, fill)
         d /= self.length
         return d
 
@@ -40,10 +67,15 @@ class DistanceProgram(Program):
         """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), made positive semidefinite, and D^T lam (P, 2) by q."""
         near, shapes, radius = self.cells, self.bodies.shapes, self.bodies.radius
         M, force = np.zeros((len(near.a), 6)), np.zeros((len(near.a), 2))
-        kernel.distance_blocks(
-            g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, d, weight, lam,
-            self.length, np.minimum(radius[near.a], radius[near.b]), np.empty((2, 3, 3)), M, force,
-        )  # fmt: skip
+        lever = np.minimum(radius[near.a], radius[near.b])
+
+        def fill(some: slice) -> None:
+            kernel.distance_blocks(
+                g[some], row_of(near.row, some), near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, d,
+                weight, lam, self.length, lever[some], np.empty((2, 3, 3)), M[some], force[some],
+            )  # fmt: skip
+
+        in_batches(len(g), self.batches, fill)
         return M, force
 
 

@@ -30,7 +30,7 @@ LONG = 0.95
 
 def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float) -> Direction:
     """The direction (du, ds, dlam), changed so that longer steps are possible along it; products should come near `mean`."""
-    s, lam, at = state.s, state.lam, state.at
+    s, lam = state.s, state.lam
     du, ds, dl = direction
     goal, none = np.empty_like(s), np.zeros_like(s)
     far, dfar = max_step(s, ds), max_step(lam, dl)

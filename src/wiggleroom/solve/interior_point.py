@@ -75,8 +75,8 @@ class Settings:
     max_centring : float > 0
         Where feasibility falls behind, complementarity becomes at most this multiple of what it was.
     min_restoring_step, lifted_slack : float in (0, 1), float > 0 [program.length]
-        At the end of large programs, where steps that restore feasibility are shorter than the first, violated rows alone are lifted; slacks
-        below the second weigh no more there.
+        At the end of large programs, where steps that restore feasibility are shorter than the first, violated rows alone are
+        lifted; slacks below the second weigh no more there.
     corrected_gap : float in (0, 1)
         Centrality correctors lengthen the steps of large programs from this share of the objective on: before, they lead into worse basins.
     """

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
 
 
