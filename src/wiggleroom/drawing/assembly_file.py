@@ -183,12 +183,12 @@ class _Reader(EntryReader[FileEntry]):
             self._say(where, f"{label} has coordinates beyond {LARGEST:g} mm; move or scale it")
             return np.zeros((0, 2))
         ring = clean_ring(given if self._mm == 1.0 else given * self._mm, clockwise=clockwise)
-        if len(ring) >= 3:
+        if len(ring) >= 3 and (ring[2:] != ring[:-2]).any():  # else two corners take turns
             return ring
         distinct = len({tuple(corner) for corner in corners})
         if distinct < 3:
             self._say(where, f"{label} has {distinct} corners; at least 3 are needed")
-        else:
+        elif len(ring) < 3:
             self._say(where, f"{label} has all corners on one line or in one place; it must enclose an area")
         return ring
 
