@@ -7,7 +7,7 @@ from typing import Literal
 
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+from wiggleroom.cli.running import Running, TimeLimit, require_question, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
 
@@ -48,7 +48,7 @@ def sample(
     bias
         Mean of the extra gap [mm].
     draws
-        Assemblies drawn by lot.
+        Assemblies drawn at random.
     seed
         Same seed, same draws.
     limit
@@ -68,12 +68,14 @@ def sample(
     with interruptible(time.time) as stop, unless_stopped(stop), bar("draws") as show:
         from wiggleroom.sensitivity.gap_distribution import Spread
 
-        lot = Spread(spread, kind, sheet, bias)
-        assembly = complete(read(file, asked))
+        distribution = Spread(spread, kind, sheet, bias)
+        assembly = require_question(read(file, asked))
 
         from wiggleroom.sensitivity.sample import sample as work_out
 
-        found = work_out(assembly, lot, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options)
+        found = work_out(
+            assembly, distribution, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options
+        )
     from wiggleroom.report.study_results import sample_result, sample_table
 
     tell(outputs, lambda: sample_result(found, command), lambda: sample_table(found), found, command)

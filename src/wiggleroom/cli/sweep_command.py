@@ -7,7 +7,7 @@ from pathlib import Path
 
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import TimeLimit, complete
+from wiggleroom.cli.running import TimeLimit, require_question
 
 _NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
 
@@ -54,7 +54,7 @@ def sweep(
         in_space = is_spatial_file(file)
         if in_space:
             _no_pages(outputs, html)
-        assembly = read_in_space(file, asked) if in_space else complete(read(file, asked))
+        assembly = read_in_space(file, asked) if in_space else require_question(read(file, asked))
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table

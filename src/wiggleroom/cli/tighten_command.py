@@ -9,7 +9,7 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+from wiggleroom.cli.running import Running, TimeLimit, require_question, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
 
@@ -60,7 +60,7 @@ def tighten(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("choices at random") as show:
-        assembly = complete(read(file, asked))
+        assembly = require_question(read(file, asked))
 
         from wiggleroom.sensitivity.tighten import tighten as work_out
 

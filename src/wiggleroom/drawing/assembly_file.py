@@ -244,7 +244,9 @@ class _Reader(EntryReader[FileEntry]):
         return Pull(entry.part, entry.direction or (0.0, 0.0), point, entry.weight)
 
     def _whole_size(self, parts: list[Part]) -> None:
-        rings = {id(region): region.outer for part in parts for region in part.regions}  # a shape may be there many times
+        rings = {
+            id(region): region.outer for part in parts for region in part.regions
+        }  # a shape may be there many times
         extents, areas = extents_and_areas(list(rings.values()))
         size = float(extents.max())
         size = max(size, *(float(np.ptp([part.at[k] for part in parts])) for k in (0, 1)))

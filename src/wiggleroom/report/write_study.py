@@ -11,11 +11,11 @@ from wiggleroom.files import write_whole
 from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture as blame
 from wiggleroom.report import pages, study_plots
-from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
+from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, check_ending, ending
 from wiggleroom.report.gap_limit import picture_of_gap
 from wiggleroom.report.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
 from wiggleroom.report.separability_picture import Checked, film_of_check, picture_of_check
-from wiggleroom.report.stills import write_svg
+from wiggleroom.report.stills import write_still
 from wiggleroom.report.tolerance_results import picture_of_tolerances
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
@@ -34,7 +34,7 @@ def draw_study(
     """Write what was found, as `wiggleroom.report.write_picture.draw` does."""
     if isinstance(found, Interlock):
         found = Checked(found)
-    see(path, ANSWERS if isinstance(found, Checked | Plan) else STUDIES)
+    check_ending(path, ANSWERS if isinstance(found, Checked | Plan) else STUDIES)
     kind = ending(path)
     if kind in FILMS and isinstance(found, Checked):
         film_of_check(found, path, command=command, progress=progress)
@@ -43,7 +43,7 @@ def draw_study(
     elif kind == PAGE:
         write_whole(path, page_of_study(found, command))
     else:
-        write_svg(_picture(found, command), path)
+        write_still(_picture(found, command), path)
 
 
 def _picture(found: Study, command: str) -> str:

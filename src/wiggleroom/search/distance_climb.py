@@ -7,7 +7,6 @@ corners from edges commit to nothing, so this climb ends in a better one; then c
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,12 +16,11 @@ from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.distance_program import DistanceProgram, build_distances
-from wiggleroom.program.nonlinear_program import build
+from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, PathSegment, Start
 from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
 from wiggleroom.solve import interior_point
-from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
-from wiggleroom.solve.interior_point import Solution, barrier_unit
+from wiggleroom.solve.interior_point import Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -92,17 +90,9 @@ def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, so
         return start
     segment = PathSegment(program, tuple(points[: inner + 1]))
     begun = Start(cells, program.motion(points[inner]), (segment,), solution.inner_mu, HANDED_OVER_TOLERANCE)
-    if points[inner] is not solution.inner or solution.inner_lam is None:
+    if points[inner] is not solution.inner:
         return begun
-    return replace(begun, multipliers=_multipliers(search, program, solution, begun))
-
-
-def _multipliers(search: LocalSearch, program: DistanceProgram, solution: Solution, start: Start) -> Floats:
-    """Multipliers of the walls of all cells, whose forces are those of the distances at the climb's inner point."""
-    forces = wrenches(program.linearise(solution.inner), solution.inner_lam)
-    walls = build(search.ready.bodies, start.cells, search.objective, length=search.ready.clearance)
-    at = walls.linearise(walls.variables(start.inner))
-    return even_multipliers(at, solution.inner_mu * barrier_unit(at), forces, np.full(walls.rows, np.nan))
+    return carried_start(begun, program, solution, np.ones(len(cells.a), dtype=bool))
 
 
 def _last_free(search: LocalSearch, motions: list[Floats]) -> int:

@@ -13,6 +13,7 @@ from wiggleroom.freespace.cells.cells import grow_cells, replaced, select
 from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.search.active_set import target_poses
+from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, exchanged, followed
 from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
 from wiggleroom.search.loop import (
@@ -24,8 +25,7 @@ from wiggleroom.search.loop import (
     Policy,
     Progress,
 )
-from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
-from wiggleroom.solve.interior_point import INITIAL_BARRIER, barrier_unit
+from wiggleroom.solve.interior_point import INITIAL_BARRIER
 from wiggleroom.verdict import SolverStatus
 
 Ints = NDArray[np.int64]
@@ -142,24 +142,12 @@ def regrown(
     )
     cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
     start = replace(start, cells=cells)
-    if search.carries_multipliers and level == 0 and incumbent.solution.inner_lam is not None:
-        start = carried(search, incumbent, start, pairs[good])
+    if search.carries_multipliers and level == 0:
+        fresh = np.zeros(len(cells.a), dtype=bool)
+        fresh[pairs[good]] = True
+        start = carried_start(start, incumbent.program, incumbent.solution, fresh)
     search.seconds["freespace"] += time.perf_counter() - began
     return start
-
-
-def carried(search: LocalSearch, incumbent: Incumbent, start: Start, pairs: Ints) -> Start:
-    """The start with the multipliers of an incumbent's inner point; walls of some pairs are new, and get the forces of the old ones."""
-    solution, program = incumbent.solution, incumbent.program
-    forces = wrenches(program.linearise(solution.inner), solution.inner_lam)
-    renewed = build(search.ready.bodies, start.cells, search.objective, length=search.ready.clearance)
-    at = renewed.linearise(renewed.variables(start.inner))
-    fresh = np.zeros(len(start.cells.a), dtype=bool)
-    fresh[pairs] = True
-    given = np.full(renewed.rows, np.nan)
-    given[~fresh[start.cells.pair]] = solution.inner_lam[~fresh[program.cells.pair]]
-    multipliers = even_multipliers(at, solution.inner_mu * barrier_unit(at), forces, given)
-    return replace(start, mu=solution.inner_mu, multipliers=multipliers)
 
 
 def _swapped(search: LocalSearch, incumbent: Incumbent, swap: CongruentSwap) -> Start:
@@ -184,7 +172,7 @@ def _few(incumbent: Incumbent) -> bool:
 
 
 def _unchecked(search: LocalSearch, incumbent: Incumbent) -> tuple[Ints, Ints]:
-    return search.way(incumbent).missed
+    return search.checked_path(incumbent).missed
 
 
 def _fine(search: LocalSearch) -> float:

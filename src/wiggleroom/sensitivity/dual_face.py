@@ -110,7 +110,7 @@ def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> DualFace:
     return DualFace(holds, force / program.length, jacobian.T.tocsr(), turn / program.length, back)
 
 
-def worths(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:
+def group_gains(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:
     """What multipliers are worth (groups, k): gain of each wall's edge and corner, summed by group; a group of -1 counts nowhere."""
     place = np.full(rows, -1)
     place[holds] = np.arange(len(holds))

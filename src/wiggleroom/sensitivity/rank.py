@@ -18,9 +18,9 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.prepare import Prepared, prepare
-from wiggleroom.sensitivity.dual_face import face, is_unique, worths
+from wiggleroom.sensitivity.dual_face import face, group_gains, is_unique
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.perturbation import PerturbationBase, base, ended, follow
+from wiggleroom.sensitivity.perturbation import PerturbationBase, base, ended, objective_in_same_walls
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -202,8 +202,8 @@ def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MAX_LP_ROWS, st
     joints, of = np.unique(joint, axis=0, return_inverse=True)
     of = of.ravel()
     one = face(program, solution.u, solution.lam, active.row)
-    by_part = worths(some, active.row, program.rows, (some.edge_part, some.corner_part), count) / 2
-    by_joint = worths(some, active.row, program.rows, (of, of), len(joints)) / 2
+    by_part = group_gains(some, active.row, program.rows, (some.edge_part, some.corner_part), count) / 2
+    by_joint = group_gains(some, active.row, program.rows, (of, of), len(joints)) / 2
     low, high = one.spread(by_part)
     unique = is_unique(low, high)
     whole = len(active.row) <= most_rows
@@ -257,7 +257,7 @@ def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
         extra = sign * step * start.program.length
         inward = np.zeros(len(start.program.bodies.body_of))
         inward[part] = extra / 2
-        value = follow(start, inward)
+        value = objective_in_same_walls(start, inward)
         if np.isfinite(value):
             return (value - start.value) / extra
     return np.nan

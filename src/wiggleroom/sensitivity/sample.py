@@ -1,4 +1,4 @@
-"""What if the gaps vary: the motion of many assemblies whose gaps are drawn by lot."""
+"""What if the gaps vary: the motion of many assemblies whose gaps are drawn at random."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.perturbation import PerturbedObjective, afresh, ended, vary
+from wiggleroom.sensitivity.perturbation import PerturbedObjective, ended, perturbed_objective, perturbed_objective_anew
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
 from wiggleroom.verdict import Verdict
 
@@ -30,7 +30,7 @@ RESOLVED_DRAWS = 10
 
 @dataclass(frozen=True, eq=False)
 class Sample(Drawable):
-    """Motions of assemblies with gaps drawn by lot.
+    """Motions of assemblies with gaps drawn at random.
 
     Parameters
     ----------
@@ -177,7 +177,7 @@ def sample(
     >>> some.good, some.misfits
     (20, 0)
     """
-    lot = spread if isinstance(spread, Spread) else Spread(float(spread))
+    distribution = spread if isinstance(spread, Spread) else Spread(float(spread))
     wrong = [f"sample: {draws} draws: ask for at least 1"] if draws < 1 else []
     if limit is not None and not np.isfinite(limit):
         wrong.append(f"sample: limit {limit:g}: it must be a finite number")
@@ -186,7 +186,7 @@ def sample(
     ready = prepare(assembly)
     answer = witness(ready, goals, stop=stop)
     found = ended(answer)
-    extra = lot.draw(draws, len(assembly.parts), seed)
+    extra = distribution.draw(draws, len(assembly.parts), seed)
     many = ParallelRun(workers, cluster, stop, progress)
     shared = (ready, found.program.objective, answer.goals)
     results = many.each(one_draw, shared, list(extra / 2))
@@ -200,7 +200,7 @@ def sample(
     anew = ParallelRun(workers, cluster, stop).each(one_afresh, (assembly, answer.goals), list(extra[again] / 2))
     checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
     return Sample(
-        answer, lot, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
+        answer, distribution, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
         np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer), draws,
     )  # fmt: skip
 
@@ -214,9 +214,9 @@ def _extremes(value: Floats) -> list[int]:
 def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, with the moved walls of the prepared assembly."""
     ready, objective, goals = shared
-    return vary(ready, objective, goals, inward)
+    return perturbed_objective(ready, objective, goals, inward)
 
 
 def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
     """One draw, everything worked out anew."""
-    return afresh(*shared, inward)
+    return perturbed_objective_anew(*shared, inward)

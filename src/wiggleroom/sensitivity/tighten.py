@@ -18,7 +18,7 @@ from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, vary
+from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, perturbed_objective
 from wiggleroom.sensitivity.rank import rank
 
 Floats = NDArray[np.float64]
@@ -171,9 +171,9 @@ def tighten(
     many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
-    lots = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
+    subsets = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
     found = ended(before)
-    results = many.each(tightened_at_random, (ready, found.program.objective, asked, room), lots)
+    results = many.each(tightened_at_random, (ready, found.program.objective, asked, room), subsets)
     names = tuple(assembly.names[k] for k in choice)
     return Tightening(before, after, names, aim, limit, np.array([r for r in results if r is not None], dtype=float))
 
@@ -249,4 +249,4 @@ def tightened_at_random(shared: tuple[Prepared, Objective, tuple[Goal, ...], Flo
     ready, objective, goals, room = shared
     inward = np.zeros(len(room))
     inward[chosen] = -room[chosen]
-    return vary(ready, objective, goals, inward).value
+    return perturbed_objective(ready, objective, goals, inward).value

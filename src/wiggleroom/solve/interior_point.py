@@ -363,7 +363,10 @@ def _step(
     infeasibility_ratio: float,
     least: float,
 ) -> _Step | None:
-    """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not too short."""
+    """The next step, and with it the barrier parameter: centring (mu after the predictor / mu)^3 mu, then the corrector.
+
+    The diagonal is strengthened until the matrix is positive definite and the step is not too short.
+    """
     s, lam, at = state.s, state.lam, state.at
     settings = settings_for(len(state.u))
     data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
@@ -475,7 +478,7 @@ def _lifted(state: Iterate, matrix: Factor, retraction: Retraction) -> Iterate:
         shift = 1e-2
         while not matrix.update(at.condensed(weight, none, share=0.0), shift):
             shift *= 100
-        u = retraction.step(u, matrix.solve(at.against(weight * short)), at)
+        u = retraction.step(u, matrix.solve(at.transposed_jacobian_product(weight * short)), at)
         at = at.program.linearise(u)
     return replace(state, u=u, at=at, s=np.maximum(at.h, SETTINGS.min_slack)) if at.h.min() >= 0.0 else state
 

@@ -35,7 +35,9 @@ class Iterate:
     def residuals(self) -> tuple[Floats, Floats, float, float]:
         """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
         primal = self.s - self.at.h
-        dual = self.proximal_weight * self.u - self.at.gradient / self.unit - self.at.against(self.lam)
+        dual = (
+            self.proximal_weight * self.u - self.at.gradient / self.unit - self.at.transposed_jacobian_product(self.lam)
+        )
         return primal, dual, dot(self.s, self.lam), self.at.value / self.unit
 
     @property
@@ -49,8 +51,8 @@ def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: F
     s, lam, at = state.s, state.lam, state.at
     change = np.empty_like(s)
     eliminated(s, lam, primal, goal, change)
-    du = matrix.solve(at.against(change) - dual)
-    ds = at.along(du)
+    du = matrix.solve(at.transposed_jacobian_product(change) - dual)
+    ds = at.jacobian_product(du)
     ds -= primal
     multiplier_change(s, lam, ds, goal, change)
     return du, ds, change
