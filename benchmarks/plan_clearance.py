@@ -1,13 +1,14 @@
 """Clearances of plans beside a long random search: `python -m benchmarks.plan_clearance [TRIALS]` prints a line for each puzzle.
 
 The search knows outlines and the two ends of a step alone, and measures by general polygon geometry at dense samples. It begins with the
-step's own way and with straight and bent ones between its ends, and keeps whatever random change of way-points widens the narrowest place. No
-way has more room than there is where it begins: that ends the search early.
+step's own way and with straight and bent ones between its ends, and keeps whatever random change of way-points widens the
+narrowest place. No way has more room than there is where it begins: that ends the search early.
 """
 
 from __future__ import annotations
 
 import sys
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -104,7 +105,7 @@ def _resampled(way: Floats) -> Floats:
     """The way with about the wanted number of way-points; those it has are kept."""
     out = [way[:1]]
     each = max(1, POINTS // (len(way) - 1))
-    for one, other in zip(way[:-1], way[1:], strict=True):
+    for one, other in pairwise(way):
         out.append(one + (other - one) * (np.arange(1, each + 1) / each)[:, None, None])
     return np.concatenate(out)
 

@@ -107,7 +107,7 @@ def shown_answer(answers: Mapping[float, Answer], command: str) -> list[Standalo
 
 
 def packed_frames(assembly: Assembly, points: NDArray[np.float64]) -> PackedFrames:
-    """Frames along a way, as they go over the wire."""
+    """Frames along a path, as they go over the wire."""
     frames = path_frames(assembly, points).astype("<f4")
     k, n, _ = frames.shape
     return PackedFrames(k, n, base64.b64encode(frames.tobytes()).decode())
