@@ -48,5 +48,5 @@ def answer_arrays(answer: Answer) -> dict[str, NDArray[Any]]:
 def npz(answer: Answer) -> bytes:
     """The same as the bytes of a file that `numpy.load` reads."""
     out = io.BytesIO()
-    np.savez(out, **answer_arrays(answer))
+    np.savez(out, **answer_arrays(answer))  # type: ignore[arg-type]
     return out.getvalue()
