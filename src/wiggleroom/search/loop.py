@@ -212,7 +212,7 @@ class LocalSearch:
 
     @property
     def carries_multipliers(self) -> bool:
-        """True where a round begins with the multipliers of the one before: it takes fewer iterations, and finds no other basin."""
+        """True where a round begins with the multipliers of the one before, and so takes fewer iterations."""
         return len(self.ready.bodies.fixed) > CARRYING_ASSEMBLY and self.solve is interior_point.solve
 
     @property
