@@ -14,6 +14,8 @@ import pytest
 
 import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.search.loop import Progress
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
 
@@ -72,6 +74,69 @@ def lateness(work: Callable[[threading.Event], Any], delay: float) -> float:
 @pytest.mark.parametrize("what", ASKED)
 def test_stop_is_honoured_within_a_second(what: str, jigsaw: wr.Assembly) -> None:
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), 0.4) < 1.0
+
+
+class AfterSeconds:
+    """A request to stop after so much processor time; it knows when it was first seen."""
+
+    def __init__(self, seconds: float) -> None:
+        self.due, self.seen = time.process_time() + seconds, 0.0
+
+    def is_set(self) -> bool:
+        now = time.process_time()
+        self.seen = self.seen or (now if now >= self.due else 0.0)
+        return now >= self.due
+
+
+@pytest.fixture(scope="module")
+def many_tees() -> wr.Assembly:
+    """A thousand blocks: single stages take long."""
+    return wr.patterns.grid(32, 32, joint="tee", gap=0.02)
+
+
+@pytest.mark.parametrize("after", [0.2, 0.5, 0.8, 1.2, 1.6])
+def test_flex_of_a_thousand_parts_stops_in_any_stage(after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly) -> None:
+    stop = AfterSeconds(after)
+    answer = wr.flex(many_tees, stop=stop)
+    ended = time.process_time()
+    assert not stop.seen or ended - stop.due < 1.0
+    assert answer.path == "checked"
+    assert answer.verdict == "stopped" or not stop.seen
+
+
+@pytest.mark.parametrize("after", [0.5, 2.0, 3.5])
+def test_check_of_a_thousand_parts_stops_in_any_stage(
+    after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly
+) -> None:
+    stop = AfterSeconds(after)
+    assert wr.check(many_tees, stop=stop).verdict == "unknown"
+    assert time.process_time() - stop.due < 1.0
+
+
+def test_an_audit_that_is_asked_to_stop_vouches_for_nothing() -> None:
+    pair = wr.patterns.chain(2, joint="tee", gap=0.01)
+    way = np.zeros((3, 2, 3))
+    way[1:, 1, 0] = 0.002, 0.004
+    assert audit_path(pair, way).free
+    audit = audit_path(pair, way, stop=AfterSeconds(0.0))
+    assert not audit.free
+    assert audit.certain == 1
+
+
+def test_what_was_found_before_the_stop_is_kept(jigsaw: wr.Assembly) -> None:
+    grid = wr.patterns.grid(12, 12, joint="tee", gap=0.02)
+    seen: list[float] = []
+    stop = threading.Event()
+
+    def progress(step: Progress) -> None:
+        seen.append(step.objective)
+        if len(seen) > 12:  # on the first climb
+            stop.set()
+
+    answer = wr.flex(grid, stop=stop, progress=progress)
+    assert answer.verdict == "stopped"
+    assert answer.path == "checked"
+    assert answer.objective > 0.5 * max(seen)
 
 
 @pytest.mark.slow

@@ -19,6 +19,7 @@ from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, answer_from, approximate
 from wiggleroom.compare.flex_halfplane import flex_half_planes
 from wiggleroom.compare.flex_hull import flex_hull
+from wiggleroom.deadline import GracePeriod
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.freespace.models.pair_models import HalfPlane, PairModel, Walls, model_named
@@ -181,7 +182,8 @@ def flex(
             search=0 if search is None and start is not None else search,
             stop=stop,
             progress=progress,
-        )
+        ),
+        stop,
     )
     if prove is None:
         return answer
@@ -203,6 +205,7 @@ def witness(
 ) -> Answer:
     """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither."""
     began = time.perf_counter()
+    stop = None if stop is None else GracePeriod(stop)
     tell = progress or silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
     asked = asked_goals(its.drawing, goals)
@@ -291,7 +294,13 @@ def _climbed(
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
         return _from_several(climb, first, asked, solver, began)
-    climb.improve(climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start())
+    begin = climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start()
+    if isinstance(begin, Incumbent):
+        climb.best = begin
+    else:
+        climb.improve(begin)
+    if climb.stopped:
+        return answer_of(climb, asked, solver, began)
     climb, repeats = periodic_motion(climb, asked)
     if search == 0 or repeats is not None:
         return answer_of(climb, asked, solver, began, repeats)
@@ -320,7 +329,7 @@ def _in_own_frame(
         own = problem.prepare(frame.assembly, stop=stop)
     except (InputError, StoppedError):
         return None
-    found = with_quick_bound(_climbed(own, frame.goals, solve, solver, search, None, stop, told, began))
+    found = with_quick_bound(_climbed(own, frame.goals, solve, solver, search, None, stop, told, began), stop)
     answer = frame.answer(found, ready.assembly, asked)
     if not audit_path(ready.assembly, answer.waypoints).free:
         return None  # rounding has moved a part too far
@@ -343,7 +352,7 @@ def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], s
     alone = exact and int((~climb.ready.bodies.fixed).sum()) == 1
     if alone and search is None:
         ends = (climb.certain_value()[0],)
-        answer = with_quick_bound(answer_of(climb, asked, solver, began))
+        answer = with_quick_bound(answer_of(climb, asked, solver, began), climb.stop)
         if answer.verdict is Verdict.PROVEN:
             return replace(answer, search=effort(ends, ends[0]))
     if alone or (exact and search is None):

@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.outer_regions import links_about, material_of
 from wiggleroom.bound.trigonometric_envelopes import support
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, pocket
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_pose
@@ -42,15 +43,15 @@ ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
 
 
-def with_quick_bound(answer: Answer) -> Answer:
-    """The answer with a bound, where that takes less work than the answer did and says something; worked out once for an answer."""
+def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
+    """The answer with a bound, where that takes less work than the answer did and says something; worked out once, if not asked to stop."""
     began = time.perf_counter()
     found = answer.warm_start
     if answer.bound is not None or "bound" in answer.seconds or not answer.objective or not answer.verdict.ends:
         return answer
     if found is None or not isinstance(found.program.objective, PointMotion):
         return answer
-    most = quick_bound(found, found.program.objective, answer.iterations)
+    most = quick_bound(found, found.program.objective, answer.iterations, stop)
     spent = time.perf_counter() - began
     seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
     seconds["total"] = answer.seconds["total"] + spent
@@ -60,8 +61,8 @@ def with_quick_bound(answer: Answer) -> Answer:
     return with_bound(replace(answer, seconds=seconds), bound)
 
 
-def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float | None:
-    """Value that no motion exceeds, from the end of a search; None where it would take too long or joints do not close."""
+def quick_bound(found: Incumbent, goal: PointMotion, iterations: int, stop: Stop | None = None) -> float | None:
+    """Value that no motion exceeds, from the end of a search; None where it would take too long, joints do not close or it is to stop."""
     them, cells = found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
@@ -76,6 +77,8 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float |
     kind = np.full(len(first), -1, dtype=np.int64)
     pivots = np.zeros((len(first), 2))
     for c in wanted:
+        if stop is not None and stop.is_set():
+            return None
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
         material, pivots[c], _ = material_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.disassembly.slide_space import Slide, SlideSpace
-from wiggleroom.errors import Stop
+from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.state_tree import StateTree
 
@@ -104,7 +104,10 @@ def slide_search(
             return SlideSearch(other, len(tree.states), False, space.on_lattice)
         here = waiting.popleft()
         state = tree.states[here].motion
-        found = space.slides(state)
+        try:
+            found = space.slides(state, stop)
+        except StoppedError:
+            return SlideSearch(other, len(tree.states), False, space.on_lattice)
         leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
         for last in leaving:
             if not len(targets) or np.isin(targets, last.who).any():

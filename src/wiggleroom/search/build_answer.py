@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
+from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.search.answer import Answer, Contact, Period
@@ -87,7 +88,7 @@ def answer_of(
         leaves=leaves,
         turns=turns,
         period=period,
-        warm_start=found,
+        warm_start=found if isinstance(found.program.cells, Cells) else None,  # stopped before there were cells
     )
 
 

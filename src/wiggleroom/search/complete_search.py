@@ -72,7 +72,7 @@ def complete(first: LocalSearch) -> CompleteSearch:
     first : LocalSearch
         Ended.
     """
-    boxes = _boxes(first)
+    boxes = None if first.stopped else _boxes(first)
     best, at_most, ends = first, None, [first.certain_value()[0]]
     alone = int((~first.ready.bodies.fixed).sum()) == 1
     visits = MAX_VISITS if alone else VISITS_OF_ONE_OF_SEVERAL

@@ -137,6 +137,7 @@ def regrown(
         excluded_edge=excluded_edge,
         target=target,
         to_the_end=turned_out,
+        stop=search.interrupted,
     )
     cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
     search.seconds["freespace"] += time.perf_counter() - began
