@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -15,6 +19,8 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.cli.running import unless_stopped
+from wiggleroom.cli.watch import at_once, interruptible
 from wiggleroom.search.loop import Progress
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
@@ -145,3 +151,33 @@ def test_what_was_found_before_the_stop_is_kept(jigsaw: wr.Assembly) -> None:
 def test_stop_is_honoured_at_any_time(what: str, seed: int, jigsaw: wr.Assembly) -> None:
     delay = float(np.random.default_rng([seed, len(what)]).uniform(0.05, 8.0))
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), delay) < 1.0
+
+
+COMMANDS = ("flex", "check", "gap", "plan", "rank", "sample --spread 0.05", "sweep", "tighten", "tolerances")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a file that is never read to its end")
+@pytest.mark.parametrize("command", COMMANDS)
+def test_ctrl_c_while_a_file_is_read_ends_at_once(command: str, tmp_path: Path) -> None:
+    """A pipe that nobody writes to is read for ever."""
+    os.mkfifo(tmp_path / "endless.svg")
+    program = "import sys; from wiggleroom.cli import main; sys.exit(main())"
+    asked = [sys.executable, "-c", program, *command.split(), str(tmp_path / "endless.svg")]
+    with subprocess.Popen(asked, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
+        with (tmp_path / "endless.svg").open("w"):  # opens once it is being read
+            run.send_signal(signal.SIGINT)
+            _, said = run.communicate(timeout=60)
+    assert run.returncode == 3
+    assert "interrupted" in said
+
+
+def test_the_time_limit_holds_while_a_file_is_read() -> None:
+    began = time.monotonic()
+    with (
+        pytest.raises(wr.WiggleroomError, match="stopped after 0.2 s"),
+        interruptible(0.2) as stop,
+        unless_stopped(stop),
+        at_once(stop),
+    ):
+        while time.monotonic() - began < 30.0:
+            pass

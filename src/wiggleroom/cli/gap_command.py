@@ -66,7 +66,7 @@ def gap(
         raise InputError("gap: ask one question: --at-most 0.5, --holds or --fits 0.1")
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
-        assembly = read(file, asked)
+        assembly = read(file, asked, stop)
 
         from wiggleroom.sensitivity.allowable_gap import allowable_gap
 

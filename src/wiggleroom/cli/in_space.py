@@ -126,13 +126,14 @@ def flex_in_space(file: str, asked: QuestionOptions, outputs: Outputs, solver: s
 
     from wiggleroom.cli.outputs import check, write_result
     from wiggleroom.cli.say import note, show
-    from wiggleroom.cli.watch import interruptible
+    from wiggleroom.cli.watch import at_once, interruptible
     from wiggleroom.questions import flex
 
     check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
     begin = time.perf_counter()
     with interruptible() as stop:
-        assembly = read_in_space(file, asked)
+        with at_once(stop):
+            assembly = read_in_space(file, asked)
         spent = time.perf_counter() - begin
         answer = flex(assembly, solver=solver, stop=stop)
     seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
@@ -158,12 +159,14 @@ def check_in_space(file: str, asked: QuestionOptions, outputs: Outputs) -> int:
 
     from wiggleroom.cli.outputs import check, write_result
     from wiggleroom.cli.say import note, show
-    from wiggleroom.cli.watch import interruptible
+    from wiggleroom.cli.watch import at_once, interruptible
     from wiggleroom.spatial.spatial_disassembly import check_spatial
 
     check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
     with interruptible() as stop:
-        found = check_spatial(read_in_space(file, asked), stop=stop)
+        with at_once(stop):
+            assembly = read_in_space(file, asked)
+        found = check_spatial(assembly, stop=stop)
     from wiggleroom.report.spatial_records import spatial_check_record
     from wiggleroom.report.spatial_table import spatial_check_table
 

@@ -48,7 +48,7 @@ def rank(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("differences") as show:
-        assembly = complete(read(file, asked))
+        assembly = complete(read(file, asked, stop))
 
         from wiggleroom.sensitivity.rank import rank as work_out
 

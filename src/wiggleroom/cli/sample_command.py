@@ -69,7 +69,7 @@ def sample(
         from wiggleroom.sensitivity.gap_distribution import Spread
 
         lot = Spread(spread, kind, sheet, bias)
-        assembly = complete(read(file, asked))
+        assembly = complete(read(file, asked, stop))
 
         from wiggleroom.sensitivity.sample import sample as work_out
 

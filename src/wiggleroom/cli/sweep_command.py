@@ -42,7 +42,7 @@ def sweep(
     from wiggleroom.cli.in_space import in_three_dimensions, read_in_space
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note
-    from wiggleroom.cli.watch import bar, interruptible
+    from wiggleroom.cli.watch import at_once, bar, interruptible
 
     outputs.check(file, **{"--html": (html, (".html",))})
     wanted = None if gaps is None else _gaps(gaps)
@@ -54,7 +54,11 @@ def sweep(
         in_space = is_spatial_file(file)
         if in_space:
             _no_pages(outputs, html)
-        assembly = read_in_space(file, asked) if in_space else complete(read(file, asked))
+        if in_space:
+            with at_once(stop):
+                assembly = read_in_space(file, asked)
+        else:
+            assembly = complete(read(file, asked, stop))
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table

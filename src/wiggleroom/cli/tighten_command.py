@@ -60,7 +60,7 @@ def tighten(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("choices at random") as show:
-        assembly = complete(read(file, asked))
+        assembly = complete(read(file, asked, stop))
 
         from wiggleroom.sensitivity.tighten import tighten as work_out
 
