@@ -54,11 +54,8 @@ def sweep(
         in_space = is_spatial_file(file)
         if in_space:
             _no_pages(outputs, html)
-        if in_space:
-            with at_once(stop):
-                assembly = read_in_space(file, asked)
-        else:
-            assembly = complete(read(file, asked, stop))
+        with at_once(stop):
+            assembly = read_in_space(file, asked) if in_space else complete(read(file, asked))
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table
