@@ -34,13 +34,14 @@ from wiggleroom.search.carried_incumbent import carried_incumbent
 from wiggleroom.search.complete_search import complete
 from wiggleroom.search.distance_climb import climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
-from wiggleroom.search.incumbent import Incumbent, at_rest
+from wiggleroom.search.incumbent import Incumbent, Start, at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import periodic_motion
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.simplified_outlines import contact_places, prepare_simplified
+from wiggleroom.search.turn_in_place import better_climb, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.linear_programming import linear_solver
@@ -294,17 +295,28 @@ def _climbed(
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
         return _from_several(climb, first, asked, solver, began)
-    begin = climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start()
+    turned = turned_in_place(ready, goal) if start is None and search != 0 else None
+    if turned is not None and ready.simplified:  # from rest, corners of simplified curves would be climbed one by one
+        begin: Start | Incumbent = turned
+    else:
+        begin = climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start()
     if isinstance(begin, Incumbent):
         climb.best = begin
     else:
         climb.improve(begin)
     if climb.stopped:
         return answer_of(climb, asked, solver, began)
+    before: tuple[float, ...] = ()
+    if turned is not None and not ready.simplified:
+        climb, before = better_climb(climb, turned)
+    elif turned is not None and search is None:
+        value, free = climb.certain_value()
+        if free or value >= goal.value(turned.inner):  # no turn gains more
+            return replace(answer_of(climb, asked, solver, began), search=effort((value,), value))
     climb, repeats = periodic_motion(climb, asked)
     if search == 0 or repeats is not None:
         return answer_of(climb, asked, solver, began, repeats)
-    return _searched(climb, search, asked, solver, began)
+    return _searched(climb, search, asked, solver, began, before)
 
 
 def _in_own_frame(
@@ -344,20 +356,31 @@ def _in_own_frame(
     return replace(answer, warm_start=carried_incumbent(ready, goal, solve, found, frame, answer.waypoints))
 
 
-def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
-    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do."""
-    ends: tuple[float, ...] = ()
+def _searched(
+    climb: LocalSearch,
+    search: int | None,
+    asked: tuple[Goal, ...],
+    solver: str,
+    began: float,
+    before: tuple[float, ...],
+) -> Answer:
+    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do.
+
+    `before` are values at which other climbs ended.
+    """
+    ends: tuple[float, ...] = (*before, climb.certain_value()[0])
     at_most = None
     exact = not climb.ready.simplified  # a bound of larger parts is none of these
     alone = exact and int((~climb.ready.bodies.fixed).sum()) == 1
     if alone and search is None:
-        ends = (climb.certain_value()[0],)
         answer = with_quick_bound(answer_of(climb, asked, solver, began), climb.stop)
         if answer.verdict is Verdict.PROVEN:
-            return replace(answer, search=effort(ends, ends[0]))
+            return replace(answer, search=effort(ends, ends[-1]))
     if alone or (exact and search is None):
         found = complete(climb)
-        at_most, ends = found.at_most, found.ends if search is None else ()
+        at_most = found.at_most
+        if search is None:
+            ends = (*before, *found.ends)
         if found.best is not climb:
             climb, repeats = periodic_motion(found.best, asked)
             if repeats is not None:
