@@ -20,7 +20,7 @@ from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.loop import ESCAPE_DISTANCE, FULL_TURN, LocalSearch, Progress
 from wiggleroom.search.moves import branch_left_open
 from wiggleroom.search.periodic_motion import PeriodicMotion
-from wiggleroom.search.recession import recession_direction
+from wiggleroom.search.recession import recession_direction, turns_for_ever
 from wiggleroom.solve.kkt_conditions import conditions
 from wiggleroom.verdict import SolverStatus, Verdict
 
@@ -106,8 +106,9 @@ def _verdict(search: LocalSearch, found: Incumbent, sure: bool) -> Verdict:
     if not sure:
         return Verdict.STOPPED
     if search.unlimited:
-        leaves = recession_direction(search.ready, search.objective, found.motion) is not None
-        return Verdict.UNBOUNDED if leaves else Verdict.STOPPED
+        ready, goal, motion = search.ready, search.objective, found.motion
+        endless = recession_direction(ready, goal, motion) is not None or turns_for_ever(ready, goal, motion)
+        return Verdict.UNBOUNDED if endless else Verdict.STOPPED
     if not search.ended or found.solution.status in (SolverStatus.STOPPED, SolverStatus.FAILED):
         return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):
