@@ -40,7 +40,7 @@ from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import periodic_motion
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.simplified_outlines import contact_places, prepare_simplified
+from wiggleroom.search.simplified_outlines import contact_places, prepare_outlines, prepare_simplified
 from wiggleroom.search.turn_in_place import better_climb, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.interior_point import Solution
@@ -99,8 +99,7 @@ def prepare(
     """
     wanted = model_named(model)
     if isinstance(wanted, Walls):
-        ready = prepare_simplified(assembly, stop=stop) or problem.prepare(assembly, stop=stop)
-        return PreparedModel(**vars(ready))
+        return PreparedModel(**vars(prepare_outlines(assembly, stop=stop)))
     return ApproximateModel(**vars(approximate(assembly, wanted, stop)))
 
 

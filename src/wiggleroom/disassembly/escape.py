@@ -24,9 +24,10 @@ from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.rigid_motions import of_parts
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.search.loop import Progress
-from wiggleroom.search.prepare import Prepared, Survey, prepare
+from wiggleroom.search.prepare import Prepared, Survey
+from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -198,7 +199,9 @@ def _beyond_slides(
     stands = int(np.flatnonzero(bodies.fixed)[0])
     none = np.zeros(0, dtype=np.int64)
     tell(Progress("free spaces"))
-    ready = prepare(assembly, ground=ground, stop=stop)
+    ready = simpler = prepare_outlines(assembly, ground, stop)
+    if simpler.simplified:  # what holds larger parts need not hold these: proofs are about the outlines as they are
+        ready = replace(simpler, bodies=bodies, simplified=0.0)
     known, tries = _rigid(ready, begin, effort.boxes, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
@@ -217,9 +220,10 @@ def _beyond_slides(
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
     loose = slid.states > 1 and slid.whole and slid.on_lattice
     questions = min(effort.questions, MAX_QUESTIONS_BESIDE_SLIDES) if loose else effort.questions
-    searched = explore(ready, stands, known.group, nearly, stop, tell, questions)
+    searched = explore(simpler, stands, known.group, nearly, stop, tell, questions)
     if searched.way is not None and searched.exit is not None:
-        return replace(_leave(assembly, ground, searched.way, searched.exit), questions=searched.questions)
+        way = of_bodies(assembly, bodies, of_parts(assembly, simpler.bodies, searched.way))
+        return replace(_leave(assembly, ground, way, searched.exit), questions=searched.questions)
     stopped = stop is not None and stop.is_set()
     whole = slid.whole and (searched.whole or loose) and not stopped
     ended: Separability = Separability.INTERLOCKED if whole else Separability.UNKNOWN

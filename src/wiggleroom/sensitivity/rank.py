@@ -17,7 +17,8 @@ from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.incumbent import Incumbent
-from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.sensitivity.dual_face import face, is_unique, worths
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.perturbation import PerturbationBase, base, ended, follow
@@ -172,7 +173,7 @@ def rank(
     again = by == "differences" or exact
     if not again:
         return _by_duals(answer, found, stop=stop)
-    ready = question if isinstance(question, Prepared) else prepare(answer.assembly)
+    ready = question if isinstance(question, Prepared) else prepare_outlines(answer.assembly)
     start = base(ready, found)
     ranking = _by_duals(
         answer, replace(found, solution=replace(found.solution, u=start.solution.u, lam=start.solution.lam))

@@ -15,7 +15,8 @@ from wiggleroom.maximise import witness
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.simplified_outlines import prepare_outlines, refined_at_contacts
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.perturbation import PerturbedObjective, afresh, ended, vary
@@ -183,12 +184,13 @@ def sample(
         wrong.append(f"sample: limit {limit:g}: it must be a finite number")
     if wrong:
         raise InputError(wrong)
-    ready = prepare(assembly)
+    ready = prepare_outlines(assembly, stop=stop)
     answer = witness(ready, goals, stop=stop)
-    found = ended(answer)
+    ended(answer)
+    ready = refined_at_contacts(ready, answer)
     extra = lot.draw(draws, len(assembly.parts), seed)
     many = ParallelRun(workers, cluster, stop, progress)
-    shared = (ready, found.program.objective, answer.goals)
+    shared = (ready, ready.objective(answer.goals), answer.goals)
     results = many.each(one_draw, shared, list(extra / 2))
     done = [k for k, r in enumerate(results) if r is not None]
     if not done:

@@ -16,7 +16,8 @@ from wiggleroom.maximise import witness
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.simplified_outlines import prepare_outlines, refined_at_contacts
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, vary
 from wiggleroom.sensitivity.rank import rank
@@ -158,7 +159,7 @@ def tighten(
 
     Source: Mind the Gap, section 6.2 and Fig. 11.
     """
-    ready = prepare(assembly)
+    ready = prepare_outlines(assembly, stop=stop)
     whole = assembly.gap if assembly.gap > 0 else ready.clearance
     aim = SETTINGS.kept_gap_share * whole if gap is None else gap
     count = len(assembly.parts)
@@ -172,8 +173,8 @@ def tighten(
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
     lots = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
-    found = ended(before)
-    results = many.each(tightened_at_random, (ready, found.program.objective, asked, room), lots)
+    ready = refined_at_contacts(ready, before)
+    results = many.each(tightened_at_random, (ready, ready.objective(asked), asked, room), lots)
     names = tuple(assembly.names[k] for k in choice)
     return Tightening(before, after, names, aim, limit, np.array([r for r in results if r is not None], dtype=float))
 
