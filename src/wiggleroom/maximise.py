@@ -31,10 +31,10 @@ from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.canonical_frame import canonical_frame
 from wiggleroom.search.carried_incumbent import carried_incumbent
-from wiggleroom.search.complete_search import complete
+from wiggleroom.search.complete_search import complete_search
 from wiggleroom.search.distance_climb import climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
-from wiggleroom.search.incumbent import Incumbent, Start, at_rest
+from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
@@ -200,10 +200,14 @@ def witness(
     solver: str = "interior-point",
     start: Answer | None = None,
     search: int | None = 0,
+    periods: bool = True,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
-    """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither."""
+    """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither.
+
+    Without `periods` it is not looked whether a motion repeats without end.
+    """
     began = time.perf_counter()
     stop = None if stop is None else GracePeriod(stop)
     tell = progress or silent
@@ -235,7 +239,7 @@ def witness(
         answer = _in_own_frame(ready, asked, solve, solver, search, stop, tell, began)
         if answer is not None:
             return answer
-    return _climbed(ready, asked, solve, solver, search, start, stop, tell, began)
+    return _climbed(ready, asked, solve, solver, search, start, stop, tell, began, periods)
 
 
 def _refined(
@@ -286,6 +290,7 @@ def _climbed(
     stop: Stop | None,
     tell: Callable[[Progress], None],
     began: float,
+    periods: bool = True,
 ) -> Answer:
     """The answer, searched for in the frame of the assembly that was prepared."""
     goal = ready.objective(asked)
@@ -298,7 +303,7 @@ def _climbed(
     if turned is not None and ready.simplified:  # from rest, corners of simplified curves would be climbed one by one
         begin: Start | Incumbent = turned
     else:
-        begin = climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start()
+        begin = climbed(climb, start_at_rest(ready)) if start is None else _incumbent(start, ready).start()
     if isinstance(begin, Incumbent):
         climb.best = begin
     else:
@@ -312,7 +317,7 @@ def _climbed(
         value, free = climb.certain_value()
         if free or value >= goal.value(turned.inner):  # no turn gains more
             return replace(answer_of(climb, asked, solver, began), search=effort((value,), value))
-    climb, repeats = periodic_motion(climb, asked)
+    climb, repeats = periodic_motion(climb, asked) if periods else (climb, None)
     if search == 0 or repeats is not None:
         return answer_of(climb, asked, solver, began, repeats)
     return _searched(climb, search, asked, solver, began, before)
@@ -376,7 +381,7 @@ def _searched(
         if answer.verdict is Verdict.PROVEN:
             return replace(answer, search=effort(ends, ends[-1]))
     if alone or (exact and search is None):
-        found = complete(climb)
+        found = complete_search(climb)
         at_most = found.at_most
         if search is None:
             ends = (*before, *found.ends)
@@ -409,9 +414,9 @@ def _from_several(
     answers = []
     for pull in first:
         way_out = LocalSearch(search.ready, pull, search.solve, THOROUGH, search.stop, search.tell)
-        end = way_out.improve(at_rest(search.ready))
+        end = way_out.improve(start_at_rest(search.ready))
         again = LocalSearch(search.ready, search.objective, search.solve, THOROUGH, search.stop, search.tell)
-        again.improve(at_rest(search.ready) if end is None else end.start())
+        again.improve(start_at_rest(search.ready) if end is None else end.start())
         for stage in search.seconds:
             search.seconds[stage] += way_out.seconds[stage] + again.seconds[stage]
         search.rounds += way_out.rounds + again.rounds

@@ -76,10 +76,11 @@ class SlideSpace:
     ) -> None:
         n = len(bodies.fixed)
         self.bodies, self.clearance, self.size, self.there = bodies, clearance, size, there
-        self._ignored = np.zeros((n, n), dtype=np.bool_)
-        self._ignored[ignored // n, ignored % n] = True
-        self._ignored |= self._ignored.T
-        self._ignored |= bodies.fixed[:, None] & bodies.fixed
+        self.ignored = np.zeros((n, n), dtype=np.bool_)
+        """Pairs that never collide, both ways round; what stands counts among them."""
+        self.ignored[ignored // n, ignored % n] = True
+        self.ignored |= self.ignored.T
+        self.ignored |= bodies.fixed[:, None] & bodies.fixed
         axes = slide_axes(bodies, motion, there)
         self.directions = np.concatenate([axes, -axes])
         units = [self._unit(axis, motion) for axis in axes]
@@ -112,7 +113,7 @@ class SlideSpace:
         for k0, k1 in _blocks(d, STOP_CHECK_PAIRS // n**2):
             go_on(stop)
             self.work += slide_distances(
-                *outlines, self.there, self.directions[k0:k1], self._ignored, MARGIN * self.clearance, self._distance[k0:k1]
+                *outlines, self.there, self.directions[k0:k1], self.ignored, MARGIN * self.clearance, self._distance[k0:k1]
             )  # fmt: skip
         count = 0
         for i0, i1 in _blocks(d * n, STOP_CHECK_PAIRS // (MAX_STOPS * n)):

@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 DIRECTIONS = 32
 """Directions evenly round that are tried, besides that of the motion and that of the objective."""
 FAR = 1e4
+"""So many drawing sizes along a direction stand for infinity."""
 NEAR = 1e-6
 """What comes nearer to a circle than this share of its radius is taken along by what turns in it."""
 MIN_SLOPE = 1e-3
