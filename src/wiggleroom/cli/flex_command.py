@@ -154,7 +154,7 @@ def _answer(
 
     begin = time.perf_counter()
     with interruptible(seconds) as stop, unless_stopped(stop), progress() as show:
-        assembly = read(file, asked)
+        assembly = read(file, asked, stop)
         lacking = role_findings(assembly.drawing)
         if lacking:
             raise InputError(lacking)

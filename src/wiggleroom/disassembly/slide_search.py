@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.disassembly.slide_space import Slide, SlideSpace
 from wiggleroom.disassembly.turn_space import MIN_TILT, LocalTurn, TurnSpace
 from wiggleroom.disassembly.turn_space import WORK_BUDGET as TURN_BUDGET
-from wiggleroom.errors import Stop
+from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.state_tree import StateTree
 
@@ -207,7 +207,10 @@ class _Search:
                 return False
             here = self._waiting.popleft()
             state = self.tree.states[here].motion
-            found = self.space.slides(state)
+            try:
+                found = self.space.slides(state, self.stop)
+            except StoppedError:
+                return False
             leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
             for last in leaving:
                 if not len(self.targets) or np.isin(self.targets, last.who).any():

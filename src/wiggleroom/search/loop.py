@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.errors import Stop, StoppedError, go_on
 from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells
 from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import Overlaps, overlaps
@@ -90,6 +90,8 @@ class Policy:
     mu_may_grow : bool
         Whether a round may begin with more complementarity than the one before.
     most_rounds : int
+    prepares_next : bool
+        Whether the next round is prepared even after a request to stop: a drag goes on from there.
     """
 
     moves: tuple[Move, ...]
@@ -99,6 +101,7 @@ class Policy:
     rough: float = ROUGH_TOLERANCE
     mu_may_grow: bool = True
     most_rounds: int = MAX_ROUNDS
+    prepares_next: bool = False
 
 
 @dataclass(eq=False)
@@ -153,24 +156,31 @@ class LocalSearch:
         most = self.rounds + self.policy.most_rounds
         proposals: Iterator[Start] = iter((start,))
         while self.rounds < most:
-            begin = next(proposals, None)
-            if begin is None:
-                begin = self._with_more_pairs(start)
-                self.ended = begin is None
+            if self.interrupted is not None and self.stopped and self.best is not None:
+                break
+            try:
+                begin = next(proposals, None)
                 if begin is None:
-                    break
+                    begin = self._with_more_pairs(start)
+                    self.ended = begin is None
+                    if begin is None:
+                        break
+            except StoppedError:
+                break
             self.coming = begin
             if self.stopped and self.best is not None:
                 break
             found = self.last = self._round(begin)
             status = found.solution.status
-            if (
-                status is not SolverStatus.STOPPED
-                and found.tolerance > self.fine
-                and (more := self._with_missed(found, start))
-            ):
-                proposals = iter((more,))
-                continue
+            if status is not SolverStatus.STOPPED and found.tolerance > self.fine:
+                try:
+                    more = self._with_missed(found, start)
+                except StoppedError:
+                    self._keep(found)
+                    break
+                if more:
+                    proposals = iter((more,))
+                    continue
             before = self.best
             gained = self._keep(found)
             if status is SolverStatus.STOPPED:
@@ -199,6 +209,11 @@ class LocalSearch:
     def stopped(self) -> bool:
         """True where it was asked to stop."""
         return self.stop is not None and self.stop.is_set()
+
+    @property
+    def interrupted(self) -> Stop | None:
+        """What stops the preparation of a round; None where nothing does."""
+        return None if self.policy.prepares_next else self.stop
 
     @property
     def fine(self) -> float:
@@ -305,9 +320,11 @@ class LocalSearch:
         """The start of a round with the pairs that overlap at its end and were not in its program; None where there are none."""
         began = time.perf_counter()
         self.tell(Progress("check", self.rounds, found.solution.iterations, found.value))
+        go_on(self.interrupted)
         cells, n = found.program.cells, len(found.motion)
         known = cells.a * n + cells.b
         missed, more = self.missed(found.motion, known), None
+        go_on(self.interrupted)
         if len(missed.a):
             corners = self.ready.corners[~np.isin(self.ready.corners, known)]
             key = np.unique(np.concatenate([missed.a * n + missed.b, corners]))
@@ -349,7 +366,8 @@ class LocalSearch:
         """Cells of some pairs where a round begins, with room towards a motion, and which of them lie free there."""
         bodies = self.ready.bodies
         seed, target = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, wanted)
-        return grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), target=target)
+        room = np.full(len(a), self.ready.clearance)
+        return grow_cells(bodies, a, b, seed, room, target=target, stop=self.interrupted)
 
 
 def nudged(program: Program, u: Floats) -> Floats:
