@@ -1,11 +1,12 @@
 /** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
 
 import { batch, effect, untracked } from "@preact/signals";
-import { asks, begin, change, design, goals, question, questionOf } from "./design.ts";
+import { asks, begin, change, design, goals, history, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
 import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
+import { kept } from "./stage/kept.ts";
 import { known, lead, leadTo } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
@@ -45,7 +46,7 @@ export function follow(): void {
         state.lost.value = null;
       });
     }
-    keepDesign(opened, now);
+    keepDesign(opened, now, history());
     untracked(() => {
       preview(now.gap);
       askFlex();
@@ -334,7 +335,9 @@ function opened(reply: Opened): void {
   shaped = null;
   state.drawing.value = reply;
   showRest(false);
-  begin(keptDesign(reply) ?? read);
+  kept.value = null;
+  const mine = keptDesign(reply);
+  begin(mine?.design ?? read, mine?.history);
 }
 
 function reopen(): void {

@@ -12,7 +12,7 @@ export interface About<T> { reply: T; design: Design; ways: Frames[] }
 
 /** On a page that carries what was found: what it is about, and more than the panels of the live page say. */
 export interface Told { said: { title: string; facts: string[] } | null; study: StudyTab | null; tints: { per: string; values: Record<string, number> } | null }
-export const baked = signal<Told | null>(null);
+export const standalone = signal<Told | null>(null);
 export const line = signal<Line>("connecting");
 export const hello = signal<Hello | null>(null);
 export const workerState = signal<"ready" | "lost" | "restarted">("ready");

@@ -45,45 +45,45 @@ FILE_KINDS = {
 _SAVED_AS = {"flex": "-moved", "check": "-apart", "plan": "-plan"}
 
 
-def save(sheet: Document, request: SaveRequest, out: Reporter) -> None:
+def save(document: Document, request: SaveRequest, out: Reporter) -> None:
     """One file, by name, kind and content."""
     tail, mime = FILE_KINDS[request.what]
-    name = saved_name(sheet.file.name, tail.replace("-moved", _SAVED_AS[request.of]))
+    name = saved_name(document.file.name, tail.replace("-moved", _SAVED_AS[request.of]))
     with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
         path = Path(folder) / name
-        _write(sheet, request, path, out)
+        _write(document, request, path, out)
         content = path.read_bytes()
     out.reply(Saved(name=name, mime=mime, data=base64.b64encode(content).decode()))
 
 
-def _write(sheet: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
+def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
     design = request.design
     if request.what in ("assembly", "cut-svg", "cut-dxf"):
-        assembly = sheet.assembly(design)
+        assembly = document.assembly(design)
         drawing = assembly.drawing
         if request.what != "assembly":
             drawing = replace(drawing, parts=assembly.parts, gap=0.0, gaps=())
         write_drawing(drawing, path)
         return
-    said = command(request.of, sheet.file, design, pulled=request.of == "flex")
+    said = command(request.of, document.file, design, pulled=request.of == "flex")
     if request.what == "stills" and request.of != "plan":
         finding = "stills: they show the steps of a plan; ask for a plan first"
         raise InputError(finding)
     if request.of == "check":
-        found = sheet.checked(design, out)
+        found = document.checked(design, out)
         if request.what == "json":
             path.write_text(to_json(check_result(found, None, said)), encoding="utf-8")
         else:
             draw(Checked(found), path, command=said, progress=out.counted)
         return
     if request.of == "plan":
-        _write_plan(sheet.last_plan(design, out), request.what, path, said, out)
+        _write_plan(document.last_plan(design, out), request.what, path, said, out)
         return
-    answer = replace(sheet.answer(design, out), command=said)
+    answer = replace(document.answer(design, out), command=said)
     if request.what == "json":
         path.write_text(to_json(flex_result(answer)), encoding="utf-8")
     elif request.what == "html":
-        path.write_text(page_of_answer(answer, sheet.kept_check(design)), encoding="utf-8")
+        path.write_text(page_of_answer(answer, document.kept_check(design)), encoding="utf-8")
     else:
         draw(answer, path, progress=out.counted)
 

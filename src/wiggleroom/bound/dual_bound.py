@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.outer_regions import links_about, material_of
 from wiggleroom.bound.trigonometric_envelopes import support
-from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, pocket
+from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, local_outer_region
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_pose
 from wiggleroom.geometry.relative_pose import turn
@@ -79,7 +79,7 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float |
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
         material, pivots[c], _ = material_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))
-        made = pocket(material)
+        made = local_outer_region(material)
         if made is not None:
             kind[c] = len(pockets)
             pockets.append(made)

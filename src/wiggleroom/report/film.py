@@ -105,13 +105,13 @@ def film_of_answer(answer: Answer, path: str | PathLike[str], *, progress: Progr
         answer.assembly,
         answer.waypoints,
         path,
-        **said(answer),
+        **film_texts(answer),
         back=not answer.leaves and answer.period is None,
         progress=progress,
     )
 
 
-def said(answer: Answer) -> dict:
+def film_texts(answer: Answer) -> dict:
     """Return what the film of an answer says about it: title, facts, goals and command."""
     return {
         "goals": answer.goals,

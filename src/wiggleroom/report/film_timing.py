@@ -39,7 +39,7 @@ class TimedPath:
     """
 
     def __init__(self, assembly: Assembly, points: Floats) -> None:
-        points = way_points(assembly, points)
+        points = checked_waypoints(assembly, points)
         them = bodies(assembly)
         self._arm = them.rest[them.body_of, :2] - assembly.rest[:, :2]
         self._centred = about(points, self._arm)
@@ -61,7 +61,7 @@ class TimedPath:
         return about((1 - share) * self._centred[piece] + share * self._centred[piece + 1], -self._arm)
 
 
-def way_points(assembly: Assembly, points: Floats) -> Floats:
+def checked_waypoints(assembly: Assembly, points: Floats) -> Floats:
     """Check the motions along a way, (k, n, 3) [mm, mm, rad].
 
     Raises
@@ -78,7 +78,7 @@ def way_points(assembly: Assembly, points: Floats) -> Floats:
     return points
 
 
-def eased(count: int) -> Floats:
+def ease_in_out(count: int) -> Floats:
     """Shares (count,) of a way that begins and ends gently.
 
     >>> eased(3).round(9).tolist()

@@ -19,7 +19,7 @@ from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
 from wiggleroom.report.picture import picture
 from wiggleroom.report.plan_messages import plan_steps, plan_sure
 from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
-from wiggleroom.report.standalone_page import opened, standalone_page, way
+from wiggleroom.report.standalone_page import packed_frames, shown_drawing, standalone_page
 from wiggleroom.schema.replies import CheckReply, Title
 from wiggleroom.schema.standalone_schema import StandaloneCheck
 from wiggleroom.search.answer import witnessed
@@ -74,10 +74,10 @@ def page_of_plan(found: Plan, *, command: str = "") -> str:
         border=None,
         command=command,
     )
-    ways = [way(found.assembly, step.way) for step in found.steps]
+    ways = [packed_frames(found.assembly, step.way) for step in found.steps]
     return standalone_page(
         title,
-        opened=opened(found.assembly),
+        opened=shown_drawing(found.assembly),
         said=Title(title, plan_facts(found)),
         tab="apart",
         check=StandaloneCheck(reply, ways),

@@ -34,6 +34,7 @@ Floats = NDArray[np.float64]
 
 _COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 _MOST_STEPS = 40
+"""Steps that the page for the terminal lists."""
 MOST_PIECES = 3
 """Ways of more straight pieces are not said in words."""
 SLIGHT_TURN = 0.05

@@ -14,9 +14,9 @@ from wiggleroom.drawing.model import Goal, Pull, Turn, W, part_of
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow, turn_radius
-from wiggleroom.report.film_timing import TimedPath, eased, way_points
+from wiggleroom.report.film_timing import TimedPath, checked_waypoints, ease_in_out
 from wiggleroom.report.layout import View
-from wiggleroom.report.names import room_for, text_at, usual
+from wiggleroom.report.names import name_position, text_at, usual
 from wiggleroom.report.part_paths import PartPath, PartPaths, middle, spot, use
 from wiggleroom.report.text import escape
 
@@ -147,7 +147,7 @@ def scene(
     least_seconds : float
         It lasts at least so long.
     """
-    points = way_points(assembly, points)
+    points = checked_waypoints(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
     way = TimedPath(assembly, points * factor)
     pan = (
@@ -158,7 +158,7 @@ def scene(
     shown = _seen_length(assembly, way, pan)
     seconds = max(float(np.clip(DURATION[0] + 1.2 * shown / assembly.size, *DURATION)), least_seconds)
     count = max(min(round(seconds * rate), MAX_PLACES // len(assembly.parts)), 8) + 1
-    poses = assembly.rest + way.at(shown * eased(count))
+    poses = assembly.rest + way.at(shown * ease_in_out(count))
     said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
     box = _box(assembly, poses, pan)
     canvas = layout.view(box, 0.0).canvas
@@ -281,7 +281,7 @@ def _names(
     called = [short(p.name) for p in assembly.parts]
     size, found = usual(list(zip(called, of, strict=True)), room), []
     for k, (name, shape) in enumerate(zip(called, of, strict=True)):
-        at = room_for(name, shape, tuple(places[0, k].tolist()), size, marks)
+        at = name_position(name, shape, tuple(places[0, k].tolist()), size, marks)
         if at is None:
             continue
         x, y = at[0] - places[0, k, :2]

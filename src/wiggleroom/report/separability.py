@@ -150,7 +150,7 @@ def further(distance: float) -> str:
 def leaves(found: Interlock, escape: Escape) -> str:
     """Who leaves, and how."""
     verb = "leaves" if len(escape.parts) == 1 else "leave together"
-    return f"{few(escape.parts)} {verb} {along(found, escape)}"
+    return f"{few(escape.parts)} {verb} {direction_text(found, escape)}"
 
 
 def check_title(found: Interlock) -> str:
@@ -175,7 +175,7 @@ def check_sure(found: Interlock) -> list[tuple[str, str]]:
     ]
 
 
-def along(found: Interlock, escape: Escape) -> str:
+def direction_text(found: Interlock, escape: Escape) -> str:
     """How the parts go."""
     if len(escape.path) == 2:
         return f"straight in {towards(last_directions(found, escape)[0])}"

@@ -119,7 +119,10 @@ def _ranks(ranking: Ranking) -> list[tuple[Any, ...]]:
 
 def _tightened(found: Tightening) -> list[tuple[Any, ...]]:
     names = found.before.assembly.names
-    before, after = (np.hypot(*a.motion[:, :2].T).tolist() for a in (found.before, found.after))
+    before, after = (
+        np.linalg.norm(a.motion[:, : 2 if a.motion.shape[1] == 3 else 3], axis=1).tolist()
+        for a in (found.before, found.after)
+    )
     return [(k + 1, name, before[names.index(name)], after[names.index(name)]) for k, name in enumerate(found.chosen)]
 
 

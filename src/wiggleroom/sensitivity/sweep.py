@@ -19,7 +19,7 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.offset_bodies import moved
+from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import objective
@@ -279,7 +279,7 @@ def _carried(last: _SweepState | None, made: Assembly) -> Prepared | None:
         return None
     before, more = last.ready.bodies, made.gap - last.gap
     try:
-        after = moved(before, np.full(len(before.body_of), more / 2))
+        after = offset_bodies(before, np.full(len(before.body_of), more / 2))
     except InputError:
         return None
     there, here = placed(bodies(made)), placed(after)

@@ -2,7 +2,7 @@
 
 import { asks, design, goals } from "../design.ts";
 import { factor, shown } from "../motion.ts";
-import { answer, baked, busy, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
+import { answer, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
@@ -35,7 +35,7 @@ const NOTHING = 2e-3;
 function said(): Said {
   const { what, label } = shown.value;
   const about = answer.value;
-  const told = baked.value?.said;
+  const told = standalone.value?.said;
   const { gap } = design.value;
   if (dragging.value && (what === "drag" || running.value.has("drag"))) return draggedSaid();
   if (what === "mode" && modes.value) {

@@ -5,7 +5,7 @@ import { design, fixedNames } from "../design.ts";
 import { shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { ask, showEscape } from "../session.ts";
-import { baked, checked, current, many, planned, running, selected } from "../state.ts";
+import { standalone, checked, current, many, planned, running, selected } from "../state.ts";
 import { few } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { Run } from "../chrome/Run.tsx";
@@ -18,14 +18,14 @@ export function Apart() {
     <>
     <Section title="Does it come apart?">
       <p>Can some parts be moved without limit away from the others? Turning in place is not coming apart.</p>
-      {!baked.value && (
+      {!standalone.value && (
         <div class="asks"><Run kind="check" label="Check" onClick={() => void ask("check", { design: design.peek() })}>Check</Run></div>
       )}
       {about && (
-        <div class={current(about) || baked.value ? "result" : "result old"}>
+        <div class={current(about) || standalone.value ? "result" : "result old"}>
           <p class="verdict" data-verdict={about.reply.verdict}>{about.reply.verdict}</p>
           <p class="why">{about.reply.words.replace(/^[^:]*: /, "")}</p>
-          {!current(about) && !baked.value && <p class="quiet">said of an earlier design</p>}
+          {!current(about) && !standalone.value && <p class="quiet">said of an earlier design</p>}
           <ul class="rows">
             {about.reply.escapes.map((one, i) => (
               <li class="row" key={i}>
@@ -43,8 +43,8 @@ export function Apart() {
         </div>
       )}
     </Section>
-    {!baked.value && <Planned />}
-    {baked.value && <Command text={about?.reply.command} />}
+    {!standalone.value && <Planned />}
+    {standalone.value && <Command text={about?.reply.command} />}
     </>
   );
 }

@@ -85,7 +85,7 @@ class _Window:
     half: Floats
 
 
-def pocket(material: PairMaterial) -> LocalOuterRegion | None:
+def local_outer_region(material: PairMaterial) -> LocalOuterRegion | None:
     """Walls round rest; None where they do not close in a window of a few clearances."""
     sides = _Sides(material)
     most = material.clearance * np.array([FIRST_WINDOW, FIRST_WINDOW, 2 * FIRST_WINDOW / sides.lever])

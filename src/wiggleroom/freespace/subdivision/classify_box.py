@@ -15,8 +15,8 @@ from wiggleroom.freespace.subdivision.box_relaxation import (
     MAX_ROWS,
     add_rows,
     edges_within,
-    in_front,
-    most_of,
+    linear_program_maximum,
+    signed_line_distance,
 )
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, OPTIONS, njit
 
@@ -29,7 +29,7 @@ SPLIT_VISITS = 100
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def depth_at(x, y, edge, normal, disc, kid, stack):
+def signed_distance(x, y, edge, normal, disc, kid, stack):
     """Signed distance of a point from the boundary, negative inside the material.
 
     Where two edges are equally near, as on both sides of a lip of no thickness, the point counts as outside if either says so: nothing is
@@ -72,7 +72,9 @@ def depth_at(x, y, edge, normal, disc, kid, stack):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some):
+def classify_box(
+    x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
+):
     """FREE, FORBIDDEN or MIXED: the box round (x, y, turn) with half sides `half` [mm] and `swing` [rad]."""
     c, s = np.cos(turn), np.sin(turn)
     shift, spread = np.sqrt(2.0) * half, 2.0 * np.sin(min(swing, np.pi) / 2)
@@ -84,7 +86,7 @@ def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_di
         node = nodes[count]
         px, py, w = b_disc[node, 0], b_disc[node, 1], b_disc[node, 2]
         far = np.sqrt(px * px + py * py)
-        apart = depth_at(c * px - s * py + x, s * px + c * py + y, a_edge, a_normal, a_disc, a_kid, stack)
+        apart = signed_distance(c * px - s * py + x, s * px + c * py + y, a_edge, a_normal, a_disc, a_kid, stack)
         if apart > w + shift + spread * (far + w):
             continue
         if mixed and apart - w > -shift - spread * max(far - w, 0.0):
@@ -107,7 +109,7 @@ def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_di
             w = np.sqrt((x1 - x0) ** 2 + (y1 - y0) ** 2) / 2
             far = np.sqrt(mx * mx + my * my)
             reach = shift + spread * far
-            apart = depth_at(c * mx - s * my + x, s * mx + c * my + y, a_edge, a_normal, a_disc, a_kid, stack)
+            apart = signed_distance(c * mx - s * my + x, s * mx + c * my + y, a_edge, a_normal, a_disc, a_kid, stack)
             if apart <= -reach:
                 return FORBIDDEN
             if apart > w + reach + spread * w:
@@ -123,8 +125,8 @@ def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_di
                 edges_within(px, py, w + most, a_edge, a_disc, a_kid, stack, some) == 1
             ):  # along one line both ends decide
                 qx, qy = c * (x1 - mx) - s * (y1 - my), s * (x1 - mx) + c * (y1 - my)
-                one = in_front(a_edge, some[0], px - qx, py - qy)
-                other = in_front(a_edge, some[0], px + qx, py + qy)
+                one = signed_line_distance(a_edge, some[0], px - qx, py - qy)
+                other = signed_line_distance(a_edge, some[0], px + qx, py + qy)
                 if min(one, other) <= -most:
                     return FORBIDDEN
                 mixed = mixed or min(one, other) <= most
@@ -139,7 +141,7 @@ def judge(x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_di
 
 
 @njit(**OPTIONS)
-def straight(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, least):
+def is_free_segment(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, least):
     """True where every motion on the straight line between two (3,) is free; halves it until boxes decide."""
     stack = np.empty(STACK_SIZE, dtype=np.int64)
     nodes = np.empty(STACK_SIZE, dtype=np.int64)
@@ -154,7 +156,7 @@ def straight(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid,
         m = one + (t0 + t1) / 2 * d
         half = max(abs(d[0]), abs(d[1])) * (t1 - t0) / 2
         swing = abs(d[2]) * (t1 - t0) / 2
-        how = judge(
+        how = classify_box(
             m[0], m[1], m[2], half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
         )  # fmt: skip
         if how == FREE:
@@ -168,7 +170,7 @@ def straight(one, other, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid,
 
 
 @njit(**OPTIONS)
-def beside(n, middle, level, first, wrap, out):
+def neighbour_leaves(n, middle, level, first, wrap, out):
     """Leaves that share a face with box n, in unit coordinates; the turn closes on itself where `wrap`."""
     waiting = np.empty(256, dtype=np.int64)
     found = 0
@@ -228,24 +230,28 @@ def _sift_down(heap_cost, heap, count):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def worth(asked, x, y, turn):
+def objective_value(asked, x, y, turn):
     """Value of a motion: asked is (dx, dy, alpha, beta, gamma, ...) of dx x + dy y + alpha (cos turn - 1) + beta sin turn + gamma turn."""
     half = np.sin(turn / 2)
     return asked[0] * x + asked[1] * y - 2 * asked[2] * half * half + asked[3] * np.sin(turn) + asked[4] * turn
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def slope_and_bend(asked, turn):
+def slope_and_curvature_bound(asked, turn):
     """Derivative of the value by the turn, and the most that it may change with it."""
     slope = asked[3] * np.cos(turn) - asked[2] * np.sin(turn) + asked[4]
     return slope, np.sqrt(asked[2] ** 2 + asked[3] ** 2)
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def worth_at_most(asked, x, y, turn, half, swing):
+def objective_bound(asked, x, y, turn, half, swing):
     """Value that no motion of a box exceeds."""
-    slope, bend = slope_and_bend(asked, turn)
-    return worth(asked, x, y, turn) + half * (abs(asked[0]) + abs(asked[1])) + swing * (abs(slope) + swing * bend / 2)
+    slope, bend = slope_and_curvature_bound(asked, turn)
+    return (
+        objective_value(asked, x, y, turn)
+        + half * (abs(asked[0]) + abs(asked[1]))
+        + swing * (abs(slope) + swing * bend / 2)
+    )
 
 
 @njit(**NO_ALLOCATION)
@@ -253,9 +259,9 @@ def best_corner(asked, x, y, turn, half, swing):
     """Value and turn of the best of some motions of a box: the corner that lies furthest along, at three turns."""
     x += half if asked[0] > 0 else -half
     y += half if asked[1] > 0 else -half
-    best, at = worth(asked, x, y, turn), turn
+    best, at = objective_value(asked, x, y, turn), turn
     for k in range(-1, 2, 2):
-        value = worth(asked, x, y, turn + k * swing)
+        value = objective_value(asked, x, y, turn + k * swing)
         if value > best:
             best, at = value, turn + k * swing
     return best, at
@@ -271,7 +277,7 @@ def is_goal(n, middle, level, upper, turning, asked):
 
 
 @njit(**OPTIONS)
-def cheapest(
+def cheapest_paths(
     start, middle, level, state, first, upper, wrap, turning, asked, count, cost, before, heap_cost, heap, out, ends
 ):  # fmt: skip
     """Cheapest ways of boxes from `start` to goals; mixed boxes cost much more than free ones.
@@ -296,7 +302,7 @@ def cheapest(
             if found == len(ends):
                 break
             continue
-        for k in range(beside(n, middle, level, first, wrap, out)):
+        for k in range(neighbour_leaves(n, middle, level, first, wrap, out)):
             m = out[k]
             if state[m] == FORBIDDEN or state[m] == TINY:
                 continue
@@ -312,7 +318,7 @@ def cheapest(
 
 
 @njit(**OPTIONS)
-def split(
+def split_box(
     n, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid
 ):  # fmt: skip
     """Cut box n into eight and judge them; returns the new number of boxes."""
@@ -332,10 +338,10 @@ def split(
         level[m], first[m] = level[n] + 1, -1
         x, y = origin[0] + scale[0] * middle[m, 0], origin[1] + scale[0] * middle[m, 1]
         turn = origin[2] + scale[1] * middle[m, 2]
-        state[m] = judge(
+        state[m] = classify_box(
             x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
         )
-        upper[m] = worth_at_most(asked, x, y, turn, half, swing)
+        upper[m] = objective_bound(asked, x, y, turn, half, swing)
         if state[m] != MIXED or asked[5] == np.inf:
             continue
         found = add_rows(
@@ -378,11 +384,11 @@ def split(
             rows,
             found,
         )
-        slope, bend = slope_and_bend(asked, turn)
-        most = most_of(half * asked[0], half * asked[1], swing * slope, rows, found, active, inverse)
+        slope, bend = slope_and_curvature_bound(asked, turn)
+        most = linear_program_maximum(half * asked[0], half * asked[1], swing * slope, rows, found, active, inverse)
         if most == -np.inf:
             state[m] = FORBIDDEN
-        upper[m] = min(upper[m], worth(asked, x, y, turn) + most + swing * swing * bend / 2)
+        upper[m] = min(upper[m], objective_value(asked, x, y, turn) + most + swing * swing * bend / 2)
     return count + 8
 
 
@@ -396,7 +402,7 @@ def leaf_at(x, y, z, middle, first):
 
 
 @njit(**OPTIONS)
-def search(
+def search_boxes(
     middle, level, state, first, upper, count, pause, origin, scale, deepest, wrap, turning, asked, goals,
     a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way, visits,
 ):  # fmt: skip
@@ -417,7 +423,7 @@ def search(
         n = leaf_at(x, y, z, middle, first)
         if state[n] != MIXED or level[n] >= deepest or count + 8 > most:
             break
-        count = split(
+        count = split_box(
             n, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid, b_edge,
             b_disc, b_kid,
         )  # fmt: skip
@@ -430,7 +436,7 @@ def search(
         if visits[0] > visits[1]:
             return SPENT, count, 0
         visits[0] += count
-        found = cheapest(
+        found = cheapest_paths(
             start, middle, level, state, first, upper, wrap, turning, asked, count, cost, before, heap_cost, heap, out, ends,
         )  # fmt: skip
         if found < 0:
@@ -460,7 +466,7 @@ def search(
                     state[n] = TINY
                     continue
                 # mixed boxes beside it that are as large will be asked next
-                near = beside(n, middle, level, first, wrap, out) if e == 0 else 0
+                near = neighbour_leaves(n, middle, level, first, wrap, out) if e == 0 else 0
                 out[near] = n
                 for i in range(near + 1):
                     m = out[i]
@@ -469,7 +475,7 @@ def search(
                     if count + 8 > most:
                         return SPENT, count, 0
                     visits[0] += SPLIT_VISITS
-                    count = split(
+                    count = split_box(
                         m, middle, level, state, first, upper, count, origin, scale, asked, a_edge, a_normal, a_disc, a_kid,
                         b_edge, b_disc, b_kid,
                     )  # fmt: skip
