@@ -8,6 +8,7 @@ way has more room than there is where it begins: that ends the search early.
 from __future__ import annotations
 
 import sys
+from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -106,7 +107,7 @@ def _resampled(way: Floats) -> Floats:
     """The way with about the wanted number of way-points; those it has are kept."""
     out = [way[:1]]
     each = max(1, POINTS // (len(way) - 1))
-    for one, other in zip(way[:-1], way[1:], strict=True):
+    for one, other in pairwise(way):
         out.append(one + (other - one) * (np.arange(1, each + 1) / each)[:, None, None])
     return np.concatenate(out)
 
