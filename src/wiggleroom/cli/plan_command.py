@@ -8,7 +8,6 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.asking import direction
 from wiggleroom.cli.options import RESULTS, QuestionOptions, read
 from wiggleroom.cli.outputs import FilmOutputs, tell
 from wiggleroom.cli.running import TimeLimit
@@ -64,6 +63,7 @@ def plan(
     """
     import shlex
 
+    from wiggleroom.cli.asking import direction
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError
