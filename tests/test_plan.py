@@ -89,7 +89,7 @@ def test_check_finds_nested_latches_too():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(200, 204))
+@pytest.mark.parametrize("seed", [200, 201, 202, 203, 1085])
 def test_random_trays_agree_with_the_grid(seed):
     pieces, wall = random_tray(seed)
     truth, exhausted = grid_search(pieces, wall)

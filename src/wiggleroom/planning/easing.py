@@ -58,6 +58,7 @@ def eased(assembly: Assembly, ground: Survey, steps: Sequence[Step], stop: Stop 
     while todo:
         plain = todo.pop(0)
         shift = (done[-1].way[-1] if done else plain.way[0]) - plain.way[0]
+        shift[np.abs(shift) < STILL] = 0.0
         options = _from(assembly, plain, shift)
         step = next((option for option in options if len(options) < 2 or free(option)), options[0])
         if stop is not None and stop.is_set():
