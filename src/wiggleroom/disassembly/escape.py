@@ -238,7 +238,9 @@ def _beyond_slides(
         if tilted is not None:
             return replace(tilted, questions=count)
     stopped = stop is not None and stop.is_set()
-    answered = searched.unanswered == 0 or loose
+    # where all states of a lattice were visited and every body was turned in each, more places and open questions are no gap in that
+    sure = slid.on_lattice and slid.turned == slid.states
+    answered = sure or (searched.unanswered == 0 and not searched.more_places)
     whole = slid.whole and searched.whole and answered and not stopped
     ended: Separability = Separability.INTERLOCKED if whole else Separability.UNKNOWN
     return Stage(ended, Certainty.SEARCHED, NO_BODIES, None, known.held, count, unanswered=searched.unanswered)

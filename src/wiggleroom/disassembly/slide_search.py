@@ -134,7 +134,7 @@ def slide_search(
         Work at most, on slides and on turns.
     """
     turns = TurnSpace(space)
-    search = _Search(space, turns.order, motion, targets, stop, tell, budget)
+    search = _BreadthFirst(space, turns.order, motion, targets, stop, tell, budget)
     whole = search.slide()
     if search.way is not None or not whole:
         return search.result(whole)
@@ -167,7 +167,7 @@ def turn_end(state: Floats, turn: LocalTurn) -> Floats:
     return after
 
 
-class _Search:
+class _BreadthFirst:
     """The tree of states and those that wait to be gone on from."""
 
     def __init__(
