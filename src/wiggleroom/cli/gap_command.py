@@ -70,7 +70,7 @@ def gap(
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         from wiggleroom.questions import allowable_gap, is_spatial_file
 
-        assembly = read_in_space(file, asked) if is_spatial_file(file) else read(file, asked)
+        assembly = read_in_space(file, asked, stop=stop) if is_spatial_file(file) else read(file, asked, stop)
 
         found = allowable_gap(assembly, at_most=at_most, holds=holds, fits=fits, stop=stop, progress=show)
     from dataclasses import replace

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.sheet_options import SheetOptions
-    from wiggleroom.errors import Stop
+    from wiggleroom.deadline import Deadline
     from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 
 _AXES = {
@@ -80,7 +80,7 @@ def _three(text: str) -> tuple[float, float, float] | None:
 
 
 def read_in_space(
-    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Stop | None = None
+    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Deadline | None = None
 ) -> SpatialAssembly:
     """Spatial assembly that a file, or a cutting sheet, and the options describe; its notes go to stderr.
 
@@ -93,6 +93,7 @@ def read_in_space(
     """
     from wiggleroom.cli.asking import names
     from wiggleroom.cli.say import note
+    from wiggleroom.cli.watch import at_once
     from wiggleroom.errors import InputError
 
     goals, wrong = spatial_questions(asked.pull, asked.turn, asked.weight)
@@ -115,7 +116,8 @@ def read_in_space(
         found = assembled_sheet(file, sheet, unit=asked.unit, stop=stop)
         drawing = replace(read_spatial(sure_text(file, found)), source=found.source, notes=found.notes)
     else:
-        drawing = read_spatial(file if "\n" in file else _path(file))
+        with at_once(stop):
+            drawing = read_spatial(file if "\n" in file else _path(file))
     for line in drawing.notes:
         note(line)
     fixed = names(asked.fix, {p.name for p in drawing.parts})
@@ -129,7 +131,7 @@ def _path(file: str) -> Any:
 
 
 def read_question(
-    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Stop | None = None
+    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Deadline | None = None
 ) -> Assembly | SpatialAssembly:
     """Assembly of either dimension, if a question about motion can be asked of it; its notes go to stderr.
 
@@ -144,7 +146,7 @@ def read_question(
     from wiggleroom.questions import is_spatial_file
 
     if not (sheet is not None and sheet.given) and not is_spatial_file(file):
-        return require_question(read(file, asked))
+        return require_question(read(file, asked, stop))
     from wiggleroom.spatial.spatial_flex import lacking
 
     assembly = read_in_space(file, asked, sheet, stop)

@@ -71,7 +71,7 @@ def sample(
         from wiggleroom.sensitivity.gap_distribution import Spread
 
         distribution = Spread(spread, kind, sheet, bias)
-        assembly = read_question(file, asked)
+        assembly = read_question(file, asked, stop=stop)
 
         from wiggleroom.questions import sample as work_out
 
