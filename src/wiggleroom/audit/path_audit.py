@@ -1,4 +1,4 @@
-"""Whether parts overlap anywhere along a way: all pairs that come near, between way-points too."""
+"""Whether parts overlap anywhere along a path: all pairs that come near, between way-points too."""
 
 from __future__ import annotations
 
@@ -11,14 +11,17 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
+from wiggleroom.geometry.batches import in_batches
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_BOX_GROWTH = 2.0
-"""A stretch of the way is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
+"""A stretch of the path is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
 MAX_NEAR_EDGES = 200_000
 """Pairs of edges of two parts that may meet on one stretch, at most."""
+MIN_PARALLEL_PAIRS, BATCHES = 1000, 8
+"""From so many pairs of parts on, two threads look at them in so many batches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +45,7 @@ class PathAudit:
 
     @property
     def free(self) -> bool:
-        """True where no two parts overlap anywhere along the way."""
+        """True where no two parts overlap anywhere along the path."""
         return len(self.a) == 0
 
     @property
@@ -70,7 +73,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
 
     Notes
     -----
-    It knows nothing of the search: pairs are found from the boxes round what parts sweep. See docs/mathematics.md, "The way from rest".
+    It knows nothing of the search: pairs are found from the boxes round what parts sweep. See docs/mathematics.md, "The path from rest".
 
     Examples
     --------
@@ -94,10 +97,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     a, b = keys // n, keys % n
     doubtful = np.zeros(len(motions) - 1, dtype=np.bool_)
     first = np.full(len(keys), len(motions), dtype=np.int64)
-    sweep(
-        a, b, poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run, parts.first_run,
-        parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, doubtful, first,
-    )  # fmt: skip
+    _sweep_all(parts, poses, a, b, doubtful, first)
     nested = np.zeros(len(keys), dtype=np.bool_)
     inside_each_other(
         a, b, np.ascontiguousarray(poses[:, 0]), parts.first, parts.corner, parts.next_corner, parts.ring, parts.first_ring,
@@ -108,8 +108,20 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     return PathAudit(doubtful[:pieces], a[doubt], b[doubt], first[doubt])
 
 
+def _sweep_all(parts: AuditOutlines, poses: Floats, a: Ints, b: Ints, doubtful: NDArray[np.bool_], first: Ints) -> None:
+    """Look at all pairs along the way, many of them on two threads; what is found is filled in."""
+
+    def look(some: slice) -> None:
+        sweep(
+            a[some], b[some], poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run,
+            parts.first_run, parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, doubtful, first[some],
+        )  # fmt: skip
+
+    in_batches(len(a), BATCHES if len(a) > MIN_PARALLEL_PAIRS else 1, look)
+
+
 def _near(parts: AuditOutlines, poses: Floats) -> Ints:
-    """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the way."""
+    """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the path."""
     n = len(poses)
     width = _widths(_swept(parts, poses, 0, 0))
     waiting = [(0, poses.shape[1] - 1)]

@@ -13,6 +13,8 @@ from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import Outputs, Places
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.sheet_options import SheetOptions
     from wiggleroom.errors import Stop
@@ -24,7 +26,6 @@ _AXES = {
     for sign in "+-"
 }
 _HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
-SPATIAL_PICTURES = (".svg", ".png", ".glb")
 
 
 def spatial_questions(
@@ -153,6 +154,23 @@ def read_question(
     return assembly
 
 
+def see_no_page(file: str, *places: Path | None, spatial: bool = False) -> None:
+    """See that no page is asked for of curves in space; with `spatial` the file is known to be in space.
+
+    Raises
+    ------
+    InputError
+        If one is.
+    """
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
+
+    for place in places:
+        if place is not None and place.suffix.lower() == ".html" and (spatial or is_spatial_file(file)):
+            message = f"{place}: curves in space are not made into a page; name an .svg or .png"
+            raise InputError(message)
+
+
 def with_dimension(result: Any, assembly: Any) -> Any:
     """A result of a study; of an assembly in space as JSON that says its dimension."""
     import msgspec
@@ -176,6 +194,7 @@ def spatial_places(outputs: Outputs) -> Places:
     """
     from wiggleroom.cli.outputs import TABLE
     from wiggleroom.errors import InputError
+    from wiggleroom.report.write_spatial import SPATIAL_PICTURES
 
     if outputs.moved is not None:
         message = (
@@ -221,9 +240,9 @@ def flex_in_space(
 
         write_table(spatial_steps(answer.assembly.names, [answer.waypoints]), outputs.csv)
     if outputs.picture is not None:
-        from wiggleroom.report.spatial_picture import draw_spatial
+        from wiggleroom.report.write_spatial import write_spatial
 
-        draw_spatial(answer, outputs.picture)
+        write_spatial(answer, outputs.picture)
         note(f"picture: {outputs.picture}")
     return 3 if answer.verdict == "stopped" else 0
 
@@ -258,8 +277,8 @@ def check_in_space(
 
         write_table(spatial_steps(found.assembly.names, [e.path for e in found.escapes]), outputs.csv)
     if outputs.picture is not None:
-        from wiggleroom.report.spatial_picture import draw_separation
+        from wiggleroom.report.write_spatial import write_spatial
 
-        draw_separation(found, outputs.picture)
+        write_spatial(found, outputs.picture, shlex.join(["wiggleroom", *sys.argv[1:]]))
         note(f"picture: {outputs.picture}")
     return {"interlocked": 0, "comes apart": 1, "unknown": 3}[found.verdict]

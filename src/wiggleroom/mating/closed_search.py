@@ -102,7 +102,7 @@ def closed_placements(
     deadline = time.process_time() + seconds
     found = Closed()
     for spare in range(SETTINGS.max_open_lines + 1):
-        search = _Search(bench, frozenset(free), table, deadline, stop, spare)
+        search = _ExhaustiveSearch(bench, frozenset(free), table, deadline, stop, spare)
         search.descend(search.root(start), spare)
         found = search.result
         if found.placements or not found.exhausted:
@@ -122,7 +122,7 @@ class _Partial:
 _Tried = dict[tuple[float, ...], tuple[int, _Partial] | None]
 
 
-class _Search:
+class _ExhaustiveSearch:
     def __init__(
         self,
         bench: BeamState,

@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 
 class TimedPath:
-    """Motions along a way by its length, straight about the centroids of the bodies between its points.
+    """Motions along a path by its length, straight about the centroids of the bodies between its points.
 
     Straight about the centroids, because that is how ways are checked; glued parts keep together.
 
@@ -47,7 +47,7 @@ class TimedPath:
 
     @property
     def length(self) -> float:
-        """How far the corner that moves most goes along the way, about [mm]."""
+        """How far the corner that moves most goes along the path, about [mm]."""
         return float(self._passed[-1])
 
     def at(self, lengths: Floats) -> Floats:
@@ -62,7 +62,7 @@ class TimedPath:
 
 
 def checked_waypoints(assembly: Assembly, points: Floats) -> Floats:
-    """Check the motions along a way, (k, n, 3) [mm, mm, rad].
+    """Check the motions along a path, (k, n, 3) [mm, mm, rad].
 
     Raises
     ------
@@ -79,7 +79,7 @@ def checked_waypoints(assembly: Assembly, points: Floats) -> Floats:
 
 
 def ease_in_out(count: int) -> Floats:
-    """Shares (count,) of a way that begins and ends gently.
+    """Shares (count,) of a path that begins and ends gently.
 
     >>> eased(3).round(9).tolist()
     [0.0, 0.5, 1.0]

@@ -118,7 +118,7 @@ def _within(way: NDArray[np.float64], size: float) -> NDArray[np.float64]:
 
 
 def _arrow(begin: Assembly, step: Step, name: str, found: Plan) -> Pull:
-    """Arrow of a part, from a point inside it, along the way it goes."""
+    """Arrow of a part, from a point inside it, along the path it goes."""
     row = found.assembly.names.index(name)
     change = step.way[-1, row] - step.way[0, row]
     direction = change[:2] if np.hypot(*change[:2]) > STILL else np.array([1.0, 0.0])

@@ -22,8 +22,6 @@ from wiggleroom.report.text import escape
 
 Floats = NDArray[np.float64]
 
-HEAD_SPACING = 30.0
-"""Between the text and the drawing [px]."""
 MAX_WHOLE_SHARE = 1.0
 """A motion no further than this, as a share of the drawing's size, is shown as a whole."""
 FRAME_SHARE = 0.55
@@ -136,7 +134,7 @@ def scene(
     Parameters
     ----------
     points : (k, n, 3) float64 [mm, mm, rad]
-        Motions along the way.
+        Motions along the path.
     rate : float [1/s]
         Frames a second; fewer where there are very many parts.
     goals : tuple
@@ -163,14 +161,14 @@ def scene(
     box = _box(assembly, poses, pan)
     canvas = layout.view(box, 0.0).canvas
     top, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
-    view = layout.view(box, below + HEAD_SPACING)
+    view = layout.view(box, below + palette.HEAD_SPACING)
     defs, tracks, still = _tracks(view, assembly, poses, goals, pan)
     legend = [(frame.swatch("none", palette.REST), "at rest")]
     if any(p.fixed for p in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
     if goals:
         legend.insert(1, (frame.swatch(*palette.PULLED), "pulled"))
-    foot, height = frame.footer(view, view.y + view.height + HEAD_SPACING + 16, legend, command)
+    foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, command)
     stage = (view.x - 12, view.y - 12, view.width + 24, view.height + 24)
     words = "; ".join(said)
     # video needs even sizes

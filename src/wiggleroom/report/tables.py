@@ -75,7 +75,7 @@ def _cell(value: Any) -> Any:
 
 
 def _steps(names: Sequence[str], way: NDArray[np.float64]) -> list[tuple[Any, ...]]:
-    """Motions along a way (k, n, 3), a row for each step and part; the last step is the end."""
+    """Motions along a path (k, n, 3), a row for each step and part; the last step is the end."""
     return [
         (step, name, x, y, math.degrees(turn))
         for step, motion in enumerate(way.tolist())

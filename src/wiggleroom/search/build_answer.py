@@ -1,4 +1,4 @@
-"""From the end of a search to an answer: the way checked, overlap measured, verdict given."""
+"""From the end of a search to an answer: the path checked, overlap measured, verdict given."""
 
 from __future__ import annotations
 

@@ -7,7 +7,6 @@ corners from edges commit to nothing, so this climb ends in a better one; then c
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +16,8 @@ from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.distance_program import DistanceProgram, build_distances
-from wiggleroom.search.incumbent import PathSegment, Start
+from wiggleroom.search.carried_start import carried_start
+from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, PathSegment, Start
 from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
 from wiggleroom.solve import interior_point
 from wiggleroom.solve.interior_point import Solution
@@ -27,8 +27,8 @@ Floats = NDArray[np.float64]
 
 MIN_BODIES = 100
 """In smaller assemblies cells alone come as far."""
-CLIMB_TOLERANCE = 1e-2
-"""Of the climb, which is to show the basin only."""
+CLIMB_TOLERANCE = 1e-3
+"""Of the climb: rounds among cells go on from there."""
 REACH, BESIDE = 5.0, 1.0
 """Of pairs with edges that face each other: corners up to so many clearances in front of an edge, and beside its ends, are listed."""
 CORNER_REACH = 12.0
@@ -50,7 +50,7 @@ def climbed(search: LocalSearch, start: Start) -> Start:
     begin = nudged(program, program.variables(start.inner))
     solution = interior_point.solve(
         program, begin, mu=start.mu, tolerance=CLIMB_TOLERANCE, horizon=ESCAPE_DISTANCE * search.ready.size,
-        stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
+        balanced=False, stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
     )  # fmt: skip
     search.iterations += solution.iterations
     search.seconds["solve"] += time.perf_counter() - began
@@ -88,9 +88,11 @@ def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, so
     search.seconds["freespace"] += time.perf_counter() - began
     if cells is None:
         return start
-    mu = solution.inner_mu * program.rows / max(len(cells.kind), 1)
     segment = PathSegment(program, tuple(points[: inner + 1]))
-    return replace(start, cells=cells, inner=program.motion(points[inner]), segments=(segment,), mu=mu)
+    begun = Start(cells, program.motion(points[inner]), (segment,), solution.inner_mu, HANDED_OVER_TOLERANCE)
+    if points[inner] is not solution.inner:
+        return begun
+    return carried_start(begun, program, solution, np.ones(len(cells.a), dtype=bool))
 
 
 def _last_free(search: LocalSearch, motions: list[Floats]) -> int:

@@ -21,6 +21,7 @@ from wiggleroom.search.active_set import touching
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.solve import interior_point
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.verdict import SolverStatus
 
@@ -43,6 +44,8 @@ MAX_RESTARTS = 3
 """Most restarts after a pair outside the program was met on the path."""
 LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
+CARRYING_ASSEMBLY = 100
+"""In larger assemblies rounds begin with multipliers."""
 FULL_TURN = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
 
@@ -208,6 +211,11 @@ class LocalSearch:
         return len(self.ready.bodies.fixed) > LARGE_ASSEMBLY
 
     @property
+    def carries_multipliers(self) -> bool:
+        """True where a round begins with the multipliers of the one before, and so takes fewer iterations."""
+        return len(self.ready.bodies.fixed) > CARRYING_ASSEMBLY and self.solve is interior_point.solve
+
+    @property
     def unlimited(self) -> bool:
         """True where a body that is asked about has moved so far, or turned so far and gains by it, that perhaps nothing stops it."""
         if self.best is None:
@@ -246,10 +254,11 @@ class LocalSearch:
         self.rounds += 1
         number, begin = self.rounds, program.variables(start.inner)
         tolerance = self.policy.rough if start.tolerance is None else start.tolerance
+        carried = {} if start.multipliers is None else {"multipliers": start.multipliers}
         solution = self.solve(
             program, begin if start.segments else nudged(program, begin), mu=start.mu, tolerance=tolerance,
             horizon=ESCAPE_DISTANCE * self.ready.size, stop=self.stop,
-            progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
+            progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)), **carried,
         )  # fmt: skip
         self.iterations += solution.iterations
         motion = program.motion(solution.u)

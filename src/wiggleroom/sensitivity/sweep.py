@@ -55,7 +55,7 @@ class SweepStep:
         None where nothing stops the motion, or where the parts cannot be made or touch.
     verdict : Verdict
     checked : bool
-        True where the way from rest was checked, at this gap.
+        True where the path from rest was checked, at this gap.
     answer : Answer, SpatialAnswer or None
         What was found there, its way from rest through the ends at smaller gaps; None where there is no such motion.
     """

@@ -14,7 +14,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.subdivision.classify_box import CLOSED, FOUND, PAUSED, best_corner, search_boxes
+from wiggleroom.freespace.subdivision.box_search import CLOSED, FOUND, PAUSED, best_corner, search_boxes
 from wiggleroom.freespace.subdivision.disc_tree import solid
 from wiggleroom.freespace.subdivision.passage import WINDOW_OFFSET, middle_of_contact, shortcut, waypoints_through
 from wiggleroom.geometry.rigid_motions import about

@@ -10,7 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.subdivision.classify_box import CLOSED, PAUSED, SPENT, is_free_segment, search_boxes
+from wiggleroom.freespace.subdivision.box_search import CLOSED, PAUSED, SPENT, search_boxes
+from wiggleroom.freespace.subdivision.classify_box import is_free_segment
 from wiggleroom.freespace.subdivision.disc_tree import solid
 
 Floats = NDArray[np.float64]
