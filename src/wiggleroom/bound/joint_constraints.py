@@ -143,7 +143,8 @@ def propagated(ranges: AngleRanges, turns: TurnDifferences) -> AngleRanges:
         np.minimum.at(high, a, before[1][b] - turns.low + ROUNDING_MARGIN)
         np.maximum.at(low, b, before[0][a] + turns.low - ROUNDING_MARGIN)
         np.maximum.at(low, a, before[0][b] - turns.high - ROUNDING_MARGIN)
-        gained = np.maximum(before[1] - high, low - before[0])
+        with np.errstate(invalid="ignore"):  # where nothing is known
+            gained = np.maximum(before[1] - high, low - before[0])
         if (low > high).any() or not (gained > 10 * ROUNDING_MARGIN).any():
             break
     return replace(ranges, low=low, high=high)
