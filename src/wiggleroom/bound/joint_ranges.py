@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, TurnDifferences
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
-from wiggleroom.freespace.outer.outer_facets import Facets, facets
+from wiggleroom.freespace.outer.outer_facets import FINE_NORMALS, Facets, facets
 from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.geometry.relative_pose import turn
 
@@ -40,10 +40,18 @@ class InfeasibleRanges(Exception):  # noqa: N818
 
 @dataclass(eq=False)
 class RegionCuts:
-    """Regions, and what was cut out of them; a region may be replaced by a sharper one."""
+    """Regions, and what was cut out of them; a region may be replaced by a sharper one.
+
+    Parameters
+    ----------
+    regions : list
+    unlike : float [rad]
+        Facets whose normals differ by less are one: fewer facets make quicker programs, and the bounds that follow hardly worse.
+    """
 
     regions: list[OuterRegion | CagingSurface | LocalOuterRegion]
-    known: dict[tuple[int, int, int, int], Facets | None] = field(default_factory=dict)
+    unlike: float = FINE_NORMALS
+    known: dict[tuple[float, int, int, int, int], Facets | None] = field(default_factory=dict)
 
     def cut(self, kind: int, low: float, high: float) -> Facets | None:
         """Facets and corners of a region between two turns; None where nothing is left."""
@@ -57,15 +65,15 @@ class RegionCuts:
         finer = max(0, int(np.ceil(np.log2((most - least) / whole)))) if most > least else 0
         step = (most - least) / (TURN_GRID << finer)
         ends = int(np.floor((low - least) / step)), int(np.ceil((high - least) / step))
-        key = (kind, finer, *ends)
+        key = (self.unlike, kind, finer, *ends)
         if key not in self.known:
-            self.known[key] = facets(region, least + ends[0] * step, least + ends[1] * step)
+            self.known[key] = facets(region, least + ends[0] * step, least + ends[1] * step, self.unlike)
         return self.known[key]
 
     def replace(self, kind: int, region: OuterRegion) -> None:
         """Put a sharper region in the place of one."""
         self.regions[kind] = region
-        self.known = {key: cut for key, cut in self.known.items() if key[0] != kind}
+        self.known = {key: cut for key, cut in self.known.items() if key[1] != kind}
 
 
 @dataclass(frozen=True, eq=False)
