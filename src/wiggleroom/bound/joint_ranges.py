@@ -24,6 +24,8 @@ TURN_GRID = 512
 """Intervals end at multiples of a region's whole turn divided by this."""
 MIN_GRID_STEPS = 16
 """Of narrower intervals than so many steps, the grid is finer by a power of two."""
+GRID_MARGIN = 1e-6
+"""Ends of an interval this share of a step from a multiple are moved out to the next one, so that rounding never cuts it."""
 FINEST_GRID = 1e-9
 """No grid is finer than this divided by `MIN_GRID_STEPS` [rad]."""
 MAX_COUPLED_ANGLE = 1.2
@@ -63,11 +65,17 @@ class RegionCuts:
             return None
         whole = TURN_GRID / MIN_GRID_STEPS * max(high - low, FINEST_GRID)
         finer = max(0, int(np.ceil(np.log2((most - least) / whole)))) if most > least else 0
-        step = (most - least) / (TURN_GRID << finer)
-        ends = int(np.floor((low - least) / step)), int(np.ceil((high - least) / step))
+        count = TURN_GRID << finer
+        step = (most - least) / count
+        ends = (
+            max(int(np.floor((low - least) / step - GRID_MARGIN)), 0),
+            min(int(np.ceil((high - least) / step + GRID_MARGIN)), count),
+        )
         key = (self.unlike, kind, finer, *ends)
         if key not in self.known:
-            self.known[key] = facets(region, least + ends[0] * step, least + ends[1] * step, self.unlike)
+            one = least if ends[0] == 0 else least + ends[0] * step
+            other = most if ends[1] == count else least + ends[1] * step
+            self.known[key] = facets(region, one, other, self.unlike)
         return self.known[key]
 
     def replace(self, kind: int, region: OuterRegion) -> None:
