@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 
 pytest.importorskip("manifold3d")
 
@@ -16,7 +17,7 @@ from benchmarks.sheet_judge import judge, rotation
 
 from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import assemble_sheet
-from wiggleroom.mating.congruence import congruent
+from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
 from wiggleroom.mating.hints import Hints, Join, read_hints
 from wiggleroom.mating.plates_writer import fixed_axis_turns
@@ -89,8 +90,6 @@ def test_a_flank_without_partner_is_said(tmp_path: Path) -> None:
 def test_a_panel_without_joints_is_left_out_and_the_rest_is_written(
     command: Callable[..., int], tmp_path: Path
 ) -> None:
-    import shapely
-
     design = stool("stool", 60, 50, 3)
     design.panels["plain"] = shapely.box(0, 0, 50, 40)
     sheet, out = tmp_path / "sheet.svg", tmp_path / "out.json"
@@ -147,8 +146,6 @@ def test_a_join_that_is_told_is_kept(tmp_path: Path) -> None:
 
 
 def test_a_panel_goes_where_a_hint_puts_it(command: Callable[..., int], tmp_path: Path) -> None:
-    import shapely
-
     design = stool("stool", 60, 50, 3)
     design.panels["plain"] = shapely.box(0, 0, 50, 40)
     sheet, hints, out = tmp_path / "sheet.svg", tmp_path / "hints.toml", tmp_path / "out.json"
@@ -211,16 +208,25 @@ def test_turns_about_fixed_axes_make_the_rotation_again() -> None:
 
 
 def test_congruence_sees_one_small_hole_on_the_other_side() -> None:
-    plate = np.array([[0, 0, 0], [40, 0, 0], [40, 30, 0], [0, 30, 0.0]])
-    hole = np.array([[5, 5, 0], [7, 5, 0], [7, 7, 0], [5, 7, 0.0]])
-    other = hole + np.array([28, 0, 0])  # the mirror image of the hole in the plate alone
-    wall = plate[:, [0, 2, 1]]
-    marked = wall + np.array([0, 0, 1.5])
-    one = [(1.0, np.vstack([plate, hole])), (2.0, marked)]
-    mirrored = [(1.0, np.vstack([plate, other])), (2.0, marked)]
-    assert congruent(one, mirrored, 0.3)  # the wall is symmetric too: the whole is a mirror image
-    wedge = np.vstack([marked, [[9, 0, 20]]])
-    assert not congruent([one[0], (2.0, wedge)], [mirrored[0], (2.0, wedge)], 0.3)
+    plate = shapely.box(-20, -15, 20, 15).difference(shapely.box(-15, -10, -13, -8))
+    wall, marked = shapely.box(-20, -8, 20, 8), shapely.box(-20, -8, 20, 8).difference(shapely.box(-20, -8, -18, -6))
+    known = PanelIsometries({0: plate, 1: wall, 2: marked})
+    up = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    base, turned = (0, np.eye(3), np.zeros(3)), (0, np.diag([-1.0, 1, -1]), np.zeros(3))
+    beside = np.array([0, 15.0, 8])
+    assert congruent(known, [base, (1, up, beside)], [turned, (1, up, beside)], 0.3)  # the whole is a mirror image
+    assert not congruent(known, [base, (2, up, beside)], [turned, (2, up, beside)], 0.3)
+
+
+def test_panels_that_differ_by_a_small_hole_are_not_the_same_kind(tmp_path: Path) -> None:
+    """Two sides of a box, each with a 2 mm hole in another place: exchanging them makes another box."""
+    design = box("box", 75, 52, 38, 3, 8)
+    for name, x in (("left", 12), ("right", 20)):
+        design.panels[name] = design.panels[name].difference(shapely.box(x, 14, x + 2, 16))
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
+    kinds = {plate.name: plate.kind for plate in found.plates}
+    assert kinds["left"] != kinds["right"]
+    assert not found.sure
 
 
 @pytest.mark.slow

@@ -30,6 +30,18 @@ def test_what_is_generated_is_current(path: Path) -> None:
     assert path.read_text(encoding="utf-8") == generated(TOP)[path]
 
 
+@pytest.mark.parametrize("more", [("--thickness", "3"), ()])
+def test_what_assemble_writes_keeps_to_its_structure(
+    more: tuple[str, ...], command: Callable[..., int], tmp_path: Path
+) -> None:
+    place = tmp_path / "answer.json"
+    sheet = TOP / "tests" / "sheets" / "stool_small.svg"
+    command("assemble", str(sheet), *more, "-o", str(tmp_path / "out.json"), "--json", str(place))
+    content = json.loads(place.read_text(encoding="utf-8"))
+    structure = next(k for k in RESULTS if k.__struct_config__.tag == content["format"])
+    assert json.loads(msgspec.json.encode(msgspec.convert(content, structure))) == content
+
+
 @pytest.mark.parametrize("kind", COMMANDS)
 def test_what_a_command_writes_keeps_to_its_structure(kind: str, command: Callable[..., int], tmp_path: Path) -> None:
     place = tmp_path / "answer.json"

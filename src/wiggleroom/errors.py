@@ -34,6 +34,20 @@ class TouchingError(InputError):
         self.clearance = clearance
 
 
+class UnsureError(WiggleroomError):
+    """What the question rests on is not sure, so no answer is given.
+
+    Parameters
+    ----------
+    findings : sequence of str
+        One plain line for everything that is not sure.
+    """
+
+    def __init__(self, findings: Sequence[str]) -> None:
+        self.findings = tuple(findings)
+        super().__init__("\n".join(self.findings))
+
+
 class Stop(Protocol):
     """Anything with `is_set`, asked now and then while long work runs; True to stop."""
 

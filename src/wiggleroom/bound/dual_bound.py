@@ -26,7 +26,7 @@ from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, fi
 from wiggleroom.bound.limited_tightening import tightened
 from wiggleroom.bound.outer_regions import links_about, material_of
 from wiggleroom.bound.trigonometric_envelopes import support
-from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, pocket
+from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_pose
 from wiggleroom.geometry.relative_pose import turn
@@ -92,7 +92,7 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int, drawn: Bod
     pockets: list[LocalOuterRegion] = []
     kind = np.full(len(first), -1, dtype=np.int64)
     for c, sides in zip(wanted, near, strict=True):
-        made = pocket(sides)
+        made = local_outer_region(sides)
         if made is not None:
             kind[c] = len(pockets)
             pockets.append(made)

@@ -38,7 +38,7 @@ def _run(argv: list[str]) -> int:
 
     from wiggleroom.cli.app import build
     from wiggleroom.cli.words import with_json_alone
-    from wiggleroom.errors import InputError, StoppedError, WiggleroomError
+    from wiggleroom.errors import InputError, StoppedError, UnsureError, WiggleroomError
 
     app = build()
     try:
@@ -48,6 +48,10 @@ def _run(argv: list[str]) -> int:
     except InputError as problem:
         for finding in problem.findings:
             _say(finding)
+    except UnsureError as problem:
+        for finding in problem.findings:
+            _say(finding)
+        return NO_VERDICT
     except StoppedError as problem:
         _say(str(problem))
         return NO_VERDICT

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.options import Many
 from wiggleroom.cli.outputs import check, write_picture, write_result
+from wiggleroom.cli.sheet_options import SheetOptions, assembled_sheet
 from wiggleroom.report.file_endings import STILLS
 
 if TYPE_CHECKING:
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
     from wiggleroom.mating.assembled_sheet import AssembledSheet
     from wiggleroom.mating.cutting_sheet import CuttingSheet
+    from wiggleroom.schema.results import AssembleResult
+
+_NO_SHEET = SheetOptions()
 
 
 def assemble(
@@ -26,9 +29,7 @@ def assemble(
     /,
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
-    thickness: Many = (),
-    burn: float | None = None,
-    hints: Path | None = None,
+    sheet: SheetOptions = _NO_SHEET,
     unit: Literal["mm", "cm", "m", "in", "px"] | None = None,
     time: float = 60.0,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
@@ -40,7 +41,8 @@ def assemble(
     wiggleroom assemble puzzle.svg -o puzzle.json
 
     Exit code 0: every panel is placed; 3: some are not, what is placed is written all the same. Whether the result is
-    sure is said: it is only where everything fits and nothing else does as well.
+    sure is said: it is only where everything fits and nothing else does as well. Without --thickness parts stay in the
+    plane and are put where their outlines fit, turned and shifted, never turned over.
 
     Parameters
     ----------
@@ -48,14 +50,6 @@ def assemble(
         The sheet (.svg, .dxf, .lbrn2).
     output
         The assembly file to write (.json): plates as cut, in space.
-    thickness
-        Of the material [mm], for which joints are drawn. NAME:2.8 gives the real thickness of one panel. May repeat.
-        Without it parts stay in the plane and are put where their outlines fit, turned and shifted, never turned over.
-    burn
-        By how much outlines are drawn larger than they come out [mm], half the width of the cut. By default what the
-        sheet itself says, else 0.
-    hints
-        A TOML file with what is known of plates in space: thickness, burn, groups, joins, plates.
     unit
         Unit of the drawing, in place of the file's.
     time
@@ -66,52 +60,40 @@ def assemble(
         The sheet with its joints coloured and named, beside the result: .svg or .png.
     """
     import shlex
-    from dataclasses import replace
 
     from wiggleroom.cli.say import note, show
     from wiggleroom.errors import InputError
     from wiggleroom.files import write_whole
-    from wiggleroom.mating.assembled_sheet import assemble_sheet
-    from wiggleroom.mating.cutting_sheet import read_sheet
-    from wiggleroom.mating.hints import Hints, read_hints
 
     check(file, {"-o": (output, (".json",)), "--json": (json, ()), "--picture": (picture, STILLS)})
-    said = read_hints(hints) if hints else Hints()
-    common, single = _thicknesses(thickness)
-    said = replace(said, thicknesses=said.thicknesses | single)
-    common = common if common is not None else said.thickness
-    if common is None and (hints or single):
-        message = f"{file}: the thickness of the material is not known; give it, such as --thickness 3"
-        raise InputError(message)
-    if burn is not None and burn < 0:
-        message = f"--burn {burn:g}: it must be 0 mm or more"
-        raise InputError(message)
+    sheet.check(file, in_plane=True)
     if not time > 0:
         message = f"--time {time:g}: it must be more than 0 s"
         raise InputError(message)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
-    sheet = read_sheet(Path(file), unit=unit)
-    if common is None:
-        done = _in_plane(sheet, burn, command)
+    if sheet.given:
+        done = _in_space(assembled_sheet(file, sheet, unit=unit, seconds=time), command)
     else:
-        done = _in_space(assemble_sheet(sheet, common, burn=burn, hints=said, seconds=time), command)
+        from wiggleroom.mating.cutting_sheet import read_sheet
+
+        done = _in_plane(read_sheet(Path(file), unit=unit), sheet.burn, command)
     if json is not None:
         write_result(done.record, json)
     if json != "-":
         show(done.page)
-    for line in done.record["notes"]:
+    for line in done.record.notes:
         note(line)
     if picture is not None:
         write_picture(done.picture(), picture)
     write_whole(output, done.text)
-    note(f"{done.record['placed']} of {done.record['panels']} panels: {output}")
-    return 3 if done.record["unplaced"] else 0
+    note(f"{done.record.placed} of {done.record.panels} panels: {output}")
+    return 3 if done.record.unplaced else 0
 
 
 class _Done(NamedTuple):
     """What is written: the record, the page on the terminal, the picture when it is asked for, the assembly file."""
 
-    record: dict[str, Any]
+    record: AssembleResult
     page: Group
     picture: Callable[[], str]
     text: str
@@ -137,24 +119,3 @@ def _in_space(found: AssembledSheet, command: str) -> _Done:
 
     record = assemble_record(found, command=command)
     return _Done(record, sheet_page(found), lambda: sheet_picture(found, command=command), write_plates(found))
-
-
-def _thicknesses(said: tuple[str, ...]) -> tuple[float | None, dict[str, float]]:
-    """Thickness of the material and of single panels [mm]."""
-    from wiggleroom.errors import InputError
-
-    common, single = None, {}
-    for text in said:
-        name, _, number = text.rpartition(":")
-        try:
-            size = float(number)
-        except ValueError:
-            size = 0.0
-        if not 0 < size < 1e6:
-            message = f"--thickness {text}: it must be a length in mm larger than 0, or NAME:2.8"
-            raise InputError(message)
-        if name:
-            single[name] = size
-        else:
-            common = size
-    return common, single

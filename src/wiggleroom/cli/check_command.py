@@ -10,9 +10,10 @@ from cyclopts import Parameter
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import Outputs, tell, write_moved
 from wiggleroom.cli.running import TimeLimit
+from wiggleroom.cli.sheet_options import SheetOptions
 from wiggleroom.verdict import Separability
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), Outputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS, _NO_SHEET = QuestionOptions(), Outputs(), TimeLimit(), SheetOptions()
 CODES = {Separability.INTERLOCKED: 0, Separability.COMES_APART: 1, Separability.UNKNOWN: 3}
 
 
@@ -21,6 +22,7 @@ def check(
     /,
     *,
     asked: QuestionOptions = _NONE_ASKED,
+    sheet: SheetOptions = _NO_SHEET,
     outputs: Outputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
     largest_gap: Annotated[bool, Parameter(negative="")] = False,
@@ -45,16 +47,13 @@ def check(
 
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
-    from wiggleroom.errors import InputError
     from wiggleroom.questions import is_spatial_file
 
-    if is_spatial_file(file):
+    sheet.check(file)
+    if sheet.given or is_spatial_file(file):
         from wiggleroom.cli.in_space import check_in_space
 
-        if largest_gap or limit.time is not None:
-            message = f"--largest-gap and --time are for drawings; {file} is an assembly in space: leave them out"
-            raise InputError(message)
-        return check_in_space(file, asked, outputs)
+        return check_in_space(file, asked, outputs, largest_gap, limit.time, sheet)
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:

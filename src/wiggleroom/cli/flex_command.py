@@ -9,12 +9,13 @@ from typing import TYPE_CHECKING, Any, Literal
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import Outputs, tell, write_moved
 from wiggleroom.cli.running import TimeLimit
+from wiggleroom.cli.sheet_options import SheetOptions
 
 if TYPE_CHECKING:
     from wiggleroom.freespace.models.pair_models import PairModel
     from wiggleroom.search.answer import Answer
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), Outputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS, _NO_SHEET = QuestionOptions(), Outputs(), TimeLimit(), SheetOptions()
 
 
 def flex(
@@ -22,6 +23,7 @@ def flex(
     /,
     *,
     asked: QuestionOptions = _NONE_ASKED,
+    sheet: SheetOptions = _NO_SHEET,
     outputs: Outputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
     model: Literal["walls", "hull", "halfplane"] = "walls",
@@ -38,7 +40,11 @@ def flex(
     Parts are rigid and, with walls, never overlap. The answer is a motion that was found and checked by exact geometry,
     with a verdict on how sure it is. Ctrl-C stops early and reports the best safe motion so far (exit 3).
 
-    Example: wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture moved.svg
+    With --thickness a drawing is a cutting sheet: its plates are put together in space first, as wiggleroom assemble
+    does, and the question is answered only where that is sure (else exit 3).
+
+    Examples: wiggleroom flex puzzle.svg --gap 0.2 --fix p1 --pull p20:+x --picture moved.svg
+    wiggleroom flex box.svg --thickness 3 --gap 0.1 --fix bottom --pull lid:+z
 
     Parameters
     ----------
@@ -76,18 +82,19 @@ def flex(
     }
     from wiggleroom.questions import is_spatial_file
 
-    if is_spatial_file(file):
+    sheet.check(file)
+    if sheet.given or is_spatial_file(file):
         for option, given in (
             ("model", model != "walls"),
             ("prove", prove is not None),
             *((k, True) for k in settings),
         ):
             if given:
-                wrong = f"--{option} is for drawings; {file} is an assembly in space: leave it out"
+                wrong = f"--{option} is for parts in the plane; {file} is asked in space: leave it out"
                 raise InputError(wrong)
         from wiggleroom.cli.in_space import flex_in_space
 
-        return flex_in_space(file, asked, outputs, solver)
+        return flex_in_space(file, asked, outputs, solver, limit.time, sheet)
     if settings and model != "hull":
         wrong = f"--{next(iter(settings))} is for --model hull only"
         raise InputError(wrong)

@@ -5,11 +5,12 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from wiggleroom.cli.options import QuestionOptions, read
+from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import TimeLimit, complete
+from wiggleroom.cli.running import TimeLimit
+from wiggleroom.cli.sheet_options import SheetOptions
 
-_NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
+_NONE_ASKED, _NO_OUTPUTS, _ENDLESS, _NO_SHEET = QuestionOptions(), StudyOutputs(), TimeLimit(), SheetOptions()
 
 
 def sweep(
@@ -17,6 +18,7 @@ def sweep(
     /,
     *,
     asked: QuestionOptions = _NONE_ASKED,
+    sheet: SheetOptions = _NO_SHEET,
     outputs: StudyOutputs = _NO_OUTPUTS,
     time: TimeLimit = _ENDLESS,
     gaps: str | None = None,
@@ -43,7 +45,7 @@ def sweep(
     import shlex
     from dataclasses import replace
 
-    from wiggleroom.cli.in_space import in_three_dimensions, read_in_space
+    from wiggleroom.cli.in_space import read_question, with_dimension
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
@@ -60,20 +62,20 @@ def sweep(
         from wiggleroom.questions import is_spatial_file
         from wiggleroom.questions import sweep as work_out
 
-        in_space = is_spatial_file(file)
-        if in_space and prove is not None:
+        sheet.check(file)
+        if prove is not None and is_spatial_file(file):
             wrong = f"--prove is for drawings; {file} is an assembly in space: leave it out"
             raise InputError(wrong)
-        if in_space:
+        if sheet.given or is_spatial_file(file):
             _no_pages(outputs, html)
-        assembly = read_in_space(file, asked) if in_space else complete(read(file, asked))
+        assembly = read_question(file, asked, sheet, stop)
         found = work_out(assembly, wanted, prove=prove, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
     record = sweep_result(found, command)
-    tell(shown, lambda: in_three_dimensions(record) if in_space else record, lambda: sweep_table(found), found, command)
+    tell(shown, lambda: with_dimension(record, assembly), lambda: sweep_table(found), found, command)
     if html is not None and any(step.answer is not None for step in found.steps):
         from wiggleroom.report.write_picture import draw
 

@@ -16,6 +16,7 @@ from wiggleroom.mating.cutting_sheet import CuttingSheet
 from wiggleroom.mating.flanks import SheetPlate, plates_of
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.known import joined_start, with_fixed_plates
+from wiggleroom.mating.pair_poses import PairPoseTable
 from wiggleroom.mating.refinement import pressed_panel, refined, relief_needed
 
 Floats = NDArray[np.float64]
@@ -43,7 +44,7 @@ class SheetSettings:
     min_met_share: float = 0.5
     max_relief: float = 0.12
     body_distance: float = 20.0
-    exhaustive_seconds: float = 3.0
+    exhaustive_seconds: float = 6.0
 
 
 SETTINGS = SheetSettings()
@@ -151,7 +152,7 @@ def assemble_sheet(
     plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
     bench = BeamState(plates)
     found, doubts = _bodies(bench, hints, time.process_time() + seconds, stop, progress)
-    bodies, unplaced = with_fixed_plates(bench, [refined(bench, body) for body in found], hints)
+    bodies, unplaced = with_fixed_plates(bench, [_outward(bench, refined(bench, body)) for body in found], hints)
     notes = [*sheet.notes]
     bodies, relief, pressed = _relieved(bench, bodies, real, thickness)
     unplaced = sorted({*unplaced, *pressed})
@@ -211,10 +212,11 @@ def _bodies(
     rest = frozenset(range(len(names))) - said - frozenset().union(*groups)
     bodies: list[Placement] = []
     doubts: list[str] = []
+    table = PairPoseTable(bench)
     for group in [*groups, rest]:
         left = {row for row in group if len(bench.flanks[row])}
         while len(left) > 1:
-            body, doubt = _body(bench, hints, frozenset(left), deadline, stop, progress)
+            body, doubt = _body(bench, hints, frozenset(left), table, deadline, stop, progress)
             doubts += doubt
             if len(body.rows) < 2:
                 left -= set(body.rows)
@@ -228,6 +230,7 @@ def _body(
     bench: BeamState,
     hints: Hints,
     left: frozenset[int],
+    table: PairPoseTable,
     deadline: float,
     stop: Stop | None,
     progress: Callable[[int], None] | None,
@@ -235,11 +238,15 @@ def _body(
     """One body of some of the panels, and why it may be wrong."""
     root = max(left, key=lambda row: (len(bench.flanks[row]), bench.plates[row].polygon.area))
     start = joined_start(bench, hints, left) or bench.start(root)
-    closed = closed_placements(bench, start, left, seconds=SETTINGS.exhaustive_seconds, stop=stop)
+    closed = closed_placements(bench, start, left, table, seconds=SETTINGS.exhaustive_seconds, stop=stop)
     if closed.placements:
         body = min(closed.placements, key=lambda placed: extent(bench, placed))
         doubts = []
-        if len(closed.placements) > 1:
+        if closed.open_lines:
+            doubts.append(
+                f"no way was found to put panels round {bench.plates[root].name} so that every flank meets another"
+            )
+        elif len(closed.placements) > 1:
             doubts.append(f"panels fit together in more than one way, round {bench.plates[root].name}")
         elif not closed.exhausted:
             doubts.append(f"not every other way to put panels round {bench.plates[root].name} was tried")
@@ -301,15 +308,20 @@ def _relieved(
     return result, relief, pressed
 
 
+def _outward(bench: BeamState, body: Placement) -> Placement:
+    """Body or its mirror image: the one whose panels show their drawn side outward."""
+    areas = np.array([bench.plates[row].polygon.area for row in body.rows])
+    centre = areas @ body.moves / areas.sum()
+    if areas @ np.einsum("ki,ki->k", body.turns[:, :, 2], body.moves - centre) >= 0:
+        return body
+    flip = np.diag([1.0, 1.0, -1.0])
+    return Placement(body.rows, flip @ body.turns @ flip, body.moves @ flip, body.met, {})
+
+
 def _upright(bench: BeamState, body: Placement) -> Placement:
-    """Body whose panels show their drawn side outward, standing on the panel called bottom or on the one that suits it."""
+    """Body standing on the panel called bottom or on the one that suits it."""
     turns, moves = body.turns, body.moves
     areas = np.array([bench.plates[row].polygon.area for row in body.rows])
-    centre = areas @ moves / areas.sum()
-    outward = areas @ np.einsum("ki,ki->k", turns[:, :, 2], moves - centre)
-    if outward < 0:
-        flip = np.diag([1.0, 1.0, -1.0])
-        turns, moves = flip @ turns @ flip, moves @ flip
     calling = ("bottom", "floor", "base", "boden")
     said = [k for k, row in enumerate(body.rows) if bench.plates[row].name.lower().startswith(calling)]
     points = np.vstack(bench.places(Placement(body.rows, turns, moves, 0.0, {})))

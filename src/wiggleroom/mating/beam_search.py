@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.candidates import VOTING, fits
-from wiggleroom.mating.contact import blocked_pairs, crossing_volume, meeting, scores
+from wiggleroom.mating.congruence import PanelIsometries
+from wiggleroom.mating.contact import MET_TOLERANCE, crossing_volume, masks, meeting, scores
 from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
@@ -95,6 +96,7 @@ class BeamState:
         self.filled = [_edges(_filled(p)) for p in plates]
         self.radius = [p.radius for p in plates]
         self.corners = [_edges(p.polygon)[:, :2] for p in plates]
+        self.isometries = PanelIsometries({p.kind: p.polygon for p in plates})
         self.first = {kind: i for i, kind in reversed(list(enumerate(p.kind for p in plates)))}
         self.tolerance = VOTING.midpoint_tolerance * min(p.thickness for p in plates)
         self.most = SETTINGS.max_shared_volume * min(p.thickness for p in plates) ** 3
@@ -130,14 +132,17 @@ class BeamState:
             power,
         )
 
-    def blocked(self, a: int, b: int, turns: Floats, moves: Floats) -> NDArray[np.int64]:
-        """Needed flanks of panels `a` and `b` that could meet nothing any more, for many poses of b in a's frame."""
+    def masks(
+        self, a: int, b: int, turns: Floats, moves: Floats
+    ) -> tuple[NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.bool_]]:
+        """Flanks of panels `a` and `b` that meet, and needed ones that can meet nothing any more, for many poses of b in a's frame."""
         one, other = self.plates[a], self.plates[b]
         turns, moves = np.ascontiguousarray(turns), np.ascontiguousarray(moves)
-        return blocked_pairs(
+        met_a, met_b, blocked_a, blocked_b = masks(
             self.flanks[a], one.thickness, self.filled[a], one.needed,
             self.flanks[b], other.thickness, self.filled[b], other.needed, turns, moves, self.tolerance,
         )  # fmt: skip
+        return met_a, met_b, blocked_a, blocked_b
 
     def met(self, state: Placement) -> tuple[list[tuple[int, int, NDArray[np.int64]]], dict[int, NDArray[np.bool_]]]:
         """Joints (panel, panel, rows of flanks that meet), and by panel which flanks meet another."""
@@ -168,16 +173,18 @@ class BeamState:
         """Rows (flank of a, flank of b) of the flanks that meet, shape (m, 2)."""
         found = np.empty((max(1, len(self.flanks[b])), 2), dtype=np.int64)
         thick = self.plates[a].thickness, self.plates[b].thickness
-        count = meeting(self.flanks[a], thick[0], self.flanks[b], thick[1], turn, move, 1.5 * self.tolerance, found)
+        count = meeting(
+            self.flanks[a], thick[0], self.flanks[b], thick[1], turn, move, MET_TOLERANCE * self.tolerance, found
+        )
         return found[:count].copy()
 
     def volume(self, a: int, b: int, turn: Floats, move: Floats) -> float:
-        """Material [mm3] that panels `a` and `b` share, both eroded, for a pose of b in a's frame."""
+        """Material [mm3] that panels `a` and `b` share, both eroded, for a pose of b in a's frame; of too much only some."""
         if float(move @ move) > (self.radius[a] + self.radius[b] + self.plates[a].thickness) ** 2:
             return 0.0
         half = (0.5 - SETTINGS.erosion) * self.plates[a].thickness, (0.5 - SETTINGS.erosion) * self.plates[b].thickness
         if 1.0 - turn[2, 2] ** 2 > SETTINGS.max_parallel_sine**2:
-            return float(crossing_volume(self.edges[a], half[0], self.edges[b], half[1], turn, move))
+            return float(crossing_volume(self.edges[a], half[0], self.edges[b], half[1], turn, move, self.most))
         depth = half[0] + half[1] - abs(float(move[2]))
         if depth <= 0:
             return 0.0

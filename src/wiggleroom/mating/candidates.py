@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.mating.flanks import FLANKS, FlankLine, SheetPlate
+from wiggleroom.mating.flanks import FlankLine, SheetPlate
 
 Floats = NDArray[np.float64]
 
@@ -25,11 +25,14 @@ class VotingSettings:
         Shifts that are kept for two lines.
     min_vote_share : float in (0, 1)
         A shift with fewer votes than this share of the best one's is not kept.
+    length_reach : float in (0, 1)
+        Flanks of two panels can meet where their lengths differ from the partner's thickness by at most this share.
     """
 
     midpoint_tolerance: float = 0.18
     max_shifts: int = 4
     min_vote_share: float = 0.5
+    length_reach: float = 0.21
 
 
 VOTING = VotingSettings()
@@ -76,8 +79,8 @@ def _shifts(
     a: FlankLine, b: FlankLine, sign: float, tolerance: float, thick_a: float, thick_b: float
 ) -> list[tuple[float, int]]:
     """Shifts of `b` along `a` for which flanks face each other, most votes first."""
-    in_a = np.abs(a.length - thick_b) < FLANKS.length_tolerance * 1.4 * thick_b
-    in_b = np.abs(b.length - thick_a) < FLANKS.length_tolerance * 1.4 * thick_a
+    in_a = np.abs(a.length - thick_b) < VOTING.length_reach * thick_b
+    in_b = np.abs(b.length - thick_a) < VOTING.length_reach * thick_a
     if not in_a.any() or not in_b.any():
         return []
     at_a, sense_a, at_b, sense_b = a.at[in_a], a.sense[in_a], sign * b.at[in_b], sign * b.sense[in_b]

@@ -1,7 +1,9 @@
 """Exhaustive search for assemblies in which every needed flank meets another, and so for proof that there is only one.
 
-A flank that is still open must be met by a flank of a panel not yet placed, which leaves two poses for each of them. The
+A flank that is still open must be met by a flank of a panel not yet placed, which leaves a few poses for each of them. The
 search branches on the open flank with the fewest poses left (the most constrained variable of constraint satisfaction).
+Where no assembly closes all flanks, lines of flanks may be left open, first one, then two and so on (limited
+discrepancy search, Harvey and Ginsberg 1995).
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.congruence import congruent
+from wiggleroom.mating.contact import MET_TOLERANCE
+from wiggleroom.mating.pair_poses import PairPoseTable, bits, flank_rows
 
 Floats = NDArray[np.float64]
 
@@ -26,17 +30,20 @@ class ExhaustiveSettings:
 
     Parameters
     ----------
-    branching_flanks : int
-        Open flanks, of different panels and lines, that are compared before the search branches at the one with the fewest choices.
+    branching_lines : int
+        Lines with open flanks that are compared before the search branches at the one with the fewest choices.
     moment_tolerance : float > 0
         Placements whose moments differ by more than this cannot be congruent.
     max_assemblies : int > 1
         Different assemblies after which the search stops: more only say again that there is a choice.
+    max_open_lines : int
+        Lines of flanks that may stay open.
     """
 
-    branching_flanks: int = 3
+    branching_lines: int = 5
     moment_tolerance: float = 1e-3
     max_assemblies: int = 2
+    max_open_lines: int = 6
 
 
 SETTINGS = ExhaustiveSettings()
@@ -49,144 +56,248 @@ class Closed:
     Parameters
     ----------
     placements : list of Placement
-        Assemblies in which all needed flanks meet; congruent ones and mirror images once.
+        Assemblies in which all needed flanks meet, but for those of `open_lines` lines; congruent ones and mirror images once.
+    open_lines : int
+        Lines of flanks that each of them leaves open though they could meet others.
     exhausted : bool
-        Whether there is no other.
+        Whether there is no other with as few open lines.
     """
 
     placements: list[Placement] = field(default_factory=list)
+    open_lines: int = 0
     exhausted: bool = True
 
 
 def closed_placements(
-    bench: BeamState, start: Placement, free: Iterable[int], *, seconds: float, stop: Stop | None = None
+    bench: BeamState,
+    start: Placement,
+    free: Iterable[int],
+    table: PairPoseTable,
+    *,
+    seconds: float,
+    stop: Stop | None = None,
 ) -> Closed:
-    """Assemblies that hold the panels of `start` and leave no needed flank open.
+    """Assemblies that hold the panels of `start` and leave as few lines of needed flanks open as possible.
 
     Parameters
     ----------
-    bench : Bench
+    bench : BeamState
     start : Placement
     free : iterable of int
         Panels that may be used.
+    table : PairPoseTable
     seconds : float
         Processor time after which the search ends without being exhausted.
 
     Notes
     -----
     Complete as far as flanks decide: two placements count as one when they cover the same places, up to a mirror.
+    Flanks that no panel of the sheet could meet do not count as needed here.
     """
-    search = _Search(bench, frozenset(free), time.process_time() + seconds, stop)
-    search.descend(start)
-    return search.result
+    kinds = {bench.plates[row].kind: row for row in free}
+    for a in kinds.values():
+        for b in kinds.values():
+            go_on(stop)
+            table.between(a, b)
+    deadline = time.process_time() + seconds
+    found = Closed()
+    for spare in range(SETTINGS.max_open_lines + 1):
+        search = _ExhaustiveSearch(bench, frozenset(free), table, deadline, stop, spare)
+        search.descend(search.root(start), spare)
+        found = search.result
+        if found.placements or not found.exhausted:
+            break
+    return found
 
 
-class _Search:
-    def __init__(self, bench: BeamState, free: frozenset[int], deadline: float, stop: Stop | None) -> None:
-        self.bench, self.free, self.deadline, self.stop = bench, free, deadline, stop
-        self.result = Closed()
-        self._seen: list[tuple[Floats, Placement]] = []
+@dataclass(frozen=True, eq=False)
+class _Partial:
+    """A placement with, for every placed panel, bits of the flanks that meet and of those that may stay open."""
 
-    def descend(self, state: Placement) -> None:
-        """Depth first; every placement once."""
+    state: Placement
+    met: tuple[int, ...]
+    excused: tuple[int, ...]
+
+
+_Tried = dict[tuple[float, ...], tuple[int, _Partial] | None]
+
+
+class _ExhaustiveSearch:
+    def __init__(
+        self,
+        bench: BeamState,
+        free: frozenset[int],
+        table: PairPoseTable,
+        deadline: float,
+        stop: Stop | None,
+        spare: int,
+    ) -> None:
+        self.bench, self.free, self.table, self.deadline, self.stop = bench, free, table, deadline, stop
+        self.result = Closed(open_lines=spare)
+        self._seen: list[tuple[Floats, int, Placement]] = []
+        plates = bench.plates
+        self._needed = [bits(plate.needed[None])[0] if len(plate.needed) else 0 for plate in plates]
+        self._lines = [
+            [sum(1 << k for k in line.rows.tolist()) & self._needed[row] for line in plate.lines]
+            for row, plate in enumerate(plates)
+        ]
+        self._hopeless = {row: self._needed[row] & ~self._matchable(row) for row in free}
+
+    def _matchable(self, row: int) -> int:
+        """Flanks of a panel that some other free panel can meet."""
+        matchable = 0
+        for other in {self.bench.plates[i].kind: i for i in self.free if i != row}.values():
+            for met, _ in self.table.between(row, other).met:
+                matchable |= met
+        return matchable
+
+    def root(self, start: Placement) -> _Partial:
+        """Where the search begins."""
+        _, flags = self.bench.met(start)
+        met = tuple(bits(flags[row][None])[0] if len(flags[row]) else 0 for row in start.rows)
+        return _Partial(start, met, tuple(self._hopeless.get(row, 0) for row in start.rows))
+
+    def descend(self, node: _Partial, spare: int) -> None:
+        """Depth first; every placement once. `spare` more lines may stay open."""
         go_on(self.stop)
-        mark = self.bench.signature(state)
-        if any(
-            np.abs(other - mark).max() < SETTINGS.moment_tolerance and self._same(placed, state)
-            for other, placed in self._seen
-        ):
-            return
-        self._seen.append((mark, state))
+        mark = self.bench.signature(node.state)
+        for other, left, placed in self._seen:
+            if (
+                left == spare
+                and np.abs(other - mark).max() < SETTINGS.moment_tolerance
+                and self._same(placed, node.state)
+            ):
+                return
+        self._seen.append((mark, spare, node.state))
         if time.process_time() > self.deadline or len(self.result.placements) >= SETTINGS.max_assemblies:
             self.result.exhausted = False
             return
-        left = self.bench.open(state)
-        if not any(len(rows) for rows in left.values()):
-            self.result.placements.append(state)
+        lines = self._open(node)
+        if not lines:
+            if len(node.state.rows) > 1:
+                self._keep(node.state)
             return
-        for child in self._fewest(state, left):
-            self.descend(child)
+        place, line, children = self._fewest(node, lines)
+        for child in children:
+            self.descend(child, spare)
+        if spare:
+            excused = tuple(e | line if k == place else e for k, e in enumerate(node.excused))
+            self.descend(_Partial(node.state, node.met, excused), spare - 1)
+
+    def _keep(self, state: Placement) -> None:
+        """Keep an assembly; the larger one of two where lines stay open."""
+        kept = self.result.placements
+        if any(self._same(other, state) for other in kept):
+            return
+        if self.result.open_lines and kept:
+            if len(state.rows) < len(kept[0].rows):
+                return
+            if len(state.rows) > len(kept[0].rows):
+                kept.clear()
+        kept.append(state)
+
+    def _open(self, node: _Partial) -> list[tuple[int, int]]:
+        """(place of a panel, bits of open flanks on one line), lines with flanks that meet first, then the longest."""
+        found = []
+        for place, row in enumerate(node.state.rows):
+            met = node.met[place]
+            fine = met | node.excused[place]
+            near = self.bench.plates[row].neighbours
+            for flank in flank_rows(self._needed[row] & ~fine):
+                if any(k >= 0 and met >> int(k) & 1 for k in near[flank]):
+                    fine |= 1 << flank
+            for line in self._lines[row]:
+                rest = line & ~fine
+                if rest:
+                    found.append(((rest == line), -rest.bit_count(), place, rest))
+        return [(place, rest) for *_, place, rest in sorted(found)]
 
     def _same(self, a: Placement, b: Placement) -> bool:
         """Whether two placements are congruent or mirror images."""
-        panels = []
-        for state in (a, b):
-            shapes = (self.bench.shape[row] for row in state.rows)
-            panels.append(list(zip(shapes, self.bench.places(state), strict=True)))
-        return congruent(panels[0], panels[1], 1.5 * self.bench.tolerance)
+        panels = [
+            [
+                (self.bench.plates[row].kind, turn, move)
+                for row, turn, move in zip(each.rows, each.turns, each.moves, strict=True)
+            ]
+            for each in (a, b)
+        ]
+        return congruent(self.bench.isometries, panels[0], panels[1], MET_TOLERANCE * self.bench.tolerance)
 
-    def _fewest(self, state: Placement, left: dict[int, NDArray[np.int64]]) -> list[Placement]:
-        """Placements with one panel more, for the open flank that leaves the fewest."""
-        waiting = {self.bench.plates[i].kind: i for i in sorted(self.free - set(state.rows), reverse=True)}
-        best: list[Placement] | None = None
-        for row, flank in self._asked(left):
-            found = self._answers(state, row, flank, waiting)
-            if best is None or len(found) < len(best):
-                best = found
-            if len(best) < 2:
+    def _fewest(self, node: _Partial, left: list[tuple[int, int]]) -> tuple[int, int, list[_Partial]]:
+        """Place and line of the open flank that leaves the fewest choices, and those choices: one panel more each."""
+        waiting = {self.bench.plates[i].kind: i for i in sorted(self.free - set(node.state.rows), reverse=True)}
+        best: tuple[int, int, list[_Partial]] | None = None
+        tried: _Tried = {}
+        for place, line in left[: SETTINGS.branching_lines]:
+            flanks = list(flank_rows(line))
+            found = self._answers(node, place, flanks[len(flanks) // 2], waiting, tried)
+            if best is None or len(found) < len(best[2]):
+                best = place, line, found
+            if len(best[2]) < 2:
                 break
-        return best or []
+        return (*left[0], []) if best is None else best
 
-    def _asked(self, left: dict[int, NDArray[np.int64]]) -> list[tuple[int, int]]:
-        """One open flank of each of some lines: those with the most flanks met beside them come first."""
-        asked = []
-        for row, rows in left.items():
-            opened = set(rows.tolist())
-            for line in self.bench.plates[row].lines:
-                mine = [k for k in line.rows.tolist() if k in opened]
-                if mine:
-                    asked.append((len(mine) == len(line.rows), -len(mine), row, mine[len(mine) // 2]))
-        return [(row, flank) for *_, row, flank in sorted(asked)[: SETTINGS.branching_flanks]]
-
-    def _answers(self, state: Placement, row: int, flank: int, waiting: dict[int, int]) -> list[Placement]:
+    def _answers(
+        self, node: _Partial, place: int, flank: int, waiting: dict[int, int], tried: _Tried
+    ) -> list[_Partial]:
         """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank."""
-        bench, place = self.bench, state.rows.index(row)
-        found: list[tuple[float, Placement]] = []
-        marks: set[tuple[float, ...]] = set()
+        state, bench = node.state, self.bench
+        row = state.rows[place]
+        found: list[tuple[int, _Partial]] = []
         for kind, other in waiting.items():
-            turns, moves = self._poses(row, flank, other)
-            if not len(moves):
-                continue
-            turns = np.einsum("ij,kjl->kil", state.turns[place], turns)
-            moves = moves @ state.turns[place].T + state.moves[place]
-            for k in [place, *(k for k in range(len(state.rows)) if k != place)]:
-                inner, shift = (
-                    np.einsum("ji,kjl->kil", state.turns[k], turns),
-                    (moves - state.moves[k]) @ state.turns[k],
-                )
-                alive = bench.blocked(state.rows[k], other, inner, shift) <= 0
-                turns, moves = turns[alive], moves[alive]
-            score = np.zeros(len(moves))
-            for k, a in enumerate(state.rows):
-                inner, shift = (
-                    np.einsum("ji,kjl->kil", state.turns[k], turns),
-                    (moves - state.moves[k]) @ state.turns[k],
-                )
-                score += bench.scores(a, other, inner, shift, 1.0)
-            for k in range(len(moves)):
-                mark = (kind, *np.round(bench.trace(kind, turns[k : k + 1], moves[k : k + 1])[0], 2))
-                if mark in marks or bench.overlaps(state, other, turns[k], moves[k]):
+            poses = self.table.between(row, other)
+            hopeless = self._hopeless[other]
+            marks: set[tuple[float, ...]] = set()
+            for k, ((met, mine), (blocked, own)) in enumerate(zip(poses.met, poses.blocked, strict=True)):
+                if not met >> flank & 1 or met & node.met[place]:
+                    continue
+                if blocked & ~(node.excused[place] | node.met[place]) or own & ~hopeless:
+                    continue
+                turn = state.turns[place] @ poses.turns[k]
+                move = state.turns[place] @ poses.moves[k] + state.moves[place]
+                mark = (kind, *np.round(bench.trace(kind, turn[None], move[None])[0], 2))
+                if mark in marks:
                     continue
                 marks.add(mark)
-                move = bench.centred(state, other, turns[k], moves[k])
-                grown = np.concatenate([state.turns, turns[k : k + 1]]), np.concatenate([state.moves, move[None]])
-                found.append((-score[k], Placement((*state.rows, other), *grown, state.met + float(score[k]), {})))
-        return [placement for _, placement in sorted(found, key=lambda item: item[0])]
+                if mark not in tried:
+                    tried[mark] = self._joined(node, place, other, turn, move, met, mine)
+                joined = tried[mark]
+                if joined is not None:
+                    found.append(joined)
+        return [child for _, child in sorted(found, key=lambda item: -item[0])]
 
-    def _poses(self, row: int, flank: int, other: int) -> tuple[Floats, Floats]:
-        """Poses of panel `other` in the frame of panel `row` that lay one of its flanks on `flank`."""
-        a, b = self.bench.plates[row], self.bench.plates[other]
-        fits = np.abs(b.length - a.thickness) < 0.21 * a.thickness
-        if abs(a.length[flank] - b.thickness) > 0.21 * b.thickness or not fits.any():
-            return np.zeros((0, 3, 3)), np.zeros((0, 3))
-        inward = np.append(a.inward[flank], 0.0)
-        middle = np.append(a.middle[flank], 0.0)
-        turns, moves = [], []
-        for k in np.flatnonzero(fits).tolist():
-            own = np.array([[*b.inward[k], 0.0], [-b.inward[k][1], b.inward[k][0], 0.0], [0.0, 0.0, 1.0]])
-            for fold in (1.0, -1.0):
-                up = np.array([0.0, 0.0, fold])
-                turn = np.column_stack([-inward, up, np.cross(-inward, up)]) @ own
-                turns.append(turn)
-                moves.append(middle - turn[:, :2] @ b.middle[k])
-        return np.array(turns), np.array(moves)
+    def _joined(
+        self, node: _Partial, place: int, other: int, turn: Floats, move: Floats, met: int, mine: int
+    ) -> tuple[int, _Partial] | None:
+        """The placement with one panel more, and how many flanks it closes; None where it overlaps or blocks others."""
+        state, bench = node.state, self.bench
+        everyone = list(node.met)
+        everyone[place] |= met
+        odd = 0
+        refused: list[tuple[int, int]] = []
+        closed = met.bit_count()
+        for q, a in enumerate(state.rows):
+            if q == place:
+                continue
+            inner, shift = state.turns[q].T @ turn, state.turns[q].T @ (move - state.moves[q])
+            if float(shift @ shift) > (bench.radius[a] + bench.radius[other] + bench.plates[a].thickness) ** 2:
+                continue
+            if bench.volume(a, other, inner, shift) > bench.most:
+                return None
+            if abs(inner[2, 2]) > 0.1:
+                continue
+            flags = bench.masks(a, other, inner[None], shift[None])
+            met_a, met_b, blocked_a, blocked_b = (bits(each)[0] if each.size else 0 for each in flags)
+            everyone[q] |= met_a
+            mine |= met_b
+            closed += met_a.bit_count()
+            refused.append((q, blocked_a))
+            odd |= blocked_b
+        if odd & ~(mine | self._hopeless[other]):
+            return None
+        if any(blocked & ~(everyone[q] | node.excused[q]) for q, blocked in refused):
+            return None
+        move = bench.centred(state, other, turn, move)
+        turns, moves = np.concatenate([state.turns, turn[None]]), np.concatenate([state.moves, move[None]])
+        grown = Placement((*state.rows, other), turns, moves, state.met + closed, {})
+        return closed, _Partial(grown, (*everyone, mine), (*node.excused, self._hopeless[other]))

@@ -13,6 +13,9 @@ MIN_UPRIGHT_COSINE = 0.98
 LENGTH_TOLERANCE = 0.21
 """Lengths of flanks differ from the partner's thickness by at most this share."""
 
+MET_TOLERANCE = 1.5
+"""Flanks of placed panels count as met where their midpoints are nearer than this many tolerances: small errors add up."""
+
 
 @njit(cache=True)
 def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
@@ -49,28 +52,107 @@ def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
 
 
 @njit(cache=True)
-def blocked_pairs(fa, ta, oa, na, fb, tb, ob, nb, turns, moves, tolerance):
-    """How many needed flanks of A and B each other's material leaves no partner for; arguments as in `scores`.
+def masks(fa, ta, oa, na, fb, tb, ob, nb, turns, moves, tolerance):
+    """Which flanks of A and B meet, and which needed ones the other's material leaves no partner for; arguments as in `scores`.
 
     Parameters
     ----------
     na, nb : (n,) bool
         Which flanks are needed.
+
+    Returns
+    -------
+    met_a, met_b, blocked_a, blocked_b : (k, n) bool
     """
-    found = np.zeros(len(turns), dtype=np.int64)
+    count = len(turns)
+    met_a = np.zeros((count, len(fa)), dtype=np.bool_)
+    met_b = np.zeros((count, len(fb)), dtype=np.bool_)
+    blocked_a = np.zeros((count, len(fa)), dtype=np.bool_)
+    blocked_b = np.zeros((count, len(fb)), dtype=np.bool_)
     pairs = np.empty((len(fb) + 1, 2), dtype=np.int64)
-    for k in range(len(turns)):
+    for k in range(count):
         if abs(turns[k, 2, 2]) > 0.1:
             continue
-        met = meeting(fa, ta, fb, tb, turns[k], moves[k], tolerance, pairs)
-        left_a, left_b = na.copy(), nb.copy()
+        met = meeting(fa, ta, fb, tb, turns[k], moves[k], MET_TOLERANCE * tolerance, pairs)
         for i in range(met):
-            left_a[pairs[i, 0]] = False
-            left_b[pairs[i, 1]] = False
-        turn, move = turns[k].T.copy(), -turns[k].T @ moves[k]
-        found[k] = _blocked(fb[left_b], ta, oa, turns[k], moves[k], tolerance)
-        found[k] += _blocked(fa[left_a], tb, ob, turn, move, tolerance)
-    return found
+            met_a[k, pairs[i, 0]] = True
+            met_b[k, pairs[i, 1]] = True
+        back, shift = turns[k].T.copy(), -turns[k].T @ moves[k]
+        for j in range(len(fb)):
+            if nb[j] and not met_b[k, j]:
+                blocked_b[k, j] = _is_blocked(fb[j], ta, oa, turns[k], moves[k], tolerance)
+        for i in range(len(fa)):
+            if na[i] and not met_a[k, i]:
+                blocked_a[k, i] = _is_blocked(fa[i], tb, ob, back, shift, tolerance)
+    return met_a, met_b, blocked_a, blocked_b
+
+
+@njit(cache=True)
+def line_shifts(a, sense_a, needed_a, b, sense_b, needed_b, tolerance):
+    """Shifts of flanks on one line along flanks on another at which some meet and no more contradict.
+
+    Parameters
+    ----------
+    a, b : (n,) float64 [mm]
+        Places along the line, ascending.
+    sense_a, sense_b : (n,) float64
+        On which side of the flank material lies; flanks that meet have opposite ones.
+    needed_a, needed_b : (n,) bool
+        Whether a flank contradicts where it meets nothing in the stretch that both lines share.
+    tolerance : float [mm]
+        Flanks meet when they are nearer than this.
+
+    Returns
+    -------
+    (k,) float64 [mm]
+        Ascending.
+    """
+    asked = np.empty(len(a) * len(b))
+    count = 0
+    for i in range(len(a)):
+        for j in range(len(b)):
+            if sense_a[i] * sense_b[j] < 0:
+                asked[count] = a[i] - b[j]
+                count += 1
+    asked = np.sort(asked[:count])
+    found = np.empty(count)
+    kept = 0
+    first = 0
+    while first < count:
+        last = first
+        total = 0.0
+        while last < count and asked[last] - asked[first] <= tolerance:
+            total += asked[last]
+            last += 1
+        shift = total / (last - first)
+        votes = _contradiction(a, sense_a, needed_a, b + shift, sense_b, tolerance)
+        against = _contradiction(b + shift, sense_b, needed_b, a, sense_a, tolerance)
+        if votes[0] > 0 and votes[1] + against[1] <= 2 * votes[0]:
+            found[kept] = shift
+            kept += 1
+        first = last
+    return found[:kept]
+
+
+@njit(cache=True)
+def _contradiction(a, sense_a, needed_a, b, sense_b, tolerance):
+    """How many places of `a` meet one of `b`, and how many needed ones do not although `b` reaches beyond them."""
+    met = against = 0
+    j = 0
+    for i in range(len(a)):
+        while j < len(b) and b[j] < a[i] - tolerance:
+            j += 1
+        k = j
+        partner = False
+        while k < len(b) and b[k] <= a[i] + tolerance:
+            if sense_a[i] * sense_b[k] < 0:
+                partner = True
+            k += 1
+        if partner:
+            met += 1
+        elif needed_a[i] and b[0] - tolerance < a[i] < b[-1] + tolerance:
+            against += 1
+    return met, against
 
 
 BLOCKED_PENALTY = 0.5
@@ -82,18 +164,24 @@ def _blocked(flanks, thickness, outline, turn, move, tolerance):
     """How many flanks stand in the plane of another panel inside its filled outline; the pose is from theirs to its frame."""
     found = 0
     for j in range(len(flanks)):
-        if abs(flanks[j, 6] - thickness) > LENGTH_TOLERANCE * thickness:
-            continue
-        x, y = flanks[j, 0], flanks[j, 1]
-        if abs(turn[2, 0] * x + turn[2, 1] * y + move[2]) > tolerance:
-            continue
-        if abs(turn[2, 0] * flanks[j, 4] + turn[2, 1] * flanks[j, 5]) < MIN_UPRIGHT_COSINE:
-            continue
-        px = turn[0, 0] * x + turn[0, 1] * y + move[0]
-        py = turn[1, 0] * x + turn[1, 1] * y + move[1]
-        if _inside(outline, px, py):
+        if _is_blocked(flanks[j], thickness, outline, turn, move, tolerance):
             found += 1
     return found
+
+
+@njit(cache=True)
+def _is_blocked(flank, thickness, outline, turn, move, tolerance):
+    """Whether a flank stands in the plane of another panel inside its filled outline."""
+    if abs(flank[6] - thickness) > LENGTH_TOLERANCE * thickness:
+        return False
+    x, y = flank[0], flank[1]
+    if abs(turn[2, 0] * x + turn[2, 1] * y + move[2]) > tolerance:
+        return False
+    if abs(turn[2, 0] * flank[4] + turn[2, 1] * flank[5]) < MIN_UPRIGHT_COSINE:
+        return False
+    px = turn[0, 0] * x + turn[0, 1] * y + move[0]
+    py = turn[1, 0] * x + turn[1, 1] * y + move[1]
+    return _inside(outline, px, py)
 
 
 @njit(cache=True)
@@ -171,8 +259,8 @@ def _chords(edges, nx, ny, ux, uy, offset, out):
 
 
 @njit(cache=True)
-def crossing_volume(ea, ha, eb, hb, turn, move):
-    """Volume [mm3] that two plates in planes which cross share, by chords along the crossing line.
+def crossing_volume(ea, ha, eb, hb, turn, move, enough):
+    """Volume [mm3] that two plates in planes which cross share, by chords along the crossing line; no more than `enough` is summed up.
 
     Parameters
     ----------
@@ -201,6 +289,7 @@ def crossing_volume(ea, ha, eb, hb, turn, move):
     a = np.empty(len(ea) + 1)
     b = np.empty(len(eb) + 1)
     total = 0.0
+    unit = 4.0 * ha * hb / sine / 9.0
     for i in range(-1, 2):
         p = i * ha
         for j in range(-1, 2):
@@ -221,4 +310,6 @@ def crossing_volume(ea, ha, eb, hb, turn, move):
                     s += 2
                 else:
                     t += 2
-    return total / 9.0 * 4.0 * ha * hb / sine
+            if total * unit > enough:
+                return total * unit
+    return total * unit

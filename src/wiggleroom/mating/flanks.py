@@ -6,7 +6,7 @@ that stands square on the plane of its partner. So finger edges, rows of holes a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -26,19 +26,27 @@ class FlankSettings:
         A flank's length differs from a thickness by at most this share of it: kerf and play change it.
     corner_edge : float > 0 [mm]
         Edges shorter than this round a corner.
+    spike_width : float > 0 [mm]
+        Spikes narrower than this are taken off.
     max_square_cosine : float in (0, 1)
         A neighbouring edge stands square on a flank where the cosine of their angle is below this.
+    max_straight_cosine : float in (0, 1)
+        An edge that goes on almost straight, the cosine of the angle above this, is a piece of a longer one and no flank.
     relief_width : float in (0, 1)
         Reliefs at corners (dog bones) up to twice this share of the thickness wide are filled before flanks are sought.
     """
 
     length_tolerance: float = 0.15
     corner_edge: float = 0.05
+    spike_width: float = 0.04
     max_square_cosine: float = 0.1
+    max_straight_cosine: float = 0.97
     relief_width: float = 0.3
 
 
 FLANKS = FlankSettings()
+SAME_OUTLINE = 0.02
+"""Outlines are the same where nothing wider than twice this [mm] lies in one of them alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,25 +210,34 @@ def plates_of(
         By how much outlines were drawn larger.
     """
     wanted = np.unique(thickness)
-    kinds: list[tuple[shapely.Polygon, float]] = []
-    plates = []
+    kinds: list[SheetPlate] = []
+    plates: list[SheetPlate] = []
     for name, polygon, thick in zip(names, polygons, thickness, strict=True):
-        cut = sharpened(inset(polygon, burn), max(FLANKS.corner_edge, 2 * burn))
+        cut = inset(inset(polygon, burn + FLANKS.spike_width / 2), -FLANKS.spike_width / 2)
+        cut = sharpened(cut, max(FLANKS.corner_edge, 2 * burn))
         centre = np.array(cut.centroid.coords[0])
         cut = shapely.transform(cut, lambda points, centre=centre: points - centre)
-        kind = next(
-            (i for i, (other, same) in enumerate(kinds) if same == thick and _congruent(cut, other)), len(kinds)
-        )
-        if kind == len(kinds):
-            kinds.append((cut, thick))
-        plates.append(_plate(name, cut, thick, centre, wanted, kind))
+        alike = next((first for first in kinds if first.thickness == thick and same_outline(cut, first.polygon)), None)
+        if alike is None:
+            plates.append(_plate(name, cut, thick, centre, wanted, len(kinds)))
+            kinds.append(plates[-1])
+        else:
+            plates.append(replace(alike, name=name, centre=centre))
     return tuple(plates)
 
 
-def _congruent(a: shapely.Polygon, b: shapely.Polygon) -> bool:
-    """Whether two outlines about their centroids are the same as drawn, to a hundredth of a millimetre or so."""
+def same_outline(a: shapely.Polygon, b: shapely.Polygon) -> bool:
+    """Whether two outlines are the same where they lie.
+
+    Examples
+    --------
+    >>> same_outline(shapely.box(0, 0, 9, 9), shapely.box(0, 0, 9, 9.01)), same_outline(shapely.box(0, 0, 9, 9), shapely.box(0, 0, 9, 9.1))
+    (True, False)
+    """
     near = abs(a.area - b.area) < 0.02 * a.length and abs(a.length - b.length) < 0.002 * a.length
-    return near and len(a.interiors) == len(b.interiors) and a.symmetric_difference(b).area < 0.02 * a.length
+    if not near or len(a.interiors) != len(b.interiors):
+        return False
+    return bool(a.symmetric_difference(b).buffer(-SAME_OUTLINE, quad_segs=1).is_empty)
 
 
 def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> SheetPlate:
@@ -260,10 +277,12 @@ def _flanks(
         unit = (there - here) / np.maximum(size, 1e-9)[:, None]
         square = np.abs((unit * np.roll(unit, 1, axis=0)).sum(1)) < FLANKS.max_square_cosine
         square |= np.roll(square, -1)
+        bend = (unit * np.roll(unit, 1, axis=0)).sum(1) < FLANKS.max_straight_cosine
+        bend &= np.roll(bend, -1)
         turn = np.roll(unit[:, 0], 1) * unit[:, 1] - np.roll(unit[:, 1], 1) * unit[:, 0]
         convex = turn > 0
         reflex_end = ~convex | ~np.roll(convex, -1)  # the tip of a tab, convex at both ends, holds nothing
-        fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1) & square & reflex_end
+        fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1) & square & bend & reflex_end
         number: NDArray[np.int64] = np.full(len(here), -1, dtype=np.int64)
         number[fits] = np.arange(fits.sum()) + len(middle)
         before, after = np.roll(number, 1)[fits], np.roll(number, -1)[fits]

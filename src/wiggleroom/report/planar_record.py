@@ -2,43 +2,45 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from wiggleroom.mating.planar_assembly import PlanarAssembly
-from wiggleroom.report.sheet_record import FORMAT
+from wiggleroom.report.sheet_record import sheet_point
+from wiggleroom.schema.results import AssembleResult, SheetJointEntry, UnmatchedEntry
 
 if TYPE_CHECKING:
     from rich.console import Group
 
 
-def planar_record(found: PlanarAssembly, *, command: str = "") -> dict[str, Any]:
+def planar_record(found: PlanarAssembly, *, command: str = "") -> AssembleResult:
     """Everything `assemble --json` says in the plane; lengths in mm, on the sheet x and y as drawn, y up."""
     names = found.names
-    return {
-        "format": FORMAT,
-        "certainty": "sure" if found.sure else "not sure",
-        "doubts": list(found.doubts),
-        "panels": len(names),
-        "placed": sum(len(body) for body in found.bodies),
-        "bodies": [[names[row] for row in body] for body in found.bodies],
-        "joints": [
-            {
-                "name": f"J{k}",
-                "panels": [names[row] for row in joint.parts],
-                "length": round(joint.length, 4),
-                "on_sheet": [point.round(4).tolist() for point in joint.on_sheet],
-            }
-            for k, joint in enumerate(found.joints, 1)
+    joints = [
+        SheetJointEntry(
+            name=f"J{k}",
+            panels=(names[joint.parts[0]], names[joint.parts[1]]),
+            length=round(joint.length, 4),
+            on_sheet=(sheet_point(joint.on_sheet[0]), sheet_point(joint.on_sheet[1])),
+        )
+        for k, joint in enumerate(found.joints, 1)
+    ]
+    return AssembleResult(
+        certainty="sure" if found.sure else "not sure",
+        doubts=list(found.doubts),
+        panels=len(names),
+        placed=sum(len(body) for body in found.bodies),
+        bodies=[[names[row] for row in body] for body in found.bodies],
+        joints=joints,
+        unmatched=[
+            UnmatchedEntry(panel=names[row], on_sheet=[sheet_point(point) for point in points])
+            for row, points in found.open.items()
         ],
-        "unmatched": [
-            {"panel": names[row], "on_sheet": points.round(4).tolist()} for row, points in found.open.items()
-        ],
-        "unplaced": [names[row] for row in found.unplaced],
-        "burn": found.burn,
-        "relief": found.relief,
-        "notes": list(found.notes),
-        "command": command,
-    }
+        unplaced=[names[row] for row in found.unplaced],
+        burn=found.burn,
+        relief=found.relief,
+        notes=list(found.notes),
+        command=command,
+    )
 
 
 def planar_headline(found: PlanarAssembly) -> str:

@@ -2,47 +2,44 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wiggleroom.mating.assembled_sheet import AssembledSheet
+from wiggleroom.schema.results import AssembleResult, SheetJointEntry, UnmatchedEntry
 
 if TYPE_CHECKING:
     from rich.console import Group
 
-FORMAT = "wiggleroom.assemble/1"
 
-
-def assemble_record(found: AssembledSheet, *, command: str = "") -> dict[str, Any]:
+def assemble_record(found: AssembledSheet, *, command: str = "") -> AssembleResult:
     """Everything `assemble --json` says; lengths in mm, on the sheet x and y as drawn, y up."""
     names = [plate.name for plate in found.plates]
-    return {
-        "format": FORMAT,
-        "certainty": "sure" if found.sure else "not sure",
-        "doubts": list(found.doubts),
-        "panels": len(names),
-        "placed": sum(len(body.rows) for body in found.bodies),
-        "bodies": [[names[row] for row in body.rows] for body in found.bodies],
-        "joints": [
-            {
-                "name": f"J{k}",
-                "panels": [names[row] for row in joint.panels],
-                "flanks": len(joint.flanks),
-                "on_sheet": [_mean(found, row, joint.flanks[:, side]) for side, row in enumerate(joint.panels)],
-            }
-            for k, joint in enumerate(found.joints, 1)
-        ],
-        "unmatched": [
-            {"panel": names[row], "on_sheet": on_sheet(found, row, flanks).round(4).tolist()}
+    joints = []
+    for k, joint in enumerate(found.joints, 1):
+        a, b = joint.panels
+        places = (_mean(found, a, joint.flanks[:, 0]), _mean(found, b, joint.flanks[:, 1]))
+        joints.append(
+            SheetJointEntry(name=f"J{k}", panels=(names[a], names[b]), flanks=len(joint.flanks), on_sheet=places)
+        )
+    return AssembleResult(
+        certainty="sure" if found.sure else "not sure",
+        doubts=list(found.doubts),
+        panels=len(names),
+        placed=sum(len(body.rows) for body in found.bodies),
+        bodies=[[names[row] for row in body.rows] for body in found.bodies],
+        joints=joints,
+        unmatched=[
+            UnmatchedEntry(panel=names[row], on_sheet=[sheet_point(point) for point in on_sheet(found, row, flanks)])
             for row, flanks in found.open.items()
         ],
-        "unplaced": [names[row] for row in found.unplaced],
-        "burn": found.burn,
-        "relief": found.relief,
-        "notes": list(found.notes),
-        "command": command,
-    }
+        unplaced=[names[row] for row in found.unplaced],
+        burn=found.burn,
+        relief=found.relief,
+        notes=list(found.notes),
+        command=command,
+    )
 
 
 def on_sheet(found: AssembledSheet, row: int, flanks: np.ndarray) -> np.ndarray:
@@ -51,8 +48,13 @@ def on_sheet(found: AssembledSheet, row: int, flanks: np.ndarray) -> np.ndarray:
     return plate.middle[flanks] + plate.centre
 
 
-def _mean(found: AssembledSheet, row: int, flanks: np.ndarray) -> list[float]:
-    return [round(float(x), 4) for x in on_sheet(found, row, flanks).mean(axis=0)]
+def sheet_point(point: np.ndarray) -> tuple[float, float]:
+    """A place on the sheet [mm], rounded as results are."""
+    return round(float(point[0]), 4), round(float(point[1]), 4)
+
+
+def _mean(found: AssembledSheet, row: int, flanks: np.ndarray) -> tuple[float, float]:
+    return sheet_point(on_sheet(found, row, flanks).mean(axis=0))
 
 
 def sheet_headline(found: AssembledSheet) -> str:

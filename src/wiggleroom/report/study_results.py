@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import UNSET
 
-from wiggleroom.report.answer_words import asked, headline, number, rounded_up, short, unit
+from wiggleroom.report.answer_words import goals_text, headline, number, rounded_up, short, unit
 from wiggleroom.report.table import columns
 from wiggleroom.schema.results import (
     CheckedDraws,
@@ -62,7 +62,7 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def less(share: float, places: int) -> str:
+def reduction_text(share: float, places: int) -> str:
     """Say by how much the motion gets less.
 
     >>> less(12.34, 0), less(float("nan"), 1)
@@ -75,7 +75,7 @@ def at_random(found: Tightening, places: int) -> str:
     """Say what tightening as many parts at random takes away, and how often the parts do not fit then."""
     if found.misfits == len(found.random):
         return "the parts do not fit"
-    return less(found.lowered_at_random, places) + (f" ({found.misfits} do not fit)" if found.misfits else "")
+    return reduction_text(found.lowered_at_random, places) + (f" ({found.misfits} do not fit)" if found.misfits else "")
 
 
 def tighten_table(found: Tightening) -> Group:
@@ -87,7 +87,7 @@ def tighten_table(found: Tightening) -> Group:
     if found.after.objective is None:
         now = "nothing stops it"
     else:
-        now = f"{number(found.after.objective)} {what}".rstrip() + f", {less(found.lowered, 1)}"
+        now = f"{number(found.after.objective)} {what}".rstrip() + f", {reduction_text(found.lowered, 1)}"
     lines = [Text(headline(found.before), style="bold"), Text()]
     if found.chosen:
         parts = ", ".join(short(n) for n in found.chosen)
@@ -139,7 +139,7 @@ def sweep_table(found: Sweep) -> Group:
         most = [] if not proven else ["" if s.at_most is None else rounded_up(s.at_most)]
         rows.add_row(number(s.gap), value, *most, rate, str(s.verdict))
     said = [Text(lost_sentence(found)), *([Text(band_sentence(found))] if proven else [])]
-    return Group(Text(asked(found.goals, 3), style="bold"), Text(), rows, Text(), *said)
+    return Group(Text(goals_text(found.goals, 3), style="bold"), Text(), rows, Text(), *said)
 
 
 def has_band(found: Sweep) -> bool:

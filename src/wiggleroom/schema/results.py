@@ -100,6 +100,16 @@ class EscapeEntry(Struct):
     ]
 
 
+class StateSearchEntry(Struct, kw_only=True):
+    """How far the search for ways out went."""
+
+    states: Annotated[int, Meta(description="states to which slides, and turns of single parts, led")]
+    turned: Annotated[int, Meta(description="of these states those in which every part was turned both ways")]
+    whole: Annotated[bool, Meta(description="these are all such states of the parts that are left")]
+    questions: Annotated[int, Meta(description="largest motions that were searched")]
+    unanswered: Annotated[int, Meta(description="of these those that found no end whose way is certain")]
+
+
 class SeparabilityEntry(Struct, kw_only=True):
     """Whether parts come apart at one gap."""
 
@@ -111,6 +121,7 @@ class SeparabilityEntry(Struct, kw_only=True):
     escapes: Annotated[list[EscapeEntry], Meta(description="in the order in which they leave")]
     spins: Annotated[list[str], Meta(description="parts that turn in place without limit")]
     remains: Annotated[list[str], Meta(description="parts of which nothing more was found to leave")]
+    search: StateSearchEntry
 
 
 class LargestGapEntry(Struct, kw_only=True):
@@ -152,6 +163,7 @@ class PlanStepEntry(Struct, kw_only=True):
     turn_room_deg: Annotated[float, Meta(description="an error of angle under which it certainly still goes [deg]")]
     axis: Annotated[Point, Meta(description="unit vector along which the parts go in when they are put together")]
     held: Annotated[list[str], Meta(description="loose parts that must be held")]
+    falling: Annotated[list[str], Meta(description="of these those that would fall; with gravity")]
 
 
 class PlanAssemblyEntry(Struct, kw_only=True):
@@ -162,14 +174,7 @@ class PlanAssemblyEntry(Struct, kw_only=True):
     path: Annotated[list[dict[str, PartMotion]], Meta(description="that of the step, backwards")]
     axis: Annotated[Point, Meta(description="unit vector of the first straight piece backwards")]
     held: Names
-
-
-class PlanSearchEntry(Struct, kw_only=True):
-    """How far the search went."""
-
-    states: Annotated[int, Meta(description="states to which slides led")]
-    whole: Annotated[bool, Meta(description="these are all such states of the parts that are left")]
-    questions: Annotated[int, Meta(description="largest motions that were searched")]
+    falling: Names
 
 
 class PlanSampleEntry(Struct, kw_only=True):
@@ -224,7 +229,9 @@ class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=Tr
     assembly: Annotated[list[PlanAssemblyEntry], Meta(description="the steps backwards: how it is put together")]
     remains: Annotated[list[str], Meta(description="loose parts that were to leave and do not")]
     rest: Annotated[Separability, Meta(description="what became of the parts that are left")]
-    search: PlanSearchEntry
+    rest_certainty: Annotated[Certainty, Meta(description="what shows that")]
+    gravity: Annotated[Point | None, Meta(description="unit vector in which loose parts fall; null: not looked at")]
+    search: StateSearchEntry
     sample: PlanSampleEntry | UnsetType = UNSET
     rank: list[PlanRankEntry] | UnsetType = UNSET
     smallest_gap: PlanGapEntry | UnsetType = UNSET
@@ -523,8 +530,46 @@ class PartsResult(Struct, tag_field="format", tag="wiggleroom.parts/1", kw_only=
     command: Command
 
 
+class SheetJointEntry(Struct, kw_only=True):
+    """Two panels that hold each other; in space their flanks meet, in the plane stretches of their outlines."""
+
+    name: str
+    panels: Pair
+    flanks: Annotated[int | UnsetType, Meta(description="pairs of flanks that meet; in space")] = UNSET
+    length: Annotated[float | UnsetType, Meta(description="of the contact [mm]; in the plane")] = UNSET
+    on_sheet: Annotated[
+        tuple[Point, Point], Meta(description="where the sheet shows it on the one and the other panel [mm], y up")
+    ]
+
+
+class UnmatchedEntry(Struct, kw_only=True):
+    """What a placed panel holds ready and nothing meets."""
+
+    panel: str
+    on_sheet: Annotated[list[Point], Meta(description="where the sheet shows it [mm], y up")]
+
+
+class AssembleResult(Struct, tag_field="format", tag="wiggleroom.assemble/1", kw_only=True):
+    """A cutting sheet put together: `wiggleroom assemble --json`."""
+
+    certainty: Annotated[
+        Literal["sure", "not sure"], Meta(description="sure: everything fits, and nothing else does as well")
+    ]
+    doubts: Annotated[list[str], Meta(description="why it is not sure, one line each")]
+    panels: Annotated[int, Meta(description="how many the sheet has")]
+    placed: int
+    bodies: Annotated[list[Names], Meta(description="panels that hold together")]
+    joints: list[SheetJointEntry]
+    unmatched: list[UnmatchedEntry]
+    unplaced: Names
+    burn: Annotated[float, Meta(description="taken off every outline [mm]: as the cut does")]
+    relief: Annotated[float, Meta(description="taken off besides, so that nothing presses at rest [mm]")]
+    notes: Notes
+    command: Command
+
+
 RESULTS = (
     FlexResult, CheckResult, PlanResult, GapResult, RankResult, TightenResult, SweepResult, SampleResult, TolerancesResult, SpaceResult,
-    PartsResult,
+    PartsResult, AssembleResult,
 )  # fmt: skip
 """All formats."""

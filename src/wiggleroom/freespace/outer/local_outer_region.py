@@ -93,7 +93,7 @@ class _Boxes:
         return _Boxes(np.vstack([self.low, low]), np.vstack([high, self.high]))
 
 
-def pocket(sides: NearSides) -> LocalOuterRegion | None:
+def local_outer_region(sides: NearSides) -> LocalOuterRegion | None:
     """Walls round rest; None where they do not close in a window of a few clearances."""
     material = sides.pair
     for window, rounds in WINDOWS:

@@ -1,0 +1,149 @@
+"""Cutting sheets as assemblies in space: the options that say so, and the assembly they make."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from cyclopts import Group, Parameter
+
+from wiggleroom.cli.options import Many
+
+if TYPE_CHECKING:
+    from wiggleroom.errors import Stop
+    from wiggleroom.mating.assembled_sheet import AssembledSheet
+    from wiggleroom.mating.hints import Hints
+
+SHEET = Group("Cutting sheet", sort_key=1)
+
+
+@Parameter(name="*", group=SHEET)
+@dataclass(frozen=True, kw_only=True)
+class SheetOptions:
+    """What is known of a cutting sheet whose plates are put together in space.
+
+    Parameters
+    ----------
+    thickness
+        Of the material [mm], for which joints are drawn: a drawing is then a cutting sheet of plates, which are put
+        together in space. NAME:2.8 gives the real thickness of one panel. May repeat.
+    burn
+        By how much outlines are drawn larger than they come out [mm], half the width of the cut. By default what the
+        sheet itself says, else 0.
+    hints
+        A TOML file with what is known of plates in space: thickness, thicknesses, burn, groups, join, plate.
+    """
+
+    thickness: Many = ()
+    burn: float | None = None
+    hints: Path | None = None
+
+    @property
+    def given(self) -> bool:
+        """Whether a drawing is meant as a sheet of plates."""
+        return bool(self.thickness) or self.hints is not None
+
+    def check(self, file: str, *, in_plane: bool = False) -> None:
+        """See that the options go with the file; whether burn alone makes sense, as it does for a puzzle in the plane.
+
+        Raises
+        ------
+        InputError
+            Where a file is no drawing, or a number makes no sense.
+        """
+        from wiggleroom.errors import InputError
+
+        if self.burn is not None and not 0 <= self.burn < math.inf:
+            message = f"--burn {self.burn:g}: it must be 0 mm or more"
+            raise InputError(message)
+        if self.burn is not None and not self.given and not in_plane:
+            message = (
+                f"--burn goes with --thickness; give the thickness of the material of {file}, such as --thickness 3"
+            )
+            raise InputError(message)
+        if self.given and Path(file).suffix.lower() == ".json":
+            message = f"--thickness, --burn and --hints are for drawings of cutting sheets; {file} is an assembly: leave them out"
+            raise InputError(message)
+
+    def known(self, file: str) -> tuple[float | None, Hints]:
+        """Thickness of the material [mm], and everything else that is known; the command line goes before the file of hints.
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong, one line each.
+        """
+        from dataclasses import replace
+
+        from wiggleroom.errors import InputError
+        from wiggleroom.mating.hints import Hints, read_hints
+
+        self.check(file)
+        said = read_hints(self.hints) if self.hints else Hints()
+        common, single = _thicknesses(self.thickness)
+        said = replace(said, thicknesses=said.thicknesses | single)
+        common = common if common is not None else said.thickness
+        if common is None and self.given:
+            message = f"{file}: the thickness of the material is not known; give it, such as --thickness 3"
+            raise InputError(message)
+        return common, said
+
+
+def assembled_sheet(
+    file: str, sheet: SheetOptions, *, unit: str | None, seconds: float = 60.0, stop: Stop | None = None
+) -> AssembledSheet:
+    """Panels of a drawing put together in space.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong with the drawing, the options or the hints.
+    """
+    from wiggleroom.mating.assembled_sheet import assemble_sheet
+    from wiggleroom.mating.cutting_sheet import read_sheet
+
+    thickness, hints = sheet.known(file)
+    read = read_sheet(Path(file), unit=unit)
+    return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, hints=hints, seconds=seconds, stop=stop)
+
+
+def sure_text(file: str, found: AssembledSheet) -> str:
+    """Text of the assembly file of a sheet whose assembly is sure.
+
+    Raises
+    ------
+    UnsureError
+        With what is not sure, one line each, and what to do.
+    """
+    from wiggleroom.errors import UnsureError
+    from wiggleroom.mating.plates_writer import write_plates
+
+    if not found.sure:
+        way = "look at it with wiggleroom assemble --picture, help with --hints, or ask the assembly file that assemble writes"
+        raise UnsureError(
+            [*(f"{file}: {doubt}" for doubt in found.doubts), f"{file}: how its panels go together is not sure: {way}"]
+        )
+    return write_plates(found)
+
+
+def _thicknesses(said: tuple[str, ...]) -> tuple[float | None, dict[str, float]]:
+    """Thickness of the material and of single panels [mm]."""
+    from wiggleroom.errors import InputError
+
+    common, single = None, {}
+    for text in said:
+        name, _, number = text.rpartition(":")
+        try:
+            size = float(number)
+        except ValueError:
+            size = 0.0
+        if not 0 < size < 1e6:
+            message = f"--thickness {text}: it must be a length in mm larger than 0, or NAME:2.8"
+            raise InputError(message)
+        if name:
+            single[name] = size
+        else:
+            common = size
+    return common, single
