@@ -93,6 +93,20 @@ def test_where_there_is_no_film_it_is_said(run, command: str, name: str) -> None
     assert not Path(name).exists()
 
 
+def test_a_proven_band_is_told_everywhere(run) -> None:
+    pytest.importorskip("highspy")
+    words = ("sweep", "chain.json", "--gaps", "0.01,0.02", "--pull", "b3:+y", "--prove", "0.01")
+    code, out, _ = run(*words, "--json", "out.json", "--csv", "out.csv", "--picture", "out.svg")
+    assert code == 0
+    entries = json.loads(Path("out.json").read_text())["gaps"]
+    assert all(e["objective"] <= e["at_most"] <= 1.0101 * e["objective"] for e in entries)
+    assert Path("out.csv").read_text().splitlines()[0].endswith("at_most")
+    assert 'class="band"' in Path("out.svg").read_text()
+    assert "at most" in out
+    assert "proven" in out
+    assert run("sweep", "chain.json", "--gaps", "0.01", "--prove", "0")[0] == 2
+
+
 def test_sweep_writes_a_table_of_values(run) -> None:
     assert run("sweep", "chain.json", "--gaps", "0.01:0.02:2", "--csv", "c.csv")[0] == 0
     lines = Path("c.csv").read_text().splitlines()

@@ -9,9 +9,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
+import shapely
 
 import wiggleroom as wr
-from tests.flexing import case_assembly, displaced, mirrored, random_assembly, random_goals, row_of, scaled, shuffled
+from tests.flexing import (
+    case_assembly,
+    displaced,
+    mirrored,
+    part_at,
+    random_assembly,
+    random_goals,
+    row_of,
+    scaled,
+    shuffled,
+)
 from tests.oracle import blocks, chain, closed_forms, random_joints
 from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
@@ -21,6 +32,7 @@ from wiggleroom.bound.joint_multipliers import MULTIPLIERS, LagrangianBound, goa
 from wiggleroom.bound.joint_ranges import RegionCuts, joint_ranges
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.trigonometric_envelopes import envelope, support
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.freespace.outer.outer_facets import facets
 from wiggleroom.freespace.outer.outer_region import refined
 from wiggleroom.program.objectives import PointMotion, objective
@@ -203,6 +215,73 @@ def test_any_multipliers_give_a_bound(seed, wide):
     y[0] = 0.0
     found = lagrangian.most(np.tile(weights, (40, 1)), np.zeros(40), y)
     assert (found >= answer.objective).all()
+
+
+def test_a_program_ends_when_it_is_asked_to():
+    """Within an iteration, and its multipliers still bound what is asked."""
+    from wiggleroom.solve.dual_linear_program import DualLinearProgram
+
+    rng = np.random.default_rng(5)
+    rows = sp.random(600, 200, 0.05, random_state=5, data_rvs=rng.standard_normal).tocsr()
+    most, calls = np.abs(rng.standard_normal(600)) + 0.1, [0]
+
+    def over():
+        calls[0] += 1
+        return calls[0] > 20
+
+    def ended(stop):
+        program = DualLinearProgram(rows, np.full(600, -np.inf), most, np.full(200, -1.0), np.ones(200), stop)
+        y = np.maximum(program.ask(np.ones(200)), 0.0)
+        return program.iterations, y @ most + np.abs(1.0 - rows.T @ y).sum()
+
+    whole, value = ended(lambda: False)
+    short, bound = ended(over)
+    assert whole > 100
+    assert short <= 25
+    assert bound >= value - 1e-9
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
+    """What is proven of a window is proven of every placement: with joints moved by as much as the deviation says, no bound is passed."""
+    from wiggleroom.bound.local_windows import deviation, windows
+
+    assembly = wr.patterns.grid(3, 3, joint="tee", gap=0.02)
+    ground = survey(assembly)
+    them = ground.bodies
+    joints, regions = outer_regions(ground, lambda: False)
+    (window, *_) = windows(them.shape, them.rest, them.radius, joints, 2)
+    far = np.array([regions[k].far for k in joints.kind])
+    assert deviation(window, joints, far) < 1e-11
+    rng, shift = np.random.default_rng(seed), 1e-6
+    other = np.setdiff1d(window.placed_joints[1], window.joints)
+    arm = joints.arm_b.copy()
+    arm[other] += shift * rng.uniform(0.5, 1.0, (len(other), 2))
+    moved = replace(joints, arm_b=arm)
+    apart = deviation(window, moved, far)
+    assert 2 * np.hypot(*(arm - joints.arm_b)[other].T).max() <= apart <= 3 * shift
+    turns = turn_differences(joints, regions)
+    ranges = first_ranges(them.fixed, joints, regions, turns)
+    at = joint_ranges(joints, RegionCuts([*regions]), ranges, turns)
+    y = rng.standard_normal((5, len(joints.a), MULTIPLIERS))
+    weights, none = np.zeros((5, 5 * len(them.fixed))), np.zeros(5)
+    plain, wider = (LagrangianBound(them.fixed, joints, at, ranges, d).most(weights, none, y) for d in (0.0, apart))
+    assert wider - plain == pytest.approx(apart * np.hypot(y[..., 0], y[..., 1]).sum(1), rel=1e-3)
+
+
+@pytest.mark.parametrize(("sides", "share"), [(3, 0.3), (4, 0.45), (5, 0.2)])
+def test_turns_of_one_body_are_bounded_within_a_thousandth(sides, share):
+    """A polygon in a larger one alike, about a pin: where it ends follows from one corner and one side."""
+    angle = 2 * np.pi * np.arange(sides) / sides
+    outside, hole, inner = ((r * np.column_stack([np.cos(angle), np.sin(angle)])) for r in (3.0, 1.0, 1.0 - share))
+    frame = shapely.Polygon(outside, [hole])
+    parts = (part_at("frame", frame, fixed=True), part_at("peg", shapely.Polygon(inner)))
+    assembly = assemble(Drawing(parts, goals=(wr.Turn("peg", "ccw"),)), gap=0.0)
+    answer = wr.flex(assembly, search=0)
+    if answer.objective is None:
+        pytest.skip("it turns all the way round")
+    proven = wr.prove(answer, 0.001, seconds=30)
+    assert answer.objective <= proven.at_most <= 1.001 * answer.objective
 
 
 def test_the_dual_program_says_what_another_solver_says():

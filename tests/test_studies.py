@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import replace
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 import pytest
@@ -12,6 +12,8 @@ from scipy import stats
 
 import wiggleroom as wr
 from tests.flexing import slot
+from tests.oracle import blocks, chain
+from tests.oracle.slices import Slices
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import JointGap
 from wiggleroom.sensitivity.gap_distribution import wilson
@@ -108,6 +110,28 @@ def test_sweep_is_what_flex_says_for_each_gap() -> None:
         assert step.objective == pytest.approx(wr.flex(assemble(drawing, gap=step.gap)).objective, rel=1e-6)
         assert step.checked
     assert found.lost is None
+
+
+def test_a_proven_band_holds_the_true_curve() -> None:
+    """Between two gaps as well: the truth of another program lies above the lower motion and below the bound of the larger gap."""
+    pytest.importorskip("highspy")
+    assembly = wr.patterns.chain(3, joint="tee", gap=0.01)
+    found = wr.sweep(assembly, [0.01, 0.014, 0.02], wr.Pull("b3", (0, 1)), prove=0.005)
+    for step in found.steps:
+        assert step.objective <= step.at_most <= 1.0051 * step.objective
+    for one, other in pairwise(found.steps):
+        gap = (one.gap + other.gap) / 2
+        made = blocks.block("tee", gap)
+        truth = chain.reach(Slices(made, made, (1.0, 0.0)), 3, (0.0, 1.0), cells=60).value
+        assert one.objective <= truth <= other.at_most
+
+
+def test_no_band_in_space_and_none_of_nonsense() -> None:
+    solid = wr.read("examples/43_mortise_and_tenon/joint.json")
+    with pytest.raises(wr.InputError, match="drawings only"):
+        wr.sweep(solid, [0.1], prove=0.01)
+    with pytest.raises(wr.InputError, match="it must be"):
+        wr.sweep(wr.patterns.chain(2), [0.01], prove=0.0)
 
 
 def test_sweep_of_joints_with_gaps_of_their_own() -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.errors import InputError
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_goals import AnyGoal, spatial_goals
@@ -161,7 +162,7 @@ def sweep(
     goals : Pull, Turn and others, or several that add up
         By default what the assembly's file asks for.
     **options
-        `stop`, `progress` and `each`, see `wiggleroom.sensitivity.sweep.sweep`.
+        `prove` and `seconds` (drawings only), `stop`, `progress` and `each`, see `wiggleroom.sensitivity.sweep.sweep`.
 
     Returns
     -------
@@ -182,6 +183,9 @@ def sweep(
     if isinstance(assembly, SpatialAssembly):
         from wiggleroom.spatial.spatial_sweep import sweep_spatial
 
+        if options.pop("prove", None) is not None:
+            raise InputError("sweep: a bound is proven for drawings only, not for assemblies in space: leave out prove")
+        options.pop("seconds", None)
         return sweep_spatial(assembly, gaps, spatial_goals(goals), **options)
     from wiggleroom.sensitivity.sweep import sweep as sweep_planar
 

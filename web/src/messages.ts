@@ -366,6 +366,7 @@ export interface StepReply {
   objective: number | null; // sum of the goals [mm], turns in [rad]; null where nothing stops the motion
   verdict: "proven" | "optimal" | "stationary" | "unbounded" | "stopped" | "touching" | "cannot be made";
   checked: boolean;
+  at_most?: number | null; // a value that no motion exceeds, where one was proven
 }
 
 /** The whole sweep. */

@@ -32,10 +32,10 @@ export function unpack(): boolean {
   if (told.check) state.checked.value = about(told.check.reply, told.check.ways.map(frames));
   if (told.space) state.space.value = about(told.space, []);
   const known = answers.map(({ gap, flex, way, outlines }) => ({ gap, flex, way: frames(way), outlines }));
-  const steps = told.steps ?? known.map(({ gap, flex: { objective, verdict } }) => ({ gap, objective, verdict }));
-  state.solved.value = steps.map(({ gap, objective, verdict }) => {
+  const steps = told.steps ?? known.map(({ gap, flex: { objective, verdict, at_most } }) => ({ gap, objective, verdict, at_most }));
+  state.solved.value = steps.map(({ gap, objective, verdict, at_most }) => {
     const one = known.find((other) => other.gap === gap);
-    return { gap, objective, verdict, end: one && objective !== null ? end(one.way) : null };
+    return { gap, objective, verdict, end: one && objective !== null ? end(one.way) : null, atMost: at_most ?? null };
   });
   state.rings.value = rest;
   if (known.length === 0) {

@@ -30,7 +30,7 @@ from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges
 from wiggleroom.bound.window_bounds import WindowProof, bounded_windows
 from wiggleroom.deadline import Deadline
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
-from wiggleroom.freespace.outer.outer_facets import holding
+from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS, FINE_NORMALS, holding
 from wiggleroom.freespace.outer.outer_region import OuterRegion, refined
 from wiggleroom.program.objectives import PointMotion
 from wiggleroom.search.prepare import Survey
@@ -104,6 +104,7 @@ class BranchAndBound:
         bodies = self.ground.bodies
         ranges = first_ranges(bodies.fixed, self.joints, self.regions, self.linkage.turns)
         if np.isfinite(ranges.far).sum() > MANY_BODIES:
+            self.cuts.unlike = COARSE_NORMALS
             for linkage, proof in bounded_windows(bodies, self.linkage, self.cuts, self.clock.is_set):
                 self.linkage = linkage
                 self.windows.append(proof)
@@ -139,6 +140,7 @@ class BranchAndBound:
         self, ranges: AngleRanges, before: float, hops: int, best: float, step: ProofNode | None
     ) -> list[tuple[AngleRanges, float, int]]:
         """What is left of `ranges`, in one or two pieces, what motions there are worth at most, and how far apart to ask next."""
+        self.cuts.unlike = COARSE_NORMALS if hops else FINE_NORMALS
         try:
             program = RelaxationInRanges(self.linkage, self.cuts, ranges)
         except InfeasibleRanges as nothing:

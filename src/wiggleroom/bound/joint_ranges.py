@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, TurnDifferences
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
-from wiggleroom.freespace.outer.outer_facets import Facets, facets
+from wiggleroom.freespace.outer.outer_facets import FINE_NORMALS, Facets, facets
 from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.geometry.relative_pose import turn
 
@@ -24,6 +24,8 @@ TURN_GRID = 512
 """Intervals end at multiples of a region's whole turn divided by this."""
 MIN_GRID_STEPS = 16
 """Of narrower intervals than so many steps, the grid is finer by a power of two."""
+GRID_MARGIN = 1e-6
+"""Ends of an interval this share of a step from a multiple are moved out to the next one, so that rounding never cuts it."""
 FINEST_GRID = 1e-9
 """No grid is finer than this divided by `MIN_GRID_STEPS` [rad]."""
 MAX_COUPLED_ANGLE = 1.2
@@ -40,10 +42,18 @@ class InfeasibleRanges(Exception):  # noqa: N818
 
 @dataclass(eq=False)
 class RegionCuts:
-    """Regions, and what was cut out of them; a region may be replaced by a sharper one."""
+    """Regions, and what was cut out of them; a region may be replaced by a sharper one.
+
+    Parameters
+    ----------
+    regions : list
+    unlike : float [rad]
+        Facets whose normals differ by less are one: fewer facets make quicker programs, and the bounds that follow hardly worse.
+    """
 
     regions: list[OuterRegion | CagingSurface | LocalOuterRegion]
-    known: dict[tuple[int, int, int, int], Facets | None] = field(default_factory=dict)
+    unlike: float = FINE_NORMALS
+    known: dict[tuple[float, int, int, int, int], Facets | None] = field(default_factory=dict)
 
     def cut(self, kind: int, low: float, high: float) -> Facets | None:
         """Facets and corners of a region between two turns; None where nothing is left."""
@@ -55,17 +65,23 @@ class RegionCuts:
             return None
         whole = TURN_GRID / MIN_GRID_STEPS * max(high - low, FINEST_GRID)
         finer = max(0, int(np.ceil(np.log2((most - least) / whole)))) if most > least else 0
-        step = (most - least) / (TURN_GRID << finer)
-        ends = int(np.floor((low - least) / step)), int(np.ceil((high - least) / step))
-        key = (kind, finer, *ends)
+        count = TURN_GRID << finer
+        step = (most - least) / count
+        ends = (
+            max(int(np.floor((low - least) / step - GRID_MARGIN)), 0),
+            min(int(np.ceil((high - least) / step + GRID_MARGIN)), count),
+        )
+        key = (self.unlike, kind, finer, *ends)
         if key not in self.known:
-            self.known[key] = facets(region, least + ends[0] * step, least + ends[1] * step)
+            one = least if ends[0] == 0 else least + ends[0] * step
+            other = most if ends[1] == count else least + ends[1] * step
+            self.known[key] = facets(region, one, other, self.unlike)
         return self.known[key]
 
     def replace(self, kind: int, region: OuterRegion) -> None:
         """Put a sharper region in the place of one."""
         self.regions[kind] = region
-        self.known = {key: cut for key, cut in self.known.items() if key[0] != kind}
+        self.known = {key: cut for key, cut in self.known.items() if key[1] != kind}
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,6 +22,7 @@ def sweep(
     outputs: StudyOutputs = _NO_OUTPUTS,
     time: TimeLimit = _ENDLESS,
     gaps: str | None = None,
+    prove: float | None = None,
     html: Path | None = None,
 ) -> int:
     """Find the motion for several gaps, and the gap from which on nothing stops it.
@@ -35,6 +36,9 @@ def sweep(
     gaps
         Gaps in mm: a list 0.1,0.2,0.5, or from, to and how many as 0.1:1:10. By default nine, from a quarter of the
         gap to twice it.
+    prove
+        Prove a bound at every gap: that no motion is worth more than this share above the one found; 0.01 is one per
+        cent. So the curve gets a band that the truth lies in. Needs the extra prove. A gap's proof takes at most 60 seconds.
     html
         Make the page too, where the picture is to be something else: the answer at every gap, with its film: .html.
     """
@@ -49,6 +53,15 @@ def sweep(
     outputs.check(file, **{"--html": (html, (".html",))})
     see_no_page(file, outputs.picture, html)
     wanted = None if gaps is None else _gaps(gaps)
+    if prove is not None:
+        from wiggleroom.cli.proving import check_proof
+        from wiggleroom.errors import InputError
+        from wiggleroom.questions import is_spatial_file
+
+        if is_spatial_file(file):
+            wrong = f"--prove is for drawings; {file} is an assembly in space: leave it out"
+            raise InputError(wrong)
+        check_proof(prove, "walls")
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
         from wiggleroom.questions import sweep as work_out
@@ -57,7 +70,7 @@ def sweep(
         if sheet.given:
             see_no_page(file, outputs.picture, html, spatial=True)
         assembly = read_question(file, asked, sheet, stop)
-        found = work_out(assembly, wanted, stop=stop, progress=show)
+        found = work_out(assembly, wanted, prove=prove, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table
 

@@ -192,6 +192,19 @@ def proven(answer: Answer) -> str:
     return f"between {low:.{places}f} and {high:.{places}f}{space}{what}, proven"
 
 
+def rounded_up(value: float) -> str:
+    """A bound to four digits, never less than it is.
+
+    >>> rounded_up(1.37231), rounded_up(1234567.0), rounded_up(0.5)
+    ('1.373', '1235000', '0.5')
+    """
+    if value == 0 or not math.isfinite(value):
+        return f"{value:g}"
+    places = 3 - math.floor(math.log10(abs(value)))
+    high = math.ceil(value * 10.0**places) / 10.0**places
+    return f"{high:.{max(places, 0)}f}".rstrip("0").rstrip(".") if places > 0 else f"{high:.0f}"
+
+
 def bound_sentence(answer: Answer) -> str:
     """Say what was proven about the largest motion, how near it comes and what it took; or why nothing was."""
     bound, between = answer.bound, proven(answer)

@@ -23,7 +23,7 @@ from wiggleroom.report.space_report import space_headline as space_headline
 from wiggleroom.report.space_solid import space_message
 from wiggleroom.report.standalone_page import packed_frames, section, shown_answer, shown_drawing, standalone_page
 from wiggleroom.report.study_messages import check_message, ranking_message, step_message
-from wiggleroom.report.study_results import lost_sentence
+from wiggleroom.report.study_results import band_sentence, has_band, lost_sentence
 from wiggleroom.report.study_tabs import sample_message, tightening_message
 from wiggleroom.report.tolerance_results import tolerance_name, tolerances_facts, tolerances_sentence, tolerances_sure
 from wiggleroom.schema.replies import StudyReply, StudyTab, Title
@@ -107,11 +107,14 @@ def page_of_sweep(found: Sweep, *, command: str = "") -> str:
     for s in found.steps:
         value = float("nan") if s.objective is None else float(s.objective)
         rate = value / s.gap if s.gap > 0 else float("nan")
-        rows.append([float(s.gap), value, rate, str(s.verdict), "checked" if s.checked else "not checked"])
-    heads = ["gap mm", f"motion {what}".rstrip(), "per mm of gap", "verdict", "way"]
+        most = [float("nan") if s.at_most is None else s.at_most] if has_band(found) else []
+        rows.append([float(s.gap), value, *most, rate, str(s.verdict), "checked" if s.checked else "not checked"])
+    band = ["at most"] if has_band(found) else []
+    heads = ["gap mm", f"motion {what}".rstrip(), *band, "per mm of gap", "verdict", "way"]
     sure = [
         ("loses its end", lost_sentence(found)),
         ("found", "each gap begins where the smaller one ended; parts that became smaller still fit there"),
+        *([("bound", band_sentence(found))] if has_band(found) else []),
     ]
     first = min(answers, key=lambda gap: abs(gap - found.assembly.gap))
     told = {

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError
 from wiggleroom.report import frame, palette
 from wiggleroom.report.answer_words import number
-from wiggleroom.report.axes import WIDTH, horizontal_line, plot, span, svg_document, text, vertical_lines
+from wiggleroom.report.axes import WIDTH, Axes, horizontal_line, plot, span, svg_document, text, vertical_lines
 from wiggleroom.report.text import elide, wrap
 
 Floats = NDArray[np.float64]
@@ -31,6 +31,7 @@ def curve(
     facts: Sequence[str] = (),
     marks: Sequence[Mark] = (),
     level: Mark | None = None,
+    most: Floats | None = None,
     command: str = "",
 ) -> str:
     """Curve through points, such as motion against gap; it is broken where `y` is not finite.
@@ -45,6 +46,9 @@ def curve(
         Upright lines, such as where interlock is lost.
     level : (value, label), optional
         Line across, such as the largest motion that is wanted.
+    most : (k,) float64, optional
+        Upper bounds of the points. Of a curve that never falls they make a band: between two points it lies above the lower one and
+        below the bound of the higher one. Not finite where there is none.
 
     Examples
     --------
@@ -55,11 +59,13 @@ def curve(
     """
     x, y = _values(x, y)
     shown = [x[np.isfinite(x)], np.array([m[0] for m in marks])]
-    heights = y if level is None else np.append(y, level[0])
+    top = np.full(len(y), np.nan) if most is None else np.asarray(most, dtype=float).ravel()
+    heights = np.concatenate([y, top[np.isfinite(top) & np.isfinite(y)], [] if level is None else [level[0]]])
     axes, body = plot(span(np.concatenate(shown)), span(heights, zero=True), labels, title, facts)
     body += horizontal_line(axes, level, palette.FIXED[1]) if level else []
     at, there = axes.pixels(x, np.where(np.isfinite(y), y, 0.0)), np.isfinite(x) & np.isfinite(y)
     colour = palette.PULLED[1]
+    body += _band(axes, x, y, top)
     line = "".join(
         f"{'L' if k and there[k - 1] else 'M'}{u:.2f},{v:.2f}" for k, (u, v) in enumerate(at.tolist()) if there[k]
     )
@@ -68,6 +74,21 @@ def curve(
     body += [f'<circle cx="{u:.2f}" cy="{v:.2f}" r="{radius}" fill="{colour}"/>' for u, v in at[there].tolist()]
     body += vertical_lines(axes, marks, [palette.FORCE] * len(marks))
     return svg_document(axes, body, title, facts, command)
+
+
+def _band(axes: Axes, x: Floats, y: Floats, top: Floats) -> list[str]:
+    """What a curve that never falls may be: a step between every two points, a bar at each."""
+    known = np.isfinite(x) & np.isfinite(y) & np.isfinite(top)
+    out = []
+    for k in np.flatnonzero(known[:-1] & known[1:]).tolist():
+        (left, foot), (right, head) = axes.pixels(x[[k, k + 1]], np.array([y[k], top[k + 1]])).tolist()
+        box = f'x="{left:.2f}" y="{head:.2f}" width="{right - left:.2f}" height="{foot - head:.2f}"'
+        out.append(f'<rect class="band" {box} fill="{palette.PULLED[0]}" fill-opacity="0.45"/>')
+    for k in np.flatnonzero(known).tolist():
+        (at, foot), (_, head) = axes.pixels(x[[k, k]], np.array([y[k], top[k]])).tolist()
+        line = f"M{at:.2f},{foot:.2f}V{head:.2f}M{at - 4:.2f},{head:.2f}h8"
+        out.append(f'<path class="bound" d="{line}" fill="none" stroke="{palette.PULLED[1]}" stroke-width="1.2"/>')
+    return out
 
 
 def histogram(

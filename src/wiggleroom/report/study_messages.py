@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from msgspec import UNSET
+
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.report.answer_words import per_gap
@@ -52,4 +54,7 @@ def check_message(found: Interlock, command: str, border: LargestGap | None = No
 
 def step_message(step: SweepStep) -> StepReply:
     """One gap of a sweep."""
-    return StepReply(gap=step.gap, objective=step.objective, verdict=step.verdict, checked=step.checked)
+    at_most = UNSET if step.at_most is None else step.at_most
+    return StepReply(
+        gap=step.gap, objective=step.objective, verdict=step.verdict, checked=step.checked, at_most=at_most
+    )

@@ -7,7 +7,7 @@ import numpy as np
 from wiggleroom.errors import InputError
 from wiggleroom.report.answer_words import goals_text, number, unit
 from wiggleroom.report.plots import curve, histogram
-from wiggleroom.report.study_results import lost_sentence, spread_words, yield_sentence
+from wiggleroom.report.study_results import band_sentence, has_band, lost_sentence, spread_words, yield_sentence
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.verdict import Verdict
@@ -27,6 +27,7 @@ def sweep_facts(found: Sweep) -> list[str]:
     return [
         f"{len(found.steps)} gaps",
         lost_sentence(found),
+        *([band_sentence(found)] if has_band(found) else []),
         *(
             [f"{len(odd)} {'gap' if len(odd) == 1 else 'gaps'} without room: {', '.join(dict.fromkeys(odd))}"]
             if odd
@@ -57,6 +58,7 @@ def picture_of_sweep(found: Sweep, *, command: str = "") -> str:
         title=sweep_title(found),
         facts=sweep_facts(found),
         marks=marks,
+        most=np.array([np.nan if s.at_most is None else s.at_most for s in found.steps]),
         command=command,
     )
 

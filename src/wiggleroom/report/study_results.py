@@ -6,8 +6,9 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import UNSET
 
-from wiggleroom.report.answer_words import goals_text, headline, number, short, unit
+from wiggleroom.report.answer_words import goals_text, headline, number, rounded_up, short, unit
 from wiggleroom.report.table import columns
 from wiggleroom.schema.results import (
     CheckedDraws,
@@ -106,9 +107,17 @@ def tighten_table(found: Tightening) -> Group:
 
 def sweep_result(found: Sweep, command: str = "") -> SweepResult:
     """Everything `sweep --json` says."""
+    proven = has_band(found)
     return SweepResult(
         gaps=[
-            SweepEntry(s.gap, s.objective, s.verdict, "checked" if s.checked else "not checked") for s in found.steps
+            SweepEntry(
+                s.gap,
+                s.objective,
+                s.verdict,
+                "checked" if s.checked else "not checked",
+                s.at_most if proven else UNSET,
+            )
+            for s in found.steps
         ],
         lost_between=found.lost,
         notes=list(found.assembly.drawing.notes),
@@ -122,12 +131,29 @@ def sweep_table(found: Sweep) -> Group:
     from rich.text import Text
 
     what = unit(found.goals)
-    rows = columns("gap mm", f"motion {what}".rstrip(), "per mm of gap", "verdict")
+    proven = has_band(found)
+    rows = columns("gap mm", f"motion {what}".rstrip(), *(["at most"] if proven else []), "per mm of gap", "verdict")
     for s in found.steps:
         value = "" if s.objective is None else number(s.objective)
         rate = "" if s.objective is None or s.gap == 0 else number(s.objective / s.gap, 3)
-        rows.add_row(number(s.gap), value, rate, str(s.verdict))
-    return Group(Text(goals_text(found.goals, 3), style="bold"), Text(), rows, Text(), Text(lost_sentence(found)))
+        most = [] if not proven else ["" if s.at_most is None else rounded_up(s.at_most)]
+        rows.add_row(number(s.gap), value, *most, rate, str(s.verdict))
+    said = [Text(lost_sentence(found)), *([Text(band_sentence(found))] if proven else [])]
+    return Group(Text(goals_text(found.goals, 3), style="bold"), Text(), rows, Text(), *said)
+
+
+def has_band(found: Sweep) -> bool:
+    """Whether bounds were proven."""
+    return any(s.at_most is not None for s in found.steps)
+
+
+def band_sentence(found: Sweep) -> str:
+    """Say how wide the proven band is."""
+    ends = [s for s in found.steps if s.objective is not None]
+    shares = [s.at_most / s.objective - 1 for s in ends if s.at_most is not None and s.objective]
+    without = sum(s.at_most is None for s in ends)
+    said = f"proven: at these gaps no motion is more than {rounded_up(100 * max(shares, default=0.0))} % above the one found"
+    return said + (f"; {without} of {len(ends)} gaps have no bound" if without else "")
 
 
 def lost_sentence(found: Sweep) -> str:

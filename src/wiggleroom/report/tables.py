@@ -46,6 +46,8 @@ def csv_of(found: Answer | Ranking | Tightening | Sweep | Sample | Checked | All
             heads, rows = ("order", "part", "moved_before_mm", "moved_after_mm"), _tightened(found)
         case Sweep():
             heads, rows = ("gap", "objective", "verdict"), [(s.gap, s.objective, s.verdict) for s in found.steps]
+            if any(s.at_most is not None for s in found.steps):
+                heads, rows = (*heads, "at_most"), [(*row, s.at_most) for row, s in zip(rows, found.steps, strict=True)]
         case Sample():
             heads, rows = ("draw", "objective", *found.answer.assembly.names), _draws(found)
         case AllowableGap():

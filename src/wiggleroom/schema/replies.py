@@ -218,6 +218,9 @@ class StepReply(Reply, tag="step", kw_only=True):
     objective: Objective
     verdict: Verdict
     checked: bool
+    at_most: Annotated[
+        float | UnsetType | None, Meta(description="a value that no motion exceeds, where one was proven")
+    ] = UNSET
 
 
 class SweepReply(Reply, tag="sweep", kw_only=True):

@@ -313,6 +313,10 @@ class SweepEntry(Struct):
     objective: Objective
     verdict: Verdict
     path: PathState
+    at_most: Annotated[
+        float | UnsetType | None,
+        Meta(description="a value that no motion exceeds at this gap; where it was asked to be proven"),
+    ] = UNSET
 
 
 class SweepResult(Struct, tag_field="format", tag="wiggleroom.sweep/1", kw_only=True):

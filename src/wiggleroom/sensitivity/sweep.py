@@ -15,6 +15,8 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import question_findings
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.bound.prove import check_request
+from wiggleroom.bound.prove import prove as prove_bound
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.bodies import bodies
@@ -32,6 +34,7 @@ from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.sensitivity.perturbation import ended
+from wiggleroom.solve.dual_linear_program import need_highs
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.verdict import Verdict
 
@@ -59,6 +62,8 @@ class SweepStep:
         True where the path from rest was checked, at this gap.
     answer : Answer, SpatialAnswer or None
         What was found there, its way from rest through the ends at smaller gaps; None where there is no such motion.
+    at_most : float or None
+        A value that no motion exceeds, at this gap or a smaller one; None where none was asked for or proven.
     """
 
     gap: float
@@ -66,6 +71,7 @@ class SweepStep:
     verdict: Verdict
     checked: bool
     answer: Any = field(default=None, repr=False)
+    at_most: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +100,8 @@ def sweep(
     gaps: Sequence[float] | None = None,
     goals: Goal | Sequence[Goal] | None = None,
     *,
+    prove: float | None = None,
+    seconds: float = 60.0,
     stop: Stop | None = None,
     progress: Callable[[int, int], None] | None = None,
     each: Callable[[SweepStep, NDArray[np.float64] | None], None] | None = None,
@@ -110,8 +118,12 @@ def sweep(
         In place of the drawing's gap, in any order; by default nine from a quarter of it to twice it.
     goals : Pull, Turn or W, or several that add up
         By default what the assembly's file asks for.
+    prove : float, optional
+        Prove a bound for every gap, at most this share above the motion, and so a band round the whole curve.
+    seconds : float
+        The longest that the proof of one gap may take; then the best bound so far is given.
     stop, progress : optional
-        Asked between gaps and within; told how many gaps are done, and how many there are.
+        Asked between gaps and within; told how many gaps are done, and how many there are. Proofs count once more.
     each : callable, optional
         Told every gap's step when it is found, and the motion of the parts there (n, 3) [mm, mm, rad], None where the
         motion does not end. Where the motion loses its end is found last, and may make larger gaps unbounded.
@@ -119,7 +131,9 @@ def sweep(
     Raises
     ------
     InputError
-        If a gap makes no sense, or nothing is fixed or pulled.
+        If a gap makes no sense, nothing is fixed or pulled, or what is asked has no bound.
+    MissingExtraError
+        If `prove` needs the extra of that name.
 
     Examples
     --------
@@ -128,9 +142,39 @@ def sweep(
     >>> [round(step.objective, 4) for step in found.steps]
     [0.0261, 0.0539]
     """
+    if prove is not None:
+        check_request(prove, seconds)
+        need_highs()
     asked = assembly.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
     wrong = list(question_findings(replace(assembly.drawing, goals=asked)))
-    return sweep_over(_PlanarGapSteps(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
+    if prove is None:
+        return sweep_over(_PlanarGapSteps(assembly, asked), gaps, wrong, stop=stop, progress=progress, each=each)
+
+    def told(done: int, total: int) -> None:
+        if progress is not None:
+            progress(done, 2 * total)
+
+    found = sweep_over(_PlanarGapSteps(assembly, asked), gaps, wrong, stop=stop, progress=told, each=each)
+    return _with_band(found, prove, seconds, stop, progress)
+
+
+def _with_band(
+    found: Sweep, within: float, seconds: float, stop: Stop | None, progress: Callable[[int, int], None] | None
+) -> Sweep:
+    """The sweep with a bound at every gap; that of a larger gap, whose parts are smaller, holds as well."""
+    steps, least, count = list(found.steps), np.inf, len(found.steps)
+    for k in reversed(range(count)):
+        step = steps[k]
+        if step.answer is not None and step.objective is not None and not (stop is not None and stop.is_set()):
+            done = prove_bound(step.answer, within, seconds=seconds, stop=stop)
+            least = min(least, np.inf if done.at_most is None else done.at_most)
+            step = replace(step, answer=done, verdict=done.verdict)
+        if step.objective is not None and np.isfinite(least):
+            step = replace(step, at_most=float(least))
+        steps[k] = step
+        if progress is not None:
+            progress(2 * count - k, 2 * count)
+    return replace(found, steps=tuple(steps))
 
 
 class GapSteps(Protocol):

@@ -155,6 +155,9 @@ function Curve({ width, low, most, gap }: { width: number; low: number; most: nu
         </>
       )}
       {runs.map((run) => <path key={run[0]!.gap} class="line" d={run.map((one, i) => `${i ? "L" : "M"}${x(one.gap).toFixed(1)} ${y(one.objective!).toFixed(1)}`).join("")} />)}
+      {runs.flatMap((run) => run.slice(1).map((one, i) => one.atMost != null && run[i]!.atMost != null && (
+        <rect key={one.gap} class="band" x={x(run[i]!.gap)} width={x(one.gap) - x(run[i]!.gap)} y={y(one.atMost)} height={Math.max(y(run[i]!.objective!) - y(one.atMost), 0)} />
+      )))}
       {known.filter((one) => one.atMost != null).map((one) => (
         <path key={one.gap} class="bound" d={`M${x(one.gap)} ${y(one.objective!)}V${y(one.atMost!)}M${x(one.gap) - 5} ${y(one.atMost!)}h10`}><title>proven: no motion exceeds {number(one.atMost!)}</title></path>
       ))}

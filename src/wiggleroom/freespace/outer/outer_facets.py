@@ -14,7 +14,7 @@ from wiggleroom.freespace.outer.outer_region import OuterRegion
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-NORMAL_TOLERANCE = 0.12
+FINE_NORMALS, COARSE_NORMALS = 0.12, 0.5
 """Facets of a hull whose normals differ by less [rad] are one; its support is worked out anew, so nothing is cut off."""
 FINEST_INTERVAL = 1e-6
 """Narrower intervals [rad] are never cut again."""
@@ -46,11 +46,13 @@ class Facets:
     high: float
 
 
-def facets(outer: OuterRegion | CagingSurface | LocalOuterRegion, low: float, high: float) -> Facets | None:
+def facets(
+    outer: OuterRegion | CagingSurface | LocalOuterRegion, low: float, high: float, unlike: float = FINE_NORMALS
+) -> Facets | None:
     """Few facets round all that can be reached at turns between `low` and `high`; None where nothing can.
 
-    Normals are those of the convex hull, alike ones merged. Offsets are the largest values at all corners, so whatever the
-    normals, nothing is cut off.
+    Normals are those of the convex hull, those that differ by less than `unlike` [rad] merged. Offsets are the largest values at all
+    corners, so whatever the normals, nothing is cut off.
     """
     from scipy.spatial import ConvexHull, QhullError  # slow to load
 
@@ -63,7 +65,7 @@ def facets(outer: OuterRegion | CagingSurface | LocalOuterRegion, low: float, hi
         hull = ConvexHull(points / box)
         corners = hull.points[hull.simplices]
         size = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        normal = np.vstack([normal, _unlike(hull.equations[np.argsort(-size), :3])])
+        normal = np.vstack([normal, _unlike(hull.equations[np.argsort(-size), :3], unlike)])
         points = points[hull.vertices]
     except (QhullError, ValueError):
         pass  # flat or too few corners: the box alone
@@ -75,10 +77,10 @@ def facets(outer: OuterRegion | CagingSurface | LocalOuterRegion, low: float, hi
     return Facets(normal, offset, points, margin, angle_margin, low, high)
 
 
-def _unlike(normals: Floats) -> Floats:
-    """Normals that differ from all earlier ones."""
+def _unlike(normals: Floats, angle: float) -> Floats:
+    """Normals that differ from all earlier ones by an angle [rad]."""
     kept: list[Floats] = []
-    alike = np.cos(NORMAL_TOLERANCE)
+    alike = np.cos(angle)
     left = np.ones(len(normals), dtype=bool)
     for k, n in enumerate(normals):
         if left[k]:
