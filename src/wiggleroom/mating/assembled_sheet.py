@@ -331,10 +331,10 @@ def _upright(bench: BeamState, body: Placement) -> Placement:
     said = [k for k, row in enumerate(body.rows) if bench.plates[row].name.lower().startswith(calling)]
     points = np.vstack(bench.places(Placement(body.rows, turns, moves, 0.0, {})))
 
-    def tilted(i: int) -> tuple[int, float]:
-        """How many panels stand askew in the frame of one, then the size of the box round everything."""
+    def tilted(i: int) -> tuple[float, int]:
+        """Size of the box round everything in the frame of one panel, then how many panels stand askew in it."""
         askew = (np.abs(turns[:, :, 2] @ turns[i]).max(axis=1) < 0.999).sum()
-        return int(askew), round(float(np.prod(np.ptp(points @ turns[i], axis=0) + 1.0)), 3)
+        return round(float(np.prod(np.ptp(points @ turns[i], axis=0) + 1.0)), -1), int(askew)
 
     k = said[0] if said else min(range(len(body.rows)), key=tilted)
     frame, origin = turns[k], moves[k]
