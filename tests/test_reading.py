@@ -192,7 +192,9 @@ def test_pieces_of_one_part_come_back(tmp_path):
 
 def test_an_id_is_another_name_of_a_part_that_has_a_label(run, tmp_path):
     label = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" inkscape:label'
-    body = box(0, 0, 10, 10, f'id="path12" {label}="frame" {LINE}') + box(11, 0, 10, 10, f'id="path34" {label}="lid" {LINE}')
+    body = box(0, 0, 10, 10, f'id="path12" {label}="frame" {LINE}') + box(
+        11, 0, 10, 10, f'id="path34" {label}="lid" {LINE}'
+    )
     path = file_of(tmp_path, body)
     assert [(p.name, p.aliases) for p in read_drawing(path).parts] == [("frame", ("path12",)), ("lid", ("path34",))]
     code, _, said = run(f"flex {path} --gap 0.1 --fix path12 --pull path34:-x")
