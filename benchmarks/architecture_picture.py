@@ -20,11 +20,19 @@ LANES = (
     ),
     (
         "other questions",
-        ["bound", "compare", "form_closure", "disassembly", "sensitivity", "live", "mating", "spatial"],
+        ["bound", "form_closure", "disassembly", "planning", "sensitivity", "live", "mating", "spatial"],
     ),
-    ("what people and programs get", ["questions", "schema", "report", "audit", "verify", "bench", "app", "cli"]),
+    ("what people and programs get", ["questions", "schema", "report", "app", "cli"]),
+    ("judges, which share nothing with what they judge, and comparisons", ["audit", "verify", "compare", "bench"]),
 )
-EVERYWHERE = ("errors", "deadline", "provenance", "files", "verdict")  # not drawn: anyone may import them
+EVERYWHERE = (
+    "errors",
+    "deadline",
+    "provenance",
+    "files",
+    "displayable",
+    "verdict",
+)  # not drawn: anyone may import them
 WIDTH, GAP, LEFT = 176.0, 14.0, 24.0
 
 

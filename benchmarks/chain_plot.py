@@ -15,7 +15,7 @@ from tests.oracle.chain import reach, slices
 import wiggleroom as wr
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
-from wiggleroom.report.axes import Axes, finished, plot, span, text
+from wiggleroom.report.axes import Axes, plot, span, svg_document, text
 
 BLOCKS = 10
 GAPS = np.linspace(0.005, 0.03, 11)
@@ -82,7 +82,7 @@ def drawn(command: str) -> str:
         body.append(f'<g transform="translate({at:.2f} {y + 24 * k:.2f})">{mark}</g>')
         label = text(at + 40, y + 24 * k + 5, palette.TEXT_SIZE, palette.INK, said)
         body.append(f'<g paint-order="stroke" stroke="{palette.PAPER}" stroke-width="5">{label}</g>')
-    return finished(axes, body, title, facts, command)
+    return svg_document(axes, body, title, facts, command)
 
 
 def main() -> None:

@@ -101,59 +101,63 @@ def tray(pieces: dict[str, Cells], wall: Cells, gap: float = GAP, turn: float = 
 def grid_search(pieces: dict[str, Cells], wall: Cells, most: int = 400_000) -> tuple[set[str], bool]:
     """All pieces that leave a tray by unit moves of one piece or of what it pushes, by exhaustive search; and whether it was exhaustive.
 
-    What is outside the box round the wall and keeps going has left; pieces that left are taken away.
+    A piece is the set of bits of its cells, in a grid that is six cells wider than the wall on every side: what gets to its rim has left
+    and is taken away. States that hold the same sets of bits are one, whichever of two equal pieces lies where.
     """
-    names = list(pieces)
     xs, ys = [x for x, _ in wall], [y for _, y in wall]
-    low, high = (min(xs) - 6, min(ys) - 6), (max(xs) + 6, max(ys) + 6)
-    state = tuple(pieces[n] for n in names)
+    left, low, wide, high = min(xs) - 6, min(ys) - 6, max(xs) - min(xs) + 13, max(ys) - min(ys) + 13
+
+    def bits(cells: Cells | set[tuple[int, int]]) -> int:
+        return sum(1 << int((y - low) * wide + x - left) for x, y in cells)
+
+    rim = bits(
+        {(left + x, low + y) for x in range(wide) for y in range(high) if x in (0, wide - 1) or y in (0, high - 1)}
+    )
+    names, state, solid = list(pieces), tuple(bits(c) for c in pieces.values()), bits(wall)
     gone: set[str] = set()
     exhausted = True
-    while True:
-        left, whole = _one_leaves(state, wall, low, high, most)
+    while names:
+        out, state, whole = _first_to_leave(state, solid, rim, wide, most)
         exhausted = exhausted and whole
-        if left is None:
-            return gone, exhausted
-        index, state = left
-        gone |= {names[k] for k in index}
-        names = [n for k, n in enumerate(names) if k not in index]
-        state = tuple(c for k, c in enumerate(state) if k not in index)
-        if not names:
-            return gone, exhausted
+        if not out:
+            break
+        gone |= {names[k] for k in out}
+        names = [n for k, n in enumerate(names) if k not in out]
+        state = tuple(c for k, c in enumerate(state) if k not in out)
+    return gone, exhausted
 
 
-def _one_leaves(state, wall, low, high, most):
-    begin = tuple(min(c) for c in state)
-    shapes = [frozenset((x - b[0], y - b[1]) for x, y in c) for c, b in zip(state, begin, strict=True)]
-    seen, waiting = {begin}, deque([begin])
+def _first_to_leave(
+    state: tuple[int, ...], solid: int, rim: int, wide: int, most: int
+) -> tuple[set[int], tuple[int, ...], bool]:
+    """Which pieces get to the rim first, where all are then, and whether all states were visited if none does."""
+    seen, waiting = {tuple(sorted(state))}, deque([state])
     while waiting:
         if len(seen) > most:
-            return None, False
+            return set(), state, False
         here = waiting.popleft()
-        cells = [frozenset((x + b[0], y + b[1]) for x, y in s) for s, b in zip(shapes, here, strict=True)]
-        at = {cell: k for k, some in enumerate(cells) for cell in some}
-        for k in range(len(here)):
-            for dx, dy in ((1, 0), (-1, 0), (0, 1), (0, -1)):
-                moving, todo, stuck = {k}, [k], False
-                while todo and not stuck:
-                    for x, y in cells[todo.pop()]:
-                        cell = (x + dx, y + dy)
-                        if cell in wall:
-                            stuck = True
-                            break
-                        if cell in at and at[cell] not in moving:
-                            moving.add(at[cell])
-                            todo.append(at[cell])
-                if stuck:
+        for step in (1, -1, wide, -wide):
+            moved = [c << step if step > 0 else c >> -step for c in here]
+            for k in range(len(here)):
+                moving, swept = {k}, moved[k]
+                while True:
+                    met = {m for m, c in enumerate(here) if m not in moving and c & swept}
+                    if not met or swept & solid:
+                        break
+                    moving |= met
+                    for m in met:
+                        swept |= moved[m]
+                if swept & solid:
                     continue
-                after = tuple((b[0] + dx, b[1] + dy) if m in moving else b for m, b in enumerate(here))
-                out = {m for m in moving if not (low[0] < after[m][0] < high[0] and low[1] < after[m][1] < high[1])}
+                after = tuple(moved[m] if m in moving else c for m, c in enumerate(here))
+                out = {m for m in moving if moved[m] & rim}
                 if out:
-                    return (out, tuple(cells)), True
-                if after not in seen:
-                    seen.add(after)
+                    return out, after, True
+                named = tuple(sorted(after))
+                if named not in seen:
+                    seen.add(named)
                     waiting.append(after)
-    return None, True
+    return set(), state, True
 
 
 def tray_of_squares(wide: int, high: int, holes: int) -> tuple[dict[str, Cells], Cells]:
@@ -201,6 +205,16 @@ def tumbler_lock(count: int = 3, turn: float = 0.0, gap: float = GAP) -> Assembl
     frame = {(x, y) for x in range(wide) for y in range(-1, 6)} - room
     shapes = {"frame": squares(frozenset(frame)), "bolt": squares(frozenset(bolt))}
     return assembled(shapes | {n: squares(frozenset(c)) for n, c in parts.items()}, "frame", gap, turn)
+
+
+def turning_room(turn: float = 0.0, gap: float = GAP) -> Assembly:
+    """A bar of three squares that fits through its door upright only, and the door is shut by a bolt that slides aside."""
+    room = {(x, y) for x in range(1, 6) for y in range(1, 6)}
+    door = {(5, 6), (5, 7), (5, 8)}
+    pocket = {(6, 7), (7, 7)}
+    frame = {(x, y) for x in range(9) for y in range(9)} - room - door - pocket
+    parts = {"frame": frame, "bar": {(1, 2), (2, 2), (3, 2)}, "bolt": {(5, 7), (6, 7)}}
+    return assembled({n: squares(frozenset(c)) for n, c in parts.items()}, "frame", gap, turn)
 
 
 def frame_puzzle(rows: int = 4, columns: int = 5, gap: float = GAP) -> Assembly:

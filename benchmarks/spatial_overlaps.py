@@ -1,7 +1,8 @@
 """Random assemblies in space: no overlap at any end nor on any checked way, judged by the collision library python-fcl.
 
-`python -m benchmarks.spatial_overlaps 200 1` judges 200 assemblies from seed 1. The judge makes its own shapes from the numbers that
-the assembly was drawn with; it shares neither pieces nor axes nor way-points' neighbours with the program.
+`python -m benchmarks.spatial_overlaps 200 1` judges 200 assemblies from seed 1, families in turn; every other one of those whose parts
+are made of boxes is also asked whether it comes apart, and all states on the ways out are judged. The judge makes its own shapes from
+the numbers that the assembly was drawn with; it shares neither pieces nor axes nor way-points' neighbours with the program.
 """
 
 from __future__ import annotations
@@ -13,12 +14,17 @@ from collections import Counter
 
 import fcl
 import numpy as np
+import shapely
+import shapely.affinity
+import trimesh
 from scipy.spatial import ConvexHull, HalfspaceIntersection, Voronoi
 from scipy.spatial.transform import Rotation
 
+import wiggleroom as wr
 from wiggleroom.drawing.model import Region
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.spatial_disassembly import check_spatial
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_model import (
     Boxes,
@@ -151,29 +157,132 @@ def cells(rng):
     return SpatialDrawing(tuple(drawn)), judged
 
 
+def prisms(polygon, low, high, gap, R, at):
+    """Triangular prisms whose union is an extruded polygon with every face moved inward by half the gap."""
+    inner = polygon.buffer(-gap / 2, join_style="mitre", mitre_limit=50)
+    triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(inner))
+    return [
+        _upright(np.array(t.exterior.coords)[:3], low + gap / 2, high - gap / 2) @ R.T + at
+        for t in triangles
+        if t.area > 1e-12
+    ]
+
+
+def extruded(polygon, low, high):
+    """Closed surface of an extruded polygon."""
+    mesh = trimesh.creation.extrude_polygon(polygon, high - low, engine="earcut")
+    return Surface(np.array(mesh.vertices) + np.array([0, 0, low]), np.array(mesh.faces, dtype=np.int64))
+
+
+def joints(rng):
+    """Two to four links of a chain, turned anywhere, their joints of any family, read as meshes or plates."""
+    family = str(rng.choice(["tee", "swallowtail", "dovetail", "finger", "jigsaw"]))
+    gap = float(rng.choice([0.01, 0.02, 0.04]))
+    flat = wr.patterns.chain(int(rng.integers(2, 5)), joint=family, gap=gap)
+    R = Rotation.random(random_state=int(rng.integers(1 << 30))).as_matrix()
+    thick = float(rng.uniform(0.1, 0.8))
+    as_mesh = family not in ("jigsaw",) and rng.random() < 0.6
+    drawn, judged = [], []
+    for k, p in enumerate(flat.drawing.parts):
+        ring = p.regions[0].outer
+        polygon = shapely.Polygon(ring)
+        at = R @ [p.at[0], p.at[1], 0.0]
+        solid = extruded(polygon, 0.0, thick) if as_mesh else Plate((Region(ring),), thick)
+        drawn.append(part(f"l{k}", solid, at, R, fixed=k == 0))
+        judged.append(prisms(polygon, 0.0, thick, gap, R, at))
+    return SpatialDrawing(tuple(drawn), gap), judged
+
+
+def crate(rng):
+    """Boards with slots from above across boards with slots from below."""
+    thick, height, pitch = float(rng.uniform(2, 5)), float(rng.uniform(15, 40)), float(rng.uniform(12, 30))
+    gap, across, along = float(rng.uniform(0.05, 0.6)), int(rng.integers(1, 3)), int(rng.integers(1, 3))
+
+    def board(slots, above):
+        whole = shapely.box(0, 0, (slots + 1) * pitch, height)
+        low, high = (height / 2, height) if above else (0, height / 2)
+        cuts = [shapely.box((k + 1) * pitch - thick / 2, low, (k + 1) * pitch + thick / 2, high) for k in range(slots)]
+        return whole.difference(shapely.union_all(cuts))
+
+    upright = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
+    turned = Rotation.from_euler("z", 90, degrees=True).as_matrix() @ upright
+    drawn, judged = [], []
+    for count, slots, above, R, offset in (
+        (across, along, True, upright, lambda k: [0, (k + 1) * pitch + thick / 2, 0]),
+        (along, across, False, turned, lambda k: [(k + 1) * pitch - thick / 2, 0, 0]),
+    ):
+        for k in range(count):
+            polygon, at = board(slots, above), np.array(offset(k), float)
+            solid = Plate((Region(np.array(polygon.exterior.coords)[:-1]),), thick)
+            drawn.append(part(f"b{len(drawn)}", solid, at, R, fixed=not drawn))
+            judged.append(prisms(polygon, 0.0, thick, gap, R, at))
+    return SpatialDrawing(tuple(drawn), gap), judged
+
+
+def finger_box(rng):
+    """Six panels with fingers as long as they are thick; what two or three panels share goes to one of them."""
+    cells = rng.integers(4, 8, 3)
+    thick, gap = float(rng.uniform(2, 5)), float(rng.uniform(0.05, 0.4))
+    panels: list[set] = [set() for _ in range(6)]
+    for v in itertools.product(*[range(n) for n in cells]):
+        who = [2 * axis + side for axis in range(3) for side in (0, 1) if v[axis] == (0, cells[axis] - 1)[side]]
+        if len(who) == 1:
+            panels[who[0]].add(v)
+        elif len(who) == 2:
+            panels[who[sum(v) % 2]].add(v)
+        elif who:
+            panels[who[0]].add(v)
+    frames = [
+        np.roll(np.eye(3), axis, axis=1).T for axis in (1, 2, 0)
+    ]  # columns: two axes of the panel, and its normal
+    drawn, judged = [], []
+    for k, voxels in enumerate(panels):
+        axis, side = divmod(k, 2)
+        R = frames[axis]
+        flat = {tuple(int(x) for x in np.array(v) @ R[:, :2]) for v in voxels}
+        polygon = shapely.union_all([shapely.box(x, y, x + 1, y + 1) for x, y in flat])
+        polygon = max(shapely.get_parts(polygon), key=lambda g: g.area)
+        polygon = shapely.affinity.scale(polygon, thick, thick, origin=(0, 0)).simplify(0)
+        at = np.eye(3)[axis] * (side * (cells[axis] - 1) * thick)
+        solid = Plate((Region(np.array(polygon.exterior.coords)[:-1]),), thick)
+        drawn.append(part(f"s{k}", solid, at, R, fixed=k == 0))
+        judged.append(prisms(polygon, 0.0, thick, gap, R, at))
+    return SpatialDrawing(tuple(drawn), gap), judged
+
+
+FAMILIES = (burr, pegs, cells, joints, crate, finger_box)
+ALSO_APART = (burr, crate, finger_box, joints)
+
+
 class Judge:
     """Collisions of parts that lie where their corners say, moved about their reference points."""
 
     def __init__(self, shapes, reference, fixed):
         self.reference, self.fixed = reference, fixed
+        self.corners = [[points - r for points in pieces] for pieces, r in zip(shapes, reference, strict=True)]
         self.shapes = [[convex(points - r) for points in pieces] for pieces, r in zip(shapes, reference, strict=True)]
 
     def depth(self, motion):
         place = [
-            fcl.Transform(Rotation.from_rotvec(m[3:]).as_matrix(), r + m[:3])
-            for m, r in zip(motion, self.reference, strict=True)
+            (Rotation.from_rotvec(m[3:]).as_matrix(), r + m[:3]) for m, r in zip(motion, self.reference, strict=True)
         ]
+        low, high = [], []
+        for corners, (R, t) in zip(self.corners, place, strict=True):
+            moved = [c @ R.T + t for c in corners]
+            low.append(np.array([c.min(axis=0) for c in moved]))
+            high.append(np.array([c.max(axis=0) for c in moved]))
         deepest = 0.0
         for i, j in itertools.combinations(range(len(place)), 2):
             if self.fixed[i] and self.fixed[j]:
                 continue
-            for one in self.shapes[i]:
-                for other in self.shapes[j]:
-                    a, b = fcl.CollisionObject(one, place[i]), fcl.CollisionObject(other, place[j])
-                    request = fcl.CollisionRequest(num_max_contacts=4, enable_contact=True)
-                    result = fcl.CollisionResult()
-                    if fcl.collide(a, b, request, result):
-                        deepest = max(deepest, *(c.penetration_depth for c in result.contacts))
+            meets = ((low[i][:, None] <= high[j][None]) & (high[i][:, None] >= low[j][None])).all(axis=2)
+            for p, q in np.argwhere(meets).tolist():
+                a = fcl.CollisionObject(self.shapes[i][p], fcl.Transform(*place[i]))
+                b = fcl.CollisionObject(self.shapes[j][q], fcl.Transform(*place[j]))
+                request = fcl.CollisionRequest(num_max_contacts=4, enable_contact=True)
+                result = fcl.CollisionResult()
+                if fcl.collide(a, b, request, result):
+                    deepest = max(deepest, *(c.penetration_depth for c in result.contacts))
         return deepest
 
 
@@ -184,16 +293,26 @@ def between(start, end, share):
     return np.hstack([start[:, :3] + share * (end[:, :3] - start[:, :3]), moved])
 
 
+def worst_on(judge, waypoints):
+    """Deepest overlap along a way, its end included."""
+    worst = judge.depth(waypoints[-1])
+    for one, other in itertools.pairwise(waypoints):
+        for share in np.linspace(0, 1, BETWEEN, endpoint=False):
+            worst = max(worst, judge.depth(between(one, other, share)))
+    return worst
+
+
 def main(count: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     seen: Counter = Counter()
     began = time.process_time()
     for number in range(count):
-        family = (burr, pegs, cells)[number % 3]
+        family = FAMILIES[number % len(FAMILIES)]
         drawing, shapes = family(rng)
         free = [p.name for p in drawing.parts if not p.fixed]
         name, direction = free[rng.integers(len(free))], tuple(rng.normal(size=3))
         goal = SpatialTurn(name, direction) if rng.random() < 0.3 else SpatialPull(name, direction)
+        where = f"assembly {number} ({family.__name__}) of seed {seed}"
         try:
             assembly = assemble_spatial(drawing)
             answer = flex_spatial(assembly, goal)
@@ -201,18 +320,28 @@ def main(count: int, seed: int) -> None:
             seen[f"{family.__name__} refused: {str(problem)[:60]}"] += 1
             continue
         judge = Judge(shapes, assembly.reference, [p.fixed for p in drawing.parts])
-        worst = judge.depth(answer.motion)
-        if answer.path == "checked":
-            for one, other in itertools.pairwise(answer.waypoints):
-                for share in np.linspace(0, 1, BETWEEN, endpoint=False):
-                    worst = max(worst, judge.depth(between(one, other, share)))
+        worst = worst_on(judge, answer.waypoints if answer.path == "checked" else answer.waypoints[-1:])
         seen[f"{family.__name__} {answer.verdict} {answer.path}"] += 1
         seen["iterations"] += answer.iterations
         if worst > SHALLOW:
             seen["OVERLAPS"] += 1
-            print(f"assembly {number} ({family.__name__}) of seed {seed}: {goal} overlaps by {worst:g} mm")
-        if answer.path != "checked":
-            print(f"assembly {number} ({family.__name__}): way not checked, {answer.verdict}")
+            print(f"{where}: {goal} overlaps by {worst:g} mm")
+        if answer.path != "checked" or answer.verdict == "stopped":
+            print(f"{where}: {goal} {answer.verdict}, way {answer.path}")
+        if family in ALSO_APART and number // len(FAMILIES) % 2:
+            found = check_spatial(assembly)
+            seen[f"{family.__name__} check: {found.verdict}"] += 1
+            gone: list[int] = []
+            for escape in found.escapes:
+                stays = [k for k in range(len(assembly.parts)) if k not in gone]
+                rest = Judge(
+                    [shapes[k] for k in stays], assembly.reference[stays], [drawing.parts[k].fixed for k in stays]
+                )
+                deep = worst_on(rest, escape.path[:, stays])
+                gone += [assembly.names.index(n) for n in escape.parts]
+                if deep > SHALLOW:
+                    seen["OVERLAPS ON A WAY OUT"] += 1
+                    print(f"{where}: way out of {escape.parts} overlaps by {deep:g} mm")
     for key, value in sorted(seen.items()):
         print(f"{value:6d} {key}")
     print(f"{time.process_time() - began:.0f} s of processor time")

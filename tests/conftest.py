@@ -54,6 +54,20 @@ def command(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
     return run
 
 
+@pytest.fixture
+def command_output(
+    command: Callable[..., int], capfd: pytest.CaptureFixture[str]
+) -> Callable[..., tuple[int, str, list[str]]]:
+    """The command line: its words, and its exit code, its stdout and the lines of its stderr."""
+
+    def run(*words: object) -> tuple[int, str, list[str]]:
+        code = command(*words)
+        out, err = capfd.readouterr()
+        return code, out, err.splitlines()
+
+    return run
+
+
 @pytest.fixture(scope="module")
 def served() -> Iterator[Any]:
     """The server of the page, on a port of its own."""

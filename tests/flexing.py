@@ -210,3 +210,15 @@ def random_goals(assembly: Assembly, seed: int, most: int = 3) -> tuple[Goal, ..
         )
         out.append(kinds[int(rng.integers(4))])
     return tuple(out)
+
+
+def slot(**more: object) -> Drawing:
+    """A block between two fixed walls, floor and ceiling: 0.3 mm free to the right, 0.2 mm to the left."""
+    parts = (
+        box("left", -2.0, 0.0, -1.0, 4.0, fixed=True),
+        box("right", 5.5, 0.0, 6.5, 4.0, fixed=True),
+        box("block", -0.8, 0.1, 5.2, 3.9),
+        box("floor", -0.8, -1.0, 5.3, -0.1, fixed=True),
+        box("ceiling", -0.8, 4.1, 5.3, 5.0, fixed=True),
+    )
+    return Drawing(parts, goals=(Pull("block", (1.0, 0.0)),), **more)

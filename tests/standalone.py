@@ -1,4 +1,4 @@
-"""What a baked page carries, read back."""
+"""What a standalone page carries, read back."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 
 def told(html: str) -> dict[str, Any]:
-    """What is baked into a page."""
-    found = re.search(r'<script type="application/json" id="baked">(.*?)</script>', html, re.DOTALL)
+    """What a standalone page carries."""
+    found = re.search(r'<script type="application/json" id="standalone">(.*?)</script>', html, re.DOTALL)
     assert found
     return dict(json.loads(found[1]))
 

@@ -220,6 +220,18 @@ def test_what_comes_apart_is_shown_leaving(page: Visit) -> None:
         left |= set(gone)
 
 
+def test_a_plan_is_that_of_plan(page: Visit) -> None:
+    row = wr.patterns.chain(3, joint="finger", gap=0.1)
+    page.open("row.json", write_assembly(row.drawing).encode())
+    reply = page.ask("plan", targets=["b2"], gravity=[0.0, -1.0])
+    truth = wr.plan(row, ["b2"], gravity=(0.0, -1.0))
+    assert [tuple(step["parts"]) for step in reply["steps"]] == [step.parts for step in truth.steps]
+    assert [way.shape[0] > 1 for way in reply["motions"]] == [True] * len(truth.steps)
+    assert "--target=b2" in reply["command"]
+    assert "--gravity=0,-1" in reply["command"]
+    assert page.ask("plan", targets=["nobody"])["kind"] == "failed"
+
+
 def moved(assembly: wr.Assembly, k: int, motion: np.ndarray) -> shapely.Geometry:
     """Material of a part after a motion about its reference point, by shapely's own transformations."""
     part = assembly.parts[k]

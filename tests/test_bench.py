@@ -138,16 +138,16 @@ def test_a_run_that_is_stopped_says_so() -> None:
 def test_published_cells_add_up_as_printed() -> None:
     sums = [sum(r[k] for k in published.CONFUSION_CELLS) for r in published.ACCURACY if "valid_valid_percent" in r]
     np.testing.assert_allclose(sums, [100, 99.93, 100, 100], atol=1e-9)
-    tees = published.speed(4096, "tee")
+    tees = published.published_speed(4096, "tee")
     assert [r["total_seconds"] for r in tees] == [128.2, 1130.0]
     for parts, joint in ((c.parts, c.joint) for c in large.CASES if not c.picture):
-        ours = published.speed(parts, joint)[0]
+        ours = published.published_speed(parts, joint)[0]
         off = 0.04 if joint == "revolute" else 0.0  # as printed
         assert ours["preprocess_seconds"] + ours["solve_seconds"] - ours["total_seconds"] == pytest.approx(
             off, abs=1e-9
         )
-    assert published.speed(1669, "image")[0]["total_seconds"] == 17.76
-    assert published.speed(31, "tee") == []
+    assert published.published_speed(1669, "image")[0]["total_seconds"] == 17.76
+    assert published.published_speed(31, "tee") == []
 
 
 # chains
@@ -265,7 +265,7 @@ def test_small_assemblies_are_timed_in_processes_of_their_own() -> None:
 @needs_ipopt
 def test_a_limit_is_kept_and_said() -> None:
     case = large.CASES[1]
-    row = speed.measured(case, "half-planes", 0.05)
+    row = speed.measure_in_process(case, "half-planes", 0.05)
     assert row["limit_seconds"] == 0.05
     assert "total_seconds" in row["at_least"]
     assert "> " in speed.COLUMNS[4].cell(row)
@@ -273,7 +273,7 @@ def test_a_limit_is_kept_and_said() -> None:
 
 def test_a_process_that_fails_is_told_of() -> None:
     case = large.LargeAssembly("none", 1, "tee")
-    assert speed.measured(case, "walls", None)["ended"].startswith("failed: ")
+    assert speed.measure_in_process(case, "walls", None)["ended"].startswith("failed: ")
 
 
 @pytest.mark.parametrize(
@@ -286,14 +286,14 @@ def test_speed_refuses_what_it_cannot_do(parts, limit, word) -> None:
 
 @pytest.mark.parametrize("case", large.CASES, ids=lambda c: c.name)
 def test_assemblies_have_as_many_parts_as_they_say(case) -> None:
-    made = large.assembly_of(case) if case.parts <= 2000 else None
+    made = large.make_assembly(case) if case.parts <= 2000 else None
     assert made is None or len(made.parts) == case.parts
     assert case.name.startswith(f"{case.parts:,} ")
 
 
 def test_pictures_are_those_of_the_gallery() -> None:
     for folder, name, case in (("20_elephant", "elephant", -2), ("21_butterfly", "butterfly", -1)):
-        mine, other = large.assembly_of(large.CASES[case]), wr.read(EXAMPLES / folder / f"{name}.json")
+        mine, other = large.make_assembly(large.CASES[case]), wr.read(EXAMPLES / folder / f"{name}.json")
         assert mine.names == other.names
         np.testing.assert_allclose(mine.rest, other.rest, atol=1e-9)
         assert mine.goals == other.goals

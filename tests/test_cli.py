@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -17,6 +18,7 @@ from wiggleroom.cli import main
 from wiggleroom.cli.asking import goals, names
 from wiggleroom.drawing.model import Pull, Turn
 
+Run = Callable[..., tuple[int, str, list[str]]]
 PEG = {
     "format": "wiggleroom/1",
     "unit": "mm",
@@ -43,16 +45,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.fixture
-def run(folder: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
+def run(folder: Path, command_output: Run) -> Run:
     """Run the program here; exit code, stdout and the lines of stderr."""
-
-    def here(*argv: str) -> tuple[int, str, list[str]]:
-        monkeypatch.setattr(sys, "argv", ["wiggleroom", *argv])
-        code = main()
-        out, err = capfd.readouterr()
-        return code, out, err.splitlines()
-
-    return here
+    return command_output
 
 
 def test_flex_answers_in_a_table_json_and_a_picture(run, folder: Path) -> None:

@@ -8,15 +8,16 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import wiggleroom as wr
-from wiggleroom.cli import main
 from wiggleroom.drawing import write_drawing
 from wiggleroom.report import palette
 
+Run = Callable[..., tuple[int, str, list[str]]]
 COMMANDS = {
     "rank": [],
     "tighten": ["--parts", "1", "--draws", "2", "--workers", "1"],
@@ -26,18 +27,11 @@ COMMANDS = {
 
 
 @pytest.fixture
-def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]):
+def run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command_output: Run) -> Run:
     """Run the program beside a small chain; exit code, stdout and the lines of stderr."""
     write_drawing(wr.patterns.chain(3, joint="tee", gap=0.02).drawing, tmp_path / "chain.json")
     monkeypatch.chdir(tmp_path)
-
-    def here(*argv: str) -> tuple[int, str, list[str]]:
-        monkeypatch.setattr(sys, "argv", ["wiggleroom", *argv])
-        code = main()
-        out, err = capfd.readouterr()
-        return code, out, err.splitlines()
-
-    return here
+    return command_output
 
 
 @pytest.mark.parametrize("command", COMMANDS)

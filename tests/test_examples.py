@@ -74,7 +74,7 @@ def test_example_gives_what_it_promises(folder, monkeypatch, tmp_path):
         if command.startswith("wiggleroom make"):
             assert run(command, monkeypatch, tmp_path) == 0
             continue
-        answer = json_of(command, monkeypatch, tmp_path)
+        answer = json_of(command, monkeypatch, tmp_path, expected.get("exit", 0))
         for path, wanted in expected.get("values", {}).items():
             found = inside(answer, path)
             if isinstance(wanted, list) and isinstance(wanted[0], float):
@@ -85,9 +85,9 @@ def test_example_gives_what_it_promises(folder, monkeypatch, tmp_path):
             check_flex(answer, expected)
 
 
-def json_of(command: str, monkeypatch: pytest.MonkeyPatch, folder: Path) -> dict:
+def json_of(command: str, monkeypatch: pytest.MonkeyPatch, folder: Path, code: int = 0) -> dict:
     """What a command says as JSON."""
-    assert run(f"{command} --json out/answer.json", monkeypatch, folder) == 0
+    assert run(f"{command} --json out/answer.json", monkeypatch, folder) == code
     return json.loads((folder / "out" / "answer.json").read_text())
 
 

@@ -17,7 +17,7 @@ from tests.answers import answer, block, row
 from wiggleroom.drawing.model import Drawing, Part, Pull, Turn
 from wiggleroom.report import scene as scenes
 from wiggleroom.report.film import film, film_of_answer
-from wiggleroom.report.film_timing import TimedPath, eased
+from wiggleroom.report.film_timing import TimedPath, ease_in_out
 from wiggleroom.report.scene import Scene, scene
 from wiggleroom.report.write_picture import draw
 from wiggleroom.verdict import Verdict
@@ -69,7 +69,7 @@ def test_the_way_is_shared_out_by_its_length() -> None:
     way = TimedPath(assembly, points)
     assert way.length == pytest.approx(4.0)
     np.testing.assert_allclose(way.at(np.array([0.0, 1.0, 2.0, 4.0]))[:, 1, 1], [0, 1, 2, 4], atol=1e-12)
-    assert eased(11)[1] < 0.05
+    assert ease_in_out(11)[1] < 0.05
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (0, 5, 3), (2, 4, 3), (2, 5, 2)])

@@ -10,7 +10,7 @@ import shapely
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble, read
 from wiggleroom.assembly.findings import findings, role_findings
-from wiggleroom.assembly.overlaps import overlaps, width
+from wiggleroom.assembly.overlaps import overlaps_at_rest, width
 from wiggleroom.assembly.statements import glue_groups
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
 from wiggleroom.errors import InputError
@@ -71,8 +71,8 @@ def test_a_part_inside_another_overlaps_and_one_in_a_hole_does_not():
     plate = Region(np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]]))
     hole = np.array([[3.0, 3.0], [3.0, 6.0], [6.0, 6.0], [6.0, 3.0]])
     inlay = square("b", 3.5, 3.5)
-    assert overlaps([Part("a", (plate,)), inlay]) == [(0, 1, pytest.approx(2.0))]
-    assert overlaps([Part("a", (Region(plate.outer, (hole,)),)), inlay]) == []
+    assert overlaps_at_rest([Part("a", (plate,)), inlay]) == [(0, 1, pytest.approx(2.0))]
+    assert overlaps_at_rest([Part("a", (Region(plate.outer, (hole,)),)), inlay]) == []
 
 
 def test_glued_and_ignored_parts_may_overlap():

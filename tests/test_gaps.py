@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.findings import findings
-from wiggleroom.assembly.gaps import make
-from wiggleroom.assembly.loops import chained, placed
+from wiggleroom.assembly.gaps import apply_gap
+from wiggleroom.assembly.loops import chained, placed_regions
 from wiggleroom.assembly.mitre import resolved
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Region
 from wiggleroom.errors import InputError
@@ -28,7 +28,7 @@ def part(name, outer, holes=(), **rest):
 
 
 def made(*parts, **statements):
-    parts, lines = make(Drawing(parts, **statements))
+    parts, lines = apply_gap(Drawing(parts, **statements))
     assert lines == ()
     return parts
 
@@ -154,7 +154,7 @@ def test_random_stars_move_as_defined(star, distance, holed):
     polygon = shapely.orient_polygons(polygon)
     truth = by_definition(polygon, distance)
     holes = len(polygon.interiors)
-    parts, lines = make(Drawing((Part("a", (Region(star, (hole,) * holes),), offset=-distance),)))
+    parts, lines = apply_gap(Drawing((Part("a", (Region(star, (hole,) * holes),), offset=-distance),)))
     if lines:
         assert len(truth) != 1 or len(truth[0].interiors) != holes
         return
@@ -172,7 +172,7 @@ def test_random_stars_move_as_defined(star, distance, holed):
 def test_both_ways_agree(star, distance):
     """Where no edge is used up, moving edges and counting windings give the same outline."""
     assume(shapely.Polygon(star).is_valid)
-    parts, lines = make(Drawing((part("a", star),), gap=2 * distance))
+    parts, lines = apply_gap(Drawing((part("a", star),), gap=2 * distance))
     assume(not lines)
     pieces = resolved(chained([star]), np.full(len(star), distance))
     assert len(pieces) == 1
@@ -219,7 +219,7 @@ def bricks(shift, **statements):
 
 
 def shapes(parts):
-    polygons, owner = placed(parts)
+    polygons, owner = placed_regions(parts)
     return {parts[i].name: p for i, p in zip(owner, polygons, strict=True)}
 
 

@@ -23,7 +23,10 @@ from wiggleroom.report.write_picture import draw
 from wiggleroom.search.answer import Bound
 
 NASTY = "<img src=x onerror=alert(1)></script><b>&\"'"
-QUIET = {"Play", "Pause", "Zoom out", "Zoom in", "Fit the drawing", "Keys and help", "Copy the command", "Close"}
+QUIET = {
+    "Play", "Pause", "Zoom out", "Zoom in", "Fit the drawing", "Keys and help", "Copy the command", "Close",
+    "Measure: press two edges or corners", "what does optimal mean?",
+}  # fmt: skip
 """Buttons that need no server."""
 
 

@@ -11,7 +11,7 @@ import shapely
 
 import wiggleroom as wr
 from wiggleroom.assembly import patterns
-from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.cli import main
 from wiggleroom.drawing import read_bitmap
 
@@ -32,11 +32,11 @@ def run(monkeypatch, *words):
 def test_blocks_join_their_neighbours_and_are_plain_elsewhere(joint):
     dark = grid("##.# #### #..# .###")
     made = patterns.image(dark, joint, gap=0.02)
-    drawn, _ = placed(made.drawing.parts)
+    drawn, _ = placed_regions(made.drawing.parts)
     whole = shapely.union_all(drawn, grid_size=1e-9)
     cells = [shapely.box(i - 0.5, 2.5 - j, i + 0.5, 3.5 - j) for j, i in np.argwhere(dark)]
     assert whole.symmetric_difference(shapely.union_all(cells)).area < 1e-6  # plain outside, nothing missing inside
-    shapes, _ = placed(made.parts)
+    shapes, _ = placed_regions(made.parts)
     at = made.rest[:, :2]
     for i in range(len(shapes)):
         for j in range(i):

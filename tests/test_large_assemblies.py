@@ -98,7 +98,7 @@ def test_derivatives_of_distances(program):
     u, v = 0.1 * rng.standard_normal((2, len(program.scale)))
     step = 1e-6
     difference = (program.values(u + step * v) - program.values(u - step * v)) / (2 * step)
-    assert np.allclose(program.linearise(u).along(v), difference, atol=1e-6)
+    assert np.allclose(program.linearise(u).jacobian_product(v), difference, atol=1e-6)
 
 
 def test_condensed_matrix_has_the_curvature_where_it_is_convex(program):
@@ -116,7 +116,7 @@ def test_condensed_matrix_has_the_curvature_where_it_is_convex(program):
     step = 1e-4
     away = [program.linearise(u + s * step * v) for s in (1, -1)]
     curvature = lam @ (away[0].h - 2 * at.h + away[1].h) / step**2
-    assert v @ matrix @ v == pytest.approx((weight * at.along(v) ** 2).sum() - curvature, rel=1e-5)
+    assert v @ matrix @ v == pytest.approx((weight * at.jacobian_product(v) ** 2).sum() - curvature, rel=1e-5)
 
 
 def test_listed_corners_are_all_that_are_near():

@@ -25,7 +25,7 @@ from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import objective
-from wiggleroom.report.answer_words import sentence
+from wiggleroom.report.answer_words import verdict_sentence
 from wiggleroom.report.json_results import flex_result
 from wiggleroom.solve.linear_programming import maximise
 
@@ -185,7 +185,7 @@ def test_faces_in_a_program_have_exact_derivatives() -> None:
     u, lam = of.variables(motion), random.uniform(0, 2, of.rows)
     at = of.linearise(u)
     close(at.jacobian().toarray(), slope(of.values, u, steps(of)), 1e-8)
-    curved = slope(lambda v: of.linearise(v).against(lam) + of.linearise(v).gradient, u, steps(of))
+    curved = slope(lambda v: of.linearise(v).transposed_jacobian_product(lam) + of.linearise(v).gradient, u, steps(of))
     close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
 
 
@@ -251,8 +251,8 @@ def test_answers_say_what_the_model_does_not_see() -> None:
     assert record.verdict == "stationary"
     assert record.collision_free is False
     assert record.deepest_overlap == answer.deepest_overlap > 0
-    assert "only approximates" in sentence(answer)
-    assert "overlap" in sentence(answer)
+    assert "only approximates" in verdict_sentence(answer)
+    assert "overlap" in verdict_sentence(answer)
 
 
 def test_a_part_that_nothing_holds_leaves_by_every_model() -> None:

@@ -8,7 +8,7 @@ import shapely
 
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.joints import JOINTS, joint
-from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.errors import InputError
 
 FAMILIES = ["tee", "swallowtail", "dovetail", "revolute", "finger", "jigsaw"]
@@ -24,7 +24,7 @@ EDGES = {  # chain block, grid block
 
 def clearances(assembly):
     """Distance of every pair whose centres lie within 1.5 pitches, and whether they are side by side."""
-    shapes, _ = placed(assembly.parts)
+    shapes, _ = placed_regions(assembly.parts)
     centres = assembly.rest[:, :2]
     for i, j in combinations(range(len(shapes)), 2):
         apart = np.hypot(*(centres[i] - centres[j]))
@@ -57,7 +57,7 @@ def test_edge_counts(family):
 @pytest.mark.parametrize("family", FAMILIES)
 def test_drawn_blocks_fill_the_plane(family):
     """As drawn, tab and pocket share every corner: the block is a unit square in area and no gap is left."""
-    shapes, _ = placed(patterns.grid(3, 3, family).drawing.parts)
+    shapes, _ = placed_regions(patterns.grid(3, 3, family).drawing.parts)
     assert shapely.area(shapes) == pytest.approx(1.0, abs=1e-12)
     joined = shapely.union_all(shapes, grid_size=1e-9)
     assert joined.area == pytest.approx(9.0, abs=1e-6)
@@ -90,7 +90,7 @@ def test_round_bulb_lies_on_a_circle():
 @pytest.mark.parametrize("family", ["tee", "swallowtail", "dovetail", "revolute", "jigsaw"])
 def test_a_joint_holds_straight_pulls(family):
     """Moved out by its depth and more, in small steps, the next block hits the first one."""
-    a, b = placed(patterns.chain(2, family, 0.01).parts)[0]
+    a, b = placed_regions(patterns.chain(2, family, 0.01).parts)[0]
     assert any(a.intersects(shapely.affinity.translate(b, x, 0)) for x in np.linspace(0, 0.3, 61))
 
 
@@ -120,7 +120,7 @@ def test_jigsaw_pieces_all_differ_and_fit():
     assert len({p.regions[0].outer.tobytes() for p in puzzle.parts}) == 30
     for distance, beside in clearances(puzzle):
         assert distance == pytest.approx(0.01, abs=1e-12) if beside else distance >= 0.01 - 1e-12
-    drawn = shapely.union_all(placed(puzzle.drawing.parts)[0], grid_size=1e-9)
+    drawn = shapely.union_all(placed_regions(puzzle.drawing.parts)[0], grid_size=1e-9)
     assert drawn.symmetric_difference(shapely.box(-0.5, -0.5, 5.5, 4.5)).area < 1e-6
     same, other = patterns.jigsaw(6, 5, seed=3), patterns.jigsaw(6, 5, seed=4)
     assert np.array_equal(same.parts[7].regions[0].outer, puzzle.parts[7].regions[0].outer)

@@ -17,6 +17,7 @@ from benchmarks.plan_families import (
     tray,
     tray_of_squares,
     tumbler_lock,
+    turning_room,
 )  # fmt: skip
 
 import wiggleroom as wr
@@ -106,6 +107,16 @@ def test_a_tray_that_is_locked():
     assert (found.verdict, found.steps) == ("interlocked", ())
     assert found.states > 1
     assert found.whole
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5])
+def test_a_bar_slides_turns_and_slides_on(turn):
+    found = wr.plan(turning_room(turn), ["bar"])
+    assert found.verdict == "comes apart"
+    assert found.order[-1] == ("bar",)
+    see_free(found)
+    bar = found.assembly.names.index("bar")
+    assert abs(found.way[-1, bar, 2]) == pytest.approx(np.pi / 2, abs=0.2)
 
 
 def test_trays_full_of_squares():

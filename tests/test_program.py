@@ -104,8 +104,8 @@ def test_products_are_those_of_the_jacobian(name, seed):
     at = of.linearise(u)
     du, y = random.normal(size=len(u)), random.normal(size=of.rows)
     close(at.h, of.values(u), 1e-14)
-    close(at.along(du), at.jacobian() @ du, 1e-13)
-    close(at.against(y), at.jacobian().T @ y, 1e-13)
+    close(at.jacobian_product(du), at.jacobian() @ du, 1e-13)
+    close(at.transposed_jacobian_product(y), at.jacobian().T @ y, 1e-13)
 
 
 @each_assembly
@@ -115,11 +115,11 @@ def test_condensed_matrix(name, seed):
     u, random = anywhere(of, seed)
     at = of.linearise(u)
     weight, lam = random.uniform(0, 2, (2, of.rows))
-    curved = slope(lambda v: of.linearise(v).against(lam) + of.linearise(v).gradient, u, steps(of))
+    curved = slope(lambda v: of.linearise(v).transposed_jacobian_product(lam) + of.linearise(v).gradient, u, steps(of))
     J = at.jacobian()
     close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
     close(whole(of, at.condensed(weight, lam)), (J.T @ sp.diags(weight) @ J).toarray() - curved, 1e-8)
-    rows_only = slope(lambda v: of.linearise(v).against(lam), u, steps(of))
+    rows_only = slope(lambda v: of.linearise(v).transposed_jacobian_product(lam), u, steps(of))
     half = -rows_only - (curved - rows_only) / 2  # the solver divides the objective by its largest derivative
     close(whole(of, at.condensed(np.zeros(of.rows), lam, share=0.5)), half, 1e-8)
 
@@ -131,7 +131,7 @@ def test_condensed_matrix_with_an_objective_of_the_whole(name, term):
     u, random = anywhere(of, 9)
     at = of.linearise(u)
     lam = random.uniform(0, 2, of.rows)
-    curved = slope(lambda v: of.linearise(v).against(lam) + of.linearise(v).gradient, u, steps(of))
+    curved = slope(lambda v: of.linearise(v).transposed_jacobian_product(lam) + of.linearise(v).gradient, u, steps(of))
     close(whole(of, at.condensed(np.zeros(of.rows), lam)), -curved, 1e-8)
 
 
@@ -144,8 +144,8 @@ def test_second_derivatives_of_every_row_kind(name, kind):
     nothing = np.zeros(of.rows)
     at = of.linearise(u)
     found = whole(of, at.condensed(nothing, lam)) - whole(of, at.condensed(nothing, nothing))
-    wanted = -slope(lambda v: of.linearise(v).against(lam), u, steps(of))
-    scale = np.abs(at.against(lam)).max()
+    wanted = -slope(lambda v: of.linearise(v).transposed_jacobian_product(lam), u, steps(of))
+    scale = np.abs(at.transposed_jacobian_product(lam)).max()
     np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-7 * scale)
 
 
@@ -156,7 +156,7 @@ def test_condensed_matrix_with_balance_is_the_curvature_along_steps(name, seed):
     u, random = anywhere(of, seed)
     at, retraction = of.linearise(u), Retraction(of)
     lam = random.uniform(0, 2, of.rows)
-    balance = retraction.balance(-at.gradient - at.against(lam), at)
+    balance = retraction.balance(-at.gradient - at.transposed_jacobian_product(lam), at)
     matrix = whole(of, at.condensed(np.zeros(of.rows), lam, balance))
     for _ in range(4):
         du = random.normal(size=len(u)) * 0.1 / of.scale
@@ -178,7 +178,7 @@ def test_balance_changes_the_matrix_unless_the_forces_are_in_balance(name):
     at, retraction = of.linearise(u), Retraction(of)
     lam = random.uniform(0, 2, of.rows)
     plain = at.condensed(lam, lam)
-    unbalanced = at.condensed(lam, lam, retraction.balance(-at.gradient - at.against(lam), at))
+    unbalanced = at.condensed(lam, lam, retraction.balance(-at.gradient - at.transposed_jacobian_product(lam), at))
     assert np.abs(unbalanced - plain).max() > 1e-3 * np.abs(plain).max()
     close(at.condensed(lam, lam, retraction.balance(np.zeros(len(u)), at)), plain, 1e-15)
 

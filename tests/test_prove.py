@@ -70,7 +70,7 @@ def test_no_bound_below_a_checked_motion(seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(30, 400))
+@pytest.mark.parametrize("seed", range(30, 110))
 def test_no_bound_below_a_checked_motion_often(seed):
     look(seed)
 
@@ -86,10 +86,7 @@ def test_closed_forms(name):
     if loose:
         assert answer.at_most is None or answer.at_most >= case.value
     else:
-        within = (
-            1.006 if name.endswith("square turn") else 1.001
-        )  # its region is not refined further where the turn ends
-        assert case.value * (1 - ROUNDING) <= answer.at_most <= case.value * within
+        assert case.value * (1 - ROUNDING) <= answer.at_most <= 1.001 * case.value
 
 
 @pytest.mark.parametrize(("joint", "gap", "n"), [c for c in CHAINS if c[2] == 2 or c[0] in ("tee", "swallowtail")])
@@ -224,7 +221,7 @@ def test_the_dual_program_says_what_another_solver_says():
     last, worth = rng.standard_normal(6), float(rng.standard_normal(6) @ x) - 5
     for more in (False, True):
         if more:
-            program = program.with_row(last, worth, 60.0)
+            program = program.with_row(last, worth)
             sides, most = np.vstack([sides, -last]), np.append(most, -worth)
         for cost in rng.standard_normal((5, 6)):
             y = program.ask(cost)

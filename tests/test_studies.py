@@ -11,23 +11,10 @@ import pytest
 from scipy import stats
 
 import wiggleroom as wr
-from tests.flexing import box
+from tests.flexing import slot
 from wiggleroom.assembly.build import assemble
-from wiggleroom.drawing.model import Drawing, JointGap, Pull
+from wiggleroom.drawing.model import JointGap
 from wiggleroom.sensitivity.gap_distribution import wilson
-
-
-def slot() -> Drawing:
-    """A block between two fixed walls, floor and ceiling: 0.3 mm free to the right, 0.2 mm to the left."""
-    parts = (
-        box("left", -2.0, 0.0, -1.0, 4.0, fixed=True),
-        box("right", 5.5, 0.0, 6.5, 4.0, fixed=True),
-        box("block", -0.8, 0.1, 5.2, 3.9),
-        box("floor", -0.8, -1.0, 5.3, -0.1, fixed=True),
-        box("ceiling", -0.8, 4.1, 5.3, 5.0, fixed=True),
-    )
-    return Drawing(parts, goals=(Pull("block", (1.0, 0.0)),))
-
 
 # -- tighten --------------------------------------------------------------------------------------------------------
 

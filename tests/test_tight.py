@@ -12,7 +12,7 @@ from scipy import sparse
 from scipy.spatial import Voronoi
 
 import wiggleroom as wr
-from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.form_closure.blocking_graph import blocking, blocking_graph
 from wiggleroom.form_closure.mobility import cone, opening, tight_verdict
 from wiggleroom.form_closure.point_contacts import point_contacts
@@ -99,7 +99,7 @@ def tiles(seed, count=40, frame=False):
 
 def common_area(assembly, motion):
     """Overlap of all parts after a motion, by polygon geometry."""
-    shapes, owner = placed([
+    shapes, owner = placed_regions([
         replace(p, at=tuple(np.add(p.at, m))) for p, m in zip(assembly.parts, motion, strict=True)
     ])  # fmt: skip
     i, j = shapely.STRtree(shapes).query(shapes)

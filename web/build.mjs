@@ -1,5 +1,5 @@
 // Builds the page into the Python package; with --tests the unit tests into out/web-tests.
-// The page and the 3D view are two bundles without shared pieces, so that a baked page can carry page.js alone.
+// The page and the 3D view are two bundles without shared pieces, so that a standalone page can carry page.js alone.
 import { copyFile, mkdir, readdir } from "node:fs/promises";
 import { build } from "esbuild";
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from wiggleroom.assembly.build import assemble
     from wiggleroom.bound.prove import prove
     from wiggleroom.disassembly.interlock import Escape, Interlock
-    from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap
+    from wiggleroom.disassembly.largest_gap import LargestGap
     from wiggleroom.drawing.model import (
         Closer,
         Drawing,
@@ -55,17 +55,26 @@ if TYPE_CHECKING:
         smallest_gap,
     )
     from wiggleroom.planning.steps import Step
-    from wiggleroom.questions import check, flex, read, sweep
+    from wiggleroom.questions import (
+        allowable_gap,
+        check,
+        flex,
+        largest_gap,
+        rank,
+        read,
+        sample,
+        sweep,
+        tighten,
+    )
     from wiggleroom.report.film import film
     from wiggleroom.search.answer import Answer, Bound, Contact
     from wiggleroom.search.prepare import Prepared
-    from wiggleroom.sensitivity.allowable_gap import allowable_gap
     from wiggleroom.sensitivity.gap_distribution import Spread
     from wiggleroom.sensitivity.gap_trials import AllowableGap
-    from wiggleroom.sensitivity.rank import Ranking, rank
-    from wiggleroom.sensitivity.sample import Sample, sample
+    from wiggleroom.sensitivity.rank import Ranking
+    from wiggleroom.sensitivity.sample import Sample
     from wiggleroom.sensitivity.sweep import Sweep
-    from wiggleroom.sensitivity.tighten import Tightening, tighten
+    from wiggleroom.sensitivity.tighten import Tightening
     from wiggleroom.sensitivity.worst_case import WorstCase, worst_case
     from wiggleroom.verdict import Verdict
 
@@ -116,7 +125,7 @@ _HOME = {
     "W": "drawing.model",
     "WiggleroomError": "errors",
     "WorstCase": "sensitivity.worst_case",
-    "allowable_gap": "sensitivity.allowable_gap",
+    "allowable_gap": "questions",
     "assemble": "assembly.build",
     "blocking": "form_closure.blocking_graph",
     "check": "questions",
@@ -124,19 +133,19 @@ _HOME = {
     "film": "report.film",
     "flex": "questions",
     "free_space": "freespace.free_space",
-    "largest_gap": "disassembly.largest_gap",
+    "largest_gap": "questions",
     "patterns": "assembly",
     "plan": "planning.plan",
     "prepare": "maximise",
     "prove": "bound.prove",
-    "rank": "sensitivity.rank",
+    "rank": "questions",
     "read": "questions",
     "rank_plan": "planning.plan_tolerance",
-    "sample": "sensitivity.sample",
+    "sample": "questions",
     "sample_plan": "planning.plan_tolerance",
     "smallest_gap": "planning.plan_tolerance",
     "sweep": "questions",
-    "tighten": "sensitivity.tighten",
+    "tighten": "questions",
     "tight_verdict": "form_closure.mobility",
     "read_tolerances": "drawing.tolerances",
     "worst_case": "sensitivity.worst_case",

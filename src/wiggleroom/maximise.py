@@ -30,10 +30,10 @@ from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.canonical_frame import canonical_frame
 from wiggleroom.search.carried_incumbent import carried_incumbent
-from wiggleroom.search.complete_search import complete
+from wiggleroom.search.complete_search import complete_search
 from wiggleroom.search.distance_climb import climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
-from wiggleroom.search.incumbent import Incumbent, at_rest
+from wiggleroom.search.incumbent import Incumbent, start_at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
@@ -198,10 +198,14 @@ def witness(
     solver: str = "interior-point",
     start: Answer | None = None,
     search: int | None = 0,
+    periods: bool = True,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Answer:
-    """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither."""
+    """The answer of `flex` without any bound, by default from rest only, for studies that ask many questions and need neither.
+
+    Without `periods` it is not looked whether a motion repeats without end.
+    """
     began = time.perf_counter()
     tell = progress or silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
@@ -232,7 +236,7 @@ def witness(
         answer = _in_own_frame(ready, asked, solve, solver, search, stop, tell, began)
         if answer is not None:
             return answer
-    return _climbed(ready, asked, solve, solver, search, start, stop, tell, began)
+    return _climbed(ready, asked, solve, solver, search, start, stop, tell, began, periods)
 
 
 def _refined(
@@ -283,6 +287,7 @@ def _climbed(
     stop: Stop | None,
     tell: Callable[[Progress], None],
     began: float,
+    periods: bool = True,
 ) -> Answer:
     """The answer, searched for in the frame of the assembly that was prepared."""
     goal = ready.objective(asked)
@@ -291,8 +296,8 @@ def _climbed(
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
         return _from_several(climb, first, asked, solver, began)
-    climb.improve(climbed(climb, at_rest(ready)) if start is None else _incumbent(start, ready).start())
-    climb, repeats = periodic_motion(climb, asked)
+    climb.improve(climbed(climb, start_at_rest(ready)) if start is None else _incumbent(start, ready).start())
+    climb, repeats = periodic_motion(climb, asked) if periods else (climb, None)
     if search == 0 or repeats is not None:
         return answer_of(climb, asked, solver, began, repeats)
     return _searched(climb, search, asked, solver, began)
@@ -347,7 +352,7 @@ def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], s
         if answer.verdict is Verdict.PROVEN:
             return replace(answer, search=effort(ends, ends[0]))
     if alone or (exact and search is None):
-        found = complete(climb)
+        found = complete_search(climb)
         at_most, ends = found.at_most, found.ends if search is None else ()
         if found.best is not climb:
             climb, repeats = periodic_motion(found.best, asked)
@@ -378,9 +383,9 @@ def _from_several(
     answers = []
     for pull in first:
         way_out = LocalSearch(search.ready, pull, search.solve, THOROUGH, search.stop, search.tell)
-        end = way_out.improve(at_rest(search.ready))
+        end = way_out.improve(start_at_rest(search.ready))
         again = LocalSearch(search.ready, search.objective, search.solve, THOROUGH, search.stop, search.tell)
-        again.improve(at_rest(search.ready) if end is None else end.start())
+        again.improve(start_at_rest(search.ready) if end is None else end.start())
         for stage in search.seconds:
             search.seconds[stage] += way_out.seconds[stage] + again.seconds[stage]
         search.rounds += way_out.rounds + again.rounds

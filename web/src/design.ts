@@ -14,11 +14,15 @@ export const canRedo = computed(() => future.value.length > 0);
 const DEEPEST = 200;
 let merging = "";
 
-/** Begins anew with a design that was read: nothing to undo. */
-export function begin(read: Design): void {
+/** Designs that undo and redo lead to. */
+export interface History { past: Design[]; future: Design[] }
+export const history = (): History => ({ past: past.peek(), future: future.peek() });
+
+/** Begins anew with a design that was read, and with what came before and after it if that is known. */
+export function begin(read: Design, before: History = { past: [], future: [] }): void {
+  past.value = before.past;
+  future.value = before.future;
   design.value = read;
-  past.value = [];
-  future.value = [];
   merging = "";
 }
 

@@ -1,5 +1,6 @@
 /** What outlives a reload, in this tab alone: the token, the file that was dropped, the design. */
 
+import type { History } from "./design.ts";
 import { type Design, fromBase64, type Opened, toBase64 } from "./protocol.ts";
 
 /** A file that was dropped, or a sample by its name. */
@@ -96,13 +97,21 @@ export function linked(): Linked | null {
   }
 }
 
-export const keepDesign = (of: Opened, design: Design): void => write("design", JSON.stringify({ mark: mark(of), design }));
-export function keptDesign(of: Opened): Design | null {
+const MOST_STEPS = 40;
+interface KeptDesign { mark: string; design: Design; history?: History }
+
+/** Keeps the design with the last steps of undo and redo. */
+export function keepDesign(of: Opened, design: Design, { past, future }: History): void {
+  const history = { past: past.slice(-MOST_STEPS), future: future.slice(-MOST_STEPS) };
+  write("design", JSON.stringify({ mark: mark(of), design, history } satisfies KeptDesign));
+}
+
+export function keptDesign(of: Opened): { design: Design; history?: History } | null {
   const told = linked();
   if (told?.mark === mark(of)) {
     history.replaceState(null, "", location.pathname); // from now on what is set here counts
-    return told.design;
+    return told;
   }
-  const kept = JSON.parse(read("design") ?? "null") as { mark: string; design: Design } | null;
-  return kept && kept.mark === mark(of) ? kept.design : null;
+  const kept = JSON.parse(read("design") ?? "null") as KeptDesign | null;
+  return kept && kept.mark === mark(of) ? kept : null;
 }

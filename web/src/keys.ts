@@ -5,6 +5,7 @@ import { factor, play, playing, shown } from "./motion.ts";
 import { isPull, type Point } from "./protocol.ts";
 import { askDrag, askReach, back, cancel, setGap } from "./session.ts";
 import { fitAll, view, zoomBy } from "./stage/camera.ts";
+import { keep, kept } from "./stage/kept.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
 import { measuring, stopMeasuring } from "./stage/measure.ts";
 import { degrees } from "./words.ts";
@@ -13,7 +14,7 @@ import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
 const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const LONG = ["tighten", "sample", "prove", "sweep", "check", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
+const LONG = ["tighten", "sample", "prove", "sweep", "check", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
 
 /** Where a part was asked to go by arrow keys so far. */
@@ -23,7 +24,7 @@ export function listen(): void {
   addEventListener("keydown", (event) => {
     const on = event.target as HTMLElement;
     if (event.altKey || state.helpOpen.peek() || on.closest("[role=menu]")) return;
-    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !state.baked.peek()) {
+    if ((event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z" && !state.standalone.peek()) {
       event.preventDefault();
       return event.shiftKey ? redo() : undo();
     }
@@ -51,7 +52,8 @@ function act(event: KeyboardEvent): boolean {
   else if (tabAt >= 0 && tabAt < pages.peek().length) {
     state.tab.value = pages.peek()[tabAt]!.name;
     state.sheetOpen.value = true;
-  } else if (state.baked.peek()) return false;
+  } else if (state.standalone.peek()) return false;
+  else if (key === "b") kept.peek() ? (kept.value = null) : keep();
   else if (key === "l") lassoing.value = !lassoing.peek();
   else if (key === "a") chooseMany(state.names.peek());
   else if (key === "[" || key === "]") setGap(design.peek().gap + (key === "]" ? 1 : -1) * stepOf(design.peek().gap));
@@ -78,7 +80,7 @@ function step(by: number): void {
 
 function arrow([dx, dy]: Point, fine: boolean): boolean {
   const name = state.selected.peek();
-  if (!name || state.baked.peek()) return false;
+  if (!name || state.standalone.peek()) return false;
   const index = goals.peek().findIndex((goal) => goal.part === name && isPull(goal));
   if (index >= 0) {
     const goal = goals.peek()[index]!;

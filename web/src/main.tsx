@@ -2,7 +2,7 @@
 
 import { effect } from "@preact/signals";
 import { render } from "preact";
-import { unpack } from "./baked.ts";
+import { unpack } from "./standalone.ts";
 import { Drop } from "./chrome/Drop.tsx";
 import { GapStrip } from "./chrome/GapStrip.tsx";
 import { Headline, Spoken } from "./chrome/Headline.tsx";
@@ -14,16 +14,20 @@ import { listen } from "./keys.ts";
 import { Panel } from "./panels/Panel.tsx";
 import { start } from "./session.ts";
 import { isDark } from "./stage/colours.ts";
+import { Beside } from "./stage/Beside.tsx";
 import { Stage } from "./stage/Stage.tsx";
-import { baked, drawing, tab } from "./state.ts";
+import { standalone, drawing, tab } from "./state.ts";
 
 function Page() {
   return (
-    <div class="page" data-empty={drawing.value === null} data-wide={tab.value === "study" || (baked.value !== null && tab.value === "space")}>
+    <div class="page" data-empty={drawing.value === null} data-wide={tab.value === "study" || (standalone.value !== null && tab.value === "space")}>
       <TopBar />
       <main class="middle">
         <Headline />
-        <Stage />
+        <div class="stages">
+          <Beside />
+          <Stage />
+        </div>
         <Selection />
         <Player />
         <Drop />
@@ -41,7 +45,7 @@ effect(() => {
   document.documentElement.dataset["theme"] = isDark() ? "dark" : "light";
 });
 effect(() => {
-  if (!baked.value) document.title = drawing.value ? `${drawing.value.name} · wiggleroom` : "wiggleroom";
+  if (!standalone.value) document.title = drawing.value ? `${drawing.value.name} · wiggleroom` : "wiggleroom";
 });
 listen();
 render(<Page />, document.getElementById("page")!);

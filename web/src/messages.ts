@@ -101,6 +101,15 @@ export interface CheckRequest {
   design: Design;
 }
 
+/** How it is taken apart: which parts are to leave, all by default, and the direction in which loose parts fall. */
+export interface PlanRequest {
+  kind: "plan";
+  id: number;
+  design: Design;
+  targets?: string[];
+  gravity?: [number, number] | null;
+}
+
 /** Motion against gap. */
 export interface SweepRequest {
   kind: "sweep";
@@ -151,8 +160,8 @@ export interface SaveRequest {
   kind: "save";
   id: number;
   design: Design;
-  what: "assembly" | "cut-dxf" | "cut-svg" | "gif" | "html" | "json" | "mp4" | "png" | "svg";
-  of?: "check" | "flex";
+  what: "assembly" | "cut-dxf" | "cut-svg" | "gif" | "html" | "json" | "mp4" | "png" | "stills" | "svg";
+  of?: "check" | "flex" | "plan";
 }
 
 /** Forget a request of this kind, waiting or running. */
@@ -333,6 +342,19 @@ export interface CheckReply {
   spins: string[]; // names of parts
   remains: string[]; // names of parts
   border: string | null; // the largest gap, where it is known
+  command: string; // the command that answers the same
+}
+
+/** How it is taken apart, after a path for each step. */
+export interface PlanReply {
+  kind: "plan";
+  id: number;
+  verdict: "interlocked" | "comes apart" | "unknown";
+  words: string;
+  facts: string[];
+  sure: [string, string][]; // a word and a sentence each
+  steps: LeavingEntry[];
+  remains: string[]; // names of parts
   command: string; // the command that answers the same
 }
 
@@ -551,9 +573,9 @@ export interface StandalonePage {
 
 export type Reply =
   | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
-  | Released | Modes | RankReply | CheckReply | StepReply | SweepReply
-  | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState
-  | Failed;
+  | Released | Modes | RankReply | CheckReply | PlanReply | StepReply
+  | SweepReply | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply
+  | WorkerState | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -566,6 +588,7 @@ export interface Requests {
   wiggle: Omit<WiggleRequest, "kind" | "id">;
   rank: Omit<RankRequest, "kind" | "id">;
   check: Omit<CheckRequest, "kind" | "id">;
+  plan: Omit<PlanRequest, "kind" | "id">;
   sweep: Omit<SweepRequest, "kind" | "id">;
   space: Omit<SpaceRequest, "kind" | "id">;
   tighten: Omit<TightenRequest, "kind" | "id">;

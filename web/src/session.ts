@@ -1,11 +1,12 @@
 /** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
 
 import { batch, effect, untracked } from "@preact/signals";
-import { asks, begin, change, design, goals, question, questionOf } from "./design.ts";
+import { asks, begin, change, design, goals, history, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type Design, type Finding, type Frames, type Kind, type Opened, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
+import { kept } from "./stage/kept.ts";
 import { known, lead, leadTo } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
@@ -45,7 +46,7 @@ export function follow(): void {
         state.lost.value = null;
       });
     }
-    keepDesign(opened, now);
+    keepDesign(opened, now, history());
     untracked(() => {
       preview(now.gap);
       askFlex();
@@ -175,7 +176,7 @@ let again = false;
 /** What failed last: its findings go when it succeeds. */
 let trouble = "";
 
-export function save(what: SaveWhat, of: "flex" | "check" = "flex"): void {
+export function save(what: SaveWhat, of: "flex" | "check" | "plan" = "flex"): void {
   ask("save", { design: design.peek(), what, of });
 }
 
@@ -216,6 +217,7 @@ function take(reply: Reply, ways: Frames[]): void {
     case "reach": state.reach.value = about(reply); return;
     case "rank": state.ranking.value = about(reply); state.coloured.value = true; return;
     case "check": state.checked.value = about(reply); return showEscape(0);
+    case "plan": state.planned.value = about(reply); return showEscape(0, state.planned.peek());
     case "step": return stepped(reply.gap, reply.objective, reply.verdict, ways[0]);
     case "sweep": state.lost.value = reply.lost; return;
     case "space": state.space.value = about(reply); return;
@@ -291,13 +293,15 @@ export function showMode(which: number): void {
   play(true);
 }
 
-export function showEscape(which: number): void {
-  const frames = state.checked.peek()?.ways[which];
+/** Play one way out of a check, or one step of a plan. */
+export function showEscape(which: number, about: state.About<CheckReply | PlanReply> | null = state.checked.peek()): void {
+  const frames = about?.ways[which];
   if (!frames) return;
-  const count = state.checked.peek()!.ways.length;
+  const count = about.ways.length;
   autoFactor.value = 1;
-  const next = count > 1 ? () => showEscape((which + 1) % count) : undefined; // all that leave, one after the other
-  show({ what: "escape", frames, label: count > 1 ? `way out, step ${which + 1} of ${count}` : "way out", back: false, next }, false);
+  const next = count > 1 ? () => showEscape((which + 1) % count, about) : undefined; // one after the other
+  const name = about.reply.kind === "plan" ? "plan" : "way out";
+  show({ what: "escape", frames, label: count > 1 ? `${name}, step ${which + 1} of ${count}` : name, back: false, next }, false);
   play(true);
 }
 
@@ -322,7 +326,7 @@ function opened(reply: Opened): void {
   state.findings.value = [];
   state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
-  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.space, state.proof, state.reach]) one.value = null;
+  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.planned, state.space, state.proof, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
   state.selected.value = null;
   state.many.value = new Set();
@@ -331,7 +335,9 @@ function opened(reply: Opened): void {
   shaped = null;
   state.drawing.value = reply;
   showRest(false);
-  begin(keptDesign(reply) ?? read);
+  kept.value = null;
+  const mine = keptDesign(reply);
+  begin(mine?.design ?? read, mine?.history);
 }
 
 function reopen(): void {

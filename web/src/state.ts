@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { design } from "./design.ts";
 import type {
-  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
+  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
 
@@ -12,7 +12,7 @@ export interface About<T> { reply: T; design: Design; ways: Frames[] }
 
 /** On a page that carries what was found: what it is about, and more than the panels of the live page say. */
 export interface Told { said: { title: string; facts: string[] } | null; study: StudyTab | null; tints: { per: string; values: Record<string, number> } | null }
-export const baked = signal<Told | null>(null);
+export const standalone = signal<Told | null>(null);
 export const line = signal<Line>("connecting");
 export const hello = signal<Hello | null>(null);
 export const workerState = signal<"ready" | "lost" | "restarted">("ready");
@@ -34,6 +34,7 @@ export const dragging = signal<{ part: string; grip: Point } | null>(null);
 export const modes = signal<About<Modes> | null>(null);
 export const ranking = signal<About<RankReply> | null>(null);
 export const checked = signal<About<CheckReply> | null>(null);
+export const planned = signal<About<PlanReply> | null>(null);
 export const reach = signal<About<ReachReply> | null>(null);
 /** Where the chosen part was pressed, at rest. */
 export const pressed = signal<Point | null>(null);

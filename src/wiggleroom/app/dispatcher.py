@@ -9,7 +9,7 @@ from importlib import import_module
 
 from wiggleroom.app.document import Document
 from wiggleroom.app.messages import decode, kind_of
-from wiggleroom.app.open_requests import opened, told
+from wiggleroom.app.open_requests import opened, opened_reply
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.app.worker_protocol import StartOrder
 from wiggleroom.errors import InputError, StoppedError, WiggleroomError
@@ -24,6 +24,7 @@ ANSWERS = {
     "wiggle": "motion_requests",
     "rank": "study_requests",
     "check": "study_requests",
+    "plan": "study_requests",
     "sweep": "study_requests",
     "prove": "study_requests",
     "tighten": "study_requests",
@@ -38,16 +39,18 @@ class Dispatcher:
     """Where requests are answered, one after the other."""
 
     def __init__(self) -> None:
-        self._sheet: Document | None = None
+        self._document: Document | None = None
 
     def open(self, request: OpenRequest, out: Reporter) -> None:
         """Read a drawing and tell the page; where that fails the one before stays."""
-        sheet, design = Document(opened(request)), request.design
-        content = told(sheet.file, sheet.file.drawing if design is None else sheet.designs.drawing(design))
+        document, design = Document(opened(request)), request.design
+        content = opened_reply(
+            document.file, document.file.drawing if design is None else document.designs.drawing(design)
+        )
         if design is not None:
             content.design.extra = design.extra
         out.check()
-        self._sheet = sheet
+        self._document = document
         out.reply(content)
 
     def work(self, order: StartOrder, stop: threading.Event, say: Callable[[object], None]) -> tuple[bool, bool]:
@@ -74,12 +77,12 @@ class Dispatcher:
 
     def _review(self, request: AnyRequest) -> list[Finding]:
         """Everything that is wrong with the design of a request, where that can be said."""
-        if self._sheet is None or not isinstance(request, FlexRequest | ShapeRequest | DragRequest):
+        if self._document is None or not isinstance(request, FlexRequest | ShapeRequest | DragRequest):
             return []
         from wiggleroom.app.review import review
 
         try:
-            return review(self._sheet.designs, request.design)
+            return review(self._document.designs, request.design)
         except InputError:
             return []
 
@@ -87,14 +90,14 @@ class Dispatcher:
         if isinstance(request, OpenRequest):
             self.open(request, out)
             return False
-        if self._sheet is None:
+        if self._document is None:
             raise InputError("nothing is open: open a drawing first")
         if isinstance(request, FlexRequest):
             from wiggleroom.app import motion_requests  # slow to import; a drawing is open before
 
-            return (motion_requests.settled if settle else motion_requests.flex)(self._sheet, request, out)
+            return (motion_requests.settled if settle else motion_requests.flex)(self._document, request, out)
         kind = kind_of(request)
-        getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._sheet, request, out)
+        getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._document, request, out)
         return False
 
 

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from wiggleroom.app.display import Display
     from wiggleroom.disassembly.interlock import Interlock
     from wiggleroom.live.live_session import Live
+    from wiggleroom.planning.plan import Plan
     from wiggleroom.search.answer import Answer
 
 
@@ -37,6 +38,7 @@ class Document:
         self.designs = DesignCache(file.drawing)
         self._answers: LruCache[Answer] = LruCache(4)
         self._checks: LruCache[Interlock] = LruCache(2)
+        self._plans: LruCache[Plan] = LruCache(2)
 
     @cached_property
     def display(self) -> Display:
@@ -100,6 +102,21 @@ class Document:
         out.check()
         self._checks.keep(self.designs.body(design), found)
         return found
+
+    def planned(
+        self, design: Design, out: Reporter, targets: tuple[str, ...] = (), gravity: tuple[float, float] | None = None
+    ) -> Plan:
+        """How a design is taken apart."""
+        from wiggleroom.planning.plan import plan
+
+        found = plan(self.assembly(design), targets, gravity=gravity, stop=out.stop, progress=out.progress)
+        out.check()
+        self._plans.keep(self.designs.body(design), found)
+        return found
+
+    def last_plan(self, design: Design, out: Reporter) -> Plan:
+        """The plan of a design that was asked for last; where there is none, that of all parts."""
+        return self._plans.peek(self.designs.body(design)) or self.planned(design, out)
 
 
 def whole(design: Design) -> Hashable:

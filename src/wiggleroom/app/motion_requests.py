@@ -13,7 +13,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
-from wiggleroom.report.path_frames import way_frames
+from wiggleroom.report.path_frames import path_frames
 from wiggleroom.report.stacked_slices import rings
 from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, Released, ShapeReply
 from wiggleroom.schema.requests import (
@@ -41,92 +41,95 @@ MIN_IMPROVEMENT = 1e-3
 """A quick answer that is better by less than this share is not told; the full one is looked for then."""
 
 
-def flex(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
+def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer quickly, and again while that brings more; True where the full answer is to come."""
-    design, display = request.design, sheet.display
-    if sheet.kept(design) is not None:
-        return settled(sheet, request, out)
-    goals = sheet.asked(design)
-    live = sheet.live(design)
+    design, display = request.design, document.display
+    if document.kept(design) is not None:
+        return settled(document, request, out)
+    goals = document.asked(design)
+    live = document.live(design)
     last: float | None = None
     for _ in range(MAX_QUICK_ANSWERS):
-        shot = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
+        result = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
         out.check()
-        value = math.inf if shot.objective is None else shot.objective
+        value = math.inf if result.objective is None else result.objective
         if last is not None and not value > last + MIN_IMPROVEMENT * abs(last):
             break
         last = value
-        display.move(live.assembly, shot.motion)
-        content = answer_message(quick(live.assembly, goals, shot), command("flex", sheet.file, design))
-        content.rings, content.settled = display.new_rings(sheet.designs.shape(design), live.assembly, out.stop), False
-        out.reply(content, [shot.motion[None]])
-        if shot.settled:
+        display.move(live.assembly, result.motion)
+        content = answer_message(quick(live.assembly, goals, result), command("flex", document.file, design))
+        content.rings, content.settled = (
+            display.new_rings(document.designs.shape(design), live.assembly, out.stop),
+            False,
+        )
+        out.reply(content, [result.motion[None]])
+        if result.settled:
             break
     return True
 
 
-def settled(sheet: Document, request: FlexRequest, out: Reporter) -> bool:
+def settled(document: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer fully."""
-    answer = sheet.answer(request.design, out)
-    sheet.display.move(answer.assembly, answer.motion)
-    content = answer_message(answer, command("flex", sheet.file, request.design))
-    content.rings = sheet.display.new_rings(sheet.designs.shape(request.design), answer.assembly, out.stop)
-    out.reply(content, [way_frames(answer.assembly, answer.waypoints)])
+    answer = document.answer(request.design, out)
+    document.display.move(answer.assembly, answer.motion)
+    content = answer_message(answer, command("flex", document.file, request.design))
+    content.rings = document.display.new_rings(document.designs.shape(request.design), answer.assembly, out.stop)
+    out.reply(content, [path_frames(answer.assembly, answer.waypoints)])
     return False
 
 
-def drag(sheet: Document, request: DragRequest, out: Reporter) -> None:
+def drag(document: Document, request: DragRequest, out: Reporter) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
-    live = sheet.live(request.design)
-    rings = sheet.display.new_rings(sheet.designs.shape(request.design), live.assembly, out.stop)
-    goals = sheet.asked(request.design) if request.from_ == "answer" else None
+    live = document.live(request.design)
+    rings = document.display.new_rings(document.designs.shape(request.design), live.assembly, out.stop)
+    goals = document.asked(request.design) if request.from_ == "answer" else None
     start, shown, last = request.from_, math.inf, math.inf
     stuck = 0
     for times in range(MAX_DRAG_STEPS):
         within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)]
-        shot = live.drag(
+        result = live.drag(
             request.part, request.grip, request.target,
             start=start, goals=goals, within=within, seconds=QUICK_SECONDS, stop=out.stop,
         )  # fmt: skip
         out.check()
-        assert shot.distance is not None
-        assert shot.reached is not None
+        assert result.distance is not None
+        assert result.reached is not None
         if within is None:
-            stuck, last = stuck + 1 if shot.distance > last * (1 - MIN_APPROACH) else 0, min(last, shot.distance)
-        settled = shot.settled or times == MAX_DRAG_STEPS - 1 or stuck == MAX_STALLED_STEPS
+            stuck, last = stuck + 1 if result.distance > last * (1 - MIN_APPROACH) else 0, min(last, result.distance)
+        settled = result.settled or times == MAX_DRAG_STEPS - 1 or stuck == MAX_STALLED_STEPS
         start = "here"
-        if shot.distance > shown and not settled:  # few parts came nearer than all have so far
+        if result.distance > shown and not settled:  # few parts came nearer than all have so far
             continue
-        sheet.display.move(live.assembly, shot.motion)
+        document.display.move(live.assembly, result.motion)
         content = DragReply(
             part=request.part,
             target=request.target,
-            reached=shot.reached,
-            distance=shot.distance,
-            held=contacts_message(shot.contacts),
-            blocking=list(shot.blocking),
+            reached=result.reached,
+            distance=result.distance,
+            held=contacts_message(result.contacts),
+            blocking=list(result.blocking),
             settled=settled,
             rings=rings,
         )
-        out.reply(content, [shot.motion[None]])
+        out.reply(content, [result.motion[None]])
         if settled:
             return
-        rings, shown = UNSET, min(shown, shot.distance)
+        rings, shown = UNSET, min(shown, result.distance)
 
 
-def wiggle(sheet: Document, request: WiggleRequest, out: Reporter) -> None:
+def wiggle(document: Document, request: WiggleRequest, out: Reporter) -> None:
     """Show the freedoms that are left."""
-    modes = sheet.live(request.design).wiggle(request.part, stop=out.stop)
+    modes = document.live(request.design).wiggle(request.part, stop=out.stop)
     out.check()
     told = [ModeEntry(mode.size, list(mode.parts), mode.ends) for mode in modes]
     out.reply(Modes(modes=told), [mode.frames for mode in modes])
 
 
-def reach(sheet: Document, request: ReachRequest, out: Reporter) -> None:
+def reach(document: Document, request: ReachRequest, out: Reporter) -> None:
     """Where the point of a part can be brought."""
     from wiggleroom.live import reachable
 
-    found = reachable.reach(sheet.live(request.design), request.part, request.grip, stop=out.stop)
+    found = reachable.reach(document.live(request.design), request.part, request.grip, stop=out.stop)
     out.check()
     how = (
         f"free at {reachable.SLICES} turns; between them hardly more can be reached"
@@ -146,22 +149,22 @@ def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:
     out.reply(Released())
 
 
-def shape(sheet: Document, request: ShapeRequest, out: Reporter) -> None:
+def shape(document: Document, request: ShapeRequest, out: Reporter) -> None:
     """Outlines with the gap applied."""
-    out.reply(ShapeReply(rings=rings_message(sheet.assembly(request.design).parts)))
+    out.reply(ShapeReply(rings=rings_message(document.assembly(request.design).parts)))
 
 
-def quick(assembly: Assembly, goals: tuple[Goal, ...], shot: LiveResult) -> Answer:
+def quick(assembly: Assembly, goals: tuple[Goal, ...], result: LiveResult) -> Answer:
     """What was found in the time there was, as an answer."""
     return witnessed(
         assembly,
         goals,
-        Verdict.UNBOUNDED if shot.objective is None else Verdict.STOPPED,
-        shot.objective,
-        shot.motion[None],
+        Verdict.UNBOUNDED if result.objective is None else Verdict.STOPPED,
+        result.objective,
+        result.motion[None],
         "not checked",
-        contacts=shot.contacts,
-        seconds={"total": shot.seconds},
-        leaves=shot.leaves,
-        turns=shot.turns,
+        contacts=result.contacts,
+        seconds={"total": result.seconds},
+        leaves=result.leaves,
+        turns=result.turns,
     )

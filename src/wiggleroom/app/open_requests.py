@@ -137,7 +137,7 @@ def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
     return read_drawing(path, unit=unit, flatten=flatten, gap=gap, options=options), flatten
 
 
-def told(file: File, drawing: Drawing) -> Opened:
+def opened_reply(file: File, drawing: Drawing) -> Opened:
     """Reply to `open`: parts as drawn, in world coordinates, and what is asked, as a design."""
     reply = drawing_message(drawing, drawing.parts, file.name)
     if not drawing.goals and len(drawing.parts) > 1:

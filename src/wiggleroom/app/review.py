@@ -14,7 +14,7 @@ from wiggleroom.app.design_cache import DesignCache
 from wiggleroom.app.open_requests import suggested
 from wiggleroom.app.reporter import on_the_page
 from wiggleroom.assembly.findings import examine_parts, free_overlaps
-from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.assembly.statements import glue_groups
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.report.answer_words import number, short
@@ -81,14 +81,14 @@ def _roles(drawing: Drawing, design: Design) -> list[Finding]:
 
 def largest(drawing: Drawing) -> str:
     """Name of the part with the most material."""
-    shapes, owner = placed(drawing.parts)
+    shapes, owner = placed_regions(drawing.parts)
     area = np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts))
     return drawing.parts[int(area.argmax())].name
 
 
 def usual_size(drawing: Drawing) -> float:
     """Side of a square with as much material as the median part [mm]."""
-    shapes, owner = placed(drawing.parts)
+    shapes, owner = placed_regions(drawing.parts)
     return float(np.median(np.sqrt(np.bincount(owner, shapely.area(shapes), minlength=len(drawing.parts)))))
 
 
@@ -110,7 +110,7 @@ def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fi
     if len(parts) < 2:
         return []
     index = {part.name: k for k, part in enumerate(parts)}
-    shapes, owner = placed(parts)
+    shapes, owner = placed_regions(parts)
     whole = [shapely.union_all(shapes[owner == k]) for k in range(len(parts))]
     size = float(np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0).max())
     deep = free_overlaps(drawing, parts)
@@ -165,7 +165,7 @@ def _opening(drawing: Drawing, gap: float, most: float, near: float) -> float | 
         parts, wrong = examine_parts(dataclasses.replace(drawing, gap=wider))
         if wrong:
             return None
-        shapes, owner = placed(parts)
+        shapes, owner = placed_regions(parts)
         whole = [shapely.union_all(shapes[owner == k]) for k in range(len(parts))]
         if not free_overlaps(dataclasses.replace(drawing, gap=wider), parts) and not _near(drawing, parts, whole, near):
             return wider

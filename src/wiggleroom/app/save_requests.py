@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import base64
+import shlex
 import tempfile
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,6 +14,7 @@ from wiggleroom.app.command import command
 from wiggleroom.app.open_requests import saved_name
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.drawing import write_drawing
+from wiggleroom.errors import InputError
 from wiggleroom.report.json_results import flex_result, to_json
 from wiggleroom.report.pages import page_of_answer
 from wiggleroom.report.separability import check_result
@@ -22,6 +25,7 @@ from wiggleroom.schema.requests import SaveRequest
 
 if TYPE_CHECKING:
     from wiggleroom.app.document import Document
+    from wiggleroom.planning.plan import Plan
 
 FILE_KINDS = {
     "svg": ("-moved.svg", "image/svg+xml"),
@@ -30,6 +34,7 @@ FILE_KINDS = {
     "mp4": ("-moved.mp4", "video/mp4"),
     "html": ("-report.html", "text/html"),
     "json": (".answer.json", "application/json"),
+    "stills": ("-steps.zip", "application/zip"),
     "assembly": ("-design.json", "application/json"),
     "cut-svg": ("-cut.svg", "image/svg+xml"),
     "cut-dxf": ("-cut.dxf", "image/vnd.dxf"),
@@ -37,38 +42,64 @@ FILE_KINDS = {
 """What is added to the drawing's name, and what the browser is told it is."""
 
 
-def save(sheet: Document, request: SaveRequest, out: Reporter) -> None:
+_SAVED_AS = {"flex": "-moved", "check": "-apart", "plan": "-plan"}
+
+
+def save(document: Document, request: SaveRequest, out: Reporter) -> None:
     """One file, by name, kind and content."""
     tail, mime = FILE_KINDS[request.what]
-    name = saved_name(sheet.file.name, tail.replace("-moved", "-apart") if request.of == "check" else tail)
+    name = saved_name(document.file.name, tail.replace("-moved", _SAVED_AS[request.of]))
     with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
         path = Path(folder) / name
-        _write(sheet, request, path, out)
+        _write(document, request, path, out)
         content = path.read_bytes()
     out.reply(Saved(name=name, mime=mime, data=base64.b64encode(content).decode()))
 
 
-def _write(sheet: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
+def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
     design = request.design
     if request.what in ("assembly", "cut-svg", "cut-dxf"):
-        assembly = sheet.assembly(design)
+        assembly = document.assembly(design)
         drawing = assembly.drawing
         if request.what != "assembly":
             drawing = replace(drawing, parts=assembly.parts, gap=0.0, gaps=())
         write_drawing(drawing, path)
         return
-    said = command(request.of, sheet.file, design, pulled=request.of == "flex")
+    said = command(request.of, document.file, design, pulled=request.of == "flex")
+    if request.what == "stills" and request.of != "plan":
+        finding = "stills: they show the steps of a plan; ask for a plan first"
+        raise InputError(finding)
     if request.of == "check":
-        found = sheet.checked(design, out)
+        found = document.checked(design, out)
         if request.what == "json":
             path.write_text(to_json(check_result(found, None, said)), encoding="utf-8")
         else:
             draw(Checked(found), path, command=said, progress=out.counted)
         return
-    answer = replace(sheet.answer(design, out), command=said)
+    if request.of == "plan":
+        _write_plan(document.last_plan(design, out), request.what, path, said, out)
+        return
+    answer = replace(document.answer(design, out), command=said)
     if request.what == "json":
         path.write_text(to_json(flex_result(answer)), encoding="utf-8")
     elif request.what == "html":
-        path.write_text(page_of_answer(answer, sheet.kept_check(design)), encoding="utf-8")
+        path.write_text(page_of_answer(answer, document.kept_check(design)), encoding="utf-8")
     else:
         draw(answer, path, progress=out.counted)
+
+
+def _write_plan(found: Plan, what: str, path: Path, said: str, out: Reporter) -> None:
+    from wiggleroom.report.plan_messages import plan_options
+    from wiggleroom.report.plan_pictures import write_stills
+    from wiggleroom.report.plan_results import plan_result
+
+    said = shlex.join([*shlex.split(said), *plan_options(found)])
+    if what == "json":
+        path.write_text(to_json(plan_result(found, said)), encoding="utf-8")
+    elif what == "stills":
+        with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder, zipfile.ZipFile(path, "w") as packed:
+            write_stills(found, Path(folder), command=said)
+            for one in sorted(Path(folder).iterdir()):
+                packed.write(one, one.name)
+    else:
+        draw(found, path, command=said, progress=out.counted)

@@ -232,7 +232,7 @@ class Session:
         if job.kind == "open" and done.good and job.replied:
             self._drawing, self._loaded = job.text, True
         elif job.kind == "open" and job.stopped:
-            self._loaded = False  # it may have got far enough to be on the desk
+            self._loaded = False  # it may have got far enough to have taken the place of the drawing
         if job.stopped and job.again:
             job.tries = 0
             self._pending.setdefault(job.kind, job)

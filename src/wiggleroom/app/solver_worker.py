@@ -58,7 +58,7 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
     from wiggleroom.app.resource_limits import bound_memory
 
     bound_memory()
-    desk, cold = Dispatcher(), steps()
+    dispatcher, cold = Dispatcher(), steps()
     while True:
         if cold and not orders.waiting:  # work that has come goes first, and loads what it needs
             cold.pop(0)()
@@ -66,7 +66,7 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
                 say(Ready())
             continue
         order, stop = orders.next()
-        good, more = desk.work(order, stop, say)
+        good, more = dispatcher.work(order, stop, say)
         say(Done(order.ticket, good, more))
 
 

@@ -14,9 +14,9 @@ if TYPE_CHECKING:
     from wiggleroom.app.document import Document
 
 
-def space(sheet: Document, request: SpaceRequest, out: Reporter) -> None:
+def space(document: Document, request: SpaceRequest, out: Reporter) -> None:
     """How one part can move against another."""
-    found = free_slices(sheet.assembly(request.design), request.a, request.b, stop=out.stop)
+    found = free_slices(document.assembly(request.design), request.a, request.b, stop=out.stop)
     out.check()
-    line = command("space", sheet.file, request.design, (request.a, request.b), pulled=False)
-    out.reply(space_message(found, sheet.display.relative(found), line))
+    line = command("space", document.file, request.design, (request.a, request.b), pulled=False)
+    out.reply(space_message(found, document.display.relative(found), line))

@@ -10,12 +10,13 @@ import numpy as np
 
 from wiggleroom.app.command import command
 from wiggleroom.app.reporter import Reporter
-from wiggleroom.report.answer_words import bounded
-from wiggleroom.report.path_frames import way_frames
+from wiggleroom.report.answer_words import bound_sentence
+from wiggleroom.report.path_frames import path_frames
 from wiggleroom.report.study_messages import check_message, ranking_message, step_message
 from wiggleroom.schema.replies import ProveReply, SweepReply
 from wiggleroom.schema.requests import (
     CheckRequest,
+    PlanRequest,
     ProveRequest,
     RankRequest,
     SampleRequest,
@@ -28,23 +29,32 @@ if TYPE_CHECKING:
     from wiggleroom.sensitivity.sweep import SweepStep
 
 
-def rank(sheet: Document, request: RankRequest, out: Reporter) -> None:
+def rank(document: Document, request: RankRequest, out: Reporter) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
     from wiggleroom.sensitivity.rank import rank as work_out
 
-    found = work_out(sheet.answer(request.design, out), stop=out.stop, progress=out.counted)
+    found = work_out(document.answer(request.design, out), stop=out.stop, progress=out.counted)
     out.check()
-    out.reply(ranking_message(found, command("rank", sheet.file, request.design)))
+    out.reply(ranking_message(found, command("rank", document.file, request.design)))
 
 
-def check(sheet: Document, request: CheckRequest, out: Reporter) -> None:
+def check(document: Document, request: CheckRequest, out: Reporter) -> None:
     """Whether it comes apart; one film for each escape."""
-    found = sheet.checked(request.design, out)
-    content = check_message(found, command("check", sheet.file, request.design, pulled=False))
-    out.reply(content, [way_frames(found.assembly, e.path) for e in found.escapes])
+    found = document.checked(request.design, out)
+    content = check_message(found, command("check", document.file, request.design, pulled=False))
+    out.reply(content, [path_frames(found.assembly, e.path) for e in found.escapes])
 
 
-def sweep(sheet: Document, request: SweepRequest, out: Reporter) -> None:
+def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
+    """How it is taken apart; one film for each step."""
+    from wiggleroom.report.plan_messages import plan_message, plan_options
+
+    found = document.planned(request.design, out, tuple(request.targets), request.gravity)
+    said = command("plan", document.file, request.design, plan_options(found), pulled=False)
+    out.reply(plan_message(found, said), [path_frames(found.assembly, step.way) for step in found.steps])
+
+
+def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:
     """Motion against gap, told gap by gap."""
     from wiggleroom.sensitivity.sweep import sweep as work_out
 
@@ -52,11 +62,11 @@ def sweep(sheet: Document, request: SweepRequest, out: Reporter) -> None:
         out.check()
         out.reply(step_message(step), [] if motion is None else [motion[None]])
 
-    sheet.asked(request.design)
-    assembly = sheet.assembly(request.design)
+    document.asked(request.design)
+    assembly = document.assembly(request.design)
     found = work_out(assembly, request.gaps, stop=out.stop, each=tell)
     out.check()
-    said = command("sweep", sheet.file, request.design, _gaps(request))
+    said = command("sweep", document.file, request.design, _gaps(request))
     out.reply(SweepReply(steps=[step_message(s) for s in found.steps], lost=found.lost, command=said))
 
 
@@ -64,51 +74,51 @@ def _gaps(request: SweepRequest) -> tuple[str, ...]:
     return () if not request.gaps else ("--gaps", ",".join(f"{gap:.12g}" for gap in request.gaps))
 
 
-def tighten(sheet: Document, request: TightenRequest, out: Reporter) -> None:
+def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
     """Which parts to make tighter."""
     from wiggleroom.report.study_tabs import tightening_message
     from wiggleroom.sensitivity.tighten import tighten as work_out
 
-    goals = sheet.asked(request.design)
+    goals = document.asked(request.design)
     found = work_out(
-        sheet.assembly(request.design), goals,
+        document.assembly(request.design), goals,
         parts=request.parts, limit=request.limit, draws=0, workers=1, stop=out.stop, progress=out.counted,
     )  # fmt: skip
     out.check()
     more = _option("--parts", request.parts) + _option("--limit", request.limit) + ("--draws", "0")
-    out.reply(tightening_message(found, command("tighten", sheet.file, request.design, more)))
+    out.reply(tightening_message(found, command("tighten", document.file, request.design, more)))
 
 
-def sample(sheet: Document, request: SampleRequest, out: Reporter) -> None:
+def sample(document: Document, request: SampleRequest, out: Reporter) -> None:
     """How far it moves where gaps vary at random."""
     from wiggleroom.report.study_tabs import sample_message
     from wiggleroom.sensitivity.sample import sample as work_out
 
-    goals = sheet.asked(request.design)
+    goals = document.asked(request.design)
     found = work_out(
-        sheet.assembly(request.design), request.spread, goals,
+        document.assembly(request.design), request.spread, goals,
         draws=request.draws, limit=request.limit, workers=1, stop=out.stop, progress=out.counted,
     )  # fmt: skip
     out.check()
     more = _option("--spread", request.spread) + _option("--draws", request.draws) + _option("--limit", request.limit)
-    out.reply(sample_message(found, command("sample", sheet.file, request.design, more)))
+    out.reply(sample_message(found, command("sample", document.file, request.design, more)))
 
 
 def _option(name: str, value: float | None) -> tuple[str, ...]:
     return () if value is None else (name, f"{value:g}")
 
 
-def prove(sheet: Document, request: ProveRequest, out: Reporter) -> None:
+def prove(document: Document, request: ProveRequest, out: Reporter) -> None:
     """A value that no motion exceeds."""
     from wiggleroom.bound.prove import prove as work_out
 
-    answer = sheet.answer(request.design, out)
+    answer = document.answer(request.design, out)
     done = work_out(answer, request.share, seconds=request.seconds, stop=out.stop, progress=out.progress)
     out.check()
     bound = done.bound
     within = None if bound is None or bound.within is None or not math.isfinite(bound.within) else bound.within
     more = ("--prove", f"{request.share:g}", "--time", f"{request.seconds:g}")
-    said = command("flex", sheet.file, request.design, more)
-    out.reply(ProveReply(at_most=done.at_most, within=within, words=bounded(done), command=said))
+    said = command("flex", document.file, request.design, more)
+    out.reply(ProveReply(at_most=done.at_most, within=within, words=bound_sentence(done), command=said))
     if done.at_most is not None:
-        sheet.know(request.design, replace(answer, at_most=done.at_most, bound=bound))
+        document.know(request.design, replace(answer, at_most=done.at_most, bound=bound))

@@ -31,6 +31,7 @@ _LETTERS = 0.17
 _STRAY = 0.05
 """Mitred corners move further than edges by this share at most, unless the tab has lost its end."""
 _MOST = 60
+"""Gaps on one coupon."""
 
 
 @dataclass(frozen=True, eq=False)

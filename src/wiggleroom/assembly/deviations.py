@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from wiggleroom.assembly.loops import chained
-from wiggleroom.assembly.mitre import moved
+from wiggleroom.assembly.mitre import offset_ring
 from wiggleroom.assembly.statements import unknown
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Points, Region, Tolerance
 from wiggleroom.errors import InputError
@@ -73,7 +73,7 @@ def _outline_moved(part: Part, number: int, outward: float) -> Part:
 
 
 def _ring_moved(name: str, number: int, ring: Points, outward: float) -> Points:
-    new, forward = moved(chained([ring]), np.full(len(ring), -outward))
+    new, forward = offset_ring(chained([ring]), np.full(len(ring), -outward))
     if not forward.all():
         finding = f'tolerance: outline {number} of part "{name}" loses an edge {abs(outward):g} mm off; take less'
         raise InputError(finding)

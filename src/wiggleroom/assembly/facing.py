@@ -87,7 +87,7 @@ def _joined(low: Points, high: Points, reach: float, length: float) -> list[tupl
     return [(0.0 if s <= reach else s, float(length) if length - e <= reach else e) for s, e in merged]
 
 
-def split(ring: Points, inward: float, stretches: list[Stretch]) -> tuple[Points, NDArray[np.float64]]:
+def split_ring(ring: Points, inward: float, stretches: list[Stretch]) -> tuple[Points, NDArray[np.float64]]:
     """Ring (n, 2) [mm] with corners added where stretches end, and the displacement of every edge [mm].
 
     Where stretches overlap the last one counts.

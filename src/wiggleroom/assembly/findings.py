@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from wiggleroom.assembly.gaps import make
+from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.outline_findings import sound_parts
-from wiggleroom.assembly.overlaps import overlaps
+from wiggleroom.assembly.overlaps import overlaps_at_rest
 from wiggleroom.assembly.statements import glue_groups, statement_findings
 from wiggleroom.drawing.model import Drawing, Goal, Part
 from wiggleroom.errors import InputError
@@ -53,7 +53,7 @@ def examine_parts(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     joints = tuple(
         j for j in drawing.gaps if names.issuperset(j.parts) and j.parts[0] != j.parts[1] and 0 <= j.gap < np.inf
     )
-    parts, gone = make(replace(drawing, parts=tuple(sound), gaps=joints))
+    parts, gone = apply_gap(replace(drawing, parts=tuple(sound), gaps=joints))
     return parts, (*found, *_located(drawing, gone))
 
 
@@ -130,6 +130,7 @@ def opened_overlaps(drawing: Drawing) -> tuple[str, ...]:
 _ROUNDING = 0.041
 """Parts that share a curve may overlap by its chord error, a fiftieth of the gap on either side."""
 _MOST_LINES = 5
+"""Lines on overlaps that the gap opens."""
 
 
 def _overlapping(drawing: Drawing, parts: Sequence[Part]) -> list[str]:
@@ -145,7 +146,7 @@ def free_overlaps(drawing: Drawing, parts: Sequence[Part]) -> list[tuple[str, st
     """Names of parts that overlap at rest and are neither glued nor ignored, and how deep [mm]."""
     group = glue_groups(drawing)
     ignored = {frozenset(pair) for pair in drawing.ignore}
-    found = [(parts[i].name, parts[j].name, depth) for i, j, depth in overlaps(parts)]
+    found = [(parts[i].name, parts[j].name, depth) for i, j, depth in overlaps_at_rest(parts)]
     return [
         (a, b, depth)
         for a, b, depth in found
@@ -175,5 +176,5 @@ def overlap_depth(drawing: Drawing, *, gap: float, offset: Mapping[str, float]) 
     """
     parts = tuple(replace(p, offset=p.offset + offset.get(p.name, 0.0)) for p in drawing.parts)
     used = replace(drawing, parts=parts, gap=gap)
-    made, gone = make(used)
+    made, gone = apply_gap(used)
     return None if gone else max((depth for *_, depth in free_overlaps(used, made)), default=0.0)

@@ -12,17 +12,17 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import place
-from wiggleroom.assembly.facing import Stretch, facing, split
+from wiggleroom.assembly.facing import Stretch, facing, split_ring
 from wiggleroom.assembly.loops import (
     Loops,
     chained,
     cleaned,
-    placed,
+    placed_regions,
     polygons,
     region_rings,
     signed_areas,
 )
-from wiggleroom.assembly.mitre import moved, resolved
+from wiggleroom.assembly.mitre import offset_ring, resolved
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Points, Region
 
 
@@ -61,7 +61,7 @@ class _Shapes:
         return np.searchsorted(self.loop_shape, np.arange(len(self.first) + 1))
 
 
-def make(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
+def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     """Parts as made: gap, offsets and gaps of single joints applied with mitred corners.
 
     Parameters
@@ -145,7 +145,7 @@ def _joints(drawing: Drawing, shapes: _Shapes, inward: NDArray[np.float64]) -> t
         if shape in stretches:
             start = int(loops.starts[k] - loops.starts[shapes.members[shape]])
             mine = [replace(s, edge=s.edge - start) for s in stretches[shape] if 0 <= s.edge - start < len(ring)]
-            points, moves = split(ring, float(inward[shape]), mine)
+            points, moves = split_ring(ring, float(inward[shape]), mine)
         rings.append(points)
         amounts.append(moves)
     return chained(rings), np.concatenate(amounts), findings
@@ -176,7 +176,7 @@ def _stretches(drawing: Drawing, shapes: _Shapes) -> tuple[dict[int, list[Stretc
 
 def _reach(joint: JointGap, pair: list[Part], gap: float, size: float) -> tuple[float, float]:
     """How far apart edges of a joint may lie: the drawn distance, with room for flattened curves."""
-    shapes, owner = placed(pair)
+    shapes, owner = placed_regions(pair)
     drawn = float(shapely.distance(shapes[owner == 0][:, None], shapes[owner == 1]).min())
     slack = 1e-6 * size + 0.1 * max(gap, joint.gap)
     return drawn + slack, slack
@@ -186,7 +186,7 @@ def _moved_regions(
     loops: Loops, amounts: NDArray[np.float64], shapes: _Shapes
 ) -> tuple[list[Region | None], dict[int, str]]:
     """Every region as made, and what went wrong by shape."""
-    new, forward = moved(loops, amounts)
+    new, forward = offset_ring(loops, amounts)
     forward_regions = np.ones(len(shapes.owner), dtype=bool)
     np.logical_and.at(forward_regions, shapes.region, forward)
     fine = forward_regions & shapely.is_valid(polygons(new, shapes.region))

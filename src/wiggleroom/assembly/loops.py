@@ -84,7 +84,7 @@ def polygons(loops: Loops, region: Sequence[int] | NDArray[np.int64]) -> NDArray
     return np.asarray(shapely.polygons(rings, indices=np.asarray(region)))
 
 
-def placed(parts: Sequence[Part]) -> tuple[NDArray[np.object_], NDArray[np.int64]]:
+def placed_regions(parts: Sequence[Part]) -> tuple[NDArray[np.object_], NDArray[np.int64]]:
     """Every region as a shapely polygon in assembly coordinates at rest, and the index of its part."""
     owners = np.repeat(np.arange(len(parts)), [len(p.regions) for p in parts])
     rings, region = region_rings([r for p in parts for r in p.regions])

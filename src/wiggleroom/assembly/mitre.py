@@ -27,7 +27,7 @@ class _Corners:
     shortens: NDArray[np.bool_]
 
 
-def moved(loops: Loops, inward: NDArray[np.float64]) -> tuple[Loops, NDArray[np.bool_]]:
+def offset_ring(loops: Loops, inward: NDArray[np.float64]) -> tuple[Loops, NDArray[np.bool_]]:
     """Every edge moved to its left, corners where neighbouring lines meet.
 
     Parameters

@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 
-from wiggleroom.assembly.loops import chained, placed, region_rings, signed_areas
-from wiggleroom.assembly.statements import plain
+from wiggleroom.assembly.loops import chained, placed_regions, region_rings, signed_areas
+from wiggleroom.assembly.statements import numbers_text
 from wiggleroom.drawing.model import Drawing, Part, Points
 
 FARTHEST = 1e9
@@ -44,7 +44,7 @@ def _who(parts: Sequence[Part]) -> str:
 def _part_numbers(part: Part) -> list[str]:
     found = []
     if not np.isfinite(part.at).all() or max(map(abs, part.at)) > FARTHEST:
-        found.append(f"lies at {plain(part.at)}: a place is finite and at most {FARTHEST:g} mm away")
+        found.append(f"lies at {numbers_text(part.at)}: a place is finite and at most {FARTHEST:g} mm away")
     if not np.isfinite(part.offset):
         found.append(f"has offset {part.offset:g}: it must be a finite number")
     return found
@@ -91,7 +91,7 @@ def _crossing(parts: Sequence[Part]) -> dict[int, str]:
     """Tell what is wrong with the way an outline runs, and where, by index of the part."""
     if not parts:
         return {}
-    shapes, owner = placed(parts)
+    shapes, owner = placed_regions(parts)
     found: dict[int, str] = {}
     for k in np.flatnonzero(~shapely.is_valid(shapes)):
         found.setdefault(int(owner[k]), _reason(str(shapely.is_valid_reason(shapes[k]))))

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.assembly.statements import glue_groups
 from wiggleroom.drawing.model import Drawing, Part
 
@@ -16,7 +16,7 @@ TOLERANCE = 1e-9
 """Overlaps no deeper than this are rounding [size of the drawing]."""
 
 
-def overlaps(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
+def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
     """Pairs of parts that overlap at rest, with depth [mm], in order.
 
     Examples
@@ -28,7 +28,7 @@ def overlaps(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
     """
     if not parts:
         return []
-    shapes, owner = placed(parts)
+    shapes, owner = placed_regions(parts)
     size = np.ptp(shapely.total_bounds(shapes).reshape(2, 2), axis=0).max()
     i, j = shapely.STRtree(shapes).query(shapes)
     i, j = i[owner[i] < owner[j]], j[owner[i] < owner[j]]
@@ -57,15 +57,15 @@ def overlap_areas(drawing: Drawing, parts: Sequence[Part]) -> list[shapely.Geome
     >>> [area.area for area in overlap_areas(Drawing(pair), pair)]
     [1.0]
     """
-    sound = [part for part in parts if shapely.is_valid(placed([part])[0]).all()]
+    sound = [part for part in parts if shapely.is_valid(placed_regions([part])[0]).all()]
     group = glue_groups(drawing)
     ignored = {frozenset(pair) for pair in drawing.ignore}
     found = []
-    for i, j, _ in overlaps(sound):
+    for i, j, _ in overlaps_at_rest(sound):
         a, b = sound[i], sound[j]
         if frozenset((a.name, b.name)) in ignored or (a.name in group and group[a.name] == group.get(b.name)):
             continue
-        found.append(shapely.intersection(*(shapely.union_all(placed([part])[0]) for part in (a, b))))
+        found.append(shapely.intersection(*(shapely.union_all(placed_regions([part])[0]) for part in (a, b))))
     return found
 
 

@@ -84,7 +84,7 @@ def frame(nx: int, ny: int, joint: str = "tee", gap: float = 0.01, pitch: float 
 
 
 def jigsaw(nx: int, ny: int, gap: float = 0.01, pitch: float = 1.0, seed: int = 0) -> Assembly:
-    """`nx` by `ny` pieces, no two knobs alike: side, place, size and slenderness are drawn by lot.
+    """`nx` by `ny` pieces, no two knobs alike: side, place, size and slenderness are drawn at random.
 
     Parameters
     ----------

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.assembly.statements import glue_groups
 from wiggleroom.drawing.model import Drawing
 
@@ -38,7 +38,7 @@ def doubts(drawing: Drawing, *, drawn: bool = True) -> tuple[str, ...]:
     >>> print(*doubts(Drawing(two)), sep="; ")
     these look like parts on a cutting sheet: 2 of 2 touch nothing; wiggleroom assemble puts a sheet's parts together
     """
-    shapes, owner = placed(drawing.parts)
+    shapes, owner = placed_regions(drawing.parts)
     box = shapely.bounds(shapes)
     low = np.full((len(drawing.parts), 2), np.inf)
     high = -low

@@ -9,7 +9,7 @@ from difflib import get_close_matches
 import numpy as np
 import shapely
 
-from wiggleroom.assembly.loops import placed
+from wiggleroom.assembly.loops import placed_regions
 from wiggleroom.drawing.model import Closer, Drawing, Goal, Pull, Towards, Translation, Turn, W, part_of
 from wiggleroom.drawing.parts import place_of
 
@@ -44,7 +44,7 @@ class PartNames:
         point = None if name in self._names else place_of(name)
         if point is None:
             return name if name in self._names else self._aliases.get(name, name)
-        shapes, owner = placed(self._drawing.parts)
+        shapes, owner = placed_regions(self._drawing.parts)
         inside = np.flatnonzero(shapely.intersects_xy(shapes, *point))
         area = shapely.area(shapes)
         if not len(inside):
@@ -110,20 +110,20 @@ def _goal_numbers(goal: Goal) -> list[str]:
     if isinstance(goal, Towards):
         spots = {"target": goal.target, "point": goal.point}
         return found + [
-            f"{where}: {word} is {plain(spot)}: it must be finite"
+            f"{where}: {word} is {numbers_text(spot)}: it must be finite"
             for word, spot in spots.items()
             if spot is not None and not np.isfinite(spot).all()
         ]
     vector = goal.direction if isinstance(goal, Pull) else goal.w
     if not np.isfinite(vector).all() or not np.any(vector):
         word = "direction" if isinstance(goal, Pull) else "w"
-        found.append(f"{where}: {word} is {plain(vector)}: it must be finite and not all zero")
+        found.append(f"{where}: {word} is {numbers_text(vector)}: it must be finite and not all zero")
     if isinstance(goal, Pull) and goal.point is not None and not np.isfinite(goal.point).all():
-        found.append(f"{where}: point is {plain(goal.point)}: it must be finite")
+        found.append(f"{where}: point is {numbers_text(goal.point)}: it must be finite")
     return found
 
 
-def plain(values: Sequence[float]) -> str:
+def numbers_text(values: Sequence[float]) -> str:
     """Write numbers as a tuple, no longer than needed."""
     return "(" + ", ".join(f"{v:g}" for v in values) + ")"
 

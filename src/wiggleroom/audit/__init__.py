@@ -1,1 +1,1 @@
-"""The judge of ways: whether parts overlap anywhere between way-points, from outlines and way-points alone."""
+"""Whether paths are free of overlap, also between way-points, judged from outlines and way-points alone."""

@@ -19,6 +19,7 @@ LONGEST_MITRE = 4.0
 ULPS = 32.0
 """Rounding errors of a coordinate that was turned and moved, in units of the last place of the largest number involved."""
 EDGES_IN_RUN = 8
+"""Edges that share one disc: runs that are far apart are set aside whole."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""Whether parts overlap anywhere along a way: all pairs that come near, between way-points too."""
+"""Whether parts overlap anywhere along a path: all pairs that come near, between way-points too."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 MAX_BOX_GROWTH = 2.0
-"""A stretch of the way is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
+"""A stretch of the path is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
 MAX_NEAR_EDGES = 200_000
 """Pairs of edges of two parts that may meet on one stretch, at most."""
 
@@ -42,7 +42,7 @@ class PathAudit:
 
     @property
     def free(self) -> bool:
-        """True where no two parts overlap anywhere along the way."""
+        """True where no two parts overlap anywhere along the path."""
         return len(self.a) == 0
 
     @property
@@ -70,7 +70,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
 
     Notes
     -----
-    It knows nothing of the search: pairs are found from the boxes round what parts sweep. See docs/mathematics.md, "The way from rest".
+    It knows nothing of the search: pairs are found from the boxes round what parts sweep. See docs/mathematics.md, "The path from rest".
 
     Examples
     --------
@@ -109,7 +109,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
 
 
 def _near(parts: AuditOutlines, poses: Floats) -> Ints:
-    """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the way."""
+    """Keys a * n + b, a < b, of the pairs that may collide and whose boxes meet somewhere along the path."""
     n = len(poses)
     width = _widths(_swept(parts, poses, 0, 0))
     waiting = [(0, poses.shape[1] - 1)]

@@ -33,6 +33,7 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 SAMPLES = 1_000_000
+"""Random motions of one pair."""
 WALLS = "walls"
 HULLS = {"hull, reference": Hull("reference"), "hull, joint": Hull("joint")}
 HALF_PLANES = {"half-planes": HalfPlane(iterated=False)}

@@ -13,6 +13,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Pull
 
 GAP = 0.01
+"""Of all assemblies [mm]; blocks have side 1."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ CASES = (
 """Assemblies in the order they are asked."""
 
 
-def assembly_of(case: LargeAssembly) -> Assembly:
+def make_assembly(case: LargeAssembly) -> Assembly:
     """Make it."""
     if case.picture:
         return patterns.image(dark_cells(case.picture), "tee", GAP, fix=case.fix, goals=case.pull)

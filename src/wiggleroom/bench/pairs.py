@@ -14,10 +14,12 @@ from wiggleroom.drawing.model import Drawing, Part, Region
 GAP = 0.01
 """Of all pairs [mm]; blocks have side 1."""
 PAIR = ("b1", "b2")
+"""Names of the two blocks."""
 
 CENTRE, INNER, OUTER, ARC = (0.0, -0.55), 0.44, 0.62, 40.0
 """Arc: its centre from the middle of the side, its radii, and how far it goes [deg]."""
 CHORDS = 10
+"""Of the arc."""
 
 
 def arc() -> Assembly:

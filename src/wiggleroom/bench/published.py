@@ -53,7 +53,7 @@ ACCURACY: tuple[Record, ...] = _accuracy()
 """Table 1."""
 
 
-def speed(parts: int, joint: str) -> list[Record]:
+def published_speed(parts: int, joint: str) -> list[Record]:
     """Rows of Table 2, and of Fig. 8b, for an assembly; none where it has none."""
     base = {"parts": parts, "joint": joint, "published": True}
     found: list[Record] = []

@@ -11,7 +11,7 @@ import sys
 import time
 
 from wiggleroom.assembly import patterns
-from wiggleroom.bench.large_assemblies import CASES, assembly_of
+from wiggleroom.bench.large_assemblies import CASES, make_assembly
 from wiggleroom.bench.result import Record
 from wiggleroom.deadline import Deadline
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls
@@ -32,7 +32,7 @@ def main() -> None:
     model, solver = METHODS[job["method"]]
     (case,) = [c for c in CASES if c.name == job["case"]]
     witness(patterns.chain(2), model=model, solver=solver)
-    assembly = assembly_of(case)
+    assembly = make_assembly(case)
     clock = Deadline(job["limit"])
     began, worked = time.perf_counter(), time.process_time()
     ready = prepare(assembly, model)

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import wiggleroom
 from wiggleroom.bench.large_assemblies import CASES, GAP, LargeAssembly
-from wiggleroom.bench.published import speed as published
+from wiggleroom.bench.published import published_speed as published
 from wiggleroom.bench.result import Bench, Column, Record, ResultTable
 from wiggleroom.bench.run_one import METHODS
 from wiggleroom.errors import InputError, Stop, see_extra
@@ -72,7 +72,7 @@ def speed(
 
     Source: Mind the Gap, Table 2.
     """
-    cases = asked(max_parts, limit)
+    cases = checked_cases(max_parts, limit)
     found: list[Record] = []
     count = 0
     for case in cases:
@@ -84,7 +84,7 @@ def speed(
                 progress(count, len(cases) * len(METHODS))
             first = method == next(iter(METHODS))
             allowed = None if first else limit or min(max(PATIENCE * ours, SHORTEST), LONGEST)
-            record = measured(case, method, allowed, stop)
+            record = measure_in_process(case, method, allowed, stop)
             if first:
                 ours = record.get("total_seconds", LONGEST)
             elif "total_seconds" in record and ours:
@@ -120,7 +120,7 @@ def speed(
     )
 
 
-def asked(max_parts: int | None, limit: float | None) -> list[LargeAssembly]:
+def checked_cases(max_parts: int | None, limit: float | None) -> list[LargeAssembly]:
     """Assemblies that are measured, once it is seen that they can be; raises as `speed` does."""
     cases = [case for case in CASES if max_parts is None or case.parts <= max_parts]
     wrong = []
@@ -134,7 +134,7 @@ def asked(max_parts: int | None, limit: float | None) -> list[LargeAssembly]:
     return cases
 
 
-def measured(case: LargeAssembly, method: str, limit: float | None, stop: Stop | None = None) -> Record:
+def measure_in_process(case: LargeAssembly, method: str, limit: float | None, stop: Stop | None = None) -> Record:
     """Figures of one method on one assembly, from a process of its own that ends a while after `limit` [s] at the latest."""
     record: Record = {
         "assembly": case.name,

@@ -146,7 +146,7 @@ class BranchAndBound:
                 step.at(ranges, None)
                 step.empty = nothing.pair
             return []
-        most, multipliers, y, x = program.largest(self.weights, max(self.clock.left, 0.1))
+        most, multipliers, y, x = program.largest(self.weights, self.clock.is_set)
         value = min(before, most)
         if step is not None:
             step.at(ranges, program.at)
@@ -157,7 +157,7 @@ class BranchAndBound:
         held = np.flatnonzero(program.linear.column >= 0)
         asked = dominating(self.linkage, held, hops)
         self.tell(max(best, self.cut), f"turns of {len(asked)} of {len(held)} bodies")
-        cuts = program.turn_cuts(asked, self.cutoff, self.clock.is_set, max(self.clock.left, 0.1))
+        cuts = program.turn_cuts(asked, self.cutoff, self.clock.is_set)
         left = after_cuts(ranges, cuts, self.linkage.turns)
         if step is not None:
             step.cuts = cuts

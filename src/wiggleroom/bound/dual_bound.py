@@ -7,7 +7,8 @@ At the end of a search forces balance on every body. With the force w and the mo
 as E = x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) p - R(t_a) tau vanishes (arms p, q to the pivot of a pair, tau and phi its relative
 motion). As forces balance, all shifts x drop out. What is left falls into a part alpha cos t + beta sin t + gamma t of each body, whose
 largest value over the range of its turn is known, and a part w . R(t_a) tau + m phi of each pair, whose largest value over its
-pocket is taken at a corner. No linear program is solved. Any forces give a valid bound, and those of the true optimum a near one.
+pocket is taken at a corner. Any forces give a valid bound, and those of the true optimum a near one. It is the whole bound where a
+linear program would take longer than the search did; else that comes nearer, see `limited_tightening`.
 """
 
 from __future__ import annotations
@@ -15,16 +16,18 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
+from wiggleroom.bound.limited_tightening import tightened
 from wiggleroom.bound.outer_regions import links_about, material_of
 from wiggleroom.bound.trigonometric_envelopes import support
-from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, pocket
-from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
+from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_pose
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
@@ -46,11 +49,14 @@ def with_quick_bound(answer: Answer) -> Answer:
     """The answer with a bound, where that takes less work than the answer did and says something; worked out once for an answer."""
     began = time.perf_counter()
     found = answer.warm_start
-    if answer.bound is not None or "bound" in answer.seconds or not answer.objective or not answer.verdict.ends:
+    told = answer.bound is not None and answer.bound.at_most is not None
+    if told or "bound" in answer.seconds or not answer.objective or not answer.verdict.ends:
         return answer
     if found is None or not isinstance(found.program.objective, PointMotion):
         return answer
-    most = quick_bound(found, found.program.objective, answer.iterations)
+    # where outlines were searched with fewer corners, the bound is about those that were drawn
+    drawn = None if answer.bound is None else bodies(answer.assembly)
+    most = quick_bound(found, found.program.objective, answer.iterations, drawn)
     spent = time.perf_counter() - began
     seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
     seconds["total"] = answer.seconds["total"] + spent
@@ -60,26 +66,33 @@ def with_quick_bound(answer: Answer) -> Answer:
     return with_bound(replace(answer, seconds=seconds), bound)
 
 
-def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float | None:
-    """Value that no motion exceeds, from the end of a search; None where it would take too long or joints do not close."""
-    them, cells = found.program.bodies, found.program.cells
+def quick_bound(found: Incumbent, goal: PointMotion, iterations: int, drawn: Bodies | None = None) -> float | None:
+    """Value that no motion exceeds, from the end of a search; None where it would take too long or joints do not close.
+
+    It is about the bodies that were searched, or about others, `drawn`, that lie at the same places.
+    """
+    them, cells = drawn or found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
     first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
-    if _work_of_pockets(them, cells.a[first[wanted]], cells.b[first[wanted]]) > _work_of_search(
-        iterations, found.program.rows
-    ):
-        return None
-    pockets: list[LocalOuterRegion] = []
-    kind = np.full(len(first), -1, dtype=np.int64)
-    pivots = np.zeros((len(first), 2))
+    work = _work_of_search(iterations, found.program.rows)
+    if drawn is not None:
+        work += _work_of_corners(them, cells.a, cells.b)
+    pivots, near = np.zeros((len(first), 2)), []
     for c in wanted:
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
         material, pivots[c], _ = material_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))
-        made = pocket(material)
+        near.append(NearSides(material))
+        work -= near[-1].work
+        if work < 0:
+            return None
+    pockets: list[LocalOuterRegion] = []
+    kind = np.full(len(first), -1, dtype=np.int64)
+    for c, sides in zip(wanted, near, strict=True):
+        made = local_outer_region(sides)
         if made is not None:
             kind[c] = len(pockets)
             pockets.append(made)
@@ -89,7 +102,10 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int) -> float |
     label = label[known]
     links = links_about(them, cells.a[known], cells.b[known], kind[label], pivots[label])
     ranges = first_ranges(them.fixed, links, pockets)
-    return _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
+    most = _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
+    if most is None or found.value <= 0 or find_spec("highspy") is None:
+        return most
+    return min(most, tightened(them, goal, links, pockets, found.value, work))
 
 
 def _wrenches(found: Incumbent) -> Floats:
@@ -187,7 +203,7 @@ def _work_of_search(iterations: int, rows: int) -> float:
     return 14 + iterations * (0.8 + 3.5e-4 * rows)
 
 
-def _work_of_pockets(them: Bodies, a: Ints, b: Ints) -> float:
-    """Rather more than the pockets of some pairs take."""
+def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:
+    """Rather less than a search takes to choose among the contacts of pairs of many corners."""
     corners = np.diff(them.shapes.first)
-    return float((5 + 0.2 * (corners[them.shape[a]] + corners[them.shape[b]])).sum())
+    return float(0.1 * (corners[them.shape[a]] + corners[them.shape[b]]).sum())

@@ -59,12 +59,15 @@ class LagrangianBound:
     joints : JointConstraints
     at : JointRanges
     ranges : AngleRanges
+    deviation : float [mm]
+        E vanishes up to this.
     """
 
     fixed: Bools
     joints: JointConstraints
     at: JointRanges
     ranges: AngleRanges
+    deviation: float = 0.0
 
     def most(self, weights: Floats, constant: Floats, multipliers: Floats) -> Floats:
         """Upper bounds (K,) of weights (K, 5 n) . (x, y, C - 1, S, t) + constant, by multipliers (K, P, 7)."""
@@ -131,6 +134,7 @@ class LagrangianBound:
         coupled = np.abs(m[..., SINE]) + np.abs(m[..., COSINE])
         total = (
             (force * at.middle).sum(2)
+            + size * self.deviation
             - m[..., TURN_SLOPE] * at.turn
             - m[..., MEAN_SLOPE] * at.mean
             + np.abs(m[..., SINE]) * at.sag

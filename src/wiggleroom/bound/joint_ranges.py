@@ -22,6 +22,10 @@ Ints = NDArray[np.int64]
 
 TURN_GRID = 512
 """Intervals end at multiples of a region's whole turn divided by this."""
+MIN_GRID_STEPS = 16
+"""Of narrower intervals than so many steps, the grid is finer by a power of two."""
+FINEST_GRID = 1e-9
+"""No grid is finer than this divided by `MIN_GRID_STEPS` [rad]."""
 MAX_COUPLED_ANGLE = 1.2
 """Turns of two bodies are coupled where their mean is known this well [rad]."""
 
@@ -39,19 +43,21 @@ class RegionCuts:
     """Regions, and what was cut out of them; a region may be replaced by a sharper one."""
 
     regions: list[OuterRegion | CagingSurface | LocalOuterRegion]
-    known: dict[tuple[int, int, int], Facets | None] = field(default_factory=dict)
+    known: dict[tuple[int, int, int, int], Facets | None] = field(default_factory=dict)
 
     def cut(self, kind: int, low: float, high: float) -> Facets | None:
         """Facets and corners of a region between two turns; None where nothing is left."""
         region = self.regions[kind]
         least, most = region.turns
-        step = (most - least) / TURN_GRID
         if not least <= low <= high <= most:
             low, high = max(low, least), min(high, most)
         if low > high:
             return None
+        whole = TURN_GRID / MIN_GRID_STEPS * max(high - low, FINEST_GRID)
+        finer = max(0, int(np.ceil(np.log2((most - least) / whole)))) if most > least else 0
+        step = (most - least) / (TURN_GRID << finer)
         ends = int(np.floor((low - least) / step)), int(np.ceil((high - least) / step))
-        key = (kind, *ends)
+        key = (kind, finer, *ends)
         if key not in self.known:
             self.known[key] = facets(region, least + ends[0] * step, least + ends[1] * step)
         return self.known[key]

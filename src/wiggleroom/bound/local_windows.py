@@ -25,7 +25,9 @@ SPANS = (2, 4, 6)
 MAX_BODIES = 16
 """Larger windows cost more than they tell."""
 CONGRUENCE_TOLERANCE = 1e-10
-"""Windows are congruent where their bodies agree to this share of their radius: far less than what ranges of turns are widened by."""
+"""Windows are congruent where their bodies agree to this share of their radius; what that leaves open is `deviation`."""
+ROUNDING_MARGIN = 1e-13
+"""Lengths are worked out to this share."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +53,10 @@ class Window:
 
 
 def windows(shape: Ints, rest: Floats, radius: Floats, joints: JointConstraints, span: int) -> Iterator[Window]:
-    """Windows of a span whose joints form rings, those with most placements first; `shape` (n,), `rest` (n, 3) [mm, mm, rad]."""
+    """Windows of a span whose joints form rings and that stand more than once, those that do so most often first.
+
+    Bodies have a `shape` (n,) each and rest at `rest` (n, 3) [mm, mm, rad].
+    """
     n = len(rest)
     near = _neighbours(n, joints)
     away = [_distances(near, k, span) for k in range(n)]
@@ -72,8 +77,10 @@ def windows(shape: Ints, rest: Floats, radius: Floats, joints: JointConstraints,
             if key in done or len(inside) > MAX_BODIES or len(own) < len(inside) or len(inside) == n:
                 continue
             made = _placed(places, np.array(inside), np.array(sorted(own)), joints, number)
-            done |= {(int(row[0]), *sorted(row.tolist())) for row in made.placements}
-            found.append(made)
+            # what the last body turns against the first one the first one turns against the last one
+            done |= {(int(row[k]), *sorted(row.tolist())) for row in made.placements for k in (0, -1)}
+            if len(made.placements) > 1:
+                found.append(made)
     return iter(sorted(found, key=lambda w: -len(w.placements)))
 
 
@@ -157,6 +164,22 @@ def window_turns(window: Window, turns: TurnDifferences) -> TurnDifferences:
     which = np.concatenate([window.joints, np.array(more, dtype=np.int64)])
     a, b = (np.array([place[int(k)] for k in v[which]], dtype=np.int64) for v in (turns.a, turns.b))
     return TurnDifferences(a, b, turns.low[which], turns.high[which])
+
+
+def deviation(window: Window, joints: JointConstraints, far: Floats) -> float:
+    """How much the equations of a joint differ at most between congruent windows, each seen in the axes of its own first joint [mm].
+
+    `far` (P,) is the largest motion of each joint's pivot [mm]. Congruent windows agree up to a tolerance only. A pivot at p from
+    an origin moves by (R - 1) p: an arm that differs by d changes that by at most 2 d.
+    """
+    own, placed = window.joints, window.placed_joints
+    angle = (joints.axes[placed[:, 0]] - joints.axes[own[0]])[:, None]
+    away = np.abs(2 * np.sin((joints.axes[placed] - joints.axes[own] - angle) / 2)) * far[own]
+    size = np.zeros(placed.shape)
+    for arm in (joints.arm_a, joints.arm_b):
+        away += 2 * np.hypot(*np.moveaxis(turn(arm[own], angle) - arm[placed], -1, 0))
+        size += np.hypot(*arm[placed].T).T
+    return float((away + ROUNDING_MARGIN * (size + far[own])).max())
 
 
 def with_window(

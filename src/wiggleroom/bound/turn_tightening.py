@@ -50,6 +50,8 @@ class Linkage:
         Of the joints first.
     unit : float [mm]
         A typical clearance.
+    deviation : float [mm]
+        The equation of a joint holds up to this.
     """
 
     fixed: Bools
@@ -58,6 +60,7 @@ class Linkage:
     joints: JointConstraints
     turns: TurnDifferences
     unit: float
+    deviation: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,23 +86,23 @@ class RelaxationInRanges:
         self.linear: LinearRelaxation = relaxation(
             linkage.fixed, linkage.radius, linkage.joints, self.at, ranges, linkage.unit
         )
-        self.lagrangian = LagrangianBound(linkage.fixed, linkage.joints, self.at, ranges)
+        self.lagrangian = LagrangianBound(linkage.fixed, linkage.joints, self.at, ranges, linkage.deviation)
 
-    def largest(self, weights: Floats, seconds: float) -> tuple[float, Floats, Floats, Floats]:
+    def largest(self, weights: Floats, over: Callable[[], bool]) -> tuple[float, Floats, Floats, Floats]:
         """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 7) that prove it, those of rows, and where it is taken."""
         linear = self.linear
-        self.program = program = self._program(seconds)
+        self.program = program = self._program(over)
         y = program.ask(linear.cost(weights))
         multipliers = rounded(linear.multipliers(y[None]))
         most = self.lagrangian.most(weights[None], np.zeros(1), multipliers)
         return float(most[0]), multipliers[0], y, program.x * linear.unit
 
-    def _program(self, seconds: float) -> DualLinearProgram:
+    def _program(self, over: Callable[[], bool]) -> DualLinearProgram:
         linear = self.linear
-        return DualLinearProgram(linear.rows, linear.low, linear.high, linear.least, linear.most, seconds)
+        return DualLinearProgram(linear.rows, linear.low, linear.high, linear.least, linear.most, over)
 
     def turn_cuts(
-        self, bodies: Ints, cutoff: Cutoff | None, over: Callable[[], bool], seconds: float, chains: int = CHAINS
+        self, bodies: Ints, cutoff: Cutoff | None, over: Callable[[], bool], chains: int = CHAINS
     ) -> TurnCuts:
         """Ends of the turns of some bodies, as far as they are news; with a cutoff after `largest` of it, from where that ended."""
         asked = [(int(b), sign) for sign in (1, -1) for b in bodies[::sign]]
@@ -107,23 +110,23 @@ class RelaxationInRanges:
         groups = [asked[k : k + half] for k in range(0, len(asked), half)]
         if len(groups) > 1:
             with ThreadPoolExecutor(len(groups)) as pool:
-                done = list(pool.map(lambda group: self._chain(group, cutoff, over, seconds), groups))
+                done = list(pool.map(lambda group: self._chain(group, cutoff, over), groups))
         else:
-            done = [self._chain(group, cutoff, over, seconds) for group in groups]
+            done = [self._chain(group, cutoff, over) for group in groups]
         found = [one for chain in done for one in chain]
         return self._proven([one[0] for one in found], np.array([one[1] for one in found]), cutoff)
 
     def _chain(
-        self, asked: list[tuple[int, int]], cutoff: Cutoff | None, over: Callable[[], bool], seconds: float
+        self, asked: list[tuple[int, int]], cutoff: Cutoff | None, over: Callable[[], bool]
     ) -> list[tuple[tuple[int, int], Floats]]:
         """Multipliers of rows for one question after the other, until it is over."""
         linear = self.linear
         if cutoff is None:
-            program = self._program(seconds)
+            program = self._program(over)
         else:
             cost = linear.cost(cutoff.weights)
             scale = 1.0 / max(float(np.abs(cost).max()), 1e-300)
-            program = self.program.with_row(cost * scale, cutoff.worth * scale, seconds)
+            program = self.program.with_row(cost * scale, cutoff.worth * scale)
         found = []
         for body, sign in asked:
             if over():

@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import AngleRanges, first_ranges
 from wiggleroom.bound.joint_ranges import RegionCuts
-from wiggleroom.bound.local_windows import SPANS, Window, window_joints, window_turns, windows, with_window
+from wiggleroom.bound.local_windows import SPANS, Window, deviation, window_joints, window_turns, windows, with_window
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.turn_tightening import Linkage, RelaxationInRanges, after_cuts
 from wiggleroom.geometry.bodies import Bodies
 
 Floats = NDArray[np.float64]
 
+WORKERS = 2
+"""So many windows are worked on at once."""
 SWEEPS = 2
 """So often all turns of a window are tightened."""
 
@@ -44,18 +48,23 @@ def bounded_windows(
 ) -> Iterator[tuple[Linkage, WindowProof]]:
     """The linkage with what one window after the other says of turns, and why that is so."""
     for span in SPANS:
-        for window in windows(bodies.shape, bodies.rest, bodies.radius, linkage.joints, span):
-            if over():
-                return
-            if len(window.placements) < 2:
-                continue
-            proof = _bounded(window, linkage, regions, over)
-            low, high = proof.last.low, proof.last.high
-            linkage = replace(linkage, turns=with_window(linkage.turns, linkage.joints, window, low, high))
-            yield linkage, proof
+        found = windows(bodies.shape, bodies.rest, bodies.radius, linkage.joints, span)
+        # those of one span know of shorter spans only, so that several are worked on at once
+        known = linkage
+        with ThreadPoolExecutor(WORKERS) as pool:
+            for proof in pool.map(partial(_bounded, linkage=known, regions=regions, over=over), found):
+                if proof is None:
+                    return
+                low, high = proof.last.low, proof.last.high
+                turns = with_window(linkage.turns, linkage.joints, proof.window, low, high)
+                linkage = replace(linkage, turns=turns)
+                yield linkage, proof
 
 
-def _bounded(window: Window, linkage: Linkage, regions: RegionCuts, over: Callable[[], bool]) -> WindowProof:
+def _bounded(window: Window, linkage: Linkage, regions: RegionCuts, over: Callable[[], bool]) -> WindowProof | None:
+    """What a window's own programs say; None where it is over before it begins."""
+    if over():
+        return None
     own = window.bodies
     fixed = np.zeros(len(own), dtype=bool)
     fixed[0] = True
@@ -66,6 +75,7 @@ def _bounded(window: Window, linkage: Linkage, regions: RegionCuts, over: Callab
         window_joints(window, linkage.joints),
         window_turns(window, linkage.turns),
         linkage.unit,
+        deviation(window, linkage.joints, np.array([regions.regions[k].far for k in linkage.joints.kind])),
     )
     first = ranges = first_ranges(fixed, small.joints, regions.regions, small.turns)
     steps = []
@@ -73,7 +83,7 @@ def _bounded(window: Window, linkage: Linkage, regions: RegionCuts, over: Callab
         program = RelaxationInRanges(small, regions, ranges)
         step = ProofNode()
         step.at(ranges, program.at)
-        step.cuts = program.turn_cuts(np.arange(1, len(own)), None, over, 60.0, chains=1)
+        step.cuts = program.turn_cuts(np.arange(1, len(own)), None, over, chains=1)
         ranges = after_cuts(ranges, step.cuts, small.turns)
         steps.append(step)
     return WindowProof(window, first, ranges, tuple(steps))

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterable
 
 from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn
+from wiggleroom.errors import InputError
 
 _AXES = {"+x": (1.0, 0.0), "-x": (-1.0, 0.0), "+y": (0.0, 1.0), "-y": (0.0, -1.0)}
 
@@ -40,7 +41,20 @@ def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[
     return found, wrong
 
 
-def listed(texts: Iterable[str]) -> list[str]:
+def direction(option: str, text: str) -> tuple[float, float]:
+    """A direction such as "-y" or "0.6,-0.8"; raises InputError.
+
+    >>> direction("--gravity", "-y")
+    (0.0, -1.0)
+    """
+    found = _AXES.get(text) or _two(text)
+    if found is None or not 0 < math.hypot(*found) < math.inf:
+        finding = f"{option} {text}: write +x, -x, +y or -y, or a direction of two numbers as 0.6,-0.8"
+        raise InputError(finding)
+    return found
+
+
+def split_words(texts: Iterable[str]) -> list[str]:
     """Words from lists such as "A,B"; a point "@12,30" is one word, and so is a colour such as "rgb(1,2,3)".
 
     >>> listed(["a,@12,30,b", "rgb(255,0,0)"])

@@ -81,9 +81,9 @@ def bench(
     if wrong:
         raise InputError(wrong)
     if "speed" in names:
-        from wiggleroom.bench.speed import asked
+        from wiggleroom.bench.speed import checked_cases
 
-        asked(max_parts, limit)
+        checked_cases(max_parts, limit)
     if "chains" in names:
         from wiggleroom.bench.chains import see_engine
 

@@ -47,17 +47,13 @@ def check(
 
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
-    from wiggleroom.errors import InputError
     from wiggleroom.questions import is_spatial_file
 
     sheet.check(file)
     if sheet.given or is_spatial_file(file):
         from wiggleroom.cli.in_space import check_in_space
 
-        if largest_gap or limit.time is not None:
-            message = f"--largest-gap and --time are for parts in the plane; {file} is asked in space: leave them out"
-            raise InputError(message)
-        return check_in_space(file, asked, outputs, sheet)
+        return check_in_space(file, asked, outputs, largest_gap, limit.time, sheet)
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:

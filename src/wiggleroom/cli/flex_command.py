@@ -94,7 +94,7 @@ def flex(
                 raise InputError(wrong)
         from wiggleroom.cli.in_space import flex_in_space
 
-        return flex_in_space(file, asked, outputs, solver, sheet)
+        return flex_in_space(file, asked, outputs, solver, limit.time, sheet)
     if settings and model != "hull":
         wrong = f"--{next(iter(settings))} is for --model hull only"
         raise InputError(wrong)

@@ -41,7 +41,7 @@ def gap(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json). Its own gap is where the search begins.
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space. Its own gap is where the search begins.
     at_most
         The largest gap at which the motion asked for is no more than this [mm, turns in rad].
     holds
@@ -54,6 +54,7 @@ def gap(
     import math
     import shlex
 
+    from wiggleroom.cli.in_space import read_in_space, with_dimension
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError
@@ -66,9 +67,9 @@ def gap(
         raise InputError("gap: ask one question: --at-most 0.5, --holds or --fits 0.1")
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
-        assembly = read(file, asked)
+        from wiggleroom.questions import allowable_gap, is_spatial_file
 
-        from wiggleroom.sensitivity.allowable_gap import allowable_gap
+        assembly = read_in_space(file, asked) if is_spatial_file(file) else read(file, asked)
 
         found = allowable_gap(assembly, at_most=at_most, holds=holds, fits=fits, stop=stop, progress=show)
     from dataclasses import replace
@@ -76,5 +77,11 @@ def gap(
     from wiggleroom.report.gap_limit import gap_result, gap_table
 
     shown = outputs if found.trials else replace(outputs, picture=None)  # nothing was found that could be drawn
-    tell(shown, lambda: gap_result(found, command, kerf), lambda: gap_table(found, kerf), found, command)
+    tell(
+        shown,
+        lambda: with_dimension(gap_result(found, command, kerf), assembly),
+        lambda: gap_table(found, kerf),
+        found,
+        command,
+    )
     return 3 if found.gap is None or found.stopped else 0

@@ -10,9 +10,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.outputs import Outputs
+from wiggleroom.cli.outputs import Outputs, Places
 
 if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.sheet_options import SheetOptions
     from wiggleroom.errors import Stop
     from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
@@ -129,29 +130,83 @@ def _path(file: str) -> Any:
     return Path(file)
 
 
-def in_three_dimensions(result: Any) -> dict[str, Any]:
-    """A result of a study as JSON that says its dimension."""
+def read_question(
+    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Stop | None = None
+) -> Assembly | SpatialAssembly:
+    """Assembly of either dimension, if a question about motion can be asked of it; its notes go to stderr.
+
+    Raises
+    ------
+    InputError
+        With everything that is wrong, one line each.
+    """
+    from wiggleroom.cli.options import read
+    from wiggleroom.cli.running import require_question
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
+
+    if not (sheet is not None and sheet.given) and not is_spatial_file(file):
+        return require_question(read(file, asked))
+    from wiggleroom.spatial.spatial_flex import lacking
+
+    assembly = read_in_space(file, asked, sheet, stop)
+    wrong = lacking(assembly, assembly.goals)
+    if wrong:
+        raise InputError(wrong)
+    return assembly
+
+
+def with_dimension(result: Any, assembly: Any) -> Any:
+    """A result of a study; of an assembly in space as JSON that says its dimension."""
     import msgspec
+
+    from wiggleroom.assembly.assembly import Assembly
+
+    if isinstance(assembly, Assembly):
+        return result
 
     record = msgspec.to_builtins(result)
     return {"format": record.pop("format"), "dimension": 3} | record
 
 
+def spatial_places(outputs: Outputs) -> Places:
+    """Where everything goes, by the name of its option, and which endings are right in space.
+
+    Raises
+    ------
+    InputError
+        If outlines of moved parts are asked for.
+    """
+    from wiggleroom.cli.outputs import TABLE
+    from wiggleroom.errors import InputError
+
+    if outputs.moved is not None:
+        message = (
+            f"--moved {outputs.moved}: outlines are of drawings; in space --picture moved.glb writes the moved parts"
+        )
+        raise InputError(message)
+    return {
+        "--json": (outputs.json, ()),
+        "--picture": (outputs.picture, SPATIAL_PICTURES),
+        "--csv": (outputs.csv, TABLE),
+    }
+
+
 def flex_in_space(
-    file: str, asked: QuestionOptions, outputs: Outputs, solver: str, sheet: SheetOptions | None = None
+    file: str, asked: QuestionOptions, outputs: Outputs, solver: str, limit: float | None, sheet: SheetOptions
 ) -> int:
     """`wiggleroom flex` of an assembly in space."""
     import shlex
     import time
 
-    from wiggleroom.cli.outputs import check, write_result
+    from wiggleroom.cli.outputs import check, write_result, write_table
     from wiggleroom.cli.say import note, show
     from wiggleroom.cli.watch import interruptible
     from wiggleroom.questions import flex
 
-    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
+    check(file, spatial_places(outputs), outputs.force)
     begin = time.perf_counter()
-    with interruptible() as stop:
+    with interruptible(limit) as stop:
         assembly = read_in_space(file, asked, sheet, stop)
         spent = time.perf_counter() - begin
         answer = flex(assembly, solver=solver, stop=stop)
@@ -164,6 +219,10 @@ def flex_in_space(
         write_result(spatial_flex_record(answer), outputs.json)
     if outputs.json != "-":
         show(spatial_table(answer))
+    if outputs.csv is not None:
+        from wiggleroom.report.spatial_records import spatial_steps
+
+        write_table(spatial_steps(answer.assembly.names, [answer.waypoints]), outputs.csv)
     if outputs.picture is not None:
         from wiggleroom.report.spatial_picture import draw_spatial
 
@@ -172,25 +231,35 @@ def flex_in_space(
     return 3 if answer.verdict == "stopped" else 0
 
 
-def check_in_space(file: str, asked: QuestionOptions, outputs: Outputs, sheet: SheetOptions | None = None) -> int:
+def check_in_space(
+    file: str, asked: QuestionOptions, outputs: Outputs, largest_gap: bool, seconds: float | None, sheet: SheetOptions
+) -> int:
     """`wiggleroom check` of an assembly in space."""
     import shlex
 
-    from wiggleroom.cli.outputs import check, write_result
+    from wiggleroom.cli.outputs import check, write_result, write_table
+    from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note, show
     from wiggleroom.cli.watch import interruptible
     from wiggleroom.spatial.spatial_disassembly import check_spatial
+    from wiggleroom.spatial.spatial_study import spatial_largest_gap
 
-    check(file, {"--json": (outputs.json, ()), "--picture": (outputs.picture, SPATIAL_PICTURES)})
-    with interruptible() as stop:
-        found = check_spatial(read_in_space(file, asked, sheet, stop), stop=stop)
+    check(file, spatial_places(outputs), outputs.force)
+    with interruptible(seconds) as stop, unless_stopped(stop):
+        assembly = read_in_space(file, asked, sheet, stop)
+        found = check_spatial(assembly, stop=stop)
+        border = spatial_largest_gap(assembly, stop=stop) if largest_gap else None
     from wiggleroom.report.spatial_records import spatial_check_record
     from wiggleroom.report.spatial_table import spatial_check_table
 
     if outputs.json is not None:
-        write_result(spatial_check_record(found, shlex.join(["wiggleroom", *sys.argv[1:]])), outputs.json)
+        write_result(spatial_check_record(found, border, shlex.join(["wiggleroom", *sys.argv[1:]])), outputs.json)
     if outputs.json != "-":
-        show(spatial_check_table(found))
+        show(spatial_check_table(found, border))
+    if outputs.csv is not None:
+        from wiggleroom.report.spatial_records import spatial_steps
+
+        write_table(spatial_steps(found.assembly.names, [e.path for e in found.escapes]), outputs.csv)
     if outputs.picture is not None:
         from wiggleroom.report.spatial_picture import draw_separation
 

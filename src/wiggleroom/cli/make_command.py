@@ -60,7 +60,7 @@ def make(
     from wiggleroom.errors import InputError
 
     sizes, wrong = sizes_of(size)
-    wrong += _misfits(pattern, ny, pitch, drawn_by_lot=joint is None and not sizes)
+    wrong += _misfits(pattern, ny, pitch, drawn_at_random=joint is None and not sizes)
     if wrong:
         raise InputError(wrong)
     check("", {"--output": (output, (".json",))}, force)
@@ -72,13 +72,13 @@ def make(
     return 0
 
 
-def _misfits(pattern: str, ny: int | None, pitch: float, *, drawn_by_lot: bool) -> list[str]:
+def _misfits(pattern: str, ny: int | None, pitch: float, *, drawn_at_random: bool) -> list[str]:
     """One line for each thing that the pattern cannot use."""
     wrong = []
     if (pattern == "chain") != (ny is None):
         wrong.append(f"{pattern}: give {'one number, the blocks' if pattern == 'chain' else 'columns and rows'}")
-    if pattern == "jigsaw" and not drawn_by_lot:
-        wrong.append("jigsaw: its knobs are drawn by lot, it takes no --joint and no --size")
+    if pattern == "jigsaw" and not drawn_at_random:
+        wrong.append("jigsaw: its knobs are drawn at random, it takes no --joint and no --size")
     return wrong + pitch_misfits(pitch)
 
 

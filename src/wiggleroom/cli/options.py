@@ -86,16 +86,16 @@ class QuestionOptions:
 
 def read_options(asked: QuestionOptions) -> ReadOptions:
     """How a drawing is read; parts that are fixed or pulled are parts wherever they lie."""
-    from wiggleroom.cli.asking import goals, listed
+    from wiggleroom.cli.asking import goals, split_words
     from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.drawing.model import part_of
 
     named = [part_of(goal) for goal in goals(asked.pull, asked.turn)[0]]
     return ReadOptions(
-        only=tuple(listed(asked.only)),
-        skip=tuple(listed(asked.skip)),
+        only=tuple(split_words(asked.only)),
+        skip=tuple(split_words(asked.skip)),
         join=asked.join,
-        solid=(*listed(asked.solid), *listed(asked.fix), *(name for name in named if name)),
+        solid=(*split_words(asked.solid), *split_words(asked.fix), *(name for name in named if name)),
     )
 
 
@@ -157,7 +157,7 @@ def look(file: str, asked: QuestionOptions) -> PictureOptions:
     from wiggleroom.drawing.read import reading
     from wiggleroom.errors import InputError
 
-    wanted = asked_goals(asked)
+    wanted = goals_of_options(asked)
     found = reading(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     drawing, fixed, goals = with_roles(found.drawing, asked, wanted) if found.drawing.parts else (found.drawing, [], [])
     names = [p.name for p in drawing.parts]
@@ -206,14 +206,14 @@ def _said(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[G
     if is_spatial_file(file):
         message = f"{file}: is an assembly in space, which flex, check and sweep answer; this command is for drawings"
         raise InputError(message)
-    wanted = asked_goals(asked)
+    wanted = goals_of_options(asked)
     drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
     for line in drawing.notes:
         note(line)
     return with_roles(drawing, asked, wanted)
 
 
-def asked_goals(asked: QuestionOptions) -> list[Goal]:
+def goals_of_options(asked: QuestionOptions) -> list[Goal]:
     """Goals that the options name; what is wrong with any option is told at once."""
     from wiggleroom.cli.asking import goals
     from wiggleroom.drawing.model import WHOLE

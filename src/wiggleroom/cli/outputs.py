@@ -145,9 +145,9 @@ def check(source: str, places: Places, force: bool = False) -> None:
         raise InputError(wrong)
     for place, _ in places.values():
         if place is not None and ending(Path(place)) in (".gif", ".mp4"):
-            from wiggleroom.report.film_frames import see_library
+            from wiggleroom.report.film_frames import need_film_library
 
-            see_library(ending(Path(place)))
+            need_film_library(ending(Path(place)))
 
 
 def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> str:
@@ -239,12 +239,12 @@ def write_picture(made: str, path: Path) -> None:
     """Still picture as SVG or, where the name says so, as PNG; a page as HTML."""
     from wiggleroom.cli.say import note
     from wiggleroom.files import write_whole
-    from wiggleroom.report.stills import write_svg
+    from wiggleroom.report.stills import write_still
 
     if ending(path) == PAGE:
         write_whole(path, made)
     else:
-        write_svg(made, path)
+        write_still(made, path)
     note(f"picture: {path}")
     if ending(path) in PIXELS:
         _note_missing_letters(path, [made])

@@ -23,6 +23,7 @@ def plan(
     outputs: FilmOutputs = _NO_OUTPUTS,
     limit: TimeLimit = _ENDLESS,
     target: tuple[str, ...] = (),
+    gravity: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     sample: float | None = None,
     draws: int = 200,
     seed: int = 0,
@@ -39,12 +40,16 @@ def plan(
 
     Example: wiggleroom plan lock.json --target bolt --json plan.json
 
+    Example: wiggleroom plan arch.svg --gravity -y
+
     Parameters
     ----------
     file
         A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
     target
         Parts that are to leave: --target A,B. By default all that can.
+    gravity
+        Where loose parts fall, as -y or 0.6,-0.8: every step then says whom to hold by hand so that none does.
     sample
         Also say how many draws go together when the gap round every part varies by this standard deviation [mm].
     draws, seed
@@ -58,6 +63,7 @@ def plan(
     """
     import shlex
 
+    from wiggleroom.cli.asking import direction
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError
@@ -77,10 +83,11 @@ def plan(
     names = tuple(name for some in target for name in some.split(",") if name)
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked)
+        down = None if gravity is None else direction("--gravity", gravity)
 
         from wiggleroom.planning.plan import plan as work_out
 
-        found = work_out(assembly, names, stop=stop, progress=show)
+        found = work_out(assembly, names, gravity=down, stop=stop, progress=show)
 
         from wiggleroom.planning import plan_tolerance as vary
         from wiggleroom.report.plan_results import PlanTolerances, plan_result, plan_table

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from wiggleroom.search.answer import Answer
 
 SECONDS = 60.0
+"""Time of a proof where `--time` says none [s]."""
 
 
 def check_proof(share: float, model: str) -> None:

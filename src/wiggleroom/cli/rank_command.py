@@ -7,9 +7,9 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.options import QuestionOptions, read
+from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+from wiggleroom.cli.running import Running, TimeLimit, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
 
@@ -34,7 +34,7 @@ def rank(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space.
     by
         duals: all parts from the forces of one solve. differences: solved again for every part, as a check.
     exact
@@ -42,18 +42,25 @@ def rank(
     """
     import shlex
 
+    from wiggleroom.cli.in_space import read_question, with_dimension
     from wiggleroom.cli.watch import bar, interruptible
 
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("differences") as show:
-        assembly = complete(read(file, asked))
+        assembly = read_question(file, asked)
 
-        from wiggleroom.sensitivity.rank import rank as work_out
+        from wiggleroom.questions import rank as work_out
 
         ranking = work_out(assembly, by=by, exact=exact, stop=stop, progress=show, **options)
     from wiggleroom.report.rank_results import rank_result, rank_table
 
-    tell(outputs, lambda: rank_result(ranking, command), lambda: rank_table(ranking), ranking, command)
+    tell(
+        outputs,
+        lambda: with_dimension(rank_result(ranking, command), assembly),
+        lambda: rank_table(ranking),
+        ranking,
+        command,
+    )
     return 0

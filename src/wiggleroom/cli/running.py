@@ -85,7 +85,7 @@ def unless_stopped(stop: Deadline) -> Iterator[None]:
         raise
 
 
-def complete(assembly: Assembly) -> Assembly:
+def require_question(assembly: Assembly) -> Assembly:
     """The assembly, if a question about motion can be asked of it.
 
     Raises

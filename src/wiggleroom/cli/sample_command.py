@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from typing import Literal
 
-from wiggleroom.cli.options import QuestionOptions, read
+from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+from wiggleroom.cli.running import Running, TimeLimit, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
 
@@ -38,7 +38,7 @@ def sample(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space.
     spread
         How much the gap round one part varies [mm]: standard deviation; half of the range where it is uniform.
     kind
@@ -48,7 +48,7 @@ def sample(
     bias
         Mean of the extra gap [mm].
     draws
-        Assemblies drawn by lot.
+        Assemblies drawn at random.
     seed
         Same seed, same draws.
     limit
@@ -56,6 +56,7 @@ def sample(
     """
     import shlex
 
+    from wiggleroom.cli.in_space import read_question, with_dimension
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
@@ -68,13 +69,21 @@ def sample(
     with interruptible(time.time) as stop, unless_stopped(stop), bar("draws") as show:
         from wiggleroom.sensitivity.gap_distribution import Spread
 
-        lot = Spread(spread, kind, sheet, bias)
-        assembly = complete(read(file, asked))
+        distribution = Spread(spread, kind, sheet, bias)
+        assembly = read_question(file, asked)
 
-        from wiggleroom.sensitivity.sample import sample as work_out
+        from wiggleroom.questions import sample as work_out
 
-        found = work_out(assembly, lot, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options)
+        found = work_out(
+            assembly, distribution, draws=draws, seed=seed, limit=limit, stop=stop, progress=show, **options
+        )
     from wiggleroom.report.study_results import sample_result, sample_table
 
-    tell(outputs, lambda: sample_result(found, command), lambda: sample_table(found), found, command)
+    tell(
+        outputs,
+        lambda: with_dimension(sample_result(found, command), assembly),
+        lambda: sample_table(found),
+        found,
+        command,
+    )
     return 3 if len(found.value) < draws else 0

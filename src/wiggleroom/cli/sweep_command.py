@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from wiggleroom.cli.options import QuestionOptions, read
+from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import TimeLimit, complete
+from wiggleroom.cli.running import TimeLimit
 from wiggleroom.cli.sheet_options import SheetOptions
 
 _NONE_ASKED, _NO_OUTPUTS, _ENDLESS, _NO_SHEET = QuestionOptions(), StudyOutputs(), TimeLimit(), SheetOptions()
@@ -41,7 +41,7 @@ def sweep(
     import shlex
     from dataclasses import replace
 
-    from wiggleroom.cli.in_space import in_three_dimensions, read_in_space
+    from wiggleroom.cli.in_space import read_question, with_dimension
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
@@ -54,17 +54,16 @@ def sweep(
         from wiggleroom.questions import sweep as work_out
 
         sheet.check(file)
-        in_space = sheet.given or is_spatial_file(file)
-        if in_space:
+        if sheet.given or is_spatial_file(file):
             _no_pages(outputs, html)
-        assembly = read_in_space(file, asked, sheet, stop) if in_space else complete(read(file, asked))
+        assembly = read_question(file, asked, sheet, stop)
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
     from wiggleroom.report.study_results import sweep_result, sweep_table
 
     shown = outputs if found.steps else replace(outputs, picture=None)  # stopped before there is a curve
     record = sweep_result(found, command)
-    tell(shown, lambda: in_three_dimensions(record) if in_space else record, lambda: sweep_table(found), found, command)
+    tell(shown, lambda: with_dimension(record, assembly), lambda: sweep_table(found), found, command)
     if html is not None and any(step.answer is not None for step in found.steps):
         from wiggleroom.report.write_picture import draw
 

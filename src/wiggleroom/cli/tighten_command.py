@@ -7,9 +7,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.options import QuestionOptions, read
+from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import Running, TimeLimit, complete, unless_stopped
+from wiggleroom.cli.running import Running, TimeLimit, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
 
@@ -35,7 +35,7 @@ def tighten(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of the plane or of space.
     parts
         How many parts to choose.
     limit
@@ -50,6 +50,7 @@ def tighten(
     """
     import shlex
 
+    from wiggleroom.cli.in_space import read_question, with_dimension
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
@@ -60,9 +61,9 @@ def tighten(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("choices at random") as show:
-        assembly = complete(read(file, asked))
+        assembly = read_question(file, asked)
 
-        from wiggleroom.sensitivity.tighten import tighten as work_out
+        from wiggleroom.questions import tighten as work_out
 
         found = work_out(
             assembly, parts=parts, limit=limit, gap=to, draws=draws, seed=seed, stop=stop, progress=show, **options
@@ -70,5 +71,11 @@ def tighten(
         cut = stop.is_set()
     from wiggleroom.report.study_results import tighten_result, tighten_table
 
-    tell(outputs, lambda: tighten_result(found, command), lambda: tighten_table(found), found, command)
+    tell(
+        outputs,
+        lambda: with_dimension(tighten_result(found, command), assembly),
+        lambda: tighten_table(found),
+        found,
+        command,
+    )
     return 0 if found.reached and not cut else 3

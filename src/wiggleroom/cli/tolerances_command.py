@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wiggleroom.cli.options import QuestionOptions, read
 from wiggleroom.cli.outputs import StudyOutputs, tell
-from wiggleroom.cli.running import TimeLimit, complete
+from wiggleroom.cli.running import TimeLimit, require_question
 
 _NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
 
@@ -48,7 +48,7 @@ def tolerances(
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(time.time) as stop, unless_stopped(stop), progress() as show:
-        assembly = complete(read(file, asked))
+        assembly = require_question(read(file, asked))
         if tolerances is not None:
             from wiggleroom.drawing.tolerances import read_tolerances
 

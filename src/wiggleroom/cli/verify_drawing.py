@@ -52,7 +52,7 @@ def drawn_by(file: str | None, asked: QuestionOptions, claim: Claim) -> Specific
 
 def _options(asked: QuestionOptions, claim: Claim) -> Specification:
     from wiggleroom.cli.asking import names
-    from wiggleroom.cli.options import asked_goals
+    from wiggleroom.cli.options import goals_of_options
     from wiggleroom.errors import InputError
     from wiggleroom.verify.claim_comparison import Specification
 
@@ -61,7 +61,7 @@ def _options(asked: QuestionOptions, claim: Claim) -> Specification:
     ]
     if odd:
         raise InputError(odd)
-    goals = asked_goals(asked)
+    goals = goals_of_options(asked)
     fixed = frozenset(names(asked.fix, {name for parts in claim.bodies for name in parts}))
     return Specification(gap=asked.gap, fixed=fixed or None, terms=_terms(goals, "the command", {}) if goals else None)
 

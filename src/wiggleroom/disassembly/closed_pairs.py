@@ -11,9 +11,12 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.disassembly.enclosure import Enclosed, holds
+from wiggleroom.disassembly.slide_search import slide_search
+from wiggleroom.disassembly.slide_space import SlideSpace
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.subdivision.passage import Passage, passage
 from wiggleroom.geometry.neighbours import classes, neighbours, placed, relative_pose
+from wiggleroom.search.loop import silent
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 
 Ints = NDArray[np.int64]
@@ -22,6 +25,8 @@ PAIR_BATCH = 50
 """Pairs that are measured between two looks at `stop`."""
 BOXES_PER_PAIR = 20_000
 """Boxes judged at most for a pair among many."""
+PAIR_WORK = 2e6
+"""Work of the search over slides of a pair."""
 BOXES_PER_DECISIVE_PAIR = 400_000
 """Boxes judged at most for a pair on which it depends whether all are tied: near the gap at which a tab slips out, each takes seconds."""
 
@@ -91,7 +96,7 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) 
     if len(near.a):
         first, label = classes(bodies, near.a, near.b, relative_pose(bodies, near.a, near.b))
         along = _along(geometry[near.a[first]], geometry[near.b[first]], ready.clearance, stop)[label]
-        known: dict[int, Passage] = {}
+        known: dict[int, Passage | None] = {}  # none where slides lead apart
         for k in np.argsort(-along, kind="stable"):
             a, b, c = int(near.a[k]), int(near.b[k]), int(label[k])
             if stop is not None and stop.is_set():
@@ -100,16 +105,42 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) 
             if labels[a] == labels[b] or begin.group[a] == begin.group[b]:
                 continue
             if c not in known:
-                known[c] = passage(geometry[a], geometry[b], most=BOXES_PER_PAIR, stop=stop)
-                if not known[c].closed and known[c].way is None and _one_holds_other(geometry[a], geometry[b]):
-                    known[c] = replace(known[c], closed=True)
-            if known[c].held:
+                known[c] = _alone(ready, a, b, stop)
+            found = known[c]
+            if found is None:
+                continue
+            if found.held:
                 held.append((a, b))
-            if known[c].closed:
+            if found.closed:
                 tied.append((a, b))
-            elif known[c].way is None:
+            elif found.way is None:
                 undecided.append((a, b))
     return ClosedPairs(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
+
+
+def _alone(ready: Prepared, a: int, b: int, stop: Stop | None) -> Passage | None:
+    """What is known about b leaving a while all others are taken away; None where slides lead out."""
+    if _slides_apart(ready, a, b, stop):
+        return None
+    one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
+    found = passage(one, other, most=BOXES_PER_PAIR, stop=stop)
+    if not found.closed and found.way is None and _one_holds_other(one, other):
+        return replace(found, closed=True)
+    return found
+
+
+def _slides_apart(ready: Prepared, a: int, b: int, stop: Stop | None) -> bool:
+    """True where slides of b lead out of a: a cheap look before boxes of motions are judged."""
+    them = ready.bodies
+    pair = np.array([a, b])
+    bodies = replace(
+        them, shape=them.shape[pair], rest=them.rest[pair], fixed=np.array([True, False]),
+        body_of=np.arange(2), members=((0,), (1,)),
+    )  # fmt: skip
+    rest, none = np.zeros((2, 3)), np.zeros(0, dtype=np.int64)
+    space = SlideSpace(bodies, none, ready.clearance, ready.size, rest, np.ones(2, dtype=np.bool_))
+    found = slide_search(space, rest, none, stop=stop, tell=silent, budget=PAIR_WORK, turn_budget=0.0)
+    return found.way is not None
 
 
 def surer(ready: Prepared, known: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.closed_pairs import enclosed_links
 from wiggleroom.disassembly.enclosure import Enclosed, enclosed
-from wiggleroom.disassembly.escape import EscapeEffort, Stage, next_stage
+from wiggleroom.disassembly.escape import NO_BODIES, EscapeEffort, Stage, next_stage
 from wiggleroom.disassembly.remaining import displaced, without
 from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.geometry.rigid_motions import of_parts
@@ -21,8 +21,6 @@ from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-NO_BODIES = np.zeros(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,14 +35,14 @@ class Departure:
         are beyond all others; straight in between. Parts that left before stay where they were put, out of the game.
     there : (n,) bool
         Parts that had not left before.
-    slides : int
-        So many pieces of the way, before the last one, are slides one after the other; -1 where it is one motion.
+    moves : (k - 1,) int64
+        Number of the move that each piece of the way belongs to.
     """
 
     parts: Ints
     way: Floats
     there: NDArray[np.bool_]
-    slides: int
+    moves: Ints
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,8 +58,10 @@ class Disassembly:
         The parts that are left, at rest where they are in the end.
     around : Enclosed or None
         What lies in closed holes among them.
-    questions, states : int
-        Largest motions that were searched, and states to which slides led, in all stages.
+    questions, unanswered : int
+        Largest motions that were searched in all stages, and how many of them found no end whose way is certain.
+    states, turned : int
+        States to which slides and turns of single bodies led, and those in which every body was turned both ways.
     """
 
     departures: tuple[Departure, ...]
@@ -69,7 +69,9 @@ class Disassembly:
     left: Assembly
     around: Enclosed | None = None
     questions: int = 0
+    unanswered: int = 0
     states: int = 0
+    turned: int = 0
 
 
 @dataclass(eq=False)
@@ -81,7 +83,9 @@ class _Progress:
     motion: Floats
     departures: list[Departure] = field(default_factory=list)
     questions: int = 0
+    unanswered: int = 0
     states: int = 0
+    turned: int = 0
 
 
 def disassemble(
@@ -131,7 +135,9 @@ def disassemble(
         except StoppedError:
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
         so_far.questions += stage.questions
+        so_far.unanswered += stage.unanswered
         so_far.states += stage.states
+        so_far.turned += stage.turned
         if stage.way is None:
             return _ended(so_far, stage, around)
         bodies = ground.bodies
@@ -140,7 +146,7 @@ def disassemble(
         way[:, alive] += of_parts(left, bodies, stage.way)
         there = np.zeros(n, dtype=np.bool_)
         there[alive] = True
-        so_far.departures.append(Departure(np.sort(alive[who]), way, there, stage.slides))
+        so_far.departures.append(Departure(np.sort(alive[who]), way, there, stage.moves))
         so_far.motion = way[-1]
         stay = np.setdiff1d(np.arange(len(alive)), who)
         so_far.left = without(displaced(left, of_parts(left, bodies, stage.way)[-1]), who)
@@ -153,4 +159,7 @@ def disassemble(
 
 
 def _ended(so_far: _Progress, stage: Stage, around: Enclosed | None) -> Disassembly:
-    return Disassembly(tuple(so_far.departures), stage, so_far.left, around, so_far.questions, so_far.states)
+    return Disassembly(
+        tuple(so_far.departures), stage, so_far.left, around, so_far.questions, so_far.unanswered, so_far.states,
+        so_far.turned,
+    )  # fmt: skip

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import shapely
@@ -16,15 +16,16 @@ from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.disassembly.clearance import distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
 from wiggleroom.disassembly.enclosure import enclosed_by_held
-from wiggleroom.disassembly.explore import MAX_QUESTIONS, explore, way_out
-from wiggleroom.disassembly.remaining import without
+from wiggleroom.disassembly.explore import EXIT_TESTS, MAX_QUESTIONS, ask, explore, way_out
+from wiggleroom.disassembly.remaining import displaced, without
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
-from wiggleroom.disassembly.slide_search import WORK_BUDGET, SlideSearch, slide_search
+from wiggleroom.disassembly.slide_search import WORK_BUDGET, MoveSequence, SlideSearch, Tilt, slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace, slide_axes
 from wiggleroom.disassembly.translation import TranslationEscape, translation_escapes
-from wiggleroom.errors import Stop
+from wiggleroom.drawing.model import Turn
+from wiggleroom.errors import Stop, WiggleroomError
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.rigid_motions import of_parts
+from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.prepare import Prepared, Survey, prepare
 from wiggleroom.verdict import Certainty, Separability
@@ -32,12 +33,13 @@ from wiggleroom.verdict import Certainty, Separability
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+NO_BODIES = np.zeros(0, dtype=np.int64)
 BOXES_FOR_ONE_BODY = 150_000
 """Boxes judged at most where one body alone can leave; a few seconds."""
 BOXES_FOR_NEAR_EXIT = 40_000
 """Boxes judged at most for a set of bodies that would leave straight if there were a little more room."""
-MAX_QUESTIONS_BESIDE_SLIDES = 24
-"""Largest motions searched at most where all states to which slides lead were visited."""
+MAX_TILTS = 4
+"""From so many states besides the first, in which a body can be turned, largest turns are searched."""
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
 """So much further inward outlines lie then, as shares of the clearance."""
 MAX_NEAR_EXITS = 8
@@ -61,14 +63,16 @@ class Stage:
         Motions of all bodies on which they leave, from where all are to where those who leave are beyond all others.
     held : (n,) int64
         Bodies of the same number certainly never turn half round against each other; empty where something leaves.
-    questions : int
-        Largest motions that were searched.
+    questions, unanswered : int
+        Largest motions that were searched, and how many of them found no end whose way is certain.
     states : int
-        States that slides led to.
+        States that slides, and turns of single bodies, led to.
     whole : bool
         True where these are all states to which slides lead.
-    slides : int
-        So many pieces of the way, before the last one, are slides one after the other; -1 where it is one motion.
+    turned : int
+        Of these states those in which every body was turned both ways.
+    moves : (k - 1,) int64
+        Number of the move that each piece of the way belongs to.
     """
 
     ended: Separability
@@ -77,9 +81,11 @@ class Stage:
     way: Floats | None
     held: Ints
     questions: int = 0
+    unanswered: int = 0
     states: int = 0
     whole: bool = True
-    slides: int = -1
+    turned: int = 0
+    moves: Ints = field(default_factory=lambda: NO_BODIES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,23 +135,24 @@ def next_stage(
     bodies, n = ground.bodies, len(ground.bodies.fixed)
     stands = int(np.flatnonzero(bodies.fixed)[0])
     rest = np.zeros((1, n, 3))
+    still = MoveSequence(rest, NO_BODIES)
     tell(Progress("straight ways"))
     found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
     first = _roomiest(ground, found, targets)
     if first is not None and _wanted(first.who, targets):
-        return _leave(assembly, ground, rest, first, slides=0)
+        return _leave(assembly, ground, still, first)
     tell(Progress("slides"))
     slid = _slide(ground, targets, effort.work, stop, tell)
     if slid.way is not None:
-        out = TranslationEscape(slid.way.slides[-1].who, slid.way.slides[-1].direction)
+        out = TranslationEscape(slid.way.last.who, slid.way.last.direction)
         if first is None or _wanted(out.who, targets):
-            stage = _leave(assembly, ground, slid.way.states, out, slides=len(slid.way.slides) - 1)
+            stage = _leave(assembly, ground, slid.way.before, out)
             if stage.way is not None:
-                return replace(stage, states=slid.states, whole=slid.whole)
+                return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
     if first is not None:
-        return _leave(assembly, ground, rest, first, slides=0)
+        return _leave(assembly, ground, still, first)
     stage = _beyond_slides(assembly, ground, begin, effort, slid, stop, tell)
-    return replace(stage, states=slid.states, whole=slid.whole)
+    return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
 
 
 def _roomiest(ground: Survey, found: list[TranslationEscape], targets: Ints) -> TranslationEscape | None:
@@ -196,34 +203,71 @@ def _beyond_slides(
     """Bodies that leave otherwise than by slides, or what shows that none do."""
     bodies = ground.bodies
     stands = int(np.flatnonzero(bodies.fixed)[0])
-    none = np.zeros(0, dtype=np.int64)
+    still = MoveSequence(np.zeros((1, len(bodies.fixed), 3)), NO_BODIES)
     tell(Progress("free spaces"))
     ready = prepare(assembly, ground=ground, stop=stop)
     known, tries = _rigid(ready, begin, effort.boxes, stop)
     if known.all_tied:
-        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     known = _walled_in(ready, known, stop)
     if known.all_tied:
-        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     nearly = _nearly(ready, stands, known.group, stop)
     for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, stop) for e in nearly)):
         if stop is not None and stop.is_set():
             break
         out = None if rigid.way is None else way_out(ready, stands, known.group, rigid.way, stop=stop)
-        if out is not None and (stage := _leave(assembly, ground, *out)).way is not None:
+        if out is not None and (stage := _leave_moving(assembly, ground, still, *out)).way is not None:
             return stage
     known = surer(ready, known, stop)
     if known.all_tied:
-        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, none, None, known.held)
+        return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     loose = slid.states > 1 and slid.whole and slid.on_lattice
-    questions = min(effort.questions, MAX_QUESTIONS_BESIDE_SLIDES) if loose else effort.questions
-    searched = explore(ready, stands, known.group, nearly, stop, tell, questions)
+    searched = explore(ready, stands, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
     if searched.way is not None and searched.exit is not None:
-        return replace(_leave(assembly, ground, searched.way, searched.exit), questions=searched.questions)
+        stage = _leave_moving(assembly, ground, still, searched.way, searched.exit)
+        return replace(stage, questions=searched.questions)
+    count = searched.questions
+    for tilt in slid.tilts[:MAX_TILTS]:
+        asked, tilted = _from_tilt(assembly, ground, tilt, known.group, stop)
+        count += asked
+        if tilted is not None:
+            return replace(tilted, questions=count)
     stopped = stop is not None and stop.is_set()
-    whole = slid.whole and (searched.whole or loose) and not stopped
+    answered = searched.unanswered == 0 or loose
+    whole = slid.whole and searched.whole and answered and not stopped
     ended: Separability = Separability.INTERLOCKED if whole else Separability.UNKNOWN
-    return Stage(ended, Certainty.SEARCHED, none, None, known.held, searched.questions)
+    return Stage(ended, Certainty.SEARCHED, NO_BODIES, None, known.held, count, unanswered=searched.unanswered)
+
+
+def _from_tilt(
+    assembly: Assembly, ground: Survey, tilt: Tilt, group: Ints, stop: Stop | None
+) -> tuple[int, Stage | None]:
+    """How many largest turns were searched from a state in which a body can be turned, and what leaves along them."""
+    bodies, before = ground.bodies, tilt.before
+    stands = int(np.flatnonzero(bodies.fixed)[0])
+    moved = displaced(assembly, of_parts(assembly, bodies, before.states)[-1])
+    try:
+        ready = prepare(moved, stop=stop)
+    except WiggleroomError:
+        return 0, None
+    name = assembly.names[bodies.members[tilt.who][0]]
+    asked = 0
+    for sense in ("ccw", "cw"):
+        if stop is not None and stop.is_set():
+            break
+        answer = ask(ready, (Turn(name, sense),), None, stop)
+        asked += 1
+        if answer is None or answer.path != "checked":
+            continue
+        way = of_bodies(moved, ready.bodies, answer.waypoints)
+        out = way_out(ready, stands, group, way, EXIT_TESTS, stop)
+        if out is None:
+            continue
+        stage = _leave_moving(assembly, ground, before, *out)
+        if stage.way is not None:
+            return asked, stage
+    return asked, None
 
 
 def _rigid(
@@ -275,9 +319,23 @@ def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> lis
     return list(found.values())[:MAX_NEAR_EXITS]
 
 
-def _leave(assembly: Assembly, ground: Survey, way: Floats, found: TranslationEscape, slides: int = -1) -> Stage:
-    """The way continued straight until those who leave are beyond all others."""
-    bodies, who = ground.bodies, found.who
+def _leave_moving(
+    assembly: Assembly, ground: Survey, before: MoveSequence, way: Floats, found: TranslationEscape
+) -> Stage:
+    """One motion, after some moves, continued straight: still one move where those who leave are all that moved."""
+    number = before.moves.max(initial=-1) + 1
+    states = np.concatenate([before.states, before.states[-1] + way[1:]])
+    moves = np.append(before.moves, np.full(len(way) - 1, number))
+    stage = _leave(assembly, ground, MoveSequence(states, moves), found)
+    moved = np.flatnonzero((np.abs(way) > 0).any(axis=(0, 2)))
+    if stage.way is not None and np.array_equal(moved, found.who):
+        stage.moves[-1] = number
+    return stage
+
+
+def _leave(assembly: Assembly, ground: Survey, before: MoveSequence, found: TranslationEscape) -> Stage:
+    """Moves continued straight until those who leave are beyond all others."""
+    bodies, who, way = ground.bodies, found.who, before.states
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
 
     def along(some: Ints, motion: Floats) -> Floats:
@@ -289,7 +347,7 @@ def _leave(assembly: Assembly, ground: Survey, way: Floats, found: TranslationEs
     out = way[-1].copy()
     out[who, :2] += max(length, EXIT_DISTANCE * ground.size) * found.direction
     whole = np.concatenate([way, out[None]])
-    none = np.zeros(0, dtype=np.int64)
     if not audit_path(assembly, of_parts(assembly, bodies, whole)).free:
-        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, none, None, none)
-    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, none, slides=slides)
+        return Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES)
+    moves = np.append(before.moves, before.moves.max(initial=-1) + 1)
+    return Stage(Separability.COMES_APART, Certainty.PROVEN, who, whole, NO_BODIES, moves=moves)

@@ -45,14 +45,16 @@ class Explored:
         Checked motions of all bodies to where `exit` begins.
     exit : Exit or None
     whole : bool
-        True where every question that was planned was answered.
-    questions : int
+        True where every question that was planned was asked.
+    questions, unanswered : int
+        How many were asked, and how many of them found no answer, or none whose way is certain.
     """
 
     way: Floats | None
     exit: TranslationEscape | None
     whole: bool
     questions: int
+    unanswered: int
 
 
 def explore(
@@ -63,6 +65,7 @@ def explore(
     stop: Stop | None,
     tell: Callable[[Progress], None],
     most: int = MAX_QUESTIONS,
+    only_turns: bool = False,
 ) -> Explored:
     """Pull and turn every group every way, look for a straight way out along each answer, and go on from new places.
 
@@ -79,41 +82,45 @@ def explore(
         As for `flex`.
     most : int
         Questions asked at most.
+    only_turns : bool
+        True where it is known where slides lead: nobody is pulled alone, and from new places it does not go on.
     """
     bodies = ready.bodies
     if stop is not None and stop.is_set():
-        return Explored(None, None, False, 0)
+        return Explored(None, None, False, 0, 0)
     near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
     places = [relative_pose(bodies, near.a, near.b)]
     waiting: deque[Answer | None] = deque([None])
-    questions, open_questions = 0, 0
+    questions, unanswered = 0, 0
     while waiting:
         start = waiting.popleft()
-        for goals in _questions(ready, ground, group, nearly):
+        for goals in _questions(ready, ground, group, nearly, only_turns):
             if questions >= most or (stop is not None and stop.is_set()):
-                return Explored(None, None, False, questions)
+                return Explored(None, None, False, questions, unanswered)
             questions += 1
             tell(Progress("search", questions))
-            answer = _ask(ready, goals, start, stop)
+            answer = ask(ready, goals, start, stop)
             if answer is None or answer.path != "checked":
-                open_questions += 1
+                unanswered += 1
                 continue
-            open_questions += answer.verdict is Verdict.STOPPED
+            unanswered += answer.verdict is Verdict.STOPPED
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
             found = way_out(ready, ground, group, motions, EXIT_TESTS, stop)
             if found is not None:
-                return Explored(*found, True, questions)
+                return Explored(*found, True, questions, unanswered)
+            if only_turns:
+                continue
             place = relative_pose(bodies, near.a, near.b, motions[-1])
             if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
                 places.append(place)
                 waiting.append(answer)
-    return Explored(None, None, open_questions == 0 and len(places) <= MAX_STATES, questions)
+    return Explored(None, None, len(places) <= MAX_STATES, questions, unanswered)
 
 
-def _ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
+def ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
     """The answer to one question, or None where the engine gave up."""
     try:
-        return witness(ready, goals, start=start, stop=stop)
+        return witness(ready, goals, start=start, periods=False, stop=stop)
     except WiggleroomError:
         return None
 
@@ -143,7 +150,7 @@ def _differ(ready: Prepared, b: Ints, one: Floats, other: Floats) -> bool:
 
 
 def _questions(
-    ready: Prepared, ground: int, group: Ints, nearly: list[TranslationEscape]
+    ready: Prepared, ground: int, group: Ints, nearly: list[TranslationEscape], only_turns: bool
 ) -> Iterator[tuple[Goal, ...]]:
     """Sets that nearly leave, then all at once, then every group: outwards first, then the other ways and turns."""
     bodies, rest = ready.bodies, ready.bodies.rest
@@ -160,7 +167,7 @@ def _questions(
             Pull(names[b], _pair(sign * out[b]), _pair(rest[b, :2]), weight) for b in free if np.hypot(*out[b]) > 0
         )
     groups = [np.flatnonzero(group == g) for g in np.unique(group[free]) if g != group[ground]]
-    for rank in range(PULL_DIRECTIONS):
+    for rank in range(0 if only_turns else PULL_DIRECTIONS):
         for who in groups:
             away = out[who].mean(0)
             base = np.arctan2(away[1], away[0])

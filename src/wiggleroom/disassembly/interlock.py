@@ -77,7 +77,13 @@ class Interlock(Drawable):
     questions : int
         Largest motions that were searched.
     states : int
-        States to which slides of parts led, each visited once.
+        States to which slides of parts, and turns of single parts, led, each visited once.
+    turned : int
+        Of these states those in which every part was turned both ways.
+    whole : bool
+        True where these are all such states of the parts that are left.
+    unanswered : int
+        Largest motions whose search found no end that is certain.
     tight : bool
         True where parts touch at rest and the first-order test says that they are locked.
     at_most : float or None [mm]
@@ -96,6 +102,9 @@ class Interlock(Drawable):
     seconds: float = 0.0
     tight: bool = False
     at_most: float | None = None
+    turned: int = 0
+    whole: bool = True
+    unanswered: int = 0
 
 
 def check(
@@ -183,6 +192,9 @@ def check(
         done.states,
         time.perf_counter() - began,
         at_most=at_most,
+        turned=done.turned,
+        whole=done.last.whole,
+        unanswered=done.unanswered,
     )
 
 

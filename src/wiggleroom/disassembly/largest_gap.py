@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
+from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
@@ -34,14 +35,14 @@ class LargestGap:
         Largest gap that was seen to interlock; None where no gap does.
     parts_at : float or None [mm]
         Smallest gap at which a way apart was found; None where the parts fall to pieces before they come apart.
-    interlocked, apart : Interlock or None
+    interlocked, apart : Interlock, SpatialDisassembly or None
         The verified states on both sides.
     """
 
     holds: float | None
     parts_at: float | None
-    interlocked: Interlock | None
-    apart: Interlock | None
+    interlocked: Any
+    apart: Any
 
 
 def largest_gap(
@@ -82,28 +83,43 @@ def largest_gap(
             finding = f"seconds {seconds:g}: it must be more than 0"
             raise InputError(finding)
         stop = Deadline(seconds, stop)
-    tried: dict[float, Interlock | None] = {}
+
+    def look(made: Assembly) -> Interlock:
+        return check(made, stop=stop, progress=progress, boxes=BOXES_PER_GAP, questions=QUESTIONS_PER_GAP, every=False)
+
+    return largest_gap_over(assembly, lambda gap: assemble(assembly.drawing, gap=gap), look, stop)
+
+
+def largest_gap_over(
+    assembly: Any, make: Callable[[float], Any], look: Callable[[Any], Any], stop: Stop | None
+) -> LargestGap:
+    """The same of any assembly: `make` gives it with another gap, `look` whether that comes apart.
+
+    Raises
+    ------
+    InputError
+        If `look` refuses the assembly.
+    """
+    tried: dict[float, Any] = {}
 
     def at(gap: float) -> str:
         """The verdict at a gap; "gone" where no parts are left at it, "unknown" where they touch."""
         if gap not in tried:
             go_on(stop)
             try:
-                made = assemble(assembly.drawing, gap=gap)
+                made = make(gap)
             except InputError:
                 tried[gap] = None
                 return "gone"
             try:
-                verdict = check(
-                    made, stop=stop, progress=progress, boxes=BOXES_PER_GAP, questions=QUESTIONS_PER_GAP, every=False
-                )
+                verdict = look(made)
             except TouchingError:
                 return "unknown"
             if verdict.verdict == "unknown":
                 go_on(stop)  # a check that was cut short says nothing about its gap
             tried[gap] = verdict
         found = tried[gap]
-        return "gone" if found is None else found.verdict
+        return "gone" if found is None else str(found.verdict)
 
     def known(verdict: str) -> list[float]:
         return [g for g in tried if at(g) == verdict]
@@ -116,7 +132,7 @@ def largest_gap(
     )
 
 
-def _bracket(assembly: Assembly, at: Callable[[float], str], known: Callable[[str], list[float]]) -> None:
+def _bracket(assembly: Any, at: Callable[[float], str], known: Callable[[str], list[float]]) -> None:
     """Try gaps until one that interlocks and one that does not are near each other, or none interlocks."""
     begin = assembly.gap or FIRST_GAP_SHARE * assembly.size
     low: float | None = begin if assembly.gap or at(0.0) != "interlocked" else 0.0

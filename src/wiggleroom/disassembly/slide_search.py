@@ -1,15 +1,18 @@
-"""The search over states for what leaves by slides: breadth first, so that the fewest moves are found first."""
+"""The search over states for what leaves by slides, or else after turns: breadth first, so that the fewest slides are found first."""
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.disassembly.slide_space import Slide, SlideSpace
+from wiggleroom.disassembly.turn_space import MIN_TILT, LocalTurn, TurnSpace
+from wiggleroom.disassembly.turn_space import WORK_BUDGET as TURN_BUDGET
 from wiggleroom.errors import Stop
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.state_tree import StateTree
@@ -31,19 +34,52 @@ TELL_EVERY = 50
 
 
 @dataclass(frozen=True, eq=False)
-class SlideWay:
-    """What leaves by slides, and the way to there.
+class MoveSequence:
+    """Moves from where all were to begin with.
 
     Parameters
     ----------
-    slides : tuple of Slide
-        One after the other; with the last, which has no end, they leave.
     states : (k, n, 3) float64 [mm, mm, rad]
-        Motions of all bodies before each of them.
+        Motions of all bodies, straight in between.
+    moves : (k - 1,) int64
+        Number of the move that each piece belongs to: a slide has one piece, a turn many.
     """
 
-    slides: tuple[Slide, ...]
     states: Floats
+    moves: Ints
+
+
+@dataclass(frozen=True, eq=False)
+class SlideWay:
+    """What leaves by slides, after slides and turns of single bodies.
+
+    Parameters
+    ----------
+    before : MoveSequence
+    last : Slide
+        Without end: it leaves.
+    """
+
+    before: MoveSequence
+    last: Slide
+
+
+@dataclass(frozen=True, eq=False)
+class Tilt:
+    """A state in which a body can be turned, though not until its edges lie along the axes again.
+
+    Parameters
+    ----------
+    before : MoveSequence
+        To the state.
+    who : int
+    angle : float [rad]
+        So far it turns while all others stand.
+    """
+
+    before: MoveSequence
+    who: int
+    angle: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,12 +95,18 @@ class SlideSearch:
         True where no state is left to go on from.
     on_lattice : bool
         True where every stop lies on a lattice: then these are all states, while off it others lie between.
+    turned : int
+        States in which every body was turned both ways; none where something left before.
+    tilts : tuple of Tilt
+        Of every shape the largest, the largest first.
     """
 
     way: SlideWay | None
     states: int
     whole: bool
     on_lattice: bool
+    turned: int = 0
+    tilts: tuple[Tilt, ...] = ()
 
 
 def slide_search(
@@ -75,8 +117,9 @@ def slide_search(
     stop: Stop | None = None,
     tell: Callable[[Progress], None],
     budget: float = WORK_BUDGET,
+    turn_budget: float = TURN_BUDGET,
 ) -> SlideSearch:
-    """Visit all states that slides lead to, those of the fewest slides first, until something leaves.
+    """Visit all states that slides lead to, those of the fewest slides first, until something leaves; then those that turns lead to.
 
     Parameters
     ----------
@@ -87,52 +130,124 @@ def slide_search(
         Bodies one of which is to leave; what else leaves is taken only where these do not. None: whatever leaves first.
     stop, tell
         As for `flex`.
-    budget : float
-        Work at most.
+    budget, turn_budget : float
+        Work at most, on slides and on turns.
     """
-    key = _Canonical(space, targets).key
-    tree: StateTree[Slide | None] = StateTree(space.bodies.radius, space.clearance)
-    tree.append(motion, -1, None)
-    seen, waiting = {key(motion)}, deque([0])
-    begin, other = space.work, None
-    budget *= 1.0 if space.on_lattice else OFF_LATTICE_SHARE
-    while waiting:
-        if len(tree.states) % TELL_EVERY == 0:
-            tell(Progress("slides", len(tree.states)))
-        spent = space.work - begin + STATE_WORK * len(tree.states)
-        if spent > budget or (stop is not None and stop.is_set()):
-            return SlideSearch(other, len(tree.states), False, space.on_lattice)
-        here = waiting.popleft()
-        state = tree.states[here].motion
-        found = space.slides(state)
-        leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
-        for last in leaving:
-            if not len(targets) or np.isin(targets, last.who).any():
-                return SlideSearch(_way(tree, here, last), len(tree.states), True, space.on_lattice)
-        if other is None and leaving:
-            other = _way(tree, here, leaving[0])
-        for slide in found:
-            if np.isinf(slide.length):
+    turns = TurnSpace(space)
+    search = _Search(space, turns.order, motion, targets, stop, tell, budget)
+    whole = search.slide()
+    if search.way is not None or not whole:
+        return search.result(whole)
+    # no slide leads out: bodies are turned in every state, and slide on from where that leads
+    turned, tilts = 0, dict[int, tuple[float, int, LocalTurn]]()
+    while turned < len(search.tree.states):
+        if turns.work > turn_budget or (stop is not None and stop.is_set()):
+            whole = False
+            break
+        state = search.tree.states[turned].motion
+        for turn in turns.turns(state):
+            if turn.aligned:
+                search.reach(turn_end(state, turn), turned, turn)
                 continue
-            after = state.copy()
-            after[slide.who, :2] += slide.length * slide.direction
-            named = key(after)
-            if named not in seen:
-                seen.add(named)
-                waiting.append(tree.append(after, here, slide))
-    return SlideSearch(other, len(tree.states), True, space.on_lattice)
+            shape, angle = int(space.bodies.shape[turn.who]), turn.angle
+            if shape not in tilts or angle > tilts[shape][0] + MIN_TILT:
+                tilts[shape] = angle, turned, turn
+        turned += 1
+        whole = search.slide()
+        if search.way is not None or not whole:
+            break
+    most = sorted(tilts.values(), key=lambda t: -t[0])
+    return search.result(whole, turned, tuple(Tilt(search.sequence(k), t.who, t.angle) for _, k, t in most))
 
 
-def _way(tree: StateTree[Slide | None], state: int, last: Slide) -> SlideWay:
-    line = [tree.states[k] for k in tree.line(state)]
-    slides = (*(s.step for s in line if s.step is not None), last)
-    return SlideWay(slides, np.array([s.motion for s in line]))
+def turn_end(state: Floats, turn: LocalTurn) -> Floats:
+    """Motions of all bodies after a turn."""
+    after = state.copy()
+    after[turn.who] += turn.path[-1]
+    return after
+
+
+class _Search:
+    """The tree of states and those that wait to be gone on from."""
+
+    def __init__(
+        self,
+        space: SlideSpace,
+        order: Ints,
+        motion: Floats,
+        targets: Ints,
+        stop: Stop | None,
+        tell: Callable[[Progress], None],
+        budget: float,
+    ) -> None:
+        self.space, self.targets, self.stop, self.tell = space, targets, stop, tell
+        self.tree: StateTree[Slide | LocalTurn | None] = StateTree(space.bodies.radius, space.clearance)
+        self.way: SlideWay | None = None
+        self._key = _Canonical(space, targets, order).key
+        self._seen: set[bytes] = set()
+        self._waiting: deque[int] = deque()
+        self._begin = space.work
+        self._budget = budget * (1.0 if space.on_lattice else OFF_LATTICE_SHARE)
+        self.reach(motion, -1, None)
+
+    def reach(self, motion: Floats, parent: int, step: Slide | LocalTurn | None) -> None:
+        """Keep a state if it is new."""
+        named = self._key(motion)
+        if named not in self._seen:
+            self._seen.add(named)
+            self._waiting.append(self.tree.append(motion, parent, step))
+
+    def slide(self) -> bool:
+        """Go on from all that wait until something leaves; False where the work, or the time, was over before."""
+        while self._waiting:
+            if len(self.tree.states) % TELL_EVERY == 0:
+                self.tell(Progress("slides", len(self.tree.states)))
+            spent = self.space.work - self._begin + STATE_WORK * len(self.tree.states)
+            if spent > self._budget or (self.stop is not None and self.stop.is_set()):
+                return False
+            here = self._waiting.popleft()
+            state = self.tree.states[here].motion
+            found = self.space.slides(state)
+            leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
+            for last in leaving:
+                if not len(self.targets) or np.isin(self.targets, last.who).any():
+                    self.way = SlideWay(self.sequence(here), last)
+                    return True
+            if self.way is None and leaving:
+                self.way = SlideWay(self.sequence(here), leaving[0])
+            for slide in found:
+                if np.isinf(slide.length):
+                    continue
+                after = state.copy()
+                after[slide.who, :2] += slide.length * slide.direction
+                self.reach(after, here, slide)
+        return True
+
+    def sequence(self, state: int) -> MoveSequence:
+        """The moves to a state."""
+        line = [self.tree.states[k] for k in self.tree.line(state)]
+        states, moves = [line[0].motion], list[int]()
+        for number, (before, after) in enumerate(pairwise(line)):
+            step = after.step
+            if isinstance(step, LocalTurn):
+                way = np.repeat(before.motion[None], len(step.path) - 1, 0)
+                way[:, step.who] += step.path[1:]
+                states += list(way)
+                moves += [number] * len(way)
+            else:
+                states.append(after.motion)
+                moves.append(number)
+        return MoveSequence(np.array(states), np.array(moves, dtype=np.int64))
+
+    def result(self, whole: bool, turned: int = 0, tilts: tuple[Tilt, ...] = ()) -> SlideSearch:
+        """How it ended."""
+        return SlideSearch(self.way, len(self.tree.states), whole, self.space.on_lattice, turned, tilts)
 
 
 class _Canonical:
     """Keys of states: the same for states that differ by rounding, or by an exchange of bodies of the same shape."""
 
-    def __init__(self, space: SlideSpace, named: Ints) -> None:
+    def __init__(self, space: SlideSpace, named: Ints, order: Ints) -> None:
         bodies = space.bodies
         self._rest, self._free = bodies.rest, np.flatnonzero(~bodies.fixed & space.there)
         cell = ROUNDING * space.clearance
@@ -141,10 +256,12 @@ class _Canonical:
         for k, b in enumerate(named.tolist()):
             kind[b] = kind.max() + 1 + k
         self._kind = kind[self._free]
+        self._period = 2 * np.pi / order[bodies.shape[self._free]]
 
     def key(self, motion: Floats) -> bytes:
         pose = (self._rest + motion)[self._free]
-        pose[:, 2] %= 2 * np.pi
-        cells = np.floor(pose / self._cell + ROUNDING_OFFSET).astype(np.int64)
+        pose += ROUNDING_OFFSET * self._cell
+        pose[:, 2] %= self._period
+        cells = np.floor(pose / self._cell).astype(np.int64)
         order = np.lexsort((cells[:, 2], cells[:, 1], cells[:, 0], self._kind))
         return cells[order].tobytes()

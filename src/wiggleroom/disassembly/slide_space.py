@@ -72,10 +72,11 @@ class SlideSpace:
     ) -> None:
         n = len(bodies.fixed)
         self.bodies, self.clearance, self.size, self.there = bodies, clearance, size, there
-        self._ignored = np.zeros((n, n), dtype=np.bool_)
-        self._ignored[ignored // n, ignored % n] = True
-        self._ignored |= self._ignored.T
-        self._ignored |= bodies.fixed[:, None] & bodies.fixed
+        self.ignored = np.zeros((n, n), dtype=np.bool_)
+        """Pairs that never collide, both ways round; what stands counts among them."""
+        self.ignored[ignored // n, ignored % n] = True
+        self.ignored |= self.ignored.T
+        self.ignored |= bodies.fixed[:, None] & bodies.fixed
         axes = slide_axes(bodies, motion, there)
         self.directions = np.concatenate([axes, -axes])
         units = [self._unit(axis, motion) for axis in axes]
@@ -99,7 +100,7 @@ class SlideSpace:
         pose = bodies.rest + motion
         outlines = shapes.corner, shapes.after, shapes.first, bodies.shape, pose
         self.work += slide_distances(
-            *outlines, self.there, self.directions, self._ignored, MARGIN * self.clearance, self._distance
+            *outlines, self.there, self.directions, self.ignored, MARGIN * self.clearance, self._distance
         )
         alignments(
             *outlines, bodies.fixed, self.there, self.directions, self.units, self.clearance, self._distance,

@@ -12,13 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from wiggleroom.disassembly.translation_blocking import block
+from wiggleroom.disassembly.translation_blocking import leaving
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.slices import edges_of
-from wiggleroom.geometry.blocking import unblocked
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import placed
 
@@ -91,39 +88,17 @@ def translation_escapes(
     if thinner > 0:
         geometry = shapely.buffer(geometry, -thinner, join_style="mitre")
     edges, first = _edges(geometry)
-    unit = size * OVERLAP_NOISE
     group = np.unique(group, return_inverse=True)[1].ravel()
-    groups = int(group.max()) + 1
+    never = np.zeros((n, n), dtype=np.bool_)
+    never[ignored // n, ignored % n] = never[ignored % n, ignored // n] = True
     found: list[TranslationEscape] = []
+    who = np.zeros(n, dtype=np.bool_)
     for d in _directions(edges):
         if stop is not None and stop.is_set():
             break
-        turned = _upwards(edges, first, d)
-        boxes = _boxes(turned, first)
-        done = np.zeros((n, n), dtype=np.bool_)
-        done[ignored // n, ignored % n] = done[ignored % n, ignored // n] = True
-        arcs = np.zeros((groups, groups), dtype=np.bool_)
-        for mask in (near, np.ones((n, n), dtype=np.bool_)):
-            block(turned, first, boxes, mask & ~done, group, arcs, unit)
-            done |= mask
-            count, label = connected_components(coo_array(arcs), connection="strong")
-            if count == 1:
-                break
-        if count > 1:
-            who = _leaving(arcs, count, label, int(group[ground]))
-            if len(who):
-                found.append(TranslationEscape(np.flatnonzero(np.isin(group, who)), d))
+        if leaving(edges, first, d, near, never, group, ground, size * OVERLAP_NOISE, who):
+            found.append(TranslationEscape(np.flatnonzero(who), d))
     return found
-
-
-def _leaving(arcs: NDArray[np.bool_], count: int, label: Ints, ground: int) -> Ints:
-    """Nodes of the smallest component that no arc leads out of and that does not hold the ground."""
-    tail, head = np.nonzero(arcs)
-    sinks = unblocked(tail, head, label, ground)
-    if not len(sinks):
-        return np.zeros(0, dtype=np.int64)
-    sizes = np.bincount(label, minlength=count)
-    return np.flatnonzero(label == sinks[sizes[sinks].argmin()])
 
 
 def _directions(edges: Floats) -> Floats:
@@ -151,23 +126,3 @@ def _near(geometry: NDArray[np.object_], size: float) -> NDArray[np.bool_]:
     near = np.zeros((len(geometry), len(geometry)), dtype=np.bool_)
     near[i, j] = True
     return near
-
-
-def _upwards(edges: Floats, first: Ints, d: Floats) -> Floats:
-    """Edges turned so that `d` is the x axis, each from its lower end, and those of a body from the one that begins lowest."""
-    turn = np.array([[d[0], -d[1]], [d[1], d[0]]])
-    turned = (edges.reshape(-1, 2) @ turn).reshape(-1, 4)
-    turned = np.where((turned[:, 1] > turned[:, 3])[:, None], turned[:, [2, 3, 0, 1]], turned)
-    body = np.repeat(np.arange(len(first) - 1), np.diff(first))
-    return np.asarray(turned[np.lexsort((turned[:, 1], body))])
-
-
-def _boxes(edges: Floats, first: Ints) -> Floats:
-    """Box (n, 4) round the edges of each body: least and largest x, least and largest y; nowhere where it has none."""
-    boxes = np.tile([np.inf, -np.inf, np.inf, -np.inf], (len(first) - 1, 1))
-    some = np.diff(first) > 0  # a body made thinner may be gone
-    if some.any():
-        least = np.minimum.reduceat(np.minimum(edges[:, :2], edges[:, 2:]), first[:-1][some])
-        largest = np.maximum.reduceat(np.maximum(edges[:, :2], edges[:, 2:]), first[:-1][some])
-        boxes[some] = np.column_stack([least[:, 0], largest[:, 0], least[:, 1], largest[:, 1]])
-    return boxes

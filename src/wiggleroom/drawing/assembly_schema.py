@@ -113,7 +113,7 @@ class AssemblyFile(Entry, kw_only=True):
     objective: Literal["translation", "closer"] | None = None
 
 
-def decode(source: Source) -> Any:
+def decode_json(source: Source) -> Any:
     """JSON text as plain lists and dictionaries.
 
     Raises

@@ -11,7 +11,7 @@ from wiggleroom.drawing.dxf_curves import STROKES, stroke_of
 from wiggleroom.drawing.elements import MAX_ELEMENTS, Group, Lettering, Stroke
 from wiggleroom.drawing.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.limits import LARGEST
-from wiggleroom.drawing.strokes import mapped, reach
+from wiggleroom.drawing.strokes import largest_coordinate, mapped
 from wiggleroom.drawing.transforms import Affine
 from wiggleroom.errors import InputError
 
@@ -24,6 +24,7 @@ TEXT_KINDS = ("TEXT", "MTEXT")
 IGNORED_KINDS = ("VIEWPORT", "POINT", "ATTDEF", "ATTRIB", "SEQEND")
 _SPELLED = re.compile(r"\\U\+([0-9A-Fa-f]{4})")
 MAX_NESTING = 50
+"""Blocks inside each other at most."""
 TILT_TOLERANCE = 1e-9
 """An entity whose plane is tilted by more than this is not in the drawing's plane."""
 
@@ -73,9 +74,9 @@ class DxfWalk:
         for entity in layout:
             self._count()
             if not entity.dxf.is_supported("layer"):
-                self.left_out[text_of(entity.dxftype()) or "nameless"] += 1  # a kind that ezdxf does not know
+                self.left_out[decoded_text(entity.dxftype()) or "nameless"] += 1  # a kind that ezdxf does not know
                 continue
-            own = text_of(str(entity.dxf.get("layer", "0")))
+            own = decoded_text(str(entity.dxf.get("layer", "0")))
             layer = state.layer if own == "0" else own
             if entity.dxf.get("invisible", 0) or layer.lower() in HIDDEN_LAYERS:
                 continue
@@ -128,7 +129,7 @@ class DxfWalk:
             entity.dxftype() == "POLYLINE" and entity.is_2d_polyline
         )
         path = mapped(path, _affine(state.matrix, entity.ocs() if in_plane else None))
-        if not reach(path) <= LARGEST:
+        if not largest_coordinate(path) <= LARGEST:
             self.findings.append(f"{self.file}: {named}: has coordinates beyond {LARGEST:g} mm; move or scale it")
             return
         groups = self._groups_of(entity, state)
@@ -186,7 +187,7 @@ class DxfWalk:
         return (layer, *((grouped,) if grouped else ()), *state.groups)
 
     def _insert(self, insert: Any, state: _DxfState) -> None:
-        name = text_of(insert.dxf.get("name", ""))
+        name = decoded_text(insert.dxf.get("name", ""))
         named = f'block "{name}" on layer "{state.layer}"'
         block = insert.block()
         if block is None or name in state.blocks or len(state.blocks) > MAX_NESTING:
@@ -224,12 +225,12 @@ class DxfWalk:
         at = _affine(state.matrix, entity.ocs() if entity.dxftype() == "TEXT" else None).point(
             complex(point[0], point[1])
         )
-        words = text_of(" ".join(content.split()))
+        words = decoded_text(" ".join(content.split()))
         if words:
             self.texts.append(Lettering(words, at))
 
 
-def text_of(value: str) -> str:
+def decoded_text(value: str) -> str:
     r"""Text as people wrote it: letters spelled \U+00E4 joined, what cannot be shown replaced.
 
     Examples
@@ -257,9 +258,9 @@ def _piece(entity: Any) -> tuple[str, int, int] | None:
     tags = entity.get_xdata(NAME)
     name = "".join(str(tag.value) for tag in tags if tag.code == 1000)
     numbers = [int(tag.value) for tag in tags if tag.code == 1070]
-    if not name or not text_of(name).isprintable() or len(numbers) != 2:
+    if not name or not decoded_text(name).isprintable() or len(numbers) != 2:
         return None
-    return text_of(name), numbers[0], numbers[1]
+    return decoded_text(name), numbers[0], numbers[1]
 
 
 def _hex(colour: Any) -> str:

@@ -6,7 +6,7 @@ from collections import Counter
 from collections.abc import Iterable
 from typing import Any, Generic, TypeVar
 
-from wiggleroom.drawing.assembly_schema import HeadEntry, convert, decode
+from wiggleroom.drawing.assembly_schema import HeadEntry, convert, decode_json
 from wiggleroom.drawing.source import Source
 from wiggleroom.drawing.units import UNITS
 from wiggleroom.errors import InputError
@@ -25,7 +25,7 @@ def entry_of(text: Source, kind: type[E]) -> E:
         If it is no JSON object, or a field is unknown, missing or of another type.
     """
     findings: list[str] = []
-    raw = decode(text)
+    raw = decode_json(text)
     if not isinstance(raw, dict):
         message = f'{text.name}: must be one JSON object with "format" and "parts"'
         raise InputError(message)

@@ -89,7 +89,7 @@ def _components(n: int, first: Ints, second: Ints) -> Ints:
     return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
-def loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bool]]]:
+def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bool]]]:
     """Closed loops of lines of one pool, none of which meets any other line; each line with whether it is travelled backwards.
 
     Parameters

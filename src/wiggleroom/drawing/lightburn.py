@@ -14,7 +14,7 @@ from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.pathdata import MAX_COORDINATE, NUMBER, Arc, Cubic, Line, Segment, Subpath
 from wiggleroom.drawing.shapes import subpaths_of
 from wiggleroom.drawing.source import load
-from wiggleroom.drawing.strokes import mapped, reach
+from wiggleroom.drawing.strokes import largest_coordinate, mapped
 from wiggleroom.drawing.transforms import Affine, Box
 from wiggleroom.drawing.units import millimetres
 from wiggleroom.drawing.xmltree import Element, parse_xml
@@ -32,6 +32,7 @@ _VERTEX = re.compile(rf"V({NUMBER})\s+({NUMBER})((?:c[01][xy]{NUMBER})*)")
 _CONTROL = re.compile(rf"c([01])([xy])({NUMBER})")
 _PRIMITIVE = re.compile(r"([LB])\s*(\d+)\s+(\d+)")
 MAX_NESTING = 100
+"""Groups inside each other at most."""
 
 
 def lightburn_artwork(path: str | Path, unit: str | None = None) -> Artwork:
@@ -151,7 +152,7 @@ class _Walk:
             self.left_out[f'{kind} (on {what} "{layer.name}")'] += 1
             return
         paths = tuple(mapped(path, matrix) for path in self._paths(element, kind))
-        if any(not reach(path) <= LARGEST for path in paths):
+        if any(not largest_coordinate(path) <= LARGEST for path in paths):
             message = f"has coordinates beyond {LARGEST:g} mm; move or scale it"
             raise ValueError(message)
         self.strokes.append(

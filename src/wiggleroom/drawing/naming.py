@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.elements import Lettering, Stroke
 
 MAX_LABEL_LENGTH = 80
+"""Characters of a name; longer texts are notes."""
 Polygons = Sequence[shapely.Polygon] | NDArray[np.object_]
 
 

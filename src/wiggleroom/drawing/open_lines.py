@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.elements import Stroke
-from wiggleroom.drawing.joining import join_ends, loops, outline_of
+from wiggleroom.drawing.joining import closed_loops, join_ends, outline_of
 from wiggleroom.drawing.model import Points, Region
 from wiggleroom.drawing.net import net_of
 from wiggleroom.drawing.rings import clean_ring
@@ -29,7 +29,7 @@ def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     if ends.widest > 1e-6 * size:
         found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart (--join sets how far)")
     used = set()
-    for way in loops(ends, [line.stroke.pool for line in lines]):
+    for way in closed_loops(ends, [line.stroke.pool for line in lines]):
         ring = outline_of(way, corners, ends)
         first = min(edge for edge, _ in way)
         used |= {edge for edge, _ in way}

@@ -16,7 +16,7 @@ from wiggleroom.drawing.open_lines import open_lines
 from wiggleroom.drawing.pathdata import Subpath
 from wiggleroom.drawing.rings import COINCIDENT_CORNERS
 from wiggleroom.drawing.stroke_outlines import of_stroke
-from wiggleroom.drawing.strokes import extent
+from wiggleroom.drawing.strokes import longer_side
 from wiggleroom.drawing.traced_outlines import OpenLine, Traced
 from wiggleroom.errors import InputError
 
@@ -45,7 +45,7 @@ def traced(artwork: Artwork, *, flatten: float | None, gap: float | None, join: 
     paths = [(path, row) for row, stroke in enumerate(artwork.strokes) for path in stroke.paths]
     closed = [_is_closed(path) for path, _ in paths]
     tolerance, size = _chord_error(artwork, paths, closed, flatten, gap)
-    lengths = [extent(path) for (path, _), is_closed in zip(paths, closed, strict=True) if not is_closed]
+    lengths = [longer_side(path) for (path, _), is_closed in zip(paths, closed, strict=True) if not is_closed]
     real = [length for length in lengths if length > 1e-6 * size]
     within = join if join is not None else min([JOIN_DISTANCE, *(JOIN_SHARE * length for length in real)])
     found = Traced(artwork.file, tolerance, within)

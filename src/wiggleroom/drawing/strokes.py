@@ -104,7 +104,7 @@ def trace(path: Subpath, steps: int = 8) -> list[complex]:
     return points
 
 
-def extent(path: Subpath) -> float:
+def longer_side(path: Subpath) -> float:
     """Longer side of the box round a subpath [mm], curves by a few points.
 
     Examples
@@ -117,7 +117,7 @@ def extent(path: Subpath) -> float:
     return max(max(real) - min(real), max(imag) - min(imag))
 
 
-def reach(path: Subpath) -> float:
+def largest_coordinate(path: Subpath) -> float:
     """Largest coordinate of the points that define a subpath; infinite where one is no number.
 
     Examples

@@ -27,6 +27,7 @@ INVISIBLE_ELEMENTS = (
 )  # fmt: skip
 """Elements that draw nothing where they stand."""
 MAX_NESTING = 200
+"""Groups inside each other at most."""
 
 T = TypeVar("T")
 

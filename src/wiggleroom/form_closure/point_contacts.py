@@ -10,7 +10,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly, place
-from wiggleroom.assembly.gaps import make
+from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.loops import Loops, chained, region_rings
 from wiggleroom.assembly.statements import glue_groups
 from wiggleroom.drawing.model import Part
@@ -236,7 +236,7 @@ def _as_drawn(assembly: Assembly) -> tuple[Part, ...]:
     if assembly.gap == 0:
         return assembly.parts
     drawn = tuple(replace(p, offset=0.0) for p in assembly.drawing.parts)
-    return make(replace(assembly.drawing, parts=drawn, gap=0.0, gaps=()))[0]
+    return apply_gap(replace(assembly.drawing, parts=drawn, gap=0.0, gaps=()))[0]
 
 
 def _bodies(assembly: Assembly, parts: tuple[Part, ...]) -> tuple[Ints, int]:

@@ -18,7 +18,7 @@ from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.pair_hulls import hulls, joint_point
 from wiggleroom.freespace.models.pair_models import HalfPlane, Hull, PairModel, Walls, model_named
 from wiggleroom.freespace.models.polyhedron import Polyhedron
-from wiggleroom.freespace.slices import Slice, SliceSequence, march, pair_outlines
+from wiggleroom.freespace.slices import Slice, SliceSequence, pair_outlines, slice_sequence
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.jit_options import njit
 from wiggleroom.geometry.neighbours import placed
@@ -297,7 +297,7 @@ def _marched(
     at_a, at_b = (assembly.rest[assembly.names.index(name)] for name in names)
     relation = relate(at_a, at_b, them.rest[rows[0]], them.rest[rows[1]], pivot)
     own = [shapely.transform(g, lambda p: turn(p - pivot, np.array([-at_a[2]]))) for g in material]
-    return march(pair_outlines(own[0], own[1]), reach, stop), relation
+    return slice_sequence(pair_outlines(own[0], own[1]), reach, stop), relation
 
 
 def _polyhedron(

@@ -236,7 +236,7 @@ class SliceSequence:
         return slice_near(self.pair, phi, shapely.union_all(beside), self.limit)
 
 
-def march(pair: PairOutlines, reach: float, stop: Stop | None = None) -> SliceSequence:
+def slice_sequence(pair: PairOutlines, reach: float, stop: Stop | None = None) -> SliceSequence:
     """Follow the free space from rest both ways until it ends.
 
     Parameters

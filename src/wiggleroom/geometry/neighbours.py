@@ -1,4 +1,4 @@
-"""Which bodies can meet, and which pairs of them are congruent."""
+"""Which bodies can meet: pairs that are too far apart are culled by a tree search; and which pairs of them are congruent."""
 
 from __future__ import annotations
 

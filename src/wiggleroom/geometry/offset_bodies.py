@@ -24,7 +24,7 @@ def mitres(shapes: BodyShapes) -> Floats:
     return -2 * both / np.maximum((both**2).sum(axis=1), 1e-18)[:, None]
 
 
-def moved(bodies: Bodies, inward: Floats) -> Bodies:
+def offset_bodies(bodies: Bodies, inward: Floats) -> Bodies:
     """The same bodies in the same frames, the outlines of some parts moved.
 
     Parameters

@@ -27,9 +27,9 @@ from wiggleroom.live.warm_start import (
     State,
     TimeBudget,
     WarmSearch,
-    at_rest,
     free_of_overlap,
     pushed,
+    state_at_rest,
 )
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
@@ -55,6 +55,7 @@ MAX_CARRIED_GROWTH = 0.1
 RETREAT_SHARES = (0.01, 0.05, 0.15)
 """Shares of its motion that it is taken back by besides, one after the other: into the room of all joints."""
 MAX_WARM_STARTS = 3
+"""So many ends of earlier requests are tried, the nearest first."""
 MAX_KEPT_ENDS = 16
 """So many ends of largest motions are kept, for others to begin at."""
 
@@ -82,8 +83,8 @@ class Live:
     --------
     >>> import wiggleroom as wr
     >>> live = wr.Live(wr.patterns.chain(3, joint="tee", gap=0.02))
-    >>> shot = live.drag("b3", (2.0, 0.0), (2.0, 0.03))
-    >>> round(shot.distance, 3)
+    >>> result = live.drag("b3", (2.0, 0.0), (2.0, 0.03))
+    >>> round(result.distance, 3)
     0.0
     >>> round(live.design(gap=0.01).gap, 3)
     0.01
@@ -242,7 +243,7 @@ class Live:
         term, until = ready.objective(asked), TimeBudget(seconds, stop)
         state = self._nearby(asked)
         if state is None:
-            state = at_rest(ready)
+            state = state_at_rest(ready)
             for pull in pulls(ready.bodies, term, ready.clearance)[:1]:  # rest shows no direction
                 state, _ = WarmSearch(ready, pull, state, until).reach()
         search = WarmSearch(ready, term, state, until)
@@ -335,7 +336,7 @@ class Live:
             found = [e.state for e in self._ends if e.goals == asked and e.design.assembly is self._design.assembly]
             if found and found[-1].linked:
                 return replace(found[-1], mu=FIRST_BARRIER, ended=None)
-        return at_rest(self.ready)
+        return state_at_rest(self.ready)
 
     def _neighbours(
         self, term: Approach, aim: Floats, state: State, count: int, until: TimeBudget
@@ -349,7 +350,7 @@ class Live:
         points = Points(np.array([body]), term.points.turned(state.inner))
         grip = aim + term.apart[0] + term.points.moved(state.inner)[0]
         local = Approach(points, (grip - aim)[None], term.weight)
-        search = _towards(near.ready, local, at_rest(near.ready), float((grip - aim) @ (grip - aim)), until)
+        search = _towards(near.ready, local, state_at_rest(near.ready), float((grip - aim) @ (grip - aim)), until)
         there, settled = search.reach()
         if near.left(search):
             return None

@@ -12,7 +12,7 @@ from wiggleroom.geometry.bodies import Bodies, corners
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.live_result import Mode
-from wiggleroom.live.warm_start import WarmSearch, at_rest
+from wiggleroom.live.warm_start import WarmSearch, state_at_rest
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import ZERO_MOTION, PointMotion, Points
 from wiggleroom.search.prepare import Prepared
@@ -32,6 +32,7 @@ FRAMES_PER_SIDE = 12
 MAX_SHOWN_TRAVEL = 0.3
 """Where nothing stops a freedom, it is shown up to this share of the drawing's size."""
 MAX_NAMED_PARTS = 5
+"""Parts that a freedom names, those that move most."""
 
 
 def modes(ready: Prepared, body: int | None, count: int, stop: Stop | None) -> tuple[Mode, ...]:
@@ -105,13 +106,13 @@ def _end(ready: Prepared, program: Program, direction: Floats, stop: Stop | None
     weights = (direction / program.scale).reshape(-1, 3)
     weights = weights / np.abs(weights[:, :2]).max(initial=1e-300)
     goal = PointMotion(program.free, weights[:, :2], np.zeros((len(program.free), 2)), weights[:, 2])
-    warm = WarmSearch(ready, goal, at_rest(ready), stop)
+    warm = WarmSearch(ready, goal, state_at_rest(ready), stop)
     warm.reach()
     search = warm.search
     still = np.zeros((1, len(ready.bodies.fixed), 3))
     if search.best is None:
         return still, False
-    way = search.way(search.best)
+    way = search.checked_path(search.best)
     motions, safe = way.motions[: way.certain], OVERLAP_TOLERANCE * ready.size
     if search.unlimited:
         far = np.array([_furthest(ready.bodies, m).max() for m in motions]) > MAX_SHOWN_TRAVEL * ready.size

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import breadth_first_order
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.freespace.cells.cells import Cells, joined, replaced, select
+from wiggleroom.freespace.cells.cells import Cells, concatenated, replaced, select
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.live.warm_start import FIRST_BARRIER, State, WarmSearch
@@ -53,7 +53,7 @@ class Neighbourhood:
         there = replace(cells, a=self.body[cells.a], b=self.body[cells.b])
         all_cells = replaced(state.cells, self.pair, select(there, np.arange(first)))
         if len(cells.a) > first:
-            all_cells = joined(all_cells, select(there, np.arange(first, len(cells.a))))
+            all_cells = concatenated(all_cells, select(there, np.arange(first, len(cells.a))))
         inner, motion = state.inner.copy(), state.inner.copy()
         inner[self.body] += local.inner
         motion[self.body] += local.motion

@@ -17,7 +17,7 @@ from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.freespace.cells.cells import replaced
 from wiggleroom.geometry.bodies import Bodies, corners
-from wiggleroom.geometry.offset_bodies import moved
+from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import build
@@ -144,7 +144,7 @@ class PreparedDesigns:
         base = min(near, key=lambda d: float(np.abs(d.inward - inward).max()))
         before, by = base.ready.bodies, inward - base.inward
         try:
-            after = moved(before, by)
+            after = offset_bodies(before, by)
         except InputError:
             return None
         if not base.same(after, made):

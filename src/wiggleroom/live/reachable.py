@@ -81,8 +81,8 @@ def reach(live: Live, part: str, grip: Spot, *, stop: Stop | None = None) -> Rea
             go_on(stop)
             angle = 2 * math.pi * k / DIRECTIONS
             target = (grip[0] + far * math.cos(angle), grip[1] + far * math.sin(angle))
-            shot = live.drag(part, grip, target, start="rest", seconds=DRAG_SECONDS, stop=stop)
-            assert shot.reached is not None
-            places.append(shot.reached)
-            leaves = leaves or math.dist(shot.reached, grip) > 0.9 * far
+            result = live.drag(part, grip, target, start="rest", seconds=DRAG_SECONDS, stop=stop)
+            assert result.reached is not None
+            places.append(result.reached)
+            leaves = leaves or math.dist(result.reached, grip) > 0.9 * far
     return Reach(shapely.Polygon(places).buffer(0), exact=False, open=leaves)

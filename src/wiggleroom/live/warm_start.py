@@ -38,7 +38,9 @@ VISIBLE_DISTANCE = 5e-3
 TOLERATED_LOSS = 0.5
 """Share of that which virtual walls may hold back, were they all to give way by a clearance."""
 FIRST_BARRIER = 3e-3
+"""Complementarity that the next request begins with at least, as a share of the largest derivative of the objective."""
 MAX_LIVE_ROUNDS = 30
+"""Rounds of one request at most, whatever its time."""
 PATH_SAMPLES = 8
 """So many of a way's points show where it leads: the solver's steps wander."""
 WANTED_ROOM, MIN_ROOM, SLACK_ROW_WEIGHT, MAX_PUSHES = 2e-3, 1e-6, 1e-6, 8
@@ -46,6 +48,7 @@ WANTED_ROOM, MIN_ROOM, SLACK_ROW_WEIGHT, MAX_PUSHES = 2e-3, 1e-6, 1e-6, 8
 PICTURE_TOLERANCE = 1e-6
 """Slacks that are right to this share of the clearance are exact enough for a picture, where all walls hold."""
 FINISHED = (SolverStatus.CONVERGED, SolverStatus.ENOUGH)
+"""Ends of a solve after which its last iterate is in all walls."""
 MIN_LIVE_ITERATIONS = 8
 """A round is given so many iterations whatever the time: else a large assembly would never get anywhere."""
 
@@ -81,7 +84,7 @@ class State:
     ended: Floats | None = None
 
 
-def at_rest(ready: Prepared) -> State:
+def state_at_rest(ready: Prepared) -> State:
     """Return the state at rest."""
     still = np.zeros((len(ready.bodies.fixed), 3))
     return State(ready.cells, still, still)
@@ -257,5 +260,5 @@ def pushed(ready: Prepared, state: State) -> State | None:
         shift = SLACK_ROW_WEIGHT
         while not matrix.update(at.condensed(weight, np.zeros_like(weight), share=0.0), shift):
             shift *= 100
-        u = u + matrix.solve(at.against(short))
+        u = u + matrix.solve(at.transposed_jacobian_product(short))
     return None

@@ -106,7 +106,7 @@ def closed_placements(
     found = Closed()
     for spare in range(SETTINGS.max_open_lines + 1):
         until = deadline if spare == 0 else min(deadline, time.process_time() + SETTINGS.open_share * seconds)
-        search = _Search(bench, frozenset(free), table, until, stop, spare)
+        search = _ExhaustiveSearch(bench, frozenset(free), table, until, stop, spare)
         search.descend(search.root(start), spare)
         found = search.result
         if found.placements or not found.exhausted:
@@ -126,7 +126,7 @@ class _Partial:
 _Tried = dict[tuple[float, ...], tuple[int, _Partial] | None]
 
 
-class _Search:
+class _ExhaustiveSearch:
     def __init__(
         self,
         bench: BeamState,
@@ -176,12 +176,12 @@ class _Search:
         if time.process_time() > self.deadline or len(self.result.placements) >= SETTINGS.max_assemblies:
             self.result.exhausted = False
             return
-        left = self._open(node)
-        if not left:
+        lines = self._open(node)
+        if not lines:
             if len(node.state.rows) > 1:
                 self._keep(node.state)
             return
-        place, line, children = self._fewest(node, left)
+        place, line, children = self._fewest(node, lines)
         for child in children:
             self.descend(child, spare)
         if spare:

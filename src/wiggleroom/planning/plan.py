@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from wiggleroom.disassembly.departures import disassemble
 from wiggleroom.disassembly.interlock import with_ground
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.planning.easing import eased
+from wiggleroom.planning.gravity import Gravity
 from wiggleroom.planning.steps import Step, measured, steps_of
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
@@ -39,17 +40,23 @@ class Plan(Drawable):
         A plan is proven: every step of it was checked for overlap. Without one: what shows that the parts stay.
     rest : Separability
         What became of the parts that are left.
+    rest_certainty : Certainty
+        What shows that.
     steps : tuple of Step
     level : tuple of int
         Moves up to the first removal, from there to the second, and so on: what is called the level of a burr. A move is one slide of one
         or more parts as one, or one motion that is no slide.
     remains : tuple of names
         Loose parts that were to leave and do not.
-    states, questions : int
-        How far the search went: states to which slides led, and largest motions that were searched.
+    states, turned : int
+        How far the search went: states to which slides, and turns of single parts, led, and those in which every part was turned.
+    questions, unanswered : int
+        Largest motions that were searched, and how many of them found no end that is certain.
     whole : bool
-        True where the states are all to which slides lead.
+        True where the states are all to which slides and such turns lead.
     seconds : float
+    gravity : (2,) float64 or None
+        Unit vector in which loose parts fall; None where that was not looked at.
     """
 
     assembly: Assembly
@@ -57,13 +64,17 @@ class Plan(Drawable):
     verdict: Separability
     certainty: Certainty
     rest: Separability
+    rest_certainty: Certainty
     steps: tuple[Step, ...]
     level: tuple[int, ...]
     remains: tuple[str, ...]
     states: int
+    turned: int
     questions: int
+    unanswered: int
     whole: bool
     seconds: float
+    gravity: tuple[float, float] | None = None
 
     @property
     def moves(self) -> int:
@@ -87,6 +98,7 @@ def plan(
     assembly: Assembly,
     targets: Sequence[str] = (),
     *,
+    gravity: tuple[float, float] | None = None,
     stop: Stop | None = None,
     progress: Callable[[Progress], None] | None = None,
     seconds: float | None = None,
@@ -100,6 +112,8 @@ def plan(
     assembly : Assembly
     targets : sequence of names, optional
         Only these are to leave; others leave only where they must.
+    gravity : (x, y), optional
+        Direction in which loose parts fall: every step then says whom to hold so that none does.
     stop : optional
         Anything with `is_set()`; then the plan goes as far as was found.
     progress : callable, optional
@@ -110,7 +124,7 @@ def plan(
     Raises
     ------
     InputError
-        If a target is unknown or fixed, there is only one body, or all are fixed.
+        If a target is unknown or fixed, there is only one body, or all are fixed; if gravity has no direction.
     TouchingError
         If two parts touch at rest.
 
@@ -125,12 +139,15 @@ def plan(
     limit = stop if seconds is None else Deadline(seconds, stop)
     standing = with_ground(assembly)
     see_targets(standing, targets)
+    weight = None if gravity is None else Gravity(standing, survey(standing), gravity)
     done = disassemble(standing, targets=tuple(targets), stop=limit, tell=progress or silent)
     steps: tuple[Step, ...] = ()
     if done.departures:
         ground = survey(standing)
         steps = eased(standing, ground, steps_of(standing, done.departures), limit)
         steps = tuple(measured(standing, ground, step) for step in steps)
+        if weight is not None:
+            steps = tuple(replace(step, falling=weight.to_hold(step, limit)) for step in steps)
     gone = {standing.names[k] for d in done.departures for k in d.parts}
     fixed = {p.name for p in standing.parts if p.fixed}
     remains = tuple(n for n in targets or standing.names if n not in gone and n not in fixed)
@@ -141,13 +158,17 @@ def plan(
         verdict=done.last.ended if missed else Separability.COMES_APART,
         certainty=done.last.certainty if missed else Certainty.PROVEN,
         rest=done.last.ended,
+        rest_certainty=done.last.certainty,
         steps=steps,
         level=level(steps),
         remains=remains,
         states=done.states,
+        turned=done.turned,
         questions=done.questions,
+        unanswered=done.unanswered,
         whole=done.last.whole,
         seconds=time.perf_counter() - began,
+        gravity=None if weight is None else weight.direction,
     )
 
 

@@ -55,6 +55,8 @@ class Step:
         Unit vector along which the parts go in when they are put together: opposite to the last straight piece.
     held : tuple of names
         Loose parts that must be held, because what moves comes so near that it may drag them along.
+    falling : tuple of names
+        Loose parts that must be held by hand, because their weight would carry them away; none where gravity was not looked at.
     """
 
     parts: tuple[str, ...]
@@ -67,6 +69,7 @@ class Step:
     turn_room: float = 0.0
     axis: tuple[float, float] = (0.0, 0.0)
     held: tuple[str, ...] = ()
+    falling: tuple[str, ...] = ()
 
     @property
     def as_one(self) -> bool:
@@ -84,15 +87,15 @@ def steps_of(assembly: Assembly, departures: Sequence[Departure]) -> tuple[Step,
 
 def _split(assembly: Assembly, departure: Departure) -> list[Step]:
     """Steps of one departure: as long as the same parts move, it is one step."""
-    names, way, slides = assembly.names, departure.way, departure.slides
+    names, way, moves = assembly.names, departure.way, departure.moves
     moved: NDArray[np.bool_] = np.any(np.abs(np.diff(way, axis=0)) > STILL, axis=2)
     found: list[Step] = []
     begin, pieces = 0, len(way) - 1
     for k in range(1, pieces + 1):
-        if k < pieces and (np.array_equal(moved[k], moved[begin]) or (slides < 0 and k < pieces - 1)):
+        if k < pieces and (np.array_equal(moved[k], moved[begin]) or moves[k] == moves[k - 1]):
             continue
         parts = tuple(names[p] for p in np.flatnonzero(moved[begin:k].any(axis=0)))
-        found.append(Step(parts, way[begin : k + 1], k - begin if slides >= 0 else 1, (), departure.there))
+        found.append(Step(parts, way[begin : k + 1], len(np.unique(moves[begin:k])), (), departure.there))
         begin = k
     found[-1] = replace(found[-1], leaves=tuple(names[p] for p in departure.parts))
     return found

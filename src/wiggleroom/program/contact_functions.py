@@ -71,7 +71,7 @@ def wall_gradients(g, row, kind, normal, per_turn, corner, d):
 
 
 @njit(**NO_ALLOCATION)
-def along(g, turn, a, b, row, d, scale, slot, u, out):
+def jacobian_product(g, turn, a, b, row, d, scale, slot, u, out):
     """Out = J u: directional derivative of every row; `slot` maps bodies to free bodies (-1: fixed)."""
     for p in range(len(a)):
         c, s = turn[p, 0], turn[p, 1]
@@ -90,7 +90,7 @@ def along(g, turn, a, b, row, d, scale, slot, u, out):
 
 
 @njit(**NO_ALLOCATION)
-def against(g, turn, a, b, row, d, scale, slot, y, out):
+def transposed_jacobian_product(g, turn, a, b, row, d, scale, slot, y, out):
     """Add J^T y to out."""
     for p in range(len(a)):
         fx, fy, ft = 0.0, 0.0, 0.0
@@ -138,7 +138,7 @@ def wall_blocks(g, row, kind, d, normal, corner, weight, lam, M, force):
 
 
 @njit(**NO_ALLOCATION)
-def condensed(g, turn, a, b, M, force, scale, slot, diagonal_at, block_at, room, data):
+def add_condensed_blocks(g, turn, a, b, M, force, scale, slot, diagonal_at, block_at, room, data):
     """Add the blocks M (P, 6) of all pairs, seen from the bodies, to the upper triangle `data`.
 
     `force` (P, 2) multiplies the second derivatives of q. `diagonal_at` (F, 6) and `block_at` (P, 9) say where the entries of a body's

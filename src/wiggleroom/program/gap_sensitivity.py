@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 
 
 def carried(cells: Cells, before: Bodies, after: Bodies) -> Cells:
-    """The same cells for bodies from `wiggleroom.geometry.offset_bodies.moved`: every wall follows its edge and its corner.
+    """The same cells for bodies from `wiggleroom.geometry.offset_bodies.offset_bodies`: every wall follows its edge and its corner.
 
     Nothing is searched. What the walls hid before may show when outlines have moved much: whoever uses these cells
     checks the motion by exact geometry.

@@ -133,16 +133,18 @@ class Linearised:
     value: float
     gradient: Floats
 
-    def along(self, u: Floats) -> Floats:
+    def jacobian_product(self, u: Floats) -> Floats:
         """J u (R,)."""
         P, out = self.program, np.empty(self.program.rows)
-        kernel.along(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, u, out)
+        kernel.jacobian_product(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, u, out)
         return out
 
-    def against(self, y: Floats) -> Floats:
+    def transposed_jacobian_product(self, y: Floats) -> Floats:
         """J^T y (3F,)."""
         P, out = self.program, np.zeros(len(self.program.scale))
-        kernel.against(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, y, out)
+        kernel.transposed_jacobian_product(
+            self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, y, out
+        )
         return out
 
     def condensed(self, weight: Floats, lam: Floats, balance: Floats | None = None, share: float = 1.0) -> Floats:
@@ -152,7 +154,7 @@ class Linearised:
         M, force = P.pair_blocks(self.g, self.d, weight, lam)
         if balance is not None:
             force += balance
-        kernel.condensed(
+        kernel.add_condensed_blocks(
             self.g, self.turn, P.cells.a, P.cells.b, M, force, P.scale, P.slot,
             pattern.diagonal_at, pattern.block_at, np.zeros((3, 6, 6)), data,
         )  # fmt: skip

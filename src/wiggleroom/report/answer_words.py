@@ -95,7 +95,7 @@ def ask(goal: Goal | SpatialGoal) -> str:
             return "neighbours closer"
 
 
-def asked(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
+def goals_text(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
     """Goals in a row; of several the first ones.
 
     >>> asked((Pull("a", (0, 1)), Pull("b", (0, 1))))
@@ -129,7 +129,7 @@ def headline(answer: Answer) -> str:
     if not goals:
         return f"{len(answer.assembly.parts)} parts, nothing asked"
     if value is None:
-        return f"nothing stops {asked(goals)}"
+        return f"nothing stops {goals_text(goals)}"
     if len(goals) == 1:
         goal = goals[0]
         own = value / goal.weight if goal.weight else value
@@ -147,10 +147,10 @@ def headline(answer: Answer) -> str:
                 return f"sum of squared translations {number(own)} mm²"
             case Closer():
                 return f"neighbours closer: their squared distances lose {number(own)} mm²"
-    return f"{number(value)} {unit(goals)}".strip() + f": {asked(goals, MAX_GOALS)}"
+    return f"{number(value)} {unit(goals)}".strip() + f": {goals_text(goals, MAX_GOALS)}"
 
 
-def sentence(answer: Answer) -> str:
+def verdict_sentence(answer: Answer) -> str:
     """Say what the verdict means; of a model that approximates the free space, what it does not."""
     if answer.period is not None:
         return f"{answer.verdict.sentence}: {repeats(answer)}"
@@ -192,7 +192,7 @@ def proven(answer: Answer) -> str:
     return f"between {low:.{places}f} and {high:.{places}f}{space}{what}, proven"
 
 
-def bounded(answer: Answer) -> str:
+def bound_sentence(answer: Answer) -> str:
     """Say what was proven about the largest motion, how near it comes and what it took; or why nothing was."""
     bound, between = answer.bound, proven(answer)
     if not between:
@@ -220,16 +220,16 @@ def answer_sure(answer: Answer) -> list[tuple[str, str]]:
         found += f", {number(math.degrees(answer.objective))}°"
     return [
         ("found", found.strip()),
-        ("verdict", f"{answer.verdict.value}: {sentence(answer)}"),
+        ("verdict", f"{answer.verdict.value}: {verdict_sentence(answer)}"),
         ("checked", f"{certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
-        ("at most", bounded(answer)),
+        ("at most", bound_sentence(answer)),
         ("search", searched(answer)),
         ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
         ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
     ]
 
 
-def holding(contacts: Iterable[Contact]) -> list[Contact]:
+def force_bearing_contacts(contacts: Iterable[Contact]) -> list[Contact]:
     """Contacts with a force, the strongest first; equal ones in an order that does not change."""
     return sorted((c for c in contacts if c.force > 0), key=lambda c: (-c.force, c.parts, c.point))
 

@@ -18,6 +18,7 @@ Floats = NDArray[np.float64]
 WIDTH, HEIGHT = 840.0, 440.0
 """Size of the field between the axes [px]."""
 MAX_TICKS = 8
+"""Of one axis."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +107,7 @@ def plot(
     return axes, found
 
 
-def uprights(axes: Axes, marks: Sequence[tuple[float, str]], colours: Sequence[str]) -> list[str]:
+def vertical_lines(axes: Axes, marks: Sequence[tuple[float, str]], colours: Sequence[str]) -> list[str]:
     """Upright lines at some values of x with their labels, each label in a row of its own."""
     lines, labels = [], []
     for row, ((value, label), colour) in enumerate(zip(marks, colours, strict=True)):
@@ -125,7 +126,7 @@ def uprights(axes: Axes, marks: Sequence[tuple[float, str]], colours: Sequence[s
     return lines + labels
 
 
-def across(axes: Axes, mark: tuple[float, str], colour: str) -> list[str]:
+def horizontal_line(axes: Axes, mark: tuple[float, str], colour: str) -> list[str]:
     """Line across at a value of y, with its label at the left end."""
     value, label = mark
     y = float(axes.pixels(np.array([axes.x[0]]), np.array([value]))[0, 1])
@@ -135,7 +136,7 @@ def across(axes: Axes, mark: tuple[float, str], colour: str) -> list[str]:
     ]
 
 
-def finished(axes: Axes, body: list[str], title: str, facts: Sequence[str], command: str) -> str:
+def svg_document(axes: Axes, body: list[str], title: str, facts: Sequence[str], command: str) -> str:
     """Whole SVG document of a plot."""
     wide = axes.left + WIDTH + palette.MARGIN
     y = axes.top + HEIGHT + 60

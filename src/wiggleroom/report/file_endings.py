@@ -39,7 +39,7 @@ def unlike(path: PurePath, endings: Sequence[str]) -> str:
     return f"the name must end in {listed}" + ("; films come from flex, check and plan" if found in FILMS else "")
 
 
-def see(path: PurePath, endings: Sequence[str]) -> None:
+def check_ending(path: PurePath, endings: Sequence[str]) -> None:
     """See that the ending of a picture's name is one of `endings`.
 
     Raises

@@ -1,4 +1,4 @@
-"""Films of a way: GIF, MP4, and SVG that plays."""
+"""Films of a path: GIF, MP4, and SVG that plays."""
 
 from __future__ import annotations
 
@@ -40,14 +40,14 @@ def film(
 ) -> None:
     """Write a film of parts on their way.
 
-    They move evenly along the way, gently at both ends, with a pause there; parts that go far away fade. The file is
+    They move evenly along the path, gently at both ends, with a pause there; parts that go far away fade. The file is
     written whole or not at all.
 
     Parameters
     ----------
     assembly : Assembly
     way : (k, n, 3) float64 [mm, mm, rad]
-        Motions of the parts along the way, such as `Answer.waypoints`.
+        Motions of the parts along the path, such as `Answer.waypoints`.
     path : str or path
         .gif and .mp4 need the extra `film`; .svg plays in browsers.
     goals : tuple of Pull, Turn or W
@@ -105,13 +105,13 @@ def film_of_answer(answer: Answer, path: str | PathLike[str], *, progress: Progr
         answer.assembly,
         answer.waypoints,
         path,
-        **said(answer),
+        **film_texts(answer),
         back=not answer.leaves and answer.period is None,
         progress=progress,
     )
 
 
-def said(answer: Answer) -> dict:
+def film_texts(answer: Answer) -> dict:
     """Return what the film of an answer says about it: title, facts, goals and command."""
     return {
         "goals": answer.goals,

@@ -33,7 +33,7 @@ def gif(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
     MissingExtraError
         If Pillow is not installed.
     """
-    see_library(".gif")
+    need_film_library(".gif")
     from PIL import Image
 
     frames = list(_frames(made, GIF_SIZE, progress))
@@ -58,7 +58,7 @@ def mp4(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
     MissingExtraError
         If PyAV or Pillow is not installed.
     """
-    see_library(".mp4")
+    need_film_library(".mp4")
     import av
 
     frames = [av.VideoFrame.from_image(f) for f in _frames(made, MP4_SIZE, progress)]
@@ -134,7 +134,7 @@ def _rgb(colour: str) -> tuple[int, ...]:
     return tuple(bytes.fromhex(colour[1:]))
 
 
-def see_library(kind: str) -> None:
+def need_film_library(kind: str) -> None:
     """See that what a film of this kind (.gif or .mp4) needs is installed.
 
     Raises

@@ -14,7 +14,7 @@ Floats = NDArray[np.float64]
 
 
 class TimedPath:
-    """Motions along a way by its length, straight about the centroids of the bodies between its points.
+    """Motions along a path by its length, straight about the centroids of the bodies between its points.
 
     Straight about the centroids, because that is how ways are checked; glued parts keep together.
 
@@ -39,7 +39,7 @@ class TimedPath:
     """
 
     def __init__(self, assembly: Assembly, points: Floats) -> None:
-        points = way_points(assembly, points)
+        points = checked_waypoints(assembly, points)
         them = bodies(assembly)
         self._arm = them.rest[them.body_of, :2] - assembly.rest[:, :2]
         self._centred = about(points, self._arm)
@@ -47,7 +47,7 @@ class TimedPath:
 
     @property
     def length(self) -> float:
-        """How far the corner that moves most goes along the way, about [mm]."""
+        """How far the corner that moves most goes along the path, about [mm]."""
         return float(self._passed[-1])
 
     def at(self, lengths: Floats) -> Floats:
@@ -61,8 +61,8 @@ class TimedPath:
         return about((1 - share) * self._centred[piece] + share * self._centred[piece + 1], -self._arm)
 
 
-def way_points(assembly: Assembly, points: Floats) -> Floats:
-    """Check the motions along a way, (k, n, 3) [mm, mm, rad].
+def checked_waypoints(assembly: Assembly, points: Floats) -> Floats:
+    """Check the motions along a path, (k, n, 3) [mm, mm, rad].
 
     Raises
     ------
@@ -78,8 +78,8 @@ def way_points(assembly: Assembly, points: Floats) -> Floats:
     return points
 
 
-def eased(count: int) -> Floats:
-    """Shares (count,) of a way that begins and ends gently.
+def ease_in_out(count: int) -> Floats:
+    """Shares (count,) of a path that begins and ends gently.
 
     >>> eased(3).round(9).tolist()
     [0.0, 0.5, 1.0]

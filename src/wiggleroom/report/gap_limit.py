@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from msgspec import UNSET
 
-from wiggleroom.report.answer_words import asked, number, unit
+from wiggleroom.report.answer_words import goals_text, number, unit
 from wiggleroom.report.plots import curve
 from wiggleroom.report.separability_picture import Checked, picture_of_check
 from wiggleroom.report.table import columns
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 MAX_TRIALS = 12
 """Rows of the table: the trials nearest the answer."""
 GAP_DIGITS = 5
+"""Digits of a gap in words."""
 
 
 def gap_result(found: AllowableGap, command: str = "", kerf: float | None = None) -> GapResult:
@@ -62,7 +63,7 @@ def gap_sentence(found: AllowableGap) -> str:
     gap = f"{number(found.gap, GAP_DIGITS)} mm"
     match found.question:
         case "at most":
-            return f"largest gap {gap}: {asked(found.goals)} stays below {limit} {what}".rstrip()
+            return f"largest gap {gap}: {goals_text(found.goals)} stays below {limit} {what}".rstrip()
         case "holds":
             return f"largest gap {gap}: interlocked"
     return f"smallest gap {gap}: fits with every outline {limit} mm larger"

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wiggleroom.report import frame, palette
 from wiggleroom.report.answer_words import number, per_gap, short, unit
 from wiggleroom.report.picture import PartColours, picture
-from wiggleroom.report.study_results import at_random, less
+from wiggleroom.report.study_results import at_random, reduction_text
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.tighten import Tightening
@@ -89,5 +89,5 @@ def tightening_facts(found: Tightening) -> list[str]:
         f"{many} {'part' if many == 1 else 'parts'} to a gap of {number(found.gap)} mm",
     ]
     if len(found.random):
-        said.append(f"{less(found.lowered, 0)}; as many at random: {at_random(found, 0)}")
+        said.append(f"{reduction_text(found.lowered, 0)}; as many at random: {at_random(found, 0)}")
     return said

@@ -66,7 +66,7 @@ def extent(found: Floats) -> Floats:
     return np.concatenate([found[:, :2].min(axis=0), found[:, 2:].max(axis=0)])
 
 
-def reach(assembly: Assembly, motion: Floats) -> float:
+def largest_displacement(assembly: Assembly, motion: Floats) -> float:
     """How far the corner that moves most is moved [mm]."""
     farthest = 0.0
     for part, (dx, dy, turn) in zip(assembly.parts, motion.tolist(), strict=True):
@@ -82,7 +82,7 @@ def magnification(assembly: Assembly, motion: Floats) -> float:
 
     A motion below 0.8 % of the drawing is drawn about 4 % large, by a round factor.
     """
-    size, moved = assembly.size, reach(assembly, motion)
+    size, moved = assembly.size, largest_displacement(assembly, motion)
     if moved > MAX_SHOWN_SHARE * size:
         return round_down(MAX_SHOWN_SHARE * size / moved)
     if moved <= 1e-9 * size or moved >= MIN_VISIBLE_SHARE * size:

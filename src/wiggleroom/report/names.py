@@ -29,12 +29,12 @@ _PLACES = sorted(((dx, dy) for dy in OFFSET_STEPS for dx in OFFSET_STEPS), key=l
 
 
 def label(name: str, shape: PartPath, place: Place, largest: float, marks: shapely.STRtree) -> str:
-    """Text element with the part's name, or nothing where it does not fit; see `room_for`."""
-    found = room_for(name, shape, place, largest, marks)
+    """Text element with the part's name, or nothing where it does not fit; see `name_position`."""
+    found = name_position(name, shape, place, largest, marks)
     return text_at(name, *found) if found else ""
 
 
-def room_for(
+def name_position(
     name: str, shape: PartPath, place: Place, largest: float, marks: shapely.STRtree
 ) -> tuple[Floats, float] | None:
     """Middle (2,) [px] and font size of a part's name, or None where it does not fit.

@@ -8,7 +8,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture, study_plots
-from wiggleroom.report.answer_words import facts, headline, sentence
+from wiggleroom.report.answer_words import facts, headline, verdict_sentence
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence
 from wiggleroom.report.pages import assembly_lines, page_of_answer, page_of_assembly
 from wiggleroom.report.plan_results import plan_facts, plan_title
@@ -65,7 +65,7 @@ def lines(found: Assembly | Answer | Interlock | Study) -> list[str]:
         case Assembly():
             return assembly_lines(found)
         case Answer():
-            return [headline(found), f"{found.verdict}: {sentence(found)}", *facts(found)]
+            return [headline(found), f"{found.verdict}: {verdict_sentence(found)}", *facts(found)]
         case Interlock():
             return [check_title(found), *check_facts(found, None)]
         case Checked():

@@ -11,7 +11,7 @@ import numpy as np
 from wiggleroom.assembly.assembly import rings_at
 from wiggleroom.drawing.assembly_writer import goal_entries
 from wiggleroom.drawing.model import Drawing, Part
-from wiggleroom.report.answer_words import answer_sure, facts, headline, holding
+from wiggleroom.report.answer_words import answer_sure, facts, force_bearing_contacts, headline
 from wiggleroom.report.json_results import contact_entry
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import FlexReply, Opened, Outline, PartShape
@@ -84,4 +84,4 @@ def answer_message(answer: Answer, command: str) -> FlexReply:
 
 def contacts_message(contacts: Iterable[Contact]) -> list[ContactEntry]:
     """Contacts with a force, the strongest first."""
-    return [contact_entry(contact) for contact in holding(contacts)]
+    return [contact_entry(contact) for contact in force_bearing_contacts(contacts)]

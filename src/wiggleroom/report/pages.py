@@ -13,15 +13,15 @@ from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
-from wiggleroom.report.answer_words import asked, few, headline, number, unit
+from wiggleroom.report.answer_words import few, goals_text, headline, number, unit
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
 from wiggleroom.report.importance_picture import ranking_facts
 from wiggleroom.report.separability import check_facts, check_title
 from wiggleroom.report.separability_picture import Checked
-from wiggleroom.report.space_report import headline as space_headline
-from wiggleroom.report.space_report import said, space_picture, space_result
+from wiggleroom.report.space_report import space_facts, space_picture, space_result
+from wiggleroom.report.space_report import space_headline as space_headline
 from wiggleroom.report.space_solid import space_message
-from wiggleroom.report.standalone_page import answered, opened, section, standalone_page, way
+from wiggleroom.report.standalone_page import packed_frames, section, shown_answer, shown_drawing, standalone_page
 from wiggleroom.report.study_messages import check_message, ranking_message, step_message
 from wiggleroom.report.study_results import lost_sentence
 from wiggleroom.report.study_tabs import sample_message, tightening_message
@@ -62,7 +62,7 @@ def page_of_assembly(assembly: Assembly) -> str:
         width, height = np.ptp(np.vstack([region.outer for region in part.regions]), axis=0).tolist()
         rows.append([part.name, width, height, "stands" if part.fixed else ""])
     table = section("Parts", columns=["part", "width mm", "height mm", ""], rows=rows)
-    shown = opened(assembly, assembly.goals)
+    shown = shown_drawing(assembly, assembly.goals)
     return standalone_page(title, opened=shown, said=Title(title, more), tab="study", study=StudyTab("Parts", [table]))
 
 
@@ -70,7 +70,7 @@ def assembly_lines(assembly: Assembly) -> list[str]:
     """What an assembly is, in two lines: its size and gap, then what stands and what is asked."""
     fixed = [part.name for part in assembly.parts if part.fixed]
     stands = f"{few(fixed)} {'stands' if len(fixed) == 1 else 'stand'}" if fixed else "nothing stands"
-    wanted = f"asked: {asked(assembly.goals, 3)}" if assembly.goals else "nothing is asked"
+    wanted = f"asked: {goals_text(assembly.goals, 3)}" if assembly.goals else "nothing is asked"
     return [f"{len(assembly.parts)} parts, gap {number(assembly.gap)} mm", f"{stands}; {wanted}"]
 
 
@@ -85,7 +85,9 @@ def page_of_check(checked: Checked, *, command: str = "") -> str:
     """Check as one HTML page: the verdict, who leaves in which order and how as films, and how sure it is."""
     found, title = checked.found, check_title(checked.found)
     said = Title(title, check_facts(found, checked.border))
-    return standalone_page(title, opened=opened(found.assembly), said=said, tab="apart", **_check(checked, command))
+    return standalone_page(
+        title, opened=shown_drawing(found.assembly), said=said, tab="apart", **_check(checked, command)
+    )
 
 
 def page_of_sweep(found: Sweep, *, command: str = "") -> str:
@@ -113,9 +115,9 @@ def page_of_sweep(found: Sweep, *, command: str = "") -> str:
     ]
     first = min(answers, key=lambda gap: abs(gap - found.assembly.gap))
     told = {
-        "opened": opened(next(iter(answers.values())).assembly, found.goals),
+        "opened": shown_drawing(next(iter(answers.values())).assembly, found.goals),
         "begin": first,
-        "answers": answered(answers, command),
+        "answers": shown_answer(answers, command),
         "steps": [step_message(step) for step in found.steps],
         "lost": found.lost,
         "study": StudyTab("Gaps", [section("Motion against gap", columns=heads, rows=rows, terms=sure)]),
@@ -152,7 +154,7 @@ def page_of_gap(found: AllowableGap, *, command: str = "") -> str:
         section("Everything that was tried", columns=["gap mm", what, "at most", "verdict"], rows=rows),
     ]
     near = [t.answer for t in found.trials if t.answer is not None and t.gap == found.gap]
-    shown: dict[str, Any] = _about(near[0], command) if near else {"opened": opened(found.assembly, found.goals)}
+    shown: dict[str, Any] = _about(near[0], command) if near else {"opened": shown_drawing(found.assembly, found.goals)}
     told = shown | {"said": Title(title, gap_facts(found)), "tab": "study", "study": StudyTab("Gap", sections)}
     return standalone_page(title, **told)
 
@@ -190,8 +192,8 @@ def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = N
         judgement = [(term, str(value)) for term, value in asdict(result.audit).items()]
         sections.append(section("Judged against polygon intersection", terms=judgement))
     told = {
-        "opened": opened(assembly),
-        "said": Title(space_headline(space), said(space, judged)),
+        "opened": shown_drawing(assembly),
+        "said": Title(space_headline(space), space_facts(space, judged)),
         "tab": "space",
         "space": space_message(space, (0.0, 0.0, 0.0), command),
         "study": StudyTab("Slices and cells", sections),
@@ -207,7 +209,7 @@ def _study(found: StudyReply) -> dict[str, Any]:
 def _check(checked: Checked, command: str) -> dict[str, Any]:
     """A verdict with the ways of those that leave."""
     found = checked.found
-    ways = [way(found.assembly, escape.path) for escape in found.escapes]
+    ways = [packed_frames(found.assembly, escape.path) for escape in found.escapes]
     return {"check": StandaloneCheck(check_message(found, command, checked.border), ways)}
 
 
@@ -215,7 +217,7 @@ def _about(answer: Answer, command: str) -> dict[str, Any]:
     """A drawing and the answer to one question about it."""
     gap = answer.assembly.gap
     return {
-        "opened": opened(answer.assembly, answer.goals),
-        "answers": answered({gap: answer}, command),
+        "opened": shown_drawing(answer.assembly, answer.goals),
+        "answers": shown_answer({gap: answer}, command),
         "tab": "answer",
     }

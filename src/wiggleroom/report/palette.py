@@ -29,6 +29,8 @@ TEXT_SIZE = 14.0
 SMALL_SIZE = 11.0
 
 MARGIN = 40.0
+HEAD_SPACING = 30.0
+"""Between the text and the drawing [px]."""
 WIDEST = 1120.0
 TALLEST = 1000.0
 NARROWEST = 720.0

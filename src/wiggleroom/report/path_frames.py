@@ -14,8 +14,8 @@ MAX_FRAME_MOTIONS = 120_000
 """Motions of parts in all frames of a way together; at least two frames."""
 
 
-def way_frames(assembly: Assembly, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Motions (k, n, 3) along a way, the first and the last of it as they are [mm, mm, rad].
+def path_frames(assembly: Assembly, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Motions (k, n, 3) along a path, the first and the last of it as they are [mm, mm, rad].
 
     Parameters
     ----------

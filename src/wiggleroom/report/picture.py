@@ -22,9 +22,6 @@ from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]
 
-HEAD_SPACING = 30.0
-"""Between the text and the drawing [px]."""
-
 
 @dataclass(frozen=True)
 class PartColours:
@@ -78,7 +75,7 @@ def _draw(
     box = layout.extent(both)
     canvas = layout.view(box, 0.0).canvas
     head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
-    view = layout.view(box, below + HEAD_SPACING)
+    view = layout.view(box, below + palette.HEAD_SPACING)
     rooms = (both[len(rest) :, 2:] - both[len(rest) :, :2]).max(axis=1) * view.scale
     room = float(np.median(rooms))
     goals = assembly.goals if answer is None else answer.goals
@@ -90,7 +87,7 @@ def _draw(
     pulled = {assembly.names[row] for _, row in marked}
     body = drawn_parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
     legend = _legend(assembly, answer, bool(pulled), tints)
-    foot, height = frame.footer(view, view.y + view.height + HEAD_SPACING + 16, legend, command)
+    foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, command)
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
 

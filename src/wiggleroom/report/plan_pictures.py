@@ -17,9 +17,10 @@ from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.film import film
 from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
 from wiggleroom.report.picture import picture
+from wiggleroom.report.plan_messages import plan_steps, plan_sure
 from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
-from wiggleroom.report.standalone_page import opened, standalone_page, way
-from wiggleroom.schema.replies import CheckReply, LeavingEntry, Title
+from wiggleroom.report.standalone_page import packed_frames, shown_drawing, standalone_page
+from wiggleroom.schema.replies import CheckReply, Title
 from wiggleroom.schema.standalone_schema import StandaloneCheck
 from wiggleroom.search.answer import witnessed
 from wiggleroom.verdict import Verdict
@@ -66,17 +67,17 @@ def page_of_plan(found: Plan, *, command: str = "") -> str:
         verdict=found.verdict,
         certainty=found.certainty,
         words=f"{found.verdict}: {'; '.join(plan_facts(found)) or searched_sentence(found)}",
-        sure=[("verdict", title), ("certainty", found.certainty), ("search", searched_sentence(found))],
-        escapes=[LeavingEntry(list(step.parts), step_sentence(step)) for step in found.steps],
+        sure=plan_sure(found),
+        escapes=plan_steps(found),
         spins=[],
         remains=list(found.remains),
         border=None,
         command=command,
     )
-    ways = [way(found.assembly, step.way) for step in found.steps]
+    ways = [packed_frames(found.assembly, step.way) for step in found.steps]
     return standalone_page(
         title,
-        opened=opened(found.assembly),
+        opened=shown_drawing(found.assembly),
         said=Title(title, plan_facts(found)),
         tab="apart",
         check=StandaloneCheck(reply, ways),
@@ -117,7 +118,7 @@ def _within(way: NDArray[np.float64], size: float) -> NDArray[np.float64]:
 
 
 def _arrow(begin: Assembly, step: Step, name: str, found: Plan) -> Pull:
-    """Arrow of a part, from a point inside it, along the way it goes."""
+    """Arrow of a part, from a point inside it, along the path it goes."""
     row = found.assembly.names.index(name)
     change = step.way[-1, row] - step.way[0, row]
     direction = change[:2] if np.hypot(*change[:2]) > STILL else np.array([1.0, 0.0])

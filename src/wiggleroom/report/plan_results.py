@@ -14,6 +14,7 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.answer_words import few, number, towards
+from wiggleroom.report.search_extent import extent
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.results import (
     PlanAssemblyEntry,
@@ -21,8 +22,8 @@ from wiggleroom.schema.results import (
     PlanRankEntry,
     PlanResult,
     PlanSampleEntry,
-    PlanSearchEntry,
     PlanStepEntry,
+    StateSearchEntry,
 )  # fmt: skip
 from wiggleroom.verdict import Certainty, Separability
 
@@ -33,6 +34,7 @@ Floats = NDArray[np.float64]
 
 _COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magenta", Separability.UNKNOWN: "yellow"}
 _MOST_STEPS = 40
+"""Steps that the page for the terminal lists."""
 MOST_PIECES = 3
 """Ways of more straight pieces are not said in words."""
 SLIGHT_TURN = 0.05
@@ -62,12 +64,20 @@ def plan_result(found: Plan, command: str = "", told: PlanTolerances | None = No
         moves=found.moves,
         steps=steps,
         assembly=[
-            PlanAssemblyEntry(step=k + 1, parts=s.parts, path=s.path[::-1], axis=s.axis, held=s.held)
+            PlanAssemblyEntry(step=k + 1, parts=s.parts, path=s.path[::-1], axis=s.axis, held=s.held, falling=s.falling)
             for k, s in reversed(list(enumerate(steps)))
         ],
         remains=list(found.remains),
         rest=found.rest,
-        search=PlanSearchEntry(states=found.states, whole=found.whole, questions=found.questions),
+        rest_certainty=found.rest_certainty,
+        gravity=found.gravity,
+        search=StateSearchEntry(
+            states=found.states,
+            turned=found.turned,
+            whole=found.whole,
+            questions=found.questions,
+            unanswered=found.unanswered,
+        ),
         sample=UNSET if told.sample is None else _sample(told.sample),
         rank=UNSET if told.rank is None else _rank(told.rank),
         smallest_gap=UNSET if told.gap is None else _gap(names, told.gap),
@@ -145,7 +155,8 @@ def _step(names: tuple[str, ...], step: Step) -> PlanStepEntry:
         room=step.room,
         turn_room_deg=math.degrees(step.turn_room),
         axis=step.axis,
-        held=list(step.held),
+        held=[*step.held, *(n for n in step.falling if n not in step.held)],
+        falling=list(step.falling),
     )
 
 
@@ -184,8 +195,17 @@ def plan_facts(found: Plan) -> list[str]:
             f"least clearance: {number(nearest.clearance, 3)} mm, in step {found.steps.index(nearest) + 1}; every step "
             "checked for overlap"
         )
+    if found.gravity is not None and found.steps:
+        most = max(len(step.falling) for step in found.steps)
+        hands = (
+            f"at most {most} part{'s' if most != 1 else ''} held besides those that move"
+            if most
+            else "none needs to be held"
+        )
+        said.append(f"loose parts fall in {towards(found.gravity)}: {hands}")
     if found.remains and found.verdict is Separability.COMES_APART:
-        sure = {Separability.INTERLOCKED: "interlocked", Separability.UNKNOWN: "nothing more was found to leave"}
+        held = f"interlocked, {found.rest_certainty}"
+        sure = {Separability.INTERLOCKED: held, Separability.UNKNOWN: "nothing more was found to leave"}
         said.append(f"remains: {few(found.remains)} ({sure.get(found.rest, found.rest)})")
     return said
 
@@ -195,7 +215,9 @@ def step_sentence(step: Step) -> str:
     many = len(step.parts) > 1
     verb = ("leave" if many else "leaves") if step.leaves else ("move" if many else "moves")
     together = " as one" if many and step.as_one else " at the same time" if many else ""
-    return f"{few(step.parts)} {verb}{together} {_how(step)}, clearance {number(step.clearance, 3)} mm"
+    return f"{few(step.parts)} {verb}{together} {_how(step)}, clearance {number(step.clearance, 3)} mm" + (
+        f"; hold {few(step.falling)}" if step.falling else ""
+    )
 
 
 def _how(step: Step) -> str:
@@ -217,9 +239,7 @@ def _how(step: Step) -> str:
 
 def searched_sentence(found: Plan) -> str:
     """How far the search went."""
-    said = f"{found.states} state{'s' if found.states != 1 else ''} visited"
-    if found.questions:
-        said += f", {found.questions} largest motion{'s' if found.questions != 1 else ''} searched"
-    if found.verdict is not Separability.COMES_APART and found.certainty is not Certainty.PROVEN:
-        said += ", all that slides lead to" if found.whole else ", cut short"
+    said = extent(found)
+    if found.verdict is not Separability.COMES_APART and found.certainty is not Certainty.PROVEN and not found.whole:
+        said += ", cut short"
     return said

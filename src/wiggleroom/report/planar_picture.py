@@ -16,8 +16,8 @@ from wiggleroom.report.sheet_picture import (
     PICTURE_HEIGHT,
     PICTURE_WIDTH,
     fitted,
+    halo_text,
     hue,
-    label,
     path_data,
     rings_of,
 )
@@ -57,7 +57,7 @@ def _sheet(found: PlanarAssembly, x: float, y: float) -> tuple[str, float]:
         fill = palette.PAPER if loose else palette.NEUTRAL[0]
         lines.append(_shape(polygon, scale, shift, fill, ' stroke-dasharray="4 3"' if loose else ""))
         px, py = np.array(shapely.get_coordinates(polygon.representative_point())[0]) * (scale, -scale) + shift
-        lines.append(label(px, py, found.names[row], palette.INK, 10.0))
+        lines.append(halo_text(px, py, found.names[row], palette.INK, 10.0))
     for points in found.open.values():
         for px, py in points[::3] * (scale, -scale) + shift:
             lines.append(f'<circle cx="{px:.2f}" cy="{py:.2f}" r="1.2" fill="{OPEN}"/>')
@@ -65,7 +65,7 @@ def _sheet(found: PlanarAssembly, x: float, y: float) -> tuple[str, float]:
         for point in joint.on_sheet:
             px, py = point * (scale, -scale) + shift
             lines.append(f'<circle cx="{px:.2f}" cy="{py:.2f}" r="2.5" fill="{hue(k)}"/>')
-            lines.append(label(px, py - 8, f"J{k + 1}", hue(k), 8.0))
+            lines.append(halo_text(px, py - 8, f"J{k + 1}", hue(k), 8.0))
     return "\n".join([*lines, "</g>"]), float(min(PICTURE_HEIGHT, scale * (high[1] - low[1])))
 
 
@@ -80,5 +80,5 @@ def _bodies(found: PlanarAssembly, x: float, y: float) -> tuple[str, float]:
     for row, polygon in placed.items():
         lines.append(_shape(polygon, scale, shift, palette.NEUTRAL[0]))
         px, py = np.array(shapely.get_coordinates(polygon.representative_point())[0]) * (scale, -scale) + shift
-        lines.append(label(px, py, found.names[row], palette.INK, 10.0))
+        lines.append(halo_text(px, py, found.names[row], palette.INK, 10.0))
     return "\n".join([*lines, "</g>"]), float(min(PICTURE_HEIGHT, scale * (high[1] - low[1])))

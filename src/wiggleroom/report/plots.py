@@ -1,4 +1,4 @@
-"""Plots of numbers as SVG: a curve, a histogram, bars. Values in, text out; `write_svg` makes files of them."""
+"""Plots of numbers as SVG: a curve, a histogram, bars. Values in, text out; `write_still` makes files of them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError
 from wiggleroom.report import frame, palette
 from wiggleroom.report.answer_words import number
-from wiggleroom.report.axes import WIDTH, across, finished, plot, span, text, uprights
+from wiggleroom.report.axes import WIDTH, horizontal_line, plot, span, svg_document, text, vertical_lines
 from wiggleroom.report.text import elide, wrap
 
 Floats = NDArray[np.float64]
@@ -57,7 +57,7 @@ def curve(
     shown = [x[np.isfinite(x)], np.array([m[0] for m in marks])]
     heights = y if level is None else np.append(y, level[0])
     axes, body = plot(span(np.concatenate(shown)), span(heights, zero=True), labels, title, facts)
-    body += across(axes, level, palette.FIXED[1]) if level else []
+    body += horizontal_line(axes, level, palette.FIXED[1]) if level else []
     at, there = axes.pixels(x, np.where(np.isfinite(y), y, 0.0)), np.isfinite(x) & np.isfinite(y)
     colour = palette.PULLED[1]
     line = "".join(
@@ -66,8 +66,8 @@ def curve(
     body.append(f'<path d="{line}" fill="none" stroke="{colour}" stroke-width="2.5" stroke-linejoin="round"/>')
     radius = 3.5 if there.sum() <= 60 else 1.5
     body += [f'<circle cx="{u:.2f}" cy="{v:.2f}" r="{radius}" fill="{colour}"/>' for u, v in at[there].tolist()]
-    body += uprights(axes, marks, [palette.FORCE] * len(marks))
-    return finished(axes, body, title, facts, command)
+    body += vertical_lines(axes, marks, [palette.FORCE] * len(marks))
+    return svg_document(axes, body, title, facts, command)
 
 
 def histogram(
@@ -112,8 +112,8 @@ def histogram(
                 f'<rect x="{x0:.2f}" y="{y0:.2f}" width="{max(x1 - x0, 0.5):.2f}" height="{y1 - y0:.2f}" '
                 f'fill="{fill}" stroke="{stroke}"/>'
             )
-    body += uprights(axes, [m for m, _ in lines], [colour for _, colour in lines])
-    return finished(axes, body, title, facts, command if framed else "")
+    body += vertical_lines(axes, [m for m, _ in lines], [colour for _, colour in lines])
+    return svg_document(axes, body, title, facts, command if framed else "")
 
 
 def _bins(some: Floats, limit: Mark | None) -> Floats:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from importlib.resources import as_file, files
 
 WIDTH = 1600
+"""[px]"""
 
 
 def png(svg: str, *, width: int = WIDTH, own_font_only: bool = False) -> bytes:

@@ -19,8 +19,6 @@ from wiggleroom.report.layout import View
 from wiggleroom.report.picture import drawn_parts
 from wiggleroom.report.text import escape, wrap
 
-HEAD_SPACING = 30.0
-"""Between the text and the drawing [px]."""
 MAX_ROWS = 60
 """Rows of the list of parts."""
 MAX_LINES = 24
@@ -76,7 +74,7 @@ def picture_of_reading(
     said += [f"{len(findings)} faults" if len(findings) != 1 else "1 fault"] if findings else []
     canvas = layout.view(box, 0.0).canvas
     head, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
-    view = layout.view(box, below + HEAD_SPACING)
+    view = layout.view(box, below + palette.HEAD_SPACING)
     body: list[str] = []
     if assembly.parts:
         own = layout.boxes(assembly, rest)
@@ -92,7 +90,7 @@ def picture_of_reading(
     legend = [(_swatch(kind), _STYLES[kind][0]) for kind in kinds]
     if any(part.fixed for part in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
-    foot, y = frame.footer(view, view.y + view.height + HEAD_SPACING + 16, legend, command)
+    foot, y = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, command)
     lists, height = _lists(view, y, rows, findings, assembly.drawing.notes)
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot, *lists])
 

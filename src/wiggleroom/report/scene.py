@@ -14,16 +14,14 @@ from wiggleroom.drawing.model import Goal, Pull, Turn, W, part_of
 from wiggleroom.report import frame, layout, palette
 from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow, turn_radius
-from wiggleroom.report.film_timing import TimedPath, eased, way_points
+from wiggleroom.report.film_timing import TimedPath, checked_waypoints, ease_in_out
 from wiggleroom.report.layout import View
-from wiggleroom.report.names import room_for, text_at, usual
+from wiggleroom.report.names import name_position, text_at, usual
 from wiggleroom.report.part_paths import PartPath, PartPaths, middle, spot, use
 from wiggleroom.report.text import escape
 
 Floats = NDArray[np.float64]
 
-HEAD_SPACING = 30.0
-"""Between the text and the drawing [px]."""
 MAX_WHOLE_SHARE = 1.0
 """A motion no further than this, as a share of the drawing's size, is shown as a whole."""
 FRAME_SHARE = 0.55
@@ -136,7 +134,7 @@ def scene(
     Parameters
     ----------
     points : (k, n, 3) float64 [mm, mm, rad]
-        Motions along the way.
+        Motions along the path.
     rate : float [1/s]
         Frames a second; fewer where there are very many parts.
     goals : tuple
@@ -147,7 +145,7 @@ def scene(
     least_seconds : float
         It lasts at least so long.
     """
-    points = way_points(assembly, points)
+    points = checked_waypoints(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
     way = TimedPath(assembly, points * factor)
     pan = (
@@ -158,19 +156,19 @@ def scene(
     shown = _seen_length(assembly, way, pan)
     seconds = max(float(np.clip(DURATION[0] + 1.2 * shown / assembly.size, *DURATION)), least_seconds)
     count = max(min(round(seconds * rate), MAX_PLACES // len(assembly.parts)), 8) + 1
-    poses = assembly.rest + way.at(shown * eased(count))
+    poses = assembly.rest + way.at(shown * ease_in_out(count))
     said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
     box = _box(assembly, poses, pan)
     canvas = layout.view(box, 0.0).canvas
     top, below = frame.header(title, said, canvas - 2 * palette.MARGIN)
-    view = layout.view(box, below + HEAD_SPACING)
+    view = layout.view(box, below + palette.HEAD_SPACING)
     defs, tracks, still = _tracks(view, assembly, poses, goals, pan)
     legend = [(frame.swatch("none", palette.REST), "at rest")]
     if any(p.fixed for p in assembly.parts):
         legend.insert(0, (frame.swatch(*palette.FIXED), "fixed"))
     if goals:
         legend.insert(1, (frame.swatch(*palette.PULLED), "pulled"))
-    foot, height = frame.footer(view, view.y + view.height + HEAD_SPACING + 16, legend, command)
+    foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, command)
     stage = (view.x - 12, view.y - 12, view.width + 24, view.height + 24)
     words = "; ".join(said)
     # video needs even sizes
@@ -281,7 +279,7 @@ def _names(
     called = [short(p.name) for p in assembly.parts]
     size, found = usual(list(zip(called, of, strict=True)), room), []
     for k, (name, shape) in enumerate(zip(called, of, strict=True)):
-        at = room_for(name, shape, tuple(places[0, k].tolist()), size, marks)
+        at = name_position(name, shape, tuple(places[0, k].tolist()), size, marks)
         if at is None:
             continue
         x, y = at[0] - places[0, k, :2]

@@ -14,8 +14,9 @@ from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.report.leaving_picture import inside
+from wiggleroom.report.search_extent import extent
 from wiggleroom.schema.fields import PartMotion
-from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
+from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry, StateSearchEntry
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
@@ -61,6 +62,13 @@ def _separability(found: Interlock) -> SeparabilityEntry:
         escapes=[EscapeEntry(list(e.parts), _waypoints(names, e)) for e in found.escapes],
         spins=list(found.spins),
         remains=list(found.remains),
+        search=StateSearchEntry(
+            states=found.states,
+            turned=found.turned,
+            whole=found.whole,
+            questions=found.questions,
+            unanswered=found.unanswered,
+        ),
     )
 
 
@@ -91,7 +99,7 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     if border is not None:
         lines.append(Text(border_sentence(border), style="bold"))
     spent = f"{found.seconds:.2f}" + (" without the largest gap" if border is not None else "")
-    searched = f", {_searched(found)}" if found.questions else ""
+    searched = f", {extent(found)}" if found.questions or found.states else ""
     lines.append(Text(f"seconds: {spent}{searched}", style="dim"))
     return Group(*lines)
 
@@ -116,12 +124,17 @@ def why(found: Interlock) -> str:
             ", proven by forces" if found.certainty is Certainty.PROVEN else "; curves were taken as polygons"
         )
     if found.verdict is Separability.UNKNOWN:
-        return "the search was cut short, or some questions were not answered"
+        return f"the search was cut short, or found no end that is certain: {extent(found)}"
     if found.at_most is not None:
         return f"proven, no part gets further than {further(found.at_most)} mm from where it lies"
     if found.certainty is Certainty.PROVEN:
         return "proven, free spaces are closed"
-    return "searched, every planned question was answered and no way was found"
+    if found.turned:
+        return (
+            f"searched, nothing leaves from {found.states:,} states to which slides and turns of single parts lead, nor along "
+            f"{found.questions:,} largest motions"
+        )
+    return f"searched, no way was found along {found.questions:,} largest motions"
 
 
 def further(distance: float) -> str:
@@ -137,7 +150,7 @@ def further(distance: float) -> str:
 def leaves(found: Interlock, escape: Escape) -> str:
     """Who leaves, and how."""
     verb = "leaves" if len(escape.parts) == 1 else "leave together"
-    return f"{few(escape.parts)} {verb} {along(found, escape)}"
+    return f"{few(escape.parts)} {verb} {direction_text(found, escape)}"
 
 
 def check_title(found: Interlock) -> str:
@@ -158,17 +171,11 @@ def check_sure(found: Interlock) -> list[tuple[str, str]]:
     return [
         ("verdict", f"{found.verdict}: {why(found)}"),
         ("certainty", found.certainty),
-        ("took", f"{found.seconds:.2f} seconds, {_searched(found)}"),
+        ("took", f"{found.seconds:.2f} seconds, {extent(found)}"),
     ]
 
 
-def _searched(found: Interlock) -> str:
-    """How often the search was needed: not where free spaces decide."""
-    count = found.questions
-    return f"{count or 'no'} largest motion{'s' if count > 1 else ''} searched"
-
-
-def along(found: Interlock, escape: Escape) -> str:
+def direction_text(found: Interlock, escape: Escape) -> str:
     """How the parts go."""
     if len(escape.path) == 2:
         return f"straight in {towards(last_directions(found, escape)[0])}"

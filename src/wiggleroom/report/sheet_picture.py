@@ -70,7 +70,7 @@ def _sheet(found: AssembledSheet, x: float, y: float) -> str:
             f'<path d="{path_data(panel, scale, shift)}" fill="{fill}" fill-rule="evenodd" stroke="{palette.NEUTRAL[1]}"{dash}/>'
         )
         px, py = plate.centre * (scale, -scale) + shift
-        lines.append(label(px, py, plate.name, palette.INK, 10.0))
+        lines.append(halo_text(px, py, plate.name, palette.INK, 10.0))
     for k, joint in enumerate(found.joints):
         colour = hue(k)
         for side, row in enumerate(joint.panels):
@@ -80,7 +80,7 @@ def _sheet(found: AssembledSheet, x: float, y: float) -> str:
             centre = found.plates[row].centre * (scale, -scale) + shift
             away = centre - inner
             inner = inner + away / max(float(np.hypot(*away)), 1e-9) * 9.0
-            lines.append(label(inner[0], inner[1], f"J{k + 1}", colour, 8.0))
+            lines.append(halo_text(inner[0], inner[1], f"J{k + 1}", colour, 8.0))
     for row, flanks in found.open.items():
         for px, py in on_sheet(found, row, flanks) * (scale, -scale) + shift:
             cross = f"M{px - 3:.2f},{py - 3:.2f}l6,6m0,-6l-6,6"
@@ -88,7 +88,7 @@ def _sheet(found: AssembledSheet, x: float, y: float) -> str:
     return "\n".join([*lines, "</g>"])
 
 
-def label(x: float, y: float, text: str, colour: str, size: float) -> str:
+def halo_text(x: float, y: float, text: str, colour: str, size: float) -> str:
     """Text with a halo, centred."""
     return (
         f'<text x="{x:.2f}" y="{y + size / 3:.2f}" font-size="{size:g}" text-anchor="middle" fill="{colour}" '

@@ -19,7 +19,7 @@ from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.names import label, usual
 from wiggleroom.report.part_paths import PartPaths, spot, use
-from wiggleroom.report.stacked_slices import extent, rings, stack
+from wiggleroom.report.stacked_slices import rings, slices_box, stack
 from wiggleroom.report.text import escape
 from wiggleroom.schema.results import AuditEntry, CellEntry, SliceEntry, SpaceResult
 
@@ -33,18 +33,19 @@ SIDE_WIDTH = 430.0
 TILE_SIZE = 150.0
 """Side of the picture of one cell [px]."""
 TILES_PER_ROW = 5
+"""Slices that are drawn beside each other."""
 MAX_CELLS = 12
 """Cells that are drawn."""
 
 
-def headline(space: FreeSlices) -> str:
+def space_headline(space: FreeSlices) -> str:
     """One line, such as "b2 turns -1.82° to 1.82° against b1, closed"."""
     a, b = (short(n) for n in space.parts)
     low, high = (number(math.degrees(x), 3) for x in space.angles)
     return f"{b} turns {low}° to {high}° against {a}, {'closed' if space.closed else 'open'}"
 
 
-def said(space: FreeSlices, judged: Audit | None) -> list[str]:
+def space_facts(space: FreeSlices, judged: Audit | None) -> list[str]:
     """Facts under the headline."""
     found = (
         [
@@ -125,8 +126,8 @@ def space_table(space: FreeSpace, judged: Audit | None) -> Group:
     if len(found) > MAX_CELLS:
         cells.add_row(f"... and {len(found) - MAX_CELLS} more", "", "", style="dim")
     lines = [Text(f"judged:   {line}") for line in (_judged(judged) if judged else [])]
-    facts = [Text(line) for line in said(space, None)]
-    return Group(Text(headline(space), style="bold"), *facts, Text(), slices, Text(), cells, Text(), *lines)
+    facts = [Text(line) for line in space_facts(space, None)]
+    return Group(Text(space_headline(space), style="bold"), *facts, Text(), slices, Text(), cells, Text(), *lines)
 
 
 def _judged(judged: Audit) -> list[str]:
@@ -148,7 +149,7 @@ def space_picture(
     framed : bool
         False: without title, facts and command, for a page that says them itself.
     """
-    title, facts = headline(space), said(space, judged)
+    title, facts = space_headline(space), space_facts(space, judged)
     head, below = frame.header(title if framed else "", facts, 900.0)
     solid, wide, tall = stack(space, palette.MARGIN, below + 16)
     left = palette.MARGIN + wide + 20
@@ -206,7 +207,7 @@ def _slices(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
     regions, angles = about_pivot(space), np.array([s.angle for s in space.slices])
     wanted = np.linspace(angles[0], angles[-1], TILES_PER_ROW)
     chosen = list(dict.fromkeys(int(np.abs(angles - w).argmin()) for w in wanted))
-    low, high = extent(regions)
+    low, high = slices_box(regions)
     scale = TILE_SIZE / float((high - low).max())
     high_px, found = float((high - low)[1]) * scale, []
     for j, k in enumerate(chosen):

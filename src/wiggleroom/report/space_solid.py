@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from wiggleroom.compare.monte_carlo import about_pivot
 from wiggleroom.freespace.free_space import FreeSlices
 from wiggleroom.report.answer_words import number
-from wiggleroom.report.space_report import headline, said
-from wiggleroom.report.stacked_slices import HEIGHT_RATIO, extent, rings
+from wiggleroom.report.space_report import space_facts, space_headline
+from wiggleroom.report.stacked_slices import HEIGHT_RATIO, rings, slices_box
 from wiggleroom.schema.replies import SpaceReply, SpaceSlice
 
 Floats = NDArray[np.float64]
@@ -30,7 +30,7 @@ def space_message(found: FreeSlices, state: tuple[float, float, float], command:
     The solid stands over x [mm], y [mm] and angle [deg], in motions of the pivot.
     """
     regions, angles = about_pivot(found), np.degrees([s.angle for s in found.slices])
-    low, high = extent(regions)
+    low, high = slices_box(regions)
     first, last = np.degrees(found.angles).tolist()
     vertices, triangles = lofted(regions, angles, (first, last))
     shown = np.unique(np.linspace(0, len(regions) - 1, min(len(regions), MAX_SLICES)).round().astype(int))
@@ -45,8 +45,8 @@ def space_message(found: FreeSlices, state: tuple[float, float, float], command:
         scale=HEIGHT_RATIO * float((high - low).max()) / (last - first) if last > first else 1.0,
         pivot=(float(found.pivot[0]), float(found.pivot[1])),
         state=state,
-        headline=headline(found),
-        facts=said(found, None),
+        headline=space_headline(found),
+        facts=space_facts(found, None),
         model="walls",
         command=command,
         open=UNSET if found.closed else True,

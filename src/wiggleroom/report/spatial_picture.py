@@ -10,6 +10,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 from wiggleroom.report.file_endings import ending
@@ -21,6 +23,8 @@ from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly, Surface
 
 Floats = NDArray[np.float64]
+Colour = tuple[int, int, int]
+"""Red, green and blue, 0 to 255."""
 
 WIDTH, HEIGHT, MARGIN = 800.0, 600.0, 40.0
 LOOK = np.array([-0.6, 0.65, -0.47])
@@ -54,7 +58,7 @@ def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
         If the name has another ending.
     """
     lines = [spatial_headline(answer), f"{answer.verdict}, gap {answer.assembly.gap:g} mm, {spatial_certainty(answer)}"]
-    _write(answer.assembly, answer.motion, path, lines, answer.contacts)
+    write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts)
 
 
 def draw_separation(found: SpatialDisassembly, path: Path) -> None:
@@ -69,17 +73,29 @@ def draw_separation(found: SpatialDisassembly, path: Path) -> None:
             motion[who, :3] *= min(1.0, share)
     lines = [f"{found.verdict} at gap {found.assembly.gap:g} mm"]
     lines += [", then ".join(" and ".join(e.parts) for e in found.escapes)] if found.escapes else []
-    _write(found.assembly, motion, path, lines, ())
+    write_moved_parts(found.assembly, motion, path, lines)
 
 
-def _write(
-    assembly: SpatialAssembly, motion: Floats, path: Path, lines: Sequence[str], contacts: Sequence[SpatialContact]
+def write_moved_parts(
+    assembly: SpatialAssembly,
+    motion: Floats,
+    path: Path,
+    lines: Sequence[str],
+    contacts: Sequence[SpatialContact] = (),
+    colours: Sequence[Colour] | None = None,
 ) -> None:
+    """Write parts at a motion (n, 6) with lines of text above them; .svg, .png or .glb.
+
+    Raises
+    ------
+    InputError
+        If the name has another ending.
+    """
     kind = ending(path)
     if kind == ".glb":
-        write_whole(path, glb(assembly, motion))
+        write_whole(path, glb(assembly, motion, colours))
     elif kind in (".svg", ".png"):
-        svg = spatial_svg(assembly, motion, lines, contacts)
+        svg = spatial_svg(assembly, motion, lines, contacts, colours)
         if kind == ".svg":
             write_whole(path, svg)
         else:
@@ -91,13 +107,14 @@ def _write(
         raise InputError(message)
 
 
-def glb(assembly: SpatialAssembly, motion: Floats) -> bytes:
+def glb(assembly: SpatialAssembly, motion: Floats, colours: Sequence[Colour] | None = None) -> bytes:
     """Moved parts as binary glTF, in metres, y up, each with its name and colour."""
     import trimesh
 
     scene = trimesh.Scene()
     upright = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
-    for name, surface, colour in zip(assembly.names, _moved(assembly, motion), _colours(assembly), strict=True):
+    shown = colours or part_colours(assembly)
+    for name, surface, colour in zip(assembly.names, _moved(assembly, motion), shown, strict=True):
         mesh = trimesh.Trimesh(surface.vertices / 1000.0, surface.faces, process=False)
         mesh.apply_transform(upright)
         mesh.visual = trimesh.visual.TextureVisuals(
@@ -110,7 +127,11 @@ def glb(assembly: SpatialAssembly, motion: Floats) -> bytes:
 
 
 def spatial_svg(
-    assembly: SpatialAssembly, motion: Floats, lines: Sequence[str], contacts: Sequence[SpatialContact] = ()
+    assembly: SpatialAssembly,
+    motion: Floats,
+    lines: Sequence[str],
+    contacts: Sequence[SpatialContact] = (),
+    colours: Sequence[Colour] | None = None,
 ) -> str:
     """Picture of parts at a motion (n, 6), seen from the front, right and above."""
     depth, across, up = _camera()
@@ -129,7 +150,7 @@ def spatial_svg(
         )
 
     facets = []
-    for surface, colour in zip(moved, _colours(assembly), strict=True):
+    for surface, colour in zip(moved, colours or part_colours(assembly), strict=True):
         facets += _facets(surface, colour, depth)
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:g}" height="{HEIGHT:g}" viewBox="0 0 {WIDTH:g} {HEIGHT:g}">',
@@ -173,9 +194,16 @@ def _camera() -> tuple[Floats, Floats, Floats]:
     return depth, across, np.cross(across, depth)
 
 
-def _colours(assembly: SpatialAssembly) -> list[tuple[int, int, int]]:
-    free = iter(range(len(assembly.parts)))
-    return [FIXED if p.fixed else COLOURS[next(free) % len(COLOURS)] for p in assembly.parts]
+def part_colours(assembly: SpatialAssembly) -> list[Colour]:
+    """Colours of the parts: grey what stands, one colour for what is glued together."""
+    glued = glue_groups(Drawing((), glue=assembly.drawing.glue))
+    still = {glued.get(p.name, p.name) for p in assembly.parts if p.fixed}
+    known: dict[int | str, Colour] = {}
+    found = []
+    for part in assembly.parts:
+        body = glued.get(part.name, part.name)
+        found.append(FIXED if body in still else known.setdefault(body, COLOURS[len(known) % len(COLOURS)]))
+    return found
 
 
 def _moved(assembly: SpatialAssembly, motion: Floats) -> list[Surface]:
@@ -220,7 +248,7 @@ def _creases(surface: Surface) -> list[tuple[Floats, Floats]]:
     return list(found.values())
 
 
-def _facets(surface: Surface, colour: tuple[int, int, int], depth: Floats) -> list[_Facet]:
+def _facets(surface: Surface, colour: Colour, depth: Floats) -> list[_Facet]:
     """Triangles of a surface that face the eye."""
     normal = _normals(surface)
     sharp = _sharp(surface, normal)

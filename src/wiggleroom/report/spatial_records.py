@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
+from wiggleroom.disassembly.largest_gap import LargestGap
+from wiggleroom.report.tables import text_of
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.verdict import Verdict
@@ -49,8 +52,22 @@ def spatial_flex_record(answer: SpatialAnswer) -> Record:
     }
 
 
-def spatial_check_record(found: SpatialDisassembly, command: str = "") -> Record:
+def spatial_check_record(found: SpatialDisassembly, border: LargestGap | None = None, command: str = "") -> Record:
     """Everything `check --json` says; lengths in mm, angles in degrees."""
+    record: Record = {"format": "wiggleroom.check/1", "dimension": 3} | _separability_entry(found)
+    record["gap"] = found.assembly.gap
+    if border is not None:
+        record["largest_gap"] = {
+            "interlocked_at": border.holds,
+            "comes_apart_at": border.parts_at,
+            "interlocked": None if border.interlocked is None else _separability_entry(border.interlocked),
+            "comes_apart": None if border.apart is None else _separability_entry(border.apart),
+        }
+    return record | {"seconds": round(found.seconds, 4), "command": command}
+
+
+def _separability_entry(found: SpatialDisassembly) -> Record:
+    """Whether parts come apart at one gap."""
     names = found.assembly.names
     escapes = []
     for escape in found.escapes:
@@ -58,15 +75,22 @@ def spatial_check_record(found: SpatialDisassembly, command: str = "") -> Record
         path = [{names[k]: motion_entry(m[k]) for k in moved} for m in escape.path]
         escapes.append({"parts": list(escape.parts), "path": path})
     return {
-        "format": "wiggleroom.check/1",
-        "dimension": 3,
         "verdict": found.verdict.value,
         "certainty": found.certainty.value,
         "at_most": None,
         "escapes": escapes,
         "spins": [],
         "remains": list(found.remains),
-        "gap": found.assembly.gap,
-        "seconds": round(found.seconds, 4),
-        "command": command,
     }
+
+
+def spatial_steps(names: Sequence[str], ways: Sequence[np.ndarray]) -> str:
+    """Motions along ways (k, n, 6), one after the other, as comma-separated values: a row for each way, step and part that moves."""
+    heads = ("way", "step", "part", "dx_mm", "dy_mm", "dz_mm", "rx_deg", "ry_deg", "rz_deg")
+    rows = [
+        (k + 1, step, names[p], *motion[p, :3].tolist(), *np.degrees(motion[p, 3:]).tolist())
+        for k, way in enumerate(ways)
+        for step, motion in enumerate(way)
+        for p in np.flatnonzero((np.abs(way) > MIN_MOTION).any(axis=(0, 2))).tolist()
+    ]
+    return text_of(heads, rows)

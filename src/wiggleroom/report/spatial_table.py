@@ -17,6 +17,8 @@ from wiggleroom.verdict import Certainty, Separability, Verdict
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
 
+    from wiggleroom.disassembly.largest_gap import LargestGap
+
 _MOST_PARTS, _MOST_CONTACTS = 12, 8
 _COLOURS = {Verdict.OPTIMAL: "green", Verdict.UNBOUNDED: "magenta"}
 _SENTENCES = {
@@ -97,7 +99,7 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     return Group(*page, *[Text(line) for line in sure])
 
 
-def spatial_check_table(found: SpatialDisassembly) -> Group:
+def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = None) -> Group:
     """Page that `check` prints: verdict, who leaves in which order, what remains."""
     from rich.console import Group
     from rich.text import Text
@@ -114,6 +116,10 @@ def spatial_check_table(found: SpatialDisassembly) -> Group:
         lines.append(Text(f"     ... and {len(found.escapes) - _MOST_PARTS} more"))
     if found.escapes and len(found.remains) > 1:
         lines.append(Text(f"remains: {few(found.remains)}"))
+    if border is not None:
+        from wiggleroom.report.separability import border_sentence
+
+        lines.append(Text(border_sentence(border), style="bold"))
     lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} questions", style="dim"))
     return Group(*lines)
 

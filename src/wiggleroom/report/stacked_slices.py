@@ -21,6 +21,7 @@ AZIMUTH, ELEVATION = math.radians(-32.0), math.radians(24.0)
 SIZE = 300.0
 """Longer side of the slices, and the height of the stack is 1.15 of it [px]."""
 HEIGHT_RATIO = 1.15
+"""Height of the stack, as a multiple of that."""
 LIGHT = np.array([math.cos(math.radians(200.0)), math.sin(math.radians(200.0))])
 SHADED, LIT = "#1d4f80", "#b4d6f2"
 """In the shade and in full light."""
@@ -46,7 +47,7 @@ def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]
     Source: the views of Mind the Gap, Figs 2 and 7.
     """
     regions = about_pivot(space)
-    low, high = extent(regions)
+    low, high = slices_box(regions)
     scale = SIZE / float((high - low).max())
     middle, (first, last) = (low + high) / 2, space.angles
     levels = (edges(space) - first) / (last - first) * HEIGHT_RATIO * SIZE
@@ -63,7 +64,7 @@ def stack(space: FreeSpace, left: float, top: float) -> tuple[str, float, float]
     return "".join(found), float(wide) + 140, float(tall) + 50
 
 
-def extent(regions: Sequence[shapely.Geometry]) -> tuple[Floats, Floats]:
+def slices_box(regions: Sequence[shapely.Geometry]) -> tuple[Floats, Floats]:
     """Lower left and upper right corner of all slices [mm]."""
     bounds = np.array([r.bounds for r in regions])
     return bounds[:, :2].min(axis=0), bounds[:, 2:].max(axis=0)

@@ -19,7 +19,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.page_messages import answer_message, digits_of, drawing_message
-from wiggleroom.report.path_frames import way_frames
+from wiggleroom.report.path_frames import path_frames
 from wiggleroom.report.text import escape
 from wiggleroom.schema.replies import Piece
 from wiggleroom.schema.standalone_schema import (
@@ -58,11 +58,11 @@ def standalone_page(title: str, **found: Any) -> str:
         f'<meta http-equiv="Content-Security-Policy" content="{policy}"><meta name="color-scheme" content="light dark">'
         f'<link rel="icon" href="data:,"><title>{escape(title)}</title><style>{style}</style></head>\n'
         '<body><div id="page"><noscript>This page needs JavaScript.</noscript></div>'
-        f'<script type="application/json" id="baked">{data}</script>\n{code}</body></html>\n'
+        f'<script type="application/json" id="standalone">{data}</script>\n{code}</body></html>\n'
     )
 
 
-def opened(assembly: Assembly, goals: tuple[Goal, ...] = ()) -> StandaloneDrawing:
+def shown_drawing(assembly: Assembly, goals: tuple[Goal, ...] = ()) -> StandaloneDrawing:
     """The drawing as it is shown at rest, and what is asked of it."""
     drawing = replace(assembly.drawing, goals=goals)
     told = drawing_message(drawing, assembly.parts, PurePath(drawing.source).name)
@@ -74,11 +74,11 @@ def opened(assembly: Assembly, goals: tuple[Goal, ...] = ()) -> StandaloneDrawin
         size=told.size,
         parts=[PlacedPart(part.name, part.at) for part in told.parts],
         design=told.design,
-        outlines=outlines(assembly),
+        outlines=shared_outlines(assembly),
     )
 
 
-def outlines(assembly: Assembly) -> SharedOutlines:
+def shared_outlines(assembly: Assembly) -> SharedOutlines:
     """Outlines of parts about their reference points [mm]: each `shape` once, and which one a part has."""
     digits = digits_of(assembly.size)
     found: dict[tuple[bytes, ...], int] = {}
@@ -94,21 +94,21 @@ def outlines(assembly: Assembly) -> SharedOutlines:
     return SharedOutlines(shapes, of)  # type: ignore[arg-type]
 
 
-def answered(answers: Mapping[float, Answer], command: str) -> list[StandaloneAnswer]:
+def shown_answer(answers: Mapping[float, Answer], command: str) -> list[StandaloneAnswer]:
     """Answers by gap [mm], each with the frames of its way, and with its outlines where they are not those of the first."""
     found: list[StandaloneAnswer] = []
     first = None
     for gap, answer in answers.items():
-        made = outlines(answer.assembly)
+        made = shared_outlines(answer.assembly)
         first = first or made
-        frames = way(answer.assembly, answer.waypoints)
+        frames = packed_frames(answer.assembly, answer.waypoints)
         found.append(StandaloneAnswer(gap, answer_message(answer, command), frames, UNSET if made == first else made))
     return found
 
 
-def way(assembly: Assembly, points: NDArray[np.float64]) -> PackedFrames:
-    """Frames along a way, as they go over the wire."""
-    frames = way_frames(assembly, points).astype("<f4")
+def packed_frames(assembly: Assembly, points: NDArray[np.float64]) -> PackedFrames:
+    """Frames along a path, as they go over the wire."""
+    frames = path_frames(assembly, points).astype("<f4")
     k, n, _ = frames.shape
     return PackedFrames(k, n, base64.b64encode(frames.tobytes()).decode())
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 
 from wiggleroom.files import write_whole
-from wiggleroom.report.file_endings import STILLS, ending, see
+from wiggleroom.report.file_endings import STILLS, check_ending, ending
 
 
-def write_svg(svg: str, path: Path) -> None:
+def write_still(svg: str, path: Path) -> None:
     """Write a still picture as SVG or, where the name says so, as PNG; whole or not at all.
 
     Raises
@@ -16,7 +16,7 @@ def write_svg(svg: str, path: Path) -> None:
     InputError
         If the name does not end in .svg or .png.
     """
-    see(path, STILLS)
+    check_ending(path, STILLS)
     if ending(path) == ".png":
         from wiggleroom.report.png import png
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from wiggleroom.errors import InputError
-from wiggleroom.report.answer_words import asked, number, unit
+from wiggleroom.report.answer_words import goals_text, number, unit
 from wiggleroom.report.plots import curve, histogram
 from wiggleroom.report.study_results import lost_sentence, spread_words, yield_sentence
 from wiggleroom.sensitivity.sample import Sample
@@ -17,7 +17,7 @@ SHOWN_QUANTILES = (0.05, 0.5, 0.95)
 
 def sweep_title(found: Sweep) -> str:
     """Say what a sweep is about, such as "b2 in +y against the gap"."""
-    return f"{asked(found.goals)} against the gap"
+    return f"{goals_text(found.goals)} against the gap"
 
 
 def sweep_facts(found: Sweep) -> list[str]:
@@ -63,7 +63,7 @@ def picture_of_sweep(found: Sweep, *, command: str = "") -> str:
 
 def sample_title(found: Sample) -> str:
     """Say what a sample is about, such as "b2 in +y when gaps vary"."""
-    return f"{asked(found.answer.goals)} when gaps vary"
+    return f"{goals_text(found.answer.goals)} when gaps vary"
 
 
 def sample_facts(found: Sample) -> list[str]:

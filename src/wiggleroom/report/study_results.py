@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.report.answer_words import asked, headline, number, short, unit
+from wiggleroom.report.answer_words import goals_text, headline, number, short, unit
 from wiggleroom.report.table import columns
 from wiggleroom.schema.results import (
     CheckedDraws,
@@ -61,7 +61,7 @@ def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def less(share: float, places: int) -> str:
+def reduction_text(share: float, places: int) -> str:
     """Say by how much the motion gets less.
 
     >>> less(12.34, 0), less(float("nan"), 1)
@@ -74,7 +74,7 @@ def at_random(found: Tightening, places: int) -> str:
     """Say what tightening as many parts at random takes away, and how often the parts do not fit then."""
     if found.misfits == len(found.random):
         return "the parts do not fit"
-    return less(found.lowered_at_random, places) + (f" ({found.misfits} do not fit)" if found.misfits else "")
+    return reduction_text(found.lowered_at_random, places) + (f" ({found.misfits} do not fit)" if found.misfits else "")
 
 
 def tighten_table(found: Tightening) -> Group:
@@ -86,7 +86,7 @@ def tighten_table(found: Tightening) -> Group:
     if found.after.objective is None:
         now = "nothing stops it"
     else:
-        now = f"{number(found.after.objective)} {what}".rstrip() + f", {less(found.lowered, 1)}"
+        now = f"{number(found.after.objective)} {what}".rstrip() + f", {reduction_text(found.lowered, 1)}"
     lines = [Text(headline(found.before), style="bold"), Text()]
     if found.chosen:
         parts = ", ".join(short(n) for n in found.chosen)
@@ -127,7 +127,7 @@ def sweep_table(found: Sweep) -> Group:
         value = "" if s.objective is None else number(s.objective)
         rate = "" if s.objective is None or s.gap == 0 else number(s.objective / s.gap, 3)
         rows.add_row(number(s.gap), value, rate, str(s.verdict))
-    return Group(Text(asked(found.goals, 3), style="bold"), Text(), rows, Text(), Text(lost_sentence(found)))
+    return Group(Text(goals_text(found.goals, 3), style="bold"), Text(), rows, Text(), Text(lost_sentence(found)))
 
 
 def lost_sentence(found: Sweep) -> str:

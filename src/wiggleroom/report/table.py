@@ -8,7 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.drawing.model import part_of
-from wiggleroom.report.answer_words import ask, certainty, headline, holding, number, proven, searched, sentence, short
+from wiggleroom.report.answer_words import (
+    ask,
+    certainty,
+    force_bearing_contacts,
+    headline,
+    number,
+    proven,
+    searched,
+    short,
+    verdict_sentence,
+)
 from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 
@@ -40,7 +50,7 @@ def table(answer: Answer) -> Group:
     colour = _COLOURS[answer.verdict]
     lines = [
         Text(headline(answer), style="bold"),
-        Text.assemble((answer.verdict.value, f"bold {colour}"), f": {sentence(answer)}"),
+        Text.assemble((answer.verdict.value, f"bold {colour}"), f": {verdict_sentence(answer)}"),
     ]
     if answer.objective is not None and len(answer.goals) > 1:
         lines += [Text(f"  {ask(goal)}, weight {number(goal.weight)}") for goal in answer.goals]
@@ -77,7 +87,7 @@ def _parts(answer: Answer) -> Table:
 
 def _contacts(answer: Answer) -> Table:
     """Contacts that hold the motion, largest force first."""
-    held = holding(answer.contacts)
+    held = force_bearing_contacts(answer.contacts)
     found = columns("held by", "x mm", "y mm", "force")
     size = answer.assembly.size
     for c in held[:MAX_CONTACT_ROWS]:

@@ -75,7 +75,7 @@ def _cell(value: Any) -> Any:
 
 
 def _steps(names: Sequence[str], way: NDArray[np.float64]) -> list[tuple[Any, ...]]:
-    """Motions along a way (k, n, 3), a row for each step and part; the last step is the end."""
+    """Motions along a path (k, n, 3), a row for each step and part; the last step is the end."""
     return [
         (step, name, x, y, math.degrees(turn))
         for step, motion in enumerate(way.tolist())
@@ -119,7 +119,10 @@ def _ranks(ranking: Ranking) -> list[tuple[Any, ...]]:
 
 def _tightened(found: Tightening) -> list[tuple[Any, ...]]:
     names = found.before.assembly.names
-    before, after = (np.hypot(*a.motion[:, :2].T).tolist() for a in (found.before, found.after))
+    before, after = (
+        np.linalg.norm(a.motion[:, : 2 if a.motion.shape[1] == 3 else 3], axis=1).tolist()
+        for a in (found.before, found.after)
+    )
     return [(k + 1, name, before[names.index(name)], after[names.index(name)]) for k, name in enumerate(found.chosen)]
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.drawing.model import Tolerance
-from wiggleroom.report.answer_words import asked, number, short, unit
+from wiggleroom.report.answer_words import goals_text, number, short, unit
 from wiggleroom.report.plots import bars
 from wiggleroom.report.table import columns
 from wiggleroom.schema.results import ContributionEntry, CornerEntry, TolerancesResult
@@ -80,7 +80,7 @@ def _moves(answer: Answer) -> str:
 
 def tolerances_sentence(found: WorstCase) -> str:
     """Answer in one line."""
-    return f"{asked(found.nominal.goals)} within tolerances: {_moves(found.loosest)} at worst"
+    return f"{goals_text(found.nominal.goals)} within tolerances: {_moves(found.loosest)} at worst"
 
 
 def tolerances_sure(found: WorstCase) -> list[tuple[str, str]]:

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.files import write_whole
-from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, ending, see
-from wiggleroom.report.stills import write_svg
+from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, check_ending, ending
+from wiggleroom.report.stills import write_still
 from wiggleroom.search.answer import Answer
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def draw(
 
         draw_study(found, path, command, progress)
         return
-    see(path, ANSWERS)
+    check_ending(path, ANSWERS)
     kind = ending(path)
     if kind in FILMS:
         from wiggleroom.report.film import film_of_answer
@@ -59,4 +59,4 @@ def draw(
     else:
         from wiggleroom.report.picture import picture
 
-        write_svg(picture(found), path)
+        write_still(picture(found), path)

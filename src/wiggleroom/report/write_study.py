@@ -11,11 +11,12 @@ from wiggleroom.files import write_whole
 from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture as blame
 from wiggleroom.report import pages, study_plots
-from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, ending, see
+from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, check_ending, ending
 from wiggleroom.report.gap_limit import picture_of_gap
 from wiggleroom.report.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
 from wiggleroom.report.separability_picture import Checked, film_of_check, picture_of_check
-from wiggleroom.report.stills import write_svg
+from wiggleroom.report.spatial_study_picture import draw_spatial_study
+from wiggleroom.report.stills import write_still
 from wiggleroom.report.tolerance_results import picture_of_tolerances
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
@@ -24,6 +25,7 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
+from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan
 
@@ -34,7 +36,11 @@ def draw_study(
     """Write what was found, as `wiggleroom.report.write_picture.draw` does."""
     if isinstance(found, Interlock):
         found = Checked(found)
-    see(path, ANSWERS if isinstance(found, Checked | Plan) else STUDIES)
+    solid = isinstance(found, Ranking | Tightening) or (isinstance(found, AllowableGap) and found.question == "holds")
+    if solid and isinstance(assembly_of(found), SpatialAssembly):
+        draw_spatial_study(found, path)  # type: ignore[arg-type]
+        return
+    check_ending(path, ANSWERS if isinstance(found, Checked | Plan) else STUDIES)
     kind = ending(path)
     if kind in FILMS and isinstance(found, Checked):
         film_of_check(found, path, command=command, progress=progress)
@@ -43,7 +49,7 @@ def draw_study(
     elif kind == PAGE:
         write_whole(path, page_of_study(found, command))
     else:
-        write_svg(_picture(found, command), path)
+        write_still(_picture(found, command), path)
 
 
 def _picture(found: Study, command: str) -> str:

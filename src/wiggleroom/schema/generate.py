@@ -56,7 +56,7 @@ def tables(text: str) -> str:
     groups |= {
         "requests": list(get_args(AnyRequest)),
         "replies": list(get_args(AnyReply)),
-        "baked page": [StandalonePage],
+        "standalone page": [StandalonePage],
     }
     for name, kinds in groups.items():
         begin = BEGIN.format(name)

@@ -199,6 +199,18 @@ class CheckReply(Reply, tag="check", kw_only=True):
     command: Command
 
 
+class PlanReply(Reply, tag="plan", kw_only=True):
+    """How it is taken apart, after a path for each step."""
+
+    verdict: Separability
+    words: str
+    facts: list[str]
+    sure: Terms
+    steps: list[LeavingEntry]
+    remains: Names
+    command: Command
+
+
 class StepReply(Reply, tag="step", kw_only=True):
     """One gap of a sweep, after the frame of its end where it has one."""
 
@@ -348,6 +360,6 @@ class Failed(Reply, kw_only=True):
 
 
 AnyReply = (
-    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | StepReply
+    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | PlanReply | StepReply
     | SweepReply | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
 )  # fmt: skip

@@ -10,7 +10,7 @@ from wiggleroom.drawing.assembly_schema import PullEntry
 
 Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Length = Annotated[float, Meta(ge=-1e9, le=1e9)]
-WHAT = Literal["svg", "png", "gif", "mp4", "html", "json", "assembly", "cut-svg", "cut-dxf"]
+WHAT = Literal["svg", "png", "gif", "mp4", "html", "json", "stills", "assembly", "cut-svg", "cut-dxf"]
 
 Goals = list[PullEntry] | Literal["translation", "closer"]
 
@@ -119,6 +119,13 @@ class CheckRequest(DesignRequest, tag="check", kw_only=True):
     """Whether it comes apart."""
 
 
+class PlanRequest(DesignRequest, tag="plan", kw_only=True):
+    """How it is taken apart: which parts are to leave, all by default, and the direction in which loose parts fall."""
+
+    targets: Annotated[list[str], Meta(max_length=10_000)] = []
+    gravity: tuple[Length, Length] | None = None
+
+
 class SweepRequest(DesignRequest, tag="sweep", kw_only=True):
     """Motion against gap."""
 
@@ -158,7 +165,7 @@ class SaveRequest(DesignRequest, tag="save", kw_only=True):
     """What is on screen, as a file."""
 
     what: WHAT
-    of: Literal["flex", "check"] = "flex"
+    of: Literal["flex", "check", "plan"] = "flex"
 
 
 class CancelRequest(Request, tag="cancel", kw_only=True):
@@ -168,6 +175,6 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 
 AnyRequest = (
-    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
-    | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | SaveRequest | CancelRequest
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest
+    | CheckRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | SaveRequest | CancelRequest
 )  # fmt: skip

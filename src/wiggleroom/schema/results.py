@@ -100,6 +100,16 @@ class EscapeEntry(Struct):
     ]
 
 
+class StateSearchEntry(Struct, kw_only=True):
+    """How far the search for ways out went."""
+
+    states: Annotated[int, Meta(description="states to which slides, and turns of single parts, led")]
+    turned: Annotated[int, Meta(description="of these states those in which every part was turned both ways")]
+    whole: Annotated[bool, Meta(description="these are all such states of the parts that are left")]
+    questions: Annotated[int, Meta(description="largest motions that were searched")]
+    unanswered: Annotated[int, Meta(description="of these those that found no end whose way is certain")]
+
+
 class SeparabilityEntry(Struct, kw_only=True):
     """Whether parts come apart at one gap."""
 
@@ -111,6 +121,7 @@ class SeparabilityEntry(Struct, kw_only=True):
     escapes: Annotated[list[EscapeEntry], Meta(description="in the order in which they leave")]
     spins: Annotated[list[str], Meta(description="parts that turn in place without limit")]
     remains: Annotated[list[str], Meta(description="parts of which nothing more was found to leave")]
+    search: StateSearchEntry
 
 
 class LargestGapEntry(Struct, kw_only=True):
@@ -152,6 +163,7 @@ class PlanStepEntry(Struct, kw_only=True):
     turn_room_deg: Annotated[float, Meta(description="an error of angle under which it certainly still goes [deg]")]
     axis: Annotated[Point, Meta(description="unit vector along which the parts go in when they are put together")]
     held: Annotated[list[str], Meta(description="loose parts that must be held")]
+    falling: Annotated[list[str], Meta(description="of these those that would fall; with gravity")]
 
 
 class PlanAssemblyEntry(Struct, kw_only=True):
@@ -162,14 +174,7 @@ class PlanAssemblyEntry(Struct, kw_only=True):
     path: Annotated[list[dict[str, PartMotion]], Meta(description="that of the step, backwards")]
     axis: Annotated[Point, Meta(description="unit vector of the first straight piece backwards")]
     held: Names
-
-
-class PlanSearchEntry(Struct, kw_only=True):
-    """How far the search went."""
-
-    states: Annotated[int, Meta(description="states to which slides led")]
-    whole: Annotated[bool, Meta(description="these are all such states of the parts that are left")]
-    questions: Annotated[int, Meta(description="largest motions that were searched")]
+    falling: Names
 
 
 class PlanSampleEntry(Struct, kw_only=True):
@@ -224,7 +229,9 @@ class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=Tr
     assembly: Annotated[list[PlanAssemblyEntry], Meta(description="the steps backwards: how it is put together")]
     remains: Annotated[list[str], Meta(description="loose parts that were to leave and do not")]
     rest: Annotated[Separability, Meta(description="what became of the parts that are left")]
-    search: PlanSearchEntry
+    rest_certainty: Annotated[Certainty, Meta(description="what shows that")]
+    gravity: Annotated[Point | None, Meta(description="unit vector in which loose parts fall; null: not looked at")]
+    search: StateSearchEntry
     sample: PlanSampleEntry | UnsetType = UNSET
     rank: list[PlanRankEntry] | UnsetType = UNSET
     smallest_gap: PlanGapEntry | UnsetType = UNSET

@@ -1,1 +1,1 @@
-"""Largest motion: the search, its path and its answer."""
+"""The search for the largest motion, its path and its answer."""

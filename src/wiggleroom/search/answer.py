@@ -102,9 +102,9 @@ class Answer(Drawable):
     motion : (n, 3) float64 [mm, mm, rad]
         Pose minus rest pose of every part, about its reference point.
     waypoints : (k, n, 3) float64 [mm, mm, rad]
-        Motions along a way from rest (first, all zero) to `motion` (last).
+        Motions along a path from rest (first, all zero) to `motion` (last).
     path : str
-        "checked" where no two parts overlap anywhere along the way, else "not checked".
+        "checked" where no two parts overlap anywhere along the path, else "not checked".
     deepest_overlap : float [mm]
         Largest overlap of any two parts at `motion`, by exact geometry.
     leaves, turns : tuple of names

@@ -1,4 +1,4 @@
-"""From the end of a search to an answer: the way checked, overlap measured, verdict given."""
+"""From the end of a search to an answer: the path checked, overlap measured, verdict given."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ def answer_of(
     if found is None:
         raise WiggleroomError("the search ended before its first round")
     search.tell(Progress("check", search.rounds, 0, found.value))
-    way, safe = search.way(found), OVERLAP_TOLERANCE * ready.size
+    way, safe = search.checked_path(found), OVERLAP_TOLERANCE * ready.size
     value, motions = found.value, way.motions
     if not way.sure:  # back to the last way-point up to which the path is certain
         motions = motions[: max(way.certain, 1)]

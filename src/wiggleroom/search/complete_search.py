@@ -32,6 +32,7 @@ MAX_VISITS, VISITS_OF_A_QUESTION = 5_000_000, 800_000
 VISITS_OF_ONE_OF_SEVERAL, MAX_SEVERAL = 1_000_000, 12
 """The same where the body is one of several free ones, and of how many at most."""
 MAX_CLIMBS = 40
+"""Ends looked for at most, each better than the one before."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,7 @@ class CompleteSearch:
         return self.at_most is not None and self.at_most <= self.best.certain_value()[0] * (1 + PROVEN_GAP)
 
 
-def complete(first: LocalSearch) -> CompleteSearch:
+def complete_search(first: LocalSearch) -> CompleteSearch:
     """Look for better motions of the only free body wherever it gets, until there certainly is none.
 
     Where there are a few more, the body that the goal is about is led past the others where these lie at rest: nothing is proven then, but

@@ -62,7 +62,7 @@ def congruent_swaps(bodies: Bodies, cells: Cells, motion: Floats, clearance: flo
 
 
 def exchanged(bodies: Bodies, cells: Cells, swap: CongruentSwap) -> Cells:
-    """The same cells, but `twin.who` with those of `twin.like`."""
+    """The same cells, but `swap.who` with those of `swap.like`."""
     rest = relative_pose(bodies, cells.a, cells.b)
     theirs = select(cells, np.full(len(swap.who), swap.like))
     turns = rest[swap.who] - rest[swap.like]
@@ -78,7 +78,7 @@ def exchanged(bodies: Bodies, cells: Cells, swap: CongruentSwap) -> Cells:
 
 
 def followed(bodies: Bodies, cells: Cells, swap: CongruentSwap, motions: Floats) -> Floats:
-    """The motions (k, n, 3) [mm, mm, rad] in which `twin.who` are where `twin.like` is, and all other pairs where they were."""
+    """The motions (k, n, 3) [mm, mm, rad] in which `swap.who` are where `swap.like` is, and all other pairs where they were."""
     rest = relative_pose(bodies, cells.a, cells.b)
     now = np.stack([relative_pose(bodies, cells.a, cells.b, motion) for motion in motions], axis=1)
     now[swap.who] = rest[swap.who, None] + (now[swap.like] - rest[swap.like])

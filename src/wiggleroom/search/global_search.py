@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells.cells import grow_cells, joined, select
+from wiggleroom.freespace.cells.cells import concatenated, grow_cells, select
 from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.program.objectives import Objective, PointMotion
-from wiggleroom.search.incumbent import Incumbent, Start, at_rest
+from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch, Policy
 from wiggleroom.search.moves import CLIMB, RANDOM_CLIMB, THOROUGH
 from wiggleroom.search.prepare import Prepared
@@ -118,7 +118,7 @@ class _GlobalSearch:
         rest = _rest_of_all_pairs(first.ready)
         self.work += GROWTH_WORK * len(rest.cells.kind)
         self.tree = ClimbTree(rest, first.ready.bodies.radius, first.ready.clearance)
-        if first.best is not None and not self.free and first.way(first.best).sure:
+        if first.best is not None and not self.free and first.checked_path(first.best).sure:
             self.hills[self.tree.add(first.best, 0)] = self.value
 
     def goes_on(self, starts: int | None) -> bool:
@@ -157,7 +157,7 @@ class _GlobalSearch:
             return
         climb = self._search(self.first.objective, CLIMB)
         found = self._run(climb, self.tree.states[between].step.start)
-        if found is None or not climb.ended or not climb.way(found).sure:
+        if found is None or not climb.ended or not climb.checked_path(found).sure:
             return
         self.values.append(found.value)
         self.hills[between] = found.value
@@ -185,7 +185,7 @@ class _GlobalSearch:
         if found is None or search.unlimited or search.stopped:
             return None, None
         known = self.tree.known(found.motion)
-        if known is not None or not search.way(found).sure:
+        if known is not None or not search.checked_path(found).sure:
             return None, known
         return self.tree.add(found, state), None
 
@@ -210,7 +210,7 @@ def _work(rounds: int, iterations: int, rows: int) -> float:
 
 def _rest_of_all_pairs(ready: Prepared) -> Start:
     """Rest, with cells for all pairs of bodies where these are few: what moves far would else pass through what it did not know."""
-    rest, bodies, cells = at_rest(ready), ready.bodies, ready.cells
+    rest, bodies, cells = start_at_rest(ready), ready.bodies, ready.cells
     n = len(bodies.fixed)
     a, b = np.triu_indices(n, 1)
     key = a * n + b
@@ -219,7 +219,7 @@ def _rest_of_all_pairs(ready: Prepared) -> Start:
         return rest
     a, b = a[new], b[new]
     grown, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b), np.full(len(a), ready.clearance))
-    return replace(rest, cells=joined(cells, select(grown, np.flatnonzero(good))))
+    return replace(rest, cells=concatenated(cells, select(grown, np.flatnonzero(good))))
 
 
 def _turns(ready: Prepared) -> list[Objective]:

@@ -52,7 +52,7 @@ class Start:
     tolerance: float | None = None
 
 
-def at_rest(ready: Prepared) -> Start:
+def start_at_rest(ready: Prepared) -> Start:
     """Return the start at rest."""
     return Start(ready.cells, np.zeros((len(ready.bodies.fixed), 3)))
 

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.cells.cells import Cells, grow_cells, joined
+from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells
 from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import Overlaps, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
-from wiggleroom.search.incumbent import Incumbent, Start, at_rest
+from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve.interior_point import Solution
@@ -30,6 +30,7 @@ Ints = NDArray[np.int64]
 ROUGH_TOLERANCE, FINE_TOLERANCE = 1e-2, 1e-6
 """Tolerance of the first rounds, which only show where everything wants to go, and of the others."""
 MAX_ROUNDS = 200
+"""Rounds of one climb at most."""
 TOLERANCE_PER_BODY, MAX_TOLERANCE = 1e-8, 5e-5
 """Share of the objective that each body may leave on the table, where that is more than the tolerance, and all together at most."""
 MIN_GAIN = 2e-7
@@ -227,12 +228,12 @@ class LocalSearch:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
         if self.best is None:
             return 0.0, False
-        way = self.way(self.best)
+        way = self.checked_path(self.best)
         if way.sure:
             return self.best.value, self.unlimited
         return self.objective.value(way.motions[max(way.certain, 1) - 1]), False
 
-    def way(self, found: Incumbent) -> CheckedPath:
+    def checked_path(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""
         if self.checked is None or self.checked[0] is not found:
             self.checked = found, whole_way(self.ready, found.path, self.stop)
@@ -305,7 +306,7 @@ class LocalSearch:
             inner = found.program.motion(found.begin)
             grown, good = self._grown(a, b, inner, found.motion)
             if good.all():
-                more = Start(joined(cells, grown), inner, found.segments, found.mu, found.tolerance)
+                more = Start(concatenated(cells, grown), inner, found.segments, found.mu, found.tolerance)
             else:  # some overlap where the round began
                 more = self._begun_with(start, found, a, b)
         self.seconds["check"] += time.perf_counter() - began
@@ -321,19 +322,19 @@ class LocalSearch:
         known = np.concatenate([cells.a * n + cells.b, a * n + b])
         extra = np.setdiff1d(known, start.cells.a * n + start.cells.b)
         grown, good = self._grown(extra // n, extra % n, start.inner, found.motion)
-        return replace(start, cells=joined(start.cells, grown)) if good.all() else None
+        return replace(start, cells=concatenated(start.cells, grown)) if good.all() else None
 
     def _gone_back(self, start: Start, best: Incumbent, a: Ints, b: Ints) -> Start | None:
         """Where the path to the best motion is certain for the last time, with the pairs that it meets then; None without cells there."""
-        kept = self.way(best).kept
+        kept = self.checked_path(best).kept
         segment = kept[-1]
         if not isinstance(segment.program.cells, Cells):  # the climb before there were cells
-            return self._begun_with(at_rest(self.ready), best, a, b)
+            return self._begun_with(start_at_rest(self.ready), best, a, b)
         inner = segment.program.motion(segment.points[-1])
         grown, good = self._grown(a, b, inner, best.motion)
         if (len(kept) == 1 and len(segment.points) == 1) or not good.all():
             return self._begun_with(start, best, a, b)
-        return Start(joined(segment.program.cells, grown), inner, kept)
+        return Start(concatenated(segment.program.cells, grown), inner, kept)
 
     def _grown(self, a: Ints, b: Ints, inner: Floats, wanted: Floats) -> tuple[Cells, NDArray[np.bool_]]:
         """Cells of some pairs where a round begins, with room towards a motion, and which of them lie free there."""
@@ -343,6 +344,6 @@ class LocalSearch:
 
 
 def nudged(program: Program, u: Floats) -> Floats:
-    """A point beside u: a symmetric assembly would else stay on the ridge between two equal ways."""
+    """A point beside u, always the same: a symmetric assembly would else stay at the saddle point between two equal motions."""
     aside = u + PERTURBATION * np.random.default_rng(0).standard_normal(len(u))
     return aside if (program.values(aside) > 0.5 * program.values(u)).all() else u

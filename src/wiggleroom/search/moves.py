@@ -165,7 +165,7 @@ def _few(incumbent: Incumbent) -> bool:
 
 
 def _unchecked(search: LocalSearch, incumbent: Incumbent) -> tuple[Ints, Ints]:
-    return search.way(incumbent).missed
+    return search.checked_path(incumbent).missed
 
 
 def _fine(search: LocalSearch) -> float:

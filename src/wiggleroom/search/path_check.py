@@ -191,6 +191,6 @@ def _middle(program: Program, retraction: Retraction, matrix: Factor, u: Floats,
         shift = 1e-6
         while not matrix.update(at.condensed(weight, np.zeros_like(weight), share=0.0), shift):
             shift *= 100
-        middle = retraction.step(middle, matrix.solve(at.against(weight * short)), at)
+        middle = retraction.step(middle, matrix.solve(at.transposed_jacobian_product(weight * short)), at)
     halves = np.abs(middle - between).max() <= np.abs(v - u).max() / 2  # else pieces would not get shorter
     return middle if halves else between

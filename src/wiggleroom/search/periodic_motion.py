@@ -19,7 +19,7 @@ from wiggleroom.errors import InputError, StoppedError
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.geometry.rotational_symmetry import symmetry_orders
 from wiggleroom.program.objectives import Approach, Objective, PointMotion, Points, Sum
-from wiggleroom.search.incumbent import PathSegment, Start, at_rest
+from wiggleroom.search.incumbent import PathSegment, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import CLIMB
 from wiggleroom.search.path_check import CheckedPath, whole_way
@@ -127,7 +127,7 @@ def _cover_repeats(
         return None
     climb = LocalSearch(wider, wider.objective(asked), search.solve, search.policy, search.stop, search.tell)
     climb.rounds = search.rounds
-    climb.improve(at_rest(wider))
+    climb.improve(start_at_rest(wider))
     found = _repeats(climb, weights, orders)
     search.rounds, search.iterations = climb.rounds, search.iterations + climb.iterations
     if found is None or not audit_path(ready.assembly, found.waypoints).free:
@@ -140,7 +140,7 @@ def _gone_on(search: LocalSearch) -> LocalSearch:
     further = replace(search, turn_limit=MAX_TURNS * 2 * np.pi, best=None, last=None, coming=None, checked=None)
     found = None if search.best is None else further.improve(search.best.start())
     search.rounds, search.iterations = further.rounds, further.iterations
-    better = found is not None and found.value > search.certain_value()[0] and further.way(found).sure
+    better = found is not None and found.value > search.certain_value()[0] and further.checked_path(found).sure
     return further if better else search
 
 
@@ -148,7 +148,7 @@ def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMoti
     """A path that repeats, of bodies with symmetries of some orders (n,)."""
     if search.best is None:
         return None
-    way = search.way(search.best)
+    way = search.checked_path(search.best)
     if not way.certain:
         return None
     step = 2 * np.pi / orders

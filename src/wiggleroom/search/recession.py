@@ -15,6 +15,7 @@ Floats = NDArray[np.float64]
 DIRECTIONS = 32
 """Directions evenly round that are tried, besides that of the motion and that of the objective."""
 FAR = 1e4
+"""So many drawing sizes along a direction stand for infinity."""
 MIN_SLOPE = 1e-3
 """What grows over so many drawing sizes, and as much again over twice as many, grows without end."""
 

@@ -24,6 +24,7 @@ MAX_ASYMMETRY = 0.01
 MAX_BORE_LOSS = 0.05
 """Share of the clearance that a bore may lose besides."""
 MAX_BORE_CORNERS = 400
+"""Corners that a bore made round may have, but for what its symmetry needs."""
 MIN_ROUNDNESS = 0.8
 """A hole is a bore where the largest circle in it about the middle has this share of its radius."""
 

@@ -9,16 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import asked_goals, overlap_depth
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.largest_gap import largest_gap
+from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.loop import Progress
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
-from wiggleroom.sensitivity.motion_border import SETTINGS, MotionBorder
+from wiggleroom.sensitivity.motion_border import SETTINGS, MotionBorder, PlanarGapModel
 from wiggleroom.verdict import Certainty, Verdict
 
 
@@ -64,23 +65,35 @@ def allowable_gap(
     >>> found.gap < found.beyond < 1.011 * found.gap
     True
     """
+    see_question(at_most, holds, fits)
+    deadline = Deadline(seconds, stop)
+    if at_most is not None:
+        return MotionBorder(
+            PlanarGapModel(assembly, asked_goals(assembly.drawing, goals)), at_most, deadline, progress
+        ).enclose()
+    if fits is not None:
+        return _fitting(assembly, fits)
+    return held_gap(assembly, largest_gap(assembly, stop=deadline, progress=progress), deadline)
+
+
+def see_question(at_most: float | None, holds: bool, fits: float | None) -> None:
+    """See that one question is asked.
+
+    Raises
+    ------
+    InputError
+        If not, or a number makes no sense.
+    """
     if sum((at_most is not None, holds, fits is not None)) != 1:
         raise InputError("gap: ask one question: at most (--at-most 0.5), holds (--holds) or fits (--fits 0.1)")
     for name, value in (("at most", at_most), ("fits", fits)):
         if value is not None and not (math.isfinite(value) and (value > 0 or (value == 0 and name == "fits"))):
             wrong = f"gap: {name} {value:g}: it must be more than 0"
             raise InputError(wrong)
-    deadline = Deadline(seconds, stop)
-    if at_most is not None:
-        return MotionBorder(assembly, asked_goals(assembly.drawing, goals), at_most, deadline, progress).enclose()
-    if fits is not None:
-        return _fitting(assembly, fits)
-    return _holding(assembly, deadline, progress)
 
 
-def _holding(assembly: Assembly, deadline: Deadline, progress: Callable[[Progress], None] | None) -> AllowableGap:
-    """Largest gap at which the parts interlock."""
-    border = largest_gap(assembly, stop=deadline, progress=progress)
+def held_gap(assembly: Any, border: LargestGap, deadline: Deadline) -> AllowableGap:
+    """Largest gap at which the parts interlock, from both sides of where they come apart."""
     certainty = None if border.interlocked is None else border.interlocked.certainty
     trials = tuple(
         Trial(gap, None, state.verdict, True)

@@ -14,7 +14,6 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.program.gap_sensitivity import Gains
-from wiggleroom.program.nonlinear_program import Program
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -88,11 +87,11 @@ class DualFace:
         return min(ends[0], value), max(ends[1], value)
 
 
-def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> DualFace:
-    """Face of multipliers at a solution; `holds` (k,) are the rows that carry a force."""
-    at = program.linearise(u)
-    force = lam[holds]
-    jacobian = at.jacobian()[holds]
+def face(jacobian: sp.csr_matrix, holds: Ints, force: Floats, length: float) -> DualFace:
+    """Face of multipliers `force` (k,) at a solution; `jacobian` (k, V) are the derivatives of the rows `holds` (k,) that carry them.
+
+    Rows count in units of `length` [mm].
+    """
     scaled = sp.diags_array(force) @ jacobian
     matrix = (scaled.T @ scaled).tocsc()
     shift = 1e-13 * matrix.diagonal().max(initial=1e-300)
@@ -107,10 +106,10 @@ def face(program: Program, u: Floats, lam: Floats, holds: Ints) -> DualFace:
     some = z.any(axis=0)
     turn = force[:, None] * z * np.where(some, ahead, 0.0)
     back = np.where(some, behind / ahead, 0.0)
-    return DualFace(holds, force / program.length, jacobian.T.tocsr(), turn / program.length, back)
+    return DualFace(holds, force / length, jacobian.T.tocsr(), turn / length, back)
 
 
-def worths(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:
+def group_gains(gains: Gains, holds: Ints, rows: int, group: tuple[Ints, Ints], groups: int) -> sp.csr_matrix:
     """What multipliers are worth (groups, k): gain of each wall's edge and corner, summed by group; a group of -1 counts nowhere."""
     place = np.full(rows, -1)
     place[holds] = np.arange(len(holds))

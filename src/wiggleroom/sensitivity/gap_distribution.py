@@ -1,4 +1,4 @@
-"""Gaps drawn by lot: their distribution, and how much the parts of one sheet share."""
+"""Gaps drawn at random: their distribution, and how much the parts of one sheet share."""
 
 from __future__ import annotations
 

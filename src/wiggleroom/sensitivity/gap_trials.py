@@ -3,12 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
-from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.disassembly.interlock import Interlock
-from wiggleroom.drawing.model import Goal
-from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.verdict import Certainty
 
@@ -31,7 +27,7 @@ class Trial:
         True where the value is that of a state that was checked by exact geometry, its way from rest too.
     at_most : float or None
         A value that no motion at this gap can exceed, where one was worked out.
-    answer : Answer or None
+    answer : Answer, SpatialAnswer or None
         The motion.
     """
 
@@ -40,7 +36,7 @@ class Trial:
     verdict: str
     checked: bool
     at_most: float | None = None
-    answer: Answer | None = field(default=None, repr=False)
+    answer: Any = field(default=None, repr=False)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +50,7 @@ class AllowableGap(Drawable):
         the smallest at which they fit beside each other when every outline is larger by the limit.
     limit : float or None
         [mm] (turns in [rad]).
-    assembly : Assembly
+    assembly : Assembly or SpatialAssembly
         As it was asked about.
     goals : tuple of Goal
         For "at most".
@@ -68,7 +64,7 @@ class AllowableGap(Drawable):
         Largest gap at which no larger motion was found, and largest at which none is possible. For "fits" both are the answer.
     trials : tuple of Trial
         Everything that was tried, in order of the gap.
-    sides : (Interlock or None, Interlock or None)
+    sides : (Interlock, SpatialDisassembly or None) twice
         For "holds": the states that were verified at `gap` and at `beyond`.
     why : str
         What a reader must know beside the number; empty where there is nothing.
@@ -78,15 +74,15 @@ class AllowableGap(Drawable):
 
     question: Question
     limit: float | None
-    assembly: Assembly
-    goals: tuple[Goal, ...]
+    assembly: Any
+    goals: tuple[Any, ...]
     gap: float | None
     certainty: Certainty | None
     beyond: float | None
     searched_gap: float | None
     proven_gap: float | None
     trials: tuple[Trial, ...]
-    sides: tuple[Interlock | None, Interlock | None] = (None, None)
+    sides: tuple[Any, Any] = (None, None)
     why: str = ""
     stopped: bool = False
 

@@ -5,14 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.bound.prove import prove
 from wiggleroom.deadline import Deadline
 from wiggleroom.drawing.model import Goal
-from wiggleroom.errors import InputError, MissingExtraError, StoppedError
+from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
 from wiggleroom.maximise import flex
+from wiggleroom.search.answer import Answer
 from wiggleroom.search.loop import Progress
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.verdict import Certainty, Verdict
@@ -58,18 +60,70 @@ class GapSearchSettings:
 SETTINGS = GapSearchSettings()
 
 
+class GapModel(Protocol):
+    """What the search for a gap needs of an assembly."""
+
+    @property
+    def assembly(self) -> Any:
+        """The assembly that is asked about."""
+
+    @property
+    def goals(self) -> tuple[Any, ...]:
+        """What is asked."""
+
+    def made(self, gap: float) -> Any:
+        """The assembly with another gap; InputError where it cannot be made."""
+
+    def flexed(
+        self, made: Any, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None
+    ) -> Any:
+        """Largest motion of it; InputError where parts touch."""
+
+    def bound(
+        self, answer: Any, within: float, seconds: float, stop: Stop, progress: Callable[[Progress], None] | None
+    ) -> float | None:
+        """A value that no motion exceeds, `within` a share of the answer where that can be; None where there is none."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarGapModel:
+    """A drawing at any gap."""
+
+    assembly: Assembly
+    goals: tuple[Goal, ...]
+
+    def made(self, gap: float) -> Assembly:
+        """The assembly with another gap."""
+        return assemble(self.assembly.drawing, gap=gap)
+
+    def flexed(
+        self, made: Assembly, search: int | None, stop: Stop | None, progress: Callable[[Progress], None] | None
+    ) -> Answer:
+        """Largest motion of it."""
+        return flex(made, self.goals, search=search, stop=stop, progress=progress)
+
+    def bound(
+        self, answer: Answer, within: float, seconds: float, stop: Stop, progress: Callable[[Progress], None] | None
+    ) -> float | None:
+        """A value that no motion exceeds; None where sums of squares are asked, or the extra for proofs is not there."""
+        try:
+            return prove(answer, within, seconds=seconds, stop=stop, progress=progress).at_most
+        except (InputError, MissingExtraError):
+            return None
+
+
 class MotionBorder:
     """Encloses the gap at which the largest motion reaches a limit."""
 
     def __init__(
         self,
-        assembly: Assembly,
-        goals: tuple[Goal, ...],
+        model: GapModel,
         limit: float,
         deadline: Deadline,
         progress: Callable[[Progress], None] | None,
     ) -> None:
-        self.assembly, self.goals, self.limit = assembly, goals, limit
+        self.model, self.limit = model, limit
+        self.assembly, self.goals = model.assembly, model.goals
         self.deadline, self.progress = deadline, progress
         self.trials: dict[float, Trial] = {}
 
@@ -176,13 +230,7 @@ class MotionBorder:
                 return gap
             within = self.limit / trial.value - 1 if trial.value else 0.0
             if trial.answer is not None and within >= SETTINGS.min_proof_share and not limit.is_set():
-                try:
-                    most = prove(
-                        trial.answer, min(0.9 * within, 9.0), seconds=limit.left / 2,
-                        stop=limit, progress=self.progress,
-                    ).at_most  # fmt: skip
-                except (InputError, MissingExtraError):  # sums of squares have no bound, or the extra is not there
-                    return None
+                most = self.model.bound(trial.answer, min(0.9 * within, 9.0), limit.left / 2, limit, self.progress)
                 if most is not None and most <= self.limit:
                     self.trials[gap] = Trial(gap, trial.value, trial.verdict, trial.checked, most, trial.answer)
                     return gap
@@ -198,12 +246,12 @@ class MotionBorder:
 
     def _solved(self, gap: float, search: int | None = 0) -> Trial:
         try:
-            made = assemble(self.assembly.drawing, gap=gap)
+            made = self.model.made(gap)
         except InputError:
             overlapping = gap < max((t.gap for t in self.trials.values() if t.value is not None), default=0.0)
             return Trial(gap, None, Verdict.TOUCHING if overlapping or gap == 0 else Verdict.NOT_MAKEABLE, False)
         try:
-            answer = flex(made, self.goals, search=search, stop=self.deadline, progress=self.progress)
+            answer = self.model.flexed(made, search, self.deadline, self.progress)
         except StoppedError:
             return Trial(gap, None, Verdict.STOPPED, False)
         except InputError:

@@ -1,8 +1,8 @@
 """The same question with outlines a little larger or smaller.
 
 Walls are linear in the displacement of outlines, so pairs and free spaces of a prepared assembly are used again with
-their walls moved. `follow` solves the last program of an answer once more: what derivatives need. `vary` begins at
-rest with the moved cells and goes through the rounds of the search: for changes of any size.
+their walls moved. `objective_in_same_walls` solves the last program of an answer once more: what derivatives need.
+`perturbed_objective` begins at rest with the moved cells and goes through the rounds of the search: for changes of any size.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError
-from wiggleroom.geometry.offset_bodies import moved
+from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.incumbent import Incumbent, at_rest
+from wiggleroom.search.incumbent import Incumbent, start_at_rest
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
@@ -106,13 +106,13 @@ def base(ready: Prepared, found: Incumbent) -> PerturbationBase:
     return PerturbationBase(ready, program, solution, program.motion(found.solution.inner), value)
 
 
-def follow(base: PerturbationBase, inward: Floats) -> float:
+def objective_in_same_walls(base: PerturbationBase, inward: Floats) -> float:
     """Objective in the walls of an answer when the outline of each part moves inward by `inward` (parts,) [mm].
 
     Meant for displacements far below the gap. nan where the walls do not do any more: no solution, or parts overlap.
     """
     old = base.program
-    bodies = moved(old.bodies, inward)
+    bodies = offset_bodies(old.bodies, inward)
     program = build(bodies, carried(old.cells, old.bodies, bodies), old.objective, length=old.length)
     solution = solve(program, program.variables(base.inner), mu=base.solution.inner_mu, tolerance=FINE_TOLERANCE)
     motion = program.motion(solution.u)
@@ -120,31 +120,33 @@ def follow(base: PerturbationBase, inward: Floats) -> float:
     return np.nan if solution.status is not SolverStatus.CONVERGED or overlapping else program.objective.value(motion)
 
 
-def vary(ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats) -> PerturbedObjective:
+def perturbed_objective(
+    ready: Prepared, objective: Objective, goals: tuple[Goal, ...], inward: Floats
+) -> PerturbedObjective:
     """Largest objective when the outline of each part moves inward by `inward` (parts,) [mm]; negative moves it out.
 
     The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the way
-    from rest is not checked: one answer of `flex` for the middle of many variations does that. Where the moved cells do
+    from rest is not checked: one answer of `flex` for the middle of many perturbations does that. Where the moved cells do
     not lead to an optimum, or an outline loses an edge, everything is worked out anew.
     """
     try:
-        bodies = moved(ready.bodies, inward)
+        bodies = offset_bodies(ready.bodies, inward)
     except InputError:
-        return afresh(ready.assembly, goals, inward)
+        return perturbed_objective_anew(ready.assembly, goals, inward)
     if overlaps(bodies, np.zeros_like(bodies.rest), ready.ignored).deepest > 0:
         return PerturbedObjective(np.nan, Verdict.TOUCHING)
     varied = replace(ready, bodies=bodies, cells=carried(ready.cells, ready.bodies, bodies))
     finder = LocalSearch(varied, objective, solve, WITHOUT_BRANCHES)
-    found = finder.improve(at_rest(varied))
+    found = finder.improve(start_at_rest(varied))
     if found is None or finder.unlimited or found.solution.status is not SolverStatus.CONVERGED:
-        return afresh(ready.assembly, goals, inward)
+        return perturbed_objective_anew(ready.assembly, goals, inward)
     if overlaps(bodies, found.motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size:
-        return afresh(ready.assembly, goals, inward)
+        return perturbed_objective_anew(ready.assembly, goals, inward)
     return PerturbedObjective(found.value, Verdict.OPTIMAL)
 
 
-def afresh(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> PerturbedObjective:
-    """The same as `vary`, as `wiggleroom.flex` answers it for parts made so."""
+def perturbed_objective_anew(assembly: Assembly, goals: tuple[Goal, ...], inward: Floats) -> PerturbedObjective:
+    """The same as `perturbed_objective`, as `wiggleroom.flex` answers it for parts made so."""
     offset = {name: -float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
     try:
         answer = witness(assemble(assembly.drawing, offset=offset), goals)

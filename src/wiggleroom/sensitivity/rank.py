@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,22 +12,17 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.maximise import witness
-from wiggleroom.program.gap_sensitivity import gains
-from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.incumbent import Incumbent
-from wiggleroom.search.prepare import Prepared, prepare
-from wiggleroom.sensitivity.dual_face import face, is_unique, worths
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.sensitivity.dual_face import is_unique
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.perturbation import PerturbationBase, base, ended, follow
+from wiggleroom.sensitivity.planar_model import PlanarModel, model_of
+from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives, StudyModel, see_end
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-DIFFERENCE_STEP = 1e-3
-"""Extra gap of forward differences, as a share of the typical clearance."""
 MAX_LP_ROWS = 3000
 """With more rows that hold, ranges are what random directions show, not the ends found by linear programs."""
 
@@ -40,7 +36,7 @@ class Ranking(Drawable):
 
     Parameters
     ----------
-    answer : Answer
+    answer : Answer or SpatialAnswer
     by : str
         "duals" or "differences".
     looser, tighter : (n,) float64
@@ -60,7 +56,7 @@ class Ranking(Drawable):
         Share of the force that is held by walls nothing touches: the ranking cannot be surer than that.
     """
 
-    answer: Answer
+    answer: Any
     by: str
     looser: Floats
     tighter: Floats
@@ -120,7 +116,7 @@ def _percent(value: Floats) -> Floats:
 
 
 def rank(
-    question: Assembly | Prepared | Answer,
+    question: Assembly | Prepared | Answer | StudyModel,
     goals: Goal | Sequence[Goal] | None = None,
     *,
     by: str = "duals",
@@ -134,7 +130,7 @@ def rank(
 
     Parameters
     ----------
-    question : Assembly, Prepared or Answer
+    question : Assembly, Prepared, Answer or StudyModel
         An answer is ranked as it is; else the motion is looked for first.
     goals : Pull, Turn or W, or several that add up
         By default what the assembly's file asks for.
@@ -167,21 +163,22 @@ def rank(
     if by not in ("duals", "differences"):
         finding = f"by {by!r}: a ranking is by duals or by differences"
         raise InputError(finding)
-    answer = question if isinstance(question, Answer) else witness(question, goals, stop=stop)
-    found = ended(answer)
-    again = by == "differences" or exact
-    if not again:
-        return _by_duals(answer, found, stop=stop)
-    ready = question if isinstance(question, Prepared) else prepare(answer.assembly)
-    start = base(ready, found)
-    ranking = _by_duals(
-        answer, replace(found, solution=replace(found.solution, u=start.solution.u, lam=start.solution.lam))
-    )
+    model: StudyModel
+    if isinstance(question, Answer):
+        model, answer = PlanarModel(question.assembly), question
+    else:
+        model = model_of(question, goals)
+        answer = model.answer(stop)
+    see_end(model, answer)
+    if by == "duals" and not exact:
+        return ranking_of(answer, model.derivatives(answer), stop=stop)
+    found = model.quotients(answer)
+    ranking = ranking_of(answer, found.derivatives)
     parts = np.arange(len(ranking.looser)) if by == "differences" else np.flatnonzero(~ranking.unique)
-    return _by_differences(ranking, start, parts, by, ParallelRun(workers, cluster, stop, progress))
+    return _by_differences(ranking, found, parts, by, ParallelRun(workers, cluster, stop, progress))
 
 
-def rank_at_once(answer: Answer) -> Ranking:
+def rank_at_once(answer: Answer, model: StudyModel | None = None) -> Ranking:
     """Ranking of an answer without any further solve: where derivatives are not unique, ranges are at least so wide.
 
     Raises
@@ -189,24 +186,17 @@ def rank_at_once(answer: Answer) -> Ranking:
     InputError
         If nothing stops the motion or the search for it was cut short.
     """
-    return _by_duals(answer, ended(answer), most_rows=0)
+    its = model or PlanarModel(answer.assembly)
+    see_end(its, answer)
+    return ranking_of(answer, its.derivatives(answer), most_rows=0)
 
 
-def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
-    """Derivatives by the gap of every part and joint, from the multipliers of the last program."""
-    program, solution = found.program, found.solution
-    active = touching(program, solution.u, solution.lam)
-    some = gains(program, solution.u)
-    count = len(answer.assembly.parts)
-    joint = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
-    joints, of = np.unique(joint, axis=0, return_inverse=True)
-    of = of.ravel()
-    one = face(program, solution.u, solution.lam, active.row)
-    by_part = worths(some, active.row, program.rows, (some.edge_part, some.corner_part), count) / 2
-    by_joint = worths(some, active.row, program.rows, (of, of), len(joints)) / 2
+def ranking_of(answer: Any, found: GapDerivatives, most_rows: int = MAX_LP_ROWS, stop: Stop | None = None) -> Ranking:
+    """Ranking from the forces that hold an answer."""
+    one, by_part, by_joint = found.face, found.part, found.joint
     low, high = one.spread(by_part)
     unique = is_unique(low, high)
-    whole = len(active.row) <= most_rows
+    whole = len(one.row) <= most_rows
     middle = by_part @ one.force
     low, high = np.where(unique, middle, low), np.where(unique, middle, high)
     joint_low, joint_high = one.spread(by_joint)
@@ -220,18 +210,16 @@ def _by_duals(answer: Answer, found: Incumbent, most_rows: int = MAX_LP_ROWS, st
                 break
             least[k], most[k] = one.range_of(worth[[k]].toarray()[0])
     held = joint_high > 1e-9 * joint_high.max(initial=0.0)
-    total = float(active.force.sum())
     return Ranking(
-        answer, "duals", low, high, unique, middle, joints[held], joint_low[held], joint_high[held],
-        joint_unique[held],
-        "whole" if whole else "sampled", float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
+        answer, "duals", low, high, unique, middle, found.joints[held], joint_low[held], joint_high[held],
+        joint_unique[held], "whole" if whole else "sampled", found.virtual,
     )  # fmt: skip
 
 
-def _by_differences(ranking: Ranking, start: PerturbationBase, parts: Ints, by: str, many: ParallelRun) -> Ranking:
+def _by_differences(ranking: Ranking, found: DifferenceQuotients, parts: Ints, by: str, many: ParallelRun) -> Ranking:
     """The same ranking, the derivatives of some parts taken from solving again."""
     tasks = [(int(k), sign) for k in parts for sign in (1.0, -1.0)]
-    slopes = many.each(slope, start, tasks)
+    slopes = many.each(found.work, found.shared, tasks)
     if any(s is None for s in slopes):
         finding = f"stopped after {sum(s is not None for s in slopes)} of {len(tasks)} solves: there is no ranking yet"
         raise InputError(finding)
@@ -248,16 +236,3 @@ def _by_differences(ranking: Ranking, start: PerturbationBase, parts: Ints, by: 
     # a difference over a finite step feels the curvature a little
     unique[parts] = high - low <= 0.01 * np.maximum(high, 1e-3 * looser.max(initial=0.0))
     return replace(ranking, by=by, looser=looser, tighter=tighter, unique=unique, ends=ends)
-
-
-def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
-    """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
-    part, sign = task
-    for step in (DIFFERENCE_STEP, DIFFERENCE_STEP / 10):
-        extra = sign * step * start.program.length
-        inward = np.zeros(len(start.program.bodies.body_of))
-        inward[part] = extra / 2
-        value = follow(start, inward)
-        if np.isfinite(value):
-            return (value - start.value) / extra
-    return np.nan

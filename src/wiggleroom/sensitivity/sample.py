@@ -1,9 +1,10 @@
-"""What if the gaps vary: the motion of many assemblies whose gaps are drawn by lot."""
+"""What if the gaps vary: the motion of many assemblies whose gaps are drawn at random."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +12,12 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.maximise import witness
-from wiggleroom.program.objectives import Objective
-from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.perturbation import PerturbedObjective, afresh, ended, vary
+from wiggleroom.sensitivity.planar_model import model_of
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
+from wiggleroom.sensitivity.study_model import StudyModel, see_end
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
@@ -30,11 +28,11 @@ RESOLVED_DRAWS = 10
 
 @dataclass(frozen=True, eq=False)
 class Sample(Drawable):
-    """Motions of assemblies with gaps drawn by lot.
+    """Motions of assemblies with gaps drawn at random.
 
     Parameters
     ----------
-    answer : Answer
+    answer : Answer or SpatialAnswer
         Without any variation.
     spread : Spread
     seed : int
@@ -47,14 +45,14 @@ class Sample(Drawable):
     limit : float or None
         Largest motion that is wanted.
     checked : (k, 3) float64
-        Draw, its value, and the value of the same parts with nothing used again.
+        Draw, its value, and the value of the same parts with nothing used again; in space nothing is used again anyway.
     ranking : Ranking
         Of the answer; says which parts contribute to the spread.
     asked : int
         Draws that were wanted; fewer are there where it was stopped.
     """
 
-    answer: Answer
+    answer: Any
     spread: Spread
     seed: int
     extra: Floats
@@ -128,7 +126,7 @@ class Sample(Drawable):
 
 
 def sample(
-    assembly: Assembly,
+    assembly: Assembly | StudyModel,
     spread: Spread | float,
     goals: Goal | Sequence[Goal] | None = None,
     *,
@@ -148,7 +146,7 @@ def sample(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly or StudyModel
     spread : Spread or float [mm]
         Distribution of the extra gap round a part; a number is the standard deviation of a normal one. Extra gap e
         moves the part's outline inward by e/2.
@@ -177,31 +175,32 @@ def sample(
     >>> some.good, some.misfits
     (20, 0)
     """
-    lot = spread if isinstance(spread, Spread) else Spread(float(spread))
+    distribution = spread if isinstance(spread, Spread) else Spread(float(spread))
     wrong = [f"sample: {draws} draws: ask for at least 1"] if draws < 1 else []
     if limit is not None and not np.isfinite(limit):
         wrong.append(f"sample: limit {limit:g}: it must be a finite number")
     if wrong:
         raise InputError(wrong)
-    ready = prepare(assembly)
-    answer = witness(ready, goals, stop=stop)
-    found = ended(answer)
-    extra = lot.draw(draws, len(assembly.parts), seed)
+    model: StudyModel = model_of(assembly, goals)
+    answer = model.answer(stop)
+    see_end(model, answer)
+    extra = distribution.draw(draws, len(model.assembly.parts), seed)
     many = ParallelRun(workers, cluster, stop, progress)
-    shared = (ready, found.program.objective, answer.goals)
-    results = many.each(one_draw, shared, list(extra / 2))
+    results = many.each(*model.draws(answer), list(extra / 2))
     done = [k for k, r in enumerate(results) if r is not None]
     if not done:
         finding = "sample: stopped before the first draw was done"
         raise InputError(finding)
     value = np.array([results[k].value for k in done])
     extra = extra[done]
-    again = _extremes(value)
-    anew = ParallelRun(workers, cluster, stop).each(one_afresh, (assembly, answer.goals), list(extra[again] / 2))
-    checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
+    afresh, checked = model.draws_afresh(answer), []
+    if afresh is not None:
+        again = _extremes(value)
+        anew = ParallelRun(workers, cluster, stop).each(*afresh, list(extra[again] / 2))
+        checked = [(k, value[k], a.value) for k, a in zip(again, anew, strict=True) if a is not None]
     return Sample(
-        answer, lot, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
-        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer), draws,
+        answer, distribution, seed, extra, value, sum(results[k].verdict is Verdict.STOPPED for k in done), limit,
+        np.array(checked, dtype=float).reshape(-1, 3), rank_at_once(answer, model), draws,
     )  # fmt: skip
 
 
@@ -209,14 +208,3 @@ def _extremes(value: Floats) -> list[int]:
     """Draws to check: evenly from the smallest to the largest, so both ends are among them."""
     order = np.argsort(value, kind="stable")
     return sorted({int(order[k]) for k in np.linspace(0, len(order) - 1, RESOLVED_DRAWS).round().astype(int)})
-
-
-def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
-    """One draw, with the moved walls of the prepared assembly."""
-    ready, objective, goals = shared
-    return vary(ready, objective, goals, inward)
-
-
-def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
-    """One draw, everything worked out anew."""
-    return afresh(*shared, inward)

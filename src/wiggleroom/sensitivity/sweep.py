@@ -19,7 +19,7 @@ from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.bodies import bodies
 from wiggleroom.geometry.neighbours import placed
-from wiggleroom.geometry.offset_bodies import moved
+from wiggleroom.geometry.offset_bodies import offset_bodies
 from wiggleroom.maximise import witness
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import objective
@@ -55,7 +55,7 @@ class SweepStep:
         None where nothing stops the motion, or where the parts cannot be made or touch.
     verdict : Verdict
     checked : bool
-        True where the way from rest was checked, at this gap.
+        True where the path from rest was checked, at this gap.
     answer : Answer, SpatialAnswer or None
         What was found there, its way from rest through the ends at smaller gaps; None where there is no such motion.
     """
@@ -279,7 +279,7 @@ def _carried(last: _SweepState | None, made: Assembly) -> Prepared | None:
         return None
     before, more = last.ready.bodies, made.gap - last.gap
     try:
-        after = moved(before, np.full(len(before.body_of), more / 2))
+        after = offset_bodies(before, np.full(len(before.body_of), more / 2))
     except InputError:
         return None
     there, here = placed(bodies(made)), placed(after)

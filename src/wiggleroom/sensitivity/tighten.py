@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.assembly.build import assemble
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.maximise import witness
-from wiggleroom.program.objectives import Objective
-from wiggleroom.search.answer import Answer
 from wiggleroom.search.drawable import Drawable
-from wiggleroom.search.prepare import Prepared, prepare
 from wiggleroom.sensitivity.parallel import ParallelRun
-from wiggleroom.sensitivity.perturbation import can_be_ranked, ended, vary
-from wiggleroom.sensitivity.rank import rank
+from wiggleroom.sensitivity.planar_model import model_of
+from wiggleroom.sensitivity.rank import ranking_of
+from wiggleroom.sensitivity.study_model import StudyModel, see_end
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -56,7 +53,7 @@ class Tightening(Drawable):
 
     Parameters
     ----------
-    before, after : Answer
+    before, after : Answer or SpatialAnswer
         As it is, and with the chosen parts tightened.
     chosen : tuple of names
         In the order they were chosen.
@@ -68,8 +65,8 @@ class Tightening(Drawable):
         Objective with as many parts chosen at random; nan where these do not fit.
     """
 
-    before: Answer
-    after: Answer
+    before: Any
+    after: Any
     chosen: tuple[str, ...]
     gap: float
     limit: float | None
@@ -97,14 +94,14 @@ class Tightening(Drawable):
         return self.limit is None or (self.after.objective is not None and self.after.objective <= self.limit)
 
 
-def _lowered(before: Answer, value: float | None) -> float:
+def _lowered(before: Any, value: float | None) -> float:
     if before.objective is None or value is None or not before.objective > 0:
         return float("nan")
     return 100 * (1 - value / before.objective)
 
 
 def tighten(
-    assembly: Assembly,
+    assembly: Assembly | StudyModel,
     goals: Goal | Sequence[Goal] | None = None,
     *,
     parts: int | None = None,
@@ -125,7 +122,7 @@ def tighten(
 
     Parameters
     ----------
-    assembly : Assembly
+    assembly : Assembly or StudyModel
     goals : Pull, Turn or W, or several that add up
         By default what the assembly's file asks for.
     parts : int
@@ -158,24 +155,24 @@ def tighten(
 
     Source: Mind the Gap, section 6.2 and Fig. 11.
     """
-    ready = prepare(assembly)
-    whole = assembly.gap if assembly.gap > 0 else ready.clearance
+    model: StudyModel = model_of(assembly, goals)
+    whole = model.assembly.gap if model.assembly.gap > 0 else model.clearance
     aim = SETTINGS.kept_gap_share * whole if gap is None else gap
-    count = len(assembly.parts)
+    count = len(model.assembly.parts)
     _check(parts, limit, aim, whole, count)
-    room = _room(assembly, whole, aim)
-    before = witness(ready, goals, stop=stop)
-    ended(before)
-    asked = before.goals
-    choice, after = _choose(before, room, asked, parts, limit, stop)
+    room = model.room(whole, aim)
+    before = model.answer(stop)
+    see_end(model, before)
+    choice, after = _choose(model, before, room, parts, limit, stop)
     many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)
     able = np.flatnonzero(room > 0)
-    lots = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
-    found = ended(before)
-    results = many.each(tightened_at_random, (ready, found.program.objective, asked, room), lots)
-    names = tuple(assembly.names[k] for k in choice)
-    return Tightening(before, after, names, aim, limit, np.array([r for r in results if r is not None], dtype=float))
+    subsets = [np.sort(rng.choice(able, len(choice), replace=False)) for _ in range(draws if choice else 0)]
+    results = many.each(*model.draws(before), [_inward(subset, room) for subset in subsets])
+    names = tuple(model.assembly.names[k] for k in choice)
+    return Tightening(
+        before, after, names, aim, limit, np.array([r.value for r in results if r is not None], dtype=float)
+    )
 
 
 def _check(parts: int | None, limit: float | None, aim: float, whole: float, count: int) -> None:
@@ -192,21 +189,9 @@ def _check(parts: int | None, limit: float | None, aim: float, whole: float, cou
         raise InputError(wrong)
 
 
-def _room(assembly: Assembly, whole: float, aim: float) -> Floats:
-    """How far the outline of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
-    drawing = assembly.drawing
-    own = np.array([p.offset for p in drawing.parts])
-    room = (whole - aim) / 2 - own
-    index = {name: k for k, name in enumerate(assembly.names)}
-    for joint in drawing.gaps:
-        for name in joint.parts:
-            room[index[name]] = min(room[index[name]], (joint.gap - aim) / 2 - own[index[name]])
-    return np.maximum(room, 0.0)
-
-
 def _choose(
-    before: Answer, room: Floats, goals: Sequence[Goal], parts: int | None, limit: float | None, stop: Stop | None
-) -> tuple[list[int], Answer]:
+    model: StudyModel, before: Any, room: Floats, parts: int | None, limit: float | None, stop: Stop | None
+) -> tuple[list[int], Any]:
     """Parts chosen a few at a time, each time by the rank that is left, and the answer with all of them tightened."""
     able = int((room > 0).sum())
     most = min(parts if parts is not None else able, able)
@@ -215,8 +200,8 @@ def _choose(
     while len(chosen) < most and answer.objective is not None:
         if limit is not None and answer.objective <= limit:
             break
-        if can_be_ranked(answer):  # mm of motion that each would take
-            worth = 2 * np.maximum(rank(answer).by_duals, 0.0) * room
+        if model.can_be_ranked(answer):  # mm of motion that each would take
+            worth = 2 * np.maximum(ranking_of(answer, model.derivatives(answer)).by_duals, 0.0) * room
         worth[chosen] = -1.0
         order = np.argsort(-worth, kind="stable")
         left = most - len(chosen)
@@ -226,27 +211,18 @@ def _choose(
             needed = int(np.searchsorted(np.cumsum(np.maximum(worth[order], 0.0)), (answer.objective - limit) / 2)) + 1
             batch = min(batch, needed)
         chosen += [int(k) for k in order[: min(batch, left)] if room[k] > 0]
-        answer = _tightened(before.assembly, chosen, room, goals, stop)
+        answer = model.moved(before, _inward(chosen, room), stop)
     if limit is not None and answer.objective is not None and answer.objective <= limit:
         for k in chosen[: -SETTINGS.max_removal_tests : -1]:  # a batch may have held more than it took
             fewer = [c for c in chosen if c != k]
-            less = _tightened(before.assembly, fewer, room, goals, stop) if fewer else before
+            less = model.moved(before, _inward(fewer, room), stop) if fewer else before
             if less.objective is not None and less.objective <= limit:
                 chosen, answer = fewer, less
     return chosen, answer
 
 
-def _tightened(
-    assembly: Assembly, chosen: Sequence[int], room: Floats, goals: Sequence[Goal], stop: Stop | None
-) -> Answer:
-    """The answer with some parts made larger."""
-    larger = {assembly.names[k]: float(room[k]) for k in chosen}
-    return witness(assemble(assembly.drawing, offset=larger), tuple(goals), stop=stop)
-
-
-def tightened_at_random(shared: tuple[Prepared, Objective, tuple[Goal, ...], Floats], chosen: Ints) -> float:
-    """Objective with some parts tightened."""
-    ready, objective, goals, room = shared
+def _inward(chosen: Sequence[int] | Ints, room: Floats) -> Floats:
+    """How far the boundary of each part (n,) lies further in [mm] when some are made larger."""
     inward = np.zeros(len(room))
-    inward[chosen] = -room[chosen]
-    return vary(ready, objective, goals, inward).value
+    inward[list(chosen)] = -room[list(chosen)]
+    return inward

@@ -8,6 +8,7 @@ multipliers prove bounds that are worked out elsewhere.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -42,8 +43,8 @@ class DualLinearProgram:
     low, high : (m,) float64
     least, most : (n,) float64
         Finite.
-    limit : float [s]
-        All questions together end after this.
+    over : callable, optional
+        Asked at every iteration; where it says True, the question ends with the multipliers that it has.
 
     Raises
     ------
@@ -59,7 +60,13 @@ class DualLinearProgram:
     """
 
     def __init__(
-        self, rows: sp.csr_matrix, low: Floats, high: Floats, least: Floats, most: Floats, limit: float = 60.0
+        self,
+        rows: sp.csr_matrix,
+        low: Floats,
+        high: Floats,
+        least: Floats,
+        most: Floats,
+        over: Callable[[], bool] = lambda: False,
     ) -> None:
         highspy = need_highs()
         self.up, self.down = np.flatnonzero(np.isfinite(high)), np.flatnonzero(np.isfinite(low))
@@ -75,18 +82,20 @@ class DualLinearProgram:
         lp.row_lower_ = lp.row_upper_ = np.zeros(n)
         lp.a_matrix_.format_ = highspy.MatrixFormat.kColwise
         lp.a_matrix_.start_, lp.a_matrix_.index_, lp.a_matrix_.value_ = matrix.indptr, matrix.indices, matrix.data
-        self.highs = _solver(highspy, limit)
+        self.over = over
+        self.highs = _solver(highspy, over)
         self.highs.passModel(lp)
         self.every = np.arange(n, dtype=np.int32)
         self.x: Floats = np.zeros(n)
 
-    def with_row(self, row: Floats, low: float, limit: float) -> DualLinearProgram:
+    def with_row(self, row: Floats, low: float) -> DualLinearProgram:
         """The same program with one more row (n,), row . x >= low, which begins where this one ended."""
         highspy = need_highs()
         other: DualLinearProgram = object.__new__(DualLinearProgram)
         other.up, other.down, other.every, other.x = self.up, self.down, self.every, self.x
         other.count, other.more = self.count, True
-        other.highs = _solver(highspy, limit)
+        other.over = self.over
+        other.highs = _solver(highspy, self.over)
         other.highs.passModel(self.highs.getLp())
         other.highs.setBasis(self.highs.getBasis())
         used = np.flatnonzero(row).astype(np.int32)
@@ -115,14 +124,19 @@ class DualLinearProgram:
         return int(self.highs.getInfo().simplex_iteration_count)
 
 
-def _solver(highspy: Any, limit: float) -> Any:
+def _solver(highspy: Any, over: Callable[[], bool]) -> Any:
     solver = highspy.Highs()
+
+    def interrupt(kind: Any, message: str, found: Any, answer: Any, more: Any) -> None:  # noqa: ARG001
+        answer.user_interrupt = over()
+
+    solver.setCallback(interrupt, None)
+    solver.startCallback(highspy.cb.HighsCallbackType.kCallbackSimplexInterrupt)
     for option, value in (
         ("output_flag", False),
         ("threads", 1),
         ("solver", "simplex"),
         ("presolve", "off"),
-        ("time_limit", float(limit)),
     ):
         solver.setOptionValue(option, value)
     return solver

@@ -323,7 +323,10 @@ def _step(
     infeasibility_ratio: float,
     least: float,
 ) -> _Step | None:
-    """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step is not too short."""
+    """The next step, and with it the barrier parameter: centring (mu after the predictor / mu)^3 mu, then the corrector.
+
+    The diagonal is strengthened until the matrix is positive definite and the step is not too short.
+    """
     s, lam, at = state.s, state.lam, state.at
     data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
     shift = MIN_SHIFT if state.shift <= 1e-8 else state.shift / 5

@@ -29,6 +29,7 @@ Ints = NDArray[np.int64]
 TOLERANCE_SHARE = 1e-2
 """IPOPT bounds each complementarity, ours their sum: its tolerance is this share of ours."""
 MAX_ITERATIONS = 1000
+"""Of one program."""
 
 
 def solve(
@@ -284,5 +285,5 @@ def _error(program: Program, u: Floats, lam: Floats, unit: float) -> float:
     """Largest of complementarity, violation and dual residual, in units of the objective."""
     at = program.linearise(u)
     gap, infeasible = float(lam @ np.maximum(at.h, 0.0)), float(lam @ np.maximum(-at.h, 0.0))
-    wrong = float(np.abs(at.gradient / unit + at.against(lam)).max(initial=0.0))
+    wrong = float(np.abs(at.gradient / unit + at.transposed_jacobian_product(lam)).max(initial=0.0))
     return max(gap, infeasible, wrong) / max(abs(at.value) / unit, 1.0)

@@ -17,6 +17,7 @@ Floats = NDArray[np.float64]
 LP_TOLERANCE = 1e-9
 """Tolerance, absolute and relative."""
 MAX_ITERATIONS = 120
+"""Of PIQP."""
 
 
 @dataclass(frozen=True, eq=False)

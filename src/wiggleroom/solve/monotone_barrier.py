@@ -113,7 +113,7 @@ def _line_search(state: Iterate, retraction: Retraction, du: Floats, share: floa
     """Move along `du`: as far as `share`, less where that is infeasible or brings too little, more where it pays; False in vain."""
     here, weight = state.at, state.proximal_weight
     now = _barrier(here, state.u, mu, state.unit, weight)
-    slope = dot(weight * state.u - here.gradient / state.unit - here.against(mu / here.h), du)
+    slope = dot(weight * state.u - here.gradient / state.unit - here.transposed_jacobian_product(mu / here.h), du)
     for _ in range(SETTINGS.max_backtracks):
         u = retraction.step(state.u, share * du, here)
         at = here.program.linearise(u)

@@ -34,7 +34,9 @@ class Iterate:
     def residuals(self) -> tuple[Floats, Floats, float, float]:
         """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
         primal = self.s - self.at.h
-        dual = self.proximal_weight * self.u - self.at.gradient / self.unit - self.at.against(self.lam)
+        dual = (
+            self.proximal_weight * self.u - self.at.gradient / self.unit - self.at.transposed_jacobian_product(self.lam)
+        )
         return primal, dual, dot(self.s, self.lam), self.at.value / self.unit
 
     @property
@@ -46,8 +48,8 @@ class Iterate:
 def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
     """Directions (du, ds, dlam) that change s * lam by `goal` and remove both residuals, to first order."""
     s, lam, at = state.s, state.lam, state.at
-    du = matrix.solve(at.against((lam * primal + goal) / s) - dual)
-    ds = at.along(du) - primal
+    du = matrix.solve(at.transposed_jacobian_product((lam * primal + goal) / s) - dual)
+    ds = at.jacobian_product(du) - primal
     return du, ds, (goal - lam * ds) / s
 
 

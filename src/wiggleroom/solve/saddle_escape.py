@@ -14,6 +14,7 @@ Floats = NDArray[np.float64]
 MIN_CURVATURE = 1e-4
 """Least positive curvature [objective's unit per clearance squared] that counts."""
 POWER_ITERATIONS = 6
+"""Of the inverse iteration; a rough direction is enough."""
 
 
 def ascent_direction(state: Iterate, matrix: Factor, tolerance: float) -> Floats | None:

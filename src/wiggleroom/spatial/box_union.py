@@ -46,13 +46,16 @@ class BoxGrid:
 
 
 def union_of_boxes(boxes: Floats, inward: float = 0.0) -> BoxGrid:
-    """Union of boxes (k, 2, 3) [mm] with every face moved inward.
+    """Union of boxes (k, 2, 3) [mm] with every face moved inward, or outward where that is negative.
 
-    Moving the faces of a union of axis-aligned boxes inward, mitred, takes away what lies within a cube of that half side from outside.
+    Moving the faces of a union of axis-aligned boxes inward, mitred, takes away what lies within a cube of that half side from outside;
+    moving them outward adds what lies within such a cube from inside.
 
     >>> union_of_boxes(np.array([[[0.0, 0.0, 0.0], [4.0, 2.0, 2.0]]]), 0.5).volume
     3.0
     """
+    if inward < 0:
+        return union_of_boxes(boxes + np.array([inward, -inward])[:, None])
     size = float(np.ptp(boxes.reshape(-1, 3), axis=0).max())
     fine = [_distinct(boxes[:, :, k].ravel(), ROUNDING * size) for k in range(3)]
     solid = _filled(boxes, fine)

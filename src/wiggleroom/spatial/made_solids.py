@@ -20,8 +20,10 @@ from wiggleroom.spatial.spatial_model import Boxes, MadeSolid, Plate, SpatialPar
 Floats = NDArray[np.float64]
 
 
-def made_solid(part: SpatialPart, gap: float) -> tuple[MadeSolid | None, list[str]]:
+def made_solid(part: SpatialPart, gap: float, inward: float = 0.0) -> tuple[MadeSolid | None, list[str]]:
     """A part's solid with every face moved inward by gap / 2 [mm], and what is wrong with it.
+
+    `inward` [mm] moves its faces further in, or out where it is negative.
 
     Returns
     -------
@@ -32,23 +34,23 @@ def made_solid(part: SpatialPart, gap: float) -> tuple[MadeSolid | None, list[st
     """
     match part.solid:
         case Plate():
-            return _plate(part, part.solid, gap)
+            return _plate(part, part.solid, gap, inward)
         case Boxes():
-            return _boxes(part.solid, gap)
+            return _boxes(part.solid, gap + 2 * inward)
         case Surface():
-            return mesh_made(part.solid, gap)
+            return mesh_made(part.solid, gap + 2 * inward)
 
 
-def _plate(part: SpatialPart, plate: Plate, gap: float) -> tuple[MadeSolid | None, list[str]]:
-    if plate.thickness <= gap:
+def _plate(part: SpatialPart, plate: Plate, gap: float, inward: float) -> tuple[MadeSolid | None, list[str]]:
+    if plate.thickness <= gap + 2 * inward:
         return None, [f"thickness {plate.thickness:g} is used up by gap {gap:g}: it must be more than the gap"]
-    flat, wrong = examine(Drawing((Part(part.name, plate.regions, offset=part.offset),), gap=gap))
+    flat, wrong = examine(Drawing((Part(part.name, plate.regions, offset=part.offset - inward),), gap=gap))
     if wrong:
         return None, [line.removeprefix(f'part "{part.name}" ') for line in wrong]
     drawn = _polygons(plate.regions)
     area = sum(p.area for p in drawn)
     centre = sum((np.array(p.centroid.coords[0]) * p.area for p in drawn), np.zeros(2)) / area
-    low, high = gap / 2, plate.thickness - gap / 2
+    low, high = gap / 2 + inward, plate.thickness - gap / 2 - inward
     pieces, solids = [], []
     for polygon in _polygons(flat[0].regions):
         pieces += [prism(ring, low, high) for ring in convex_polygons(polygon)]

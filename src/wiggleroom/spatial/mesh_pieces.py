@@ -40,7 +40,7 @@ def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:
     return MadeSolid(tuple(pieces), surface, volume, centroid), []
 
 
-def _planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
+def face_planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
     """Unit normals (f, 3) and offsets (f,) [mm] of the planes of all faces, and the plane of each face."""
     a, b, c = (surface.vertices[surface.faces[:, k]] for k in range(3))
     cross = np.cross(b - a, c - a)
@@ -55,15 +55,15 @@ def _planes(surface: Surface) -> tuple[Floats, Floats, Ints]:
     count, label = connected_components(links, directed=False)
     total = np.zeros((count, 3))
     np.add.at(total, label, cross)
-    unit = total / np.linalg.norm(total, axis=1)[:, None]
+    unit = total / np.maximum(np.linalg.norm(total, axis=1), 1e-300)[:, None]
     level = np.full(count, -np.inf)
     np.maximum.at(level, label, np.einsum("ij,ij->i", unit[label], a))
     return unit, level, label
 
 
 def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
-    """The surface with every plane moved inward; None and the reason where corners cannot follow all their planes."""
-    normal, level, label = _planes(drawn)
+    """The surface with every plane moved inward (outward where negative); None and the reason where corners cannot follow."""
+    normal, level, label = face_planes(drawn)
     hull_volume = solid_of(drawn).hull().volume()
     if hull_volume - centroid_of(drawn)[0] <= CONVEX * hull_volume:
         return _convex_inward(normal, level, inward)
@@ -75,7 +75,7 @@ def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
     for v, planes in enumerate(touch):
         N = normal[sorted(planes)]
         shift = np.linalg.lstsq(N, np.full(len(N), -inward), rcond=1e-9)[0]
-        if np.abs(N @ shift + inward).max() > OFF_PLANE * inward:
+        if np.abs(N @ shift + inward).max() > OFF_PLANE * abs(inward):
             x, y, z = drawn.vertices[v]
             return (
                 None,
@@ -84,7 +84,8 @@ def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
         vertices[v] += shift
     moved = Surface(vertices, drawn.faces)
     solid, before = solid_of(moved), solid_of(drawn)
-    outside = (solid - before).volume() if is_sound(solid) else np.inf
+    more, less = (solid, before) if inward > 0 else (before, solid)
+    outside = (more - less).volume() if is_sound(solid) else np.inf
     if outside > 1e-9 * before.volume() or not _kept_direction(drawn, moved):
         return None, "faces are used up and the moved ones cross each other"
     return surface_of(solid), ""
@@ -151,7 +152,7 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
 
 def _cuts(surface: Surface) -> Floats:
     """Planes (k, 4), unit normal and offset, of faces at reflex edges: those with the longest such edges."""
-    normal, level, label = _planes(surface)
+    normal, level, label = face_planes(surface)
     faces = surface.faces
     sides = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
     face = np.tile(np.arange(len(faces)), 3)

@@ -257,13 +257,13 @@ def best_axis(bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: 
     return separation(P.corners, P.normals, P.edges, other, normals, edges, axis), other
 
 
-def beside_rest(program: SeparatingPlaneProgram, share: float = 1e-2) -> SeparatingPlanePoint:
+def beside_rest(program: SeparatingPlaneProgram, seed: int = 0, share: float = 1e-2) -> SeparatingPlanePoint:
     """A point inside all rows, up to `share` clearances beside rest.
 
     A symmetric assembly would stay on the ridge between two equal ways. The point is the same each time.
     """
     P, rest = program, program.start
-    step = np.random.default_rng(0).uniform(-1.0, 1.0, P.slot.shape) * P.scale * P.bodies.free
+    step = np.random.default_rng(seed).uniform(-1.0, 1.0, P.slot.shape) * P.scale * P.bodies.free
     room = P.values(rest)
     while share > 1e-9:
         pose = SpatialPose(rest.pose.T + share * step[:, :3], rest.pose.R @ exponential(share * step[:, 3:]))

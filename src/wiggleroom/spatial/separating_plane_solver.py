@@ -147,6 +147,8 @@ class SeparatingPlaneSolver:
         Share of the objective that may be left on the table.
     most : int
         Iterations at most.
+    seed : int
+        Which point beside rest it starts from.
     horizon : float [mm]
         A body that moves further than this is taken to escape.
     most_turn : float
@@ -159,6 +161,7 @@ class SeparatingPlaneSolver:
     inside: bool = True
     tolerance: float = 3e-8
     most: int = 200
+    seed: int = 0
     horizon: float = np.inf
     most_turn: float = np.inf
     stop: Stop | None = None
@@ -174,7 +177,7 @@ class SeparatingPlaneSolver:
         self._floor = ROUNDING * P.bodies.size / P.length
         self._fixed: float | None = None
         self._errors: list[float] = []
-        at = P.linearise(beside_rest(P) if start is None else start)
+        at = P.linearise(beside_rest(P, self.seed) if start is None else start)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
         slack = at.h if self.inside else np.maximum(at.h, FIRST_SLACK)
         state = SeparatingPlaneIterate(

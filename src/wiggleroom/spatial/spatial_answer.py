@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
+from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
+from wiggleroom.spatial.spatial_bodies import Grouping
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.verdict import Verdict
 
@@ -32,6 +35,15 @@ class SpatialContact:
 
 
 @dataclass(frozen=True, eq=False)
+class HeldMotion:
+    """How a motion is held: the last program, its solution, and which part every piece belongs to."""
+
+    grouping: Grouping
+    program: SeparatingPlaneProgram
+    found: SeparatingPlaneSolution
+
+
+@dataclass(frozen=True, eq=False)
 class SpatialAnswer:
     """The largest safe motion that was found.
 
@@ -54,6 +66,8 @@ class SpatialAnswer:
         Deepest overlap of any two parts at `motion`, by booleans of the solids.
     leaves, turns : tuple of names
         Parts that move away or turn without limit.
+    warm_start : HeldMotion or None
+        The program and the forces that hold the motion, where it ends.
     """
 
     assembly: SpatialAssembly
@@ -75,6 +89,7 @@ class SpatialAnswer:
     command: str = ""
     at_most: float | None = None
     model: str = "planes"
+    warm_start: HeldMotion | None = field(default=None, repr=False)
 
     @property
     def turn(self) -> NDArray[np.float64]:

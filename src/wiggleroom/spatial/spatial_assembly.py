@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -21,6 +21,7 @@ def assemble_spatial(
     gap: float | None = None,
     fix: Sequence[str] = (),
     goals: Sequence[SpatialGoal] = (),
+    inward: Mapping[str, float] | None = None,
 ) -> SpatialAssembly:
     """Parts as they are made, with their roles.
 
@@ -33,6 +34,8 @@ def assemble_spatial(
         Parts that stand, besides those the drawing fixes.
     goals : sequence of SpatialPull, SpatialTurn or Weight
         In place of the drawing's, where there are any.
+    inward : mapping of names to float, optional [mm]
+        How much further in than the gap says all faces of a part lie; negative: further out.
 
     Raises
     ------
@@ -49,11 +52,12 @@ def assemble_spatial(
     used = replace(drawing, parts=parts, gap=used_gap, goals=tuple(goals) or drawing.goals)
     wrong += goal_findings(used, used.goals)
     made: list[MadeSolid] = []
-    known: dict[tuple[int, float], MadeSolid] = {}
+    known: dict[tuple[int, float, float], MadeSolid] = {}
     for part in parts:
-        key = (id(part.solid), part.offset)
+        further = (inward or {}).get(part.name, 0.0)
+        key = (id(part.solid), part.offset, further)
         if key not in known:
-            found, findings = made_solid(part, used_gap)
+            found, findings = made_solid(part, used_gap, further)
             wrong += [f'{drawing.source or "assembly"}: part "{part.name}" {line}' for line in findings]
             if found is None:
                 continue

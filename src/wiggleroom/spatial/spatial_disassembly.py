@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.convex import distinct_axes
-from wiggleroom.spatial.rigid import SpatialPose
+from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
 from wiggleroom.spatial.spatial_search import SpatialSearch
-from wiggleroom.verdict import Certainty, Separability
+from wiggleroom.spatial.straight_departure import StraightDeparture
+from wiggleroom.verdict import Certainty, Separability, SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -26,10 +27,10 @@ MOST_DIRECTIONS = 13
 """Straight ways are tried along so many axes, both ways: those of most faces."""
 MOST_PLACES, MOST_PULLED = 200, 3
 """Places, each reached by a checked way, from which straight ways are tried, and from which largest motions are searched."""
+UNDECIDED = 1e-2
+"""A largest motion whose error is above this was not decided, and nothing is said about what lies beyond it."""
 NEW_PLACE = 3.0
 """A place is new where a part lies elsewhere by more than this multiple of the clearance."""
-FAR = 3.0
-"""A part that left is shown so many sizes away."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,10 +76,10 @@ class SpatialDisassembly:
     seconds: float = 0.0
 
 
-def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> SpatialDisassembly:
+def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every: bool = True) -> SpatialDisassembly:
     """Whether some parts can be moved without limit away from the others.
 
-    Fixed parts stand; where none is fixed, the part of the largest volume stands.
+    Fixed parts stand; where none is fixed, the part of the largest volume stands. Without `every` the first way out is enough.
 
     Raises
     ------
@@ -112,7 +113,7 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None) -> Spa
         keep = [k for k in range(len(alive)) if k not in set(who)]
         alive = [alive[k] for k in keep]
         left = _reduced(left, keep)
-        if len(alive) < 2 or all(p.fixed for p in left.parts):
+        if not every or len(alive) < 2 or not grouped(left).bodies.moves.any():
             break
     if escapes:
         verdict, sure = Separability.COMES_APART, Certainty.PROVEN
@@ -142,11 +143,10 @@ class _Stage:
             for way in places[asked:]:
                 for axis in axes:
                     for direction in (axis, -axis):
-                        group = self._straight(way[-1], direction)
+                        departure = StraightDeparture(self.ready, way[-1], direction)
+                        group = departure.first()
                         if group:
-                            end = way[-1].copy()
-                            end[group, :3] += FAR * self.ready.size * direction
-                            return group, np.concatenate([way, end[None]])
+                            return group, np.concatenate([way, departure.end(group)[None]])
                 self._slide(way, axes, places)
                 asked += 1
                 if self.cut_short():
@@ -219,41 +219,6 @@ class _Stage:
         found = [normals[k] for k in order[:MOST_DIRECTIONS]]
         return distinct_axes(np.array([*found, *np.eye(3)]), 1e-6)
 
-    def _straight(self, motion: Floats, direction: Floats) -> list[int]:
-        """Parts that can go straight in a direction, for ever, from a motion; empty where none can.
-
-        Source: the blocking graph of Wilson and Latombe 1994.
-        """
-        ready = self.ready
-        parts, body_of = ready.assembly.parts, ready.grouping.body_of
-        moves = ready.grouping.bodies.free[:, :3]
-        loose = [bool(moves[b][np.abs(direction) > 1e-12].all()) for b in body_of]
-        blocked: dict[int, set[int]] = {}
-        far = FAR * ready.size * direction
-
-        def ahead(body: int) -> set[int]:
-            if body not in blocked:
-                mine = np.flatnonzero(body_of == body)
-                end = motion.copy()
-                end[mine, :3] += far
-                pairs = ready.checker.doubtful(motion, end, only=mine.tolist())
-                blocked[body] = {int(body_of[k]) for pair in pairs for k in pair} - {body}
-            return blocked[body]
-
-        for start in range(len(moves)):
-            group, todo = {start}, [start]
-            while todo:
-                body = todo.pop()
-                if not loose[int(np.flatnonzero(body_of == body)[0])]:
-                    group = set()
-                    break
-                for other in ahead(body) - group:
-                    group.add(other)
-                    todo.append(other)
-            if group and len(group) < len(moves):
-                return [k for k in range(len(parts)) if int(body_of[k]) in group]
-        return []
-
     def _pulled(self, way: Floats, axes: Floats, places: list[Floats]) -> tuple[list[int], Floats] | None:
         """Pull every body in every direction from the end of a way: a way out, or else new places are added."""
         ready = self.ready
@@ -265,28 +230,19 @@ class _Stage:
                     if self.cut_short():
                         return None
                     goal = SumOfTerms((Displacement(int(b), np.zeros(3), direction, begin.T[b]),))
-                    found = self._largest(goal, begin)
-                    if found is None:
+                    self.questions += 1
+                    done = SpatialSearch(ready, goal, self.stop, None, begin).run()
+                    if not len(done.program.a):
                         continue
-                    status, more = found
-                    whole = np.concatenate([way, more[1:]])
-                    if status == "escaping":
+                    self.cut |= not done.good and done.found.error > UNDECIDED
+                    whole = np.concatenate([way, done.way[1:]])
+                    gone = list(done.leaving)
+                    if not gone and done.good and done.found.status is SolverStatus.ESCAPING:
                         gone = leaving_parts(ready, whole[-1], goal)
-                        if gone:
-                            return gone, whole
+                    if gone:
+                        return gone, whole
                     self._add_place(whole, places)
         return None
-
-    def _largest(self, goal: SumOfTerms, begin: SpatialPose) -> tuple[str, Floats] | None:
-        """Way (k, n, 6) of a largest motion from a place, as far as it is checked."""
-        search = SpatialSearch(self.ready, goal, "interior-point", self.stop, None, begin)
-        self.questions += 1
-        program, found, way, whole = search.run()
-        if not len(program.a):
-            return None
-        if not whole or found.status not in ("converged", "escaping"):
-            self.cut |= found.error > 1e-2
-        return found.status if whole else "failed", way
 
     def _add_place(self, way: Floats, places: list[Floats]) -> None:
         """Take the end of a way in among the places where nothing near it is known."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.assembly_schema import convert, decode
+from wiggleroom.drawing.assembly_schema import convert, decode_json
 from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import Region
@@ -44,7 +44,7 @@ def is_spatial(source: Source) -> bool:
     """
     if f'"{SPATIAL_FORMAT}"' not in source.text:
         return False
-    raw = decode(source)
+    raw = decode_json(source)
     return isinstance(raw, dict) and raw.get("format") == SPATIAL_FORMAT
 
 

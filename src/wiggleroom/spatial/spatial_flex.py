@@ -13,14 +13,14 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.spatial.overlap_check import deepest_overlap
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
-from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import goal_findings
 from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial, spatial_objective
-from wiggleroom.spatial.spatial_search import SpatialSearch
-from wiggleroom.verdict import Verdict
+from wiggleroom.spatial.spatial_search import SearchEnd, SpatialSearch
+from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -57,33 +57,27 @@ def flex_spatial(
         raise InputError([f"{its.drawing.source}: {line}" if its.drawing.source else line for line in wrong])
     ready = assembly if isinstance(assembly, SpatialPrepared) else prepare_spatial(assembly)
     prepared = time.perf_counter()
-    search = SpatialSearch(ready, spatial_objective(ready, asked), solver, stop, progress)
-    program, found, way, whole = search.run()
+    search = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress)
+    done = search.run()
     solved = time.perf_counter()
+    found, way, whole = done.found, done.way, done.whole
     motion = way[-1]
     deepest = deepest_overlap(its, motion)
     pose = ready.grouping.pose_of(motion)
     last = found.point.pose
     at_end = bool(np.abs(pose.T - last.T).max() + ready.size * np.abs(pose.R - last.R).max() < 1e-9 * ready.size)
-    verdict, leaves, turns = _verdict(ready, search.objective, found, way, whole, at_end)
-    contacts = spatial_contacts(its, ready.grouping, program, found) if at_end and found.status == "converged" else ()
+    verdict, leaves, turns = _verdict(ready, search.objective, done, at_end)
+    held = at_end and found.status is SolverStatus.CONVERGED
+    contacts = spatial_contacts(its, ready.grouping, done.program, found) if held else ()
     ended = time.perf_counter()
     spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
-    value = None if verdict is Verdict.UNBOUNDED else _value(search.objective, ready, way)
+    value = None if verdict is Verdict.UNBOUNDED else search.value(done)
     return SpatialAnswer(
         assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=way, contacts=contacts,
-        path="checked" if whole else "not checked", collision_free=deepest <= OVERLAP * ready.size,
+        path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP * ready.size,
         deepest_overlap=deepest, solver=solver, rounds=search.rounds, iterations=search.iterations, seconds=spent,
-        leaves=leaves, turns=turns,
+        leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
     )  # fmt: skip
-
-
-def _value(objective: SumOfTerms, ready: SpatialPrepared, way: Floats) -> float:
-    """Objective at the end of a way; turns are counted on along it."""
-    value = 0.0
-    for motion in way:
-        value = objective.value(ready.grouping.pose_of(motion), value)
-    return value
 
 
 def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str]:
@@ -97,23 +91,20 @@ def lacking(assembly: SpatialAssembly, goals: Sequence[SpatialGoal]) -> list[str
 
 
 def _verdict(
-    ready: SpatialPrepared,
-    objective: SumOfTerms,
-    found: SeparatingPlaneSolution,
-    way: Floats,
-    whole: bool,
-    at_end: bool,
+    ready: SpatialPrepared, objective: SumOfTerms, done: SearchEnd, at_end: bool
 ) -> tuple[Verdict, tuple[str, ...], tuple[str, ...]]:
     """How the question ended, and the parts that leave or turn without limit."""
-    if found.status == "escaping" and whole and at_end:
-        names = ready.assembly.names
+    names, found = ready.assembly.names, done.found
+    if done.leaving:
+        return Verdict.UNBOUNDED, tuple(names[k] for k in done.leaving), ()
+    if found.status is SolverStatus.ESCAPING and done.whole and at_end:
         turning = _spinning(ready, objective, found)
-        leaving = leaving_parts(ready, way[-1], objective)
+        leaving = leaving_parts(ready, done.way[-1], objective)
         if turning:
             return Verdict.UNBOUNDED, (), turning
         if leaving:
             return Verdict.UNBOUNDED, tuple(names[k] for k in leaving), ()
-    if found.status == "converged" and whole and at_end:
+    if found.status is SolverStatus.CONVERGED and done.whole and at_end:
         return (Verdict.OPTIMAL if found.curved_down else Verdict.STATIONARY), (), ()
     return Verdict.STOPPED, (), ()
 

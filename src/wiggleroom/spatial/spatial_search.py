@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,10 @@ from wiggleroom.errors import Stop
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
 from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram, best_axis, build_planes
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
-from wiggleroom.spatial.spatial_objectives import SumOfTerms, Twist
+from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.spatial_path_check import refined
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
+from wiggleroom.spatial.straight_departure import StraightDeparture
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -25,16 +26,42 @@ HORIZON = 4.0
 MOST_TURN = 4 * np.pi
 """A twist beyond this is taken to go on without limit, once a whole turn in place is shown to be free [rad]."""
 MOST_ROUNDS = 8
-NEARLY = 1e-2
-"""An end that is certain is taken before one that lies this share of a clearance further."""
+INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150
+"""Where iterates stay inside all rows: so many starts beside rest are tried, with so many iterations each."""
+MOST_ROWS_OF_STARTS = 20_000
+"""Larger programs are started once."""
+DEPARTED = 0.25
+"""An unfinished motion further than this share of the size may be one that never ends: then straight departures are looked for."""
 
-SearchEnd = tuple[SeparatingPlaneProgram, SeparatingPlaneSolution, Floats, bool]
-"""Program, solution, way of the parts (k, n, 6), and whether that is free as far as the solution."""
 
+@dataclass(frozen=True, eq=False)
+class SearchEnd:
+    """Where a search ended.
 
-def _good(done: SearchEnd) -> bool:
-    """True where the end is an answer and the way there is free."""
-    return done[3] and done[1].status in (SolverStatus.CONVERGED, SolverStatus.ESCAPING)
+    Parameters
+    ----------
+    program : SeparatingPlaneProgram
+    found : SeparatingPlaneSolution
+    way : (k, n, 6) float64 [mm, rad]
+        Motions of the parts from rest.
+    whole : bool
+        True where the way is free as far as the solution.
+    leaving : tuple of int
+        Parts that go on straight for ever at the end of the way, which then ends beyond the solution.
+    """
+
+    program: SeparatingPlaneProgram
+    found: SeparatingPlaneSolution
+    way: Floats
+    whole: bool
+    leaving: tuple[int, ...] = ()
+
+    @property
+    def good(self) -> bool:
+        """True where the end is an answer and the way there is free."""
+        return bool(self.leaving) or (
+            self.whole and self.found.status in (SolverStatus.CONVERGED, SolverStatus.ESCAPING)
+        )
 
 
 @dataclass(eq=False)
@@ -43,7 +70,6 @@ class SpatialSearch:
 
     ready: SpatialPrepared
     objective: SumOfTerms
-    solver: str
     stop: Stop | None
     tell: Callable[[int, float], None] | None
     begin: SpatialPose | None = None
@@ -52,36 +78,45 @@ class SpatialSearch:
     pieces: Ints = field(init=False)
 
     def run(self) -> SearchEnd:
-        """Program, solution, way of the parts (k, n, 6) and whether the whole way is free."""
+        """Search with slacks that run ahead, then inside all rows from several starts, until an end is good."""
         ready = self.ready
-        near = (
+        self.pieces = (
             ready.pieces
             if self.begin is None
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
-        self.pieces = near
-        done = self._attempt(inside=False)
-        return done if _good(done) or self._asked_to_stop() else self._attempt(inside=True)
+        best = self._attempt(None)
+        for seed in range(INSIDE_STARTS if best.program.rows <= MOST_ROWS_OF_STARTS else 1):
+            if best.good or self._asked_to_stop():
+                break
+            done = self._attempt(seed)
+            if done.good or self.value(done) > self.value(best):
+                best = done
+        return best
 
-    def _attempt(self, inside: bool) -> SearchEnd:
-        """Solve from the start, and check the way."""
-        program, found = self._with_missed(inside)
-        return program, found, *refined(self.ready, program, found.way or [program.start])
+    def value(self, done: SearchEnd) -> float:
+        """Objective at the end of the way that is certain."""
+        value = 0.0
+        for motion in done.way:
+            value = self.objective.value(self.ready.grouping.pose_of(motion), value)
+        return value
 
-    def _asked_to_stop(self) -> bool:
-        return self.stop is not None and self.stop.is_set()
+    def _attempt(self, seed: int | None) -> SearchEnd:
+        """Solve, and check the way; pairs of pieces outside the program that meet on it join, and it is solved again from rest.
 
-    def _with_missed(self, inside: bool) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
-        """Solve; pairs of pieces outside the program that meet on the way join it, and it is solved again from rest."""
-        ready = self.ready
+        With a `seed` iterates stay inside all rows, from that start; without one slacks run ahead.
+        """
         limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
+        ready = self.ready
         for _ in range(MOST_ROUNDS):
             program = build_planes(
                 ready.grouping.bodies, self.objective, self.pieces, length=ready.clearance, rest=self.begin
             )
             solve = SeparatingPlaneSolver(
                 program,
-                inside=inside,
+                inside=seed is not None,
+                most=200 if seed is None else INSIDE_ITERATIONS,
+                seed=seed or 0,
                 horizon=HORIZON * ready.size,
                 most_turn=limit,
                 stop=self.stop,
@@ -90,11 +125,36 @@ class SpatialSearch:
             found = solve.solve()
             self.iterations += found.iterations
             self.rounds += 1
+            if found.status is SolverStatus.FAILED:
+                done = self._departed(self._checked(program, found))
+                if done.good:
+                    return done
             missed = self._missed(found)
-            if not len(missed) or (self.stop is not None and self.stop.is_set()):
+            if not len(missed) or self._asked_to_stop():
                 break
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
-        return program, found
+        return self._checked(program, found)
+
+    def _checked(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> SearchEnd:
+        """The end with its way, as far as that is free."""
+        return SearchEnd(program, found, *refined(self.ready, program, found.way or [program.start]))
+
+    def _departed(self, done: SearchEnd) -> SearchEnd:
+        """The same end where what is pulled can go on straight for ever from it, else unchanged."""
+        pulls = [t for t in self.objective.terms if isinstance(t, Displacement)]
+        total = np.sum([t.direction for t in pulls], axis=0) if pulls else np.zeros(3)
+        if len(pulls) < len(self.objective.terms) or not total.any():
+            return done
+        if np.abs(done.way[-1, :, :3]).max() < DEPARTED * self.ready.size:
+            return done
+        departure = StraightDeparture(self.ready, done.way[-1], total / np.linalg.norm(total))
+        leaving = departure.parts_with(sorted({t.body for t in pulls}))
+        if not leaving:
+            return done
+        return replace(done, way=np.concatenate([done.way, departure.end(leaving)[None]]), leaving=tuple(leaving))
+
+    def _asked_to_stop(self) -> bool:
+        return self.stop is not None and self.stop.is_set()
 
     def _missed(self, found: SeparatingPlaneSolution) -> Ints:
         """Pairs of pieces outside the program that come nearer than a clearance at some way-point."""

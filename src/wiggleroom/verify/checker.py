@@ -24,6 +24,7 @@ from wiggleroom.verify.work_limit import EXACT, WorkLimit
 __all__ = ["Refused", "Verified", "read", "verify"]
 
 BITS = 128
+"""Precision of ball arithmetic: more than twice that of doubles."""
 
 
 @dataclass(frozen=True)

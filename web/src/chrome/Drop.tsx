@@ -4,12 +4,12 @@ import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { openFile } from "../session.ts";
 import { Start } from "./Start.tsx";
-import { baked, drawing, line, opening } from "../state.ts";
+import { standalone, drawing, line, opening } from "../state.ts";
 
 export function Drop() {
   const over = useSignal(false);
   useEffect(() => {
-    if (baked.value) return;
+    if (standalone.value) return;
     const gone = new AbortController();
     const files = (event: DragEvent): boolean => event.dataTransfer?.types.includes("Files") ?? false;
     const enter = (event: DragEvent): void => {
@@ -33,7 +33,7 @@ export function Drop() {
   }, []);
   if (over.value) return <div class="drop over">Let go to open it</div>;
   if (opening.value) return <div class="drop" role="status">Opening {opening.value}…</div>;
-  if (drawing.value || baked.value) return null;
+  if (drawing.value || standalone.value) return null;
   if (line.value === "refused") {
     return (
       <div class="drop">

@@ -6,7 +6,7 @@ import { asks, design, goals, settle } from "../design.ts";
 import { valueBetween } from "../motion.ts";
 import { isPull, isTurn } from "../protocol.ts";
 import { ask, setGap } from "../session.ts";
-import { answer, baked, current, drawing, findings, lost, running, type Solved, solved } from "../state.ts";
+import { answer, standalone, current, drawing, findings, lost, running, type Solved, solved } from "../state.ts";
 import { nearestBy, number, ticks } from "../words.ts";
 import { Button } from "./Button.tsx";
 import { NumberBox } from "./NumberBox.tsx";
@@ -39,7 +39,7 @@ export function GapStrip() {
     watch.observe(box.current);
     return () => watch.disconnect();
   }, [opened === null]);
-  const still = baked.value !== null;
+  const still = standalone.value !== null;
   const gaps = solved.value.map((one) => one.gap);
   const most = still ? Math.max(...gaps, 1e-9) : niceTop(Math.max(top.value, gap, ...gaps));
   const low = still ? Math.min(...gaps) : 0;
@@ -83,21 +83,21 @@ export function GapStrip() {
 function startPlaying(low: number, most: number): void {
   playing.value = true;
   settle();
-  if (design.peek().gap >= most * (1 - 1e-9)) setGap(baked.peek() ? low : slid(most / STEPS, most), "play");
+  if (design.peek().gap >= most * (1 - 1e-9)) setGap(standalone.peek() ? low : slid(most / STEPS, most), "play");
 }
 
 /** The next gap, or the end. */
 function playOn(low: number, most: number): void {
   const now = design.peek().gap;
-  const next = baked.peek() ? solved.peek().find((one) => one.gap > now * (1 + 1e-9))?.gap : slid(now + (most - low) / STEPS, most);
+  const next = standalone.peek() ? solved.peek().find((one) => one.gap > now * (1 + 1e-9))?.gap : slid(now + (most - low) / STEPS, most);
   if (next === undefined || next > most * (1 + 1e-9) || next <= now || findings.peek().length) playing.value = false;
   else setGap(next, "play");
 }
 
-/** The slider gives round numbers, except on a baked page, where only stored gaps have answers. */
+/** The slider gives round numbers, except on a standalone page, where only stored gaps have answers. */
 function slid(value: number, most: number): number {
   const step = stepOf(most / 30);
-  if (!baked.value) return Number((Math.round(value / step) * step).toPrecision(6));
+  if (!standalone.value) return Number((Math.round(value / step) * step).toPrecision(6));
   return nearestBy(solved.value, (one) => one.gap, value)!.gap;
 }
 

@@ -2,7 +2,8 @@
 
 import { asks, design, goals } from "../design.ts";
 import { factor, shown } from "../motion.ts";
-import { answer, baked, busy, checked, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
+import { answer, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
+import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
 import { ask, few, number, short } from "../words.ts";
@@ -34,7 +35,7 @@ const NOTHING = 2e-3;
 function said(): Said {
   const { what, label } = shown.value;
   const about = answer.value;
-  const told = baked.value?.said;
+  const told = standalone.value?.said;
   const { gap } = design.value;
   if (dragging.value && (what === "drag" || running.value.has("drag"))) return draggedSaid();
   if (what === "mode" && modes.value) {
@@ -42,9 +43,9 @@ function said(): Said {
     const far = mode ? (mode.ends === false ? "without end" : `up to ${number(mode.size, 3)} mm`) : "";
     return { title: `Wiggle, ${label}`, line: mode ? `${far} · most of all ${few(mode.parts, 4)}` : "", tone: "" };
   }
-  if (what === "escape" && checked.value) {
-    const step = checked.value.reply.escapes[checked.value.ways.indexOf(shown.value.frames!)];
-    return told ? { title: told.title, line: `${label}: ${step?.words}`, tone: "" } : { title: step?.words ?? "The way out", line: label, tone: "" };
+  const step = what === "escape" ? leavingStep() : null;
+  if (step) {
+    return told ? { title: told.title, line: `${label}: ${step.words}`, tone: "" } : { title: step.words, line: label, tone: "" };
   }
   if (told) return { title: told.title, line: [...told.facts, ...enlarged()].join(" · "), tone: "" };
   if (!asks(design.value)) {
@@ -79,13 +80,13 @@ function draggedSaid(): Said {
 const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
 
 const NAMES: Record<string, string> = {
-  flex: "solving", check: "checking whether it comes apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",
+  flex: "solving", check: "checking whether it comes apart", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",
   space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 
 /** Long work under way: what it is, how far, and a way to end it. */
 function Work() {
-  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
+  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
   return (
     <>
       {rows.map(([kind, told]) => (

@@ -1,7 +1,7 @@
 /** All keys, in a dialog. */
 
 import { useEffect, useRef } from "preact/hooks";
-import { baked, helpOpen } from "../state.ts";
+import { standalone, helpOpen } from "../state.ts";
 import { Button } from "./Button.tsx";
 
 type Row = readonly [keys: string, words: string];
@@ -15,7 +15,7 @@ const KEYS: Row[] = [
   ["G", "glue the chosen part to another one"], ["L", "choose many: draw a line round them (or Shift and drag on the ground; Shift and press adds one)"], ["A", "choose all parts"], ["W", "wiggle: show every freedom that is left"],
   ["R", "show where the chosen part can be brought"], ["← ↑ → ↓", "of a pulled part: point the pull that way (Shift: turn it by 5°); else drag the part a step"],
   ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"], ["[ ]", "gap smaller or larger by a step"],
-  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["1 … 6", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
+  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["B", "keep this answer beside"], ["1 … 6", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
   ["?", "this list"],
 ];
 const LOOK_MICE: Row[] = [["Click a part", "choose it"], ["Drag, wheel, pinch", "pan and zoom"]];
@@ -35,10 +35,10 @@ export function Help() {
   return (
     <dialog ref={dialog} class="help" aria-label="Keys and help" onClose={() => (helpOpen.value = false)}>
       <header><h2>Keys</h2><Button icon="close" label="Close" onClick={() => (helpOpen.value = false)} /></header>
-      <dl>{rows(baked.value ? LOOK : KEYS)}</dl>
+      <dl>{rows(standalone.value ? LOOK : KEYS)}</dl>
       <h2>Mouse and touch</h2>
-      <dl>{rows(baked.value ? LOOK_MICE : MICE)}</dl>
-      {!baked.value && <p>What you open stays on this machine: the page speaks only to the program that serves it.</p>}
+      <dl>{rows(standalone.value ? LOOK_MICE : MICE)}</dl>
+      {!standalone.value && <p>What you open stays on this machine: the page speaks only to the program that serves it.</p>}
     </dialog>
   );
 }

@@ -4,7 +4,8 @@ import { autoFactor, chosenFactor, place, play, playing, shown } from "../motion
 import { back, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { measuring, stopMeasuring } from "../stage/measure.ts";
-import { answer, baked, drawing, modes } from "../state.ts";
+import { answer, standalone, drawing, modes } from "../state.ts";
+import { canKeep, keep, kept } from "../stage/kept.ts";
 import { lassoing } from "../stage/lasso.ts";
 import { Button } from "./Button.tsx";
 import { Notices } from "./Notices.tsx";
@@ -49,7 +50,13 @@ export function Player() {
         </select>
       </label>
       <div class="group">
-        {!baked.value && <Button icon="lasso" label="Choose many: draw a line round them" keyName="L" pressed={lassoing.value} onClick={() => (lassoing.value = !lassoing.value)} />}
+        {!standalone.value && (
+          <Button
+            icon="pin" label={kept.value ? "Keep nothing beside" : "Keep this answer beside, to compare"} keyName="B" pressed={kept.value !== null}
+            disabled={!kept.value && !canKeep()} onClick={() => (kept.value ? (kept.value = null) : keep())}
+          />
+        )}
+        {!standalone.value && <Button icon="lasso" label="Choose many: draw a line round them" keyName="L" pressed={lassoing.value} onClick={() => (lassoing.value = !lassoing.value)} />}
         <Button
           icon="measure" label="Measure: press two edges or corners" keyName="M" pressed={measuring.value}
           onClick={() => (measuring.value ? stopMeasuring() : (measuring.value = true))}

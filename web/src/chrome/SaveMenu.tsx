@@ -4,8 +4,8 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import type { SaveWhat } from "../protocol.ts";
 import { copy } from "../save.ts";
 import { link, save } from "../session.ts";
-import { shown } from "../motion.ts";
-import { answer, can, checked, drawing, running } from "../state.ts";
+import { leavingOf } from "../leaving.ts";
+import { answer, can, checked, drawing, planned, running } from "../state.ts";
 import { Button } from "./Button.tsx";
 
 interface Choice { what: SaveWhat; words: string; ending: string; needs?: string; asked?: true }
@@ -16,6 +16,7 @@ const CHOICES: Choice[] = [
   { what: "mp4", words: "Film", ending: "mp4", needs: "film", asked: true },
   { what: "html", words: "Report", ending: "html", asked: true },
   { what: "json", words: "Answer in numbers", ending: "json", asked: true },
+  { what: "stills", words: "A picture of every step", ending: "zip" },
   { what: "assembly", words: "Assembly file", ending: "json" },
   { what: "cut-svg", words: "Outlines to cut", ending: "svg" },
   { what: "cut-dxf", words: "Outlines to cut", ending: "dxf", needs: "dxf" },
@@ -33,10 +34,10 @@ export function SaveMenu() {
     addEventListener("pointerdown", outside);
     return () => removeEventListener("pointerdown", outside);
   }, [open]);
-  const escape = shown.value.what === "escape" && checked.value !== null;
+  const escape = leavingOf();
   const pick = (what: SaveWhat): void => {
     setOpen(false);
-    save(what, escape ? "check" : "flex");
+    save(what, escape ?? "flex");
     root.current?.querySelector("button")?.focus();
   };
   const keys = (event: KeyboardEvent): void => {
@@ -53,7 +54,7 @@ export function SaveMenu() {
       root.current?.querySelector("button")?.focus();
     } else if (to !== undefined) items[(to + items.length) % items.length]?.focus();
   };
-  const command = (escape ? checked : answer).value?.reply.command;
+  const command = (escape === "plan" ? planned : escape ? checked : answer).value?.reply.command;
   return (
     <div class="menu" ref={root} onKeyDown={keys}>
       <Button icon="save" label="Save" keyName="S" onClick={() => setOpen(!open)} disabled={!drawing.value} pressed={open} class="savebutton">
@@ -61,7 +62,7 @@ export function SaveMenu() {
       </Button>
       {open && (
         <div class="popup" role="menu" aria-label="Save">
-          {CHOICES.map(({ what, words, ending, needs, asked }) => {
+          {CHOICES.filter(({ what }) => what !== "stills" || escape === "plan").map(({ what, words, ending, needs, asked }) => {
             const missing = needs !== undefined && !can(needs);
             return (
               <button

@@ -3,7 +3,7 @@
 import { design, fixAll, fixedNames, glueAll, groupOf, pulledNames, setExtra, setExtras, settle, toggleFixed, togglePull, unglue } from "../design.ts";
 import { ask, askReach } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
-import { baked, drawing, extent, gluing, many, reach, selected } from "../state.ts";
+import { standalone, drawing, extent, gluing, many, reach, selected } from "../state.ts";
 import { chooseMany, lassoing } from "../stage/lasso.ts";
 import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
@@ -20,7 +20,7 @@ export function glueOrNot(name: string): void {
 
 export function Selection() {
   const name = selected.value;
-  if (baked.value) return null;
+  if (standalone.value) return null;
   if (gluing.value) return <div class="selection hint" role="status">Choose the part to glue to {short(gluing.value)} <button type="button" class="link" onClick={() => (gluing.value = null)}>cancel</button></div>;
   if (!drawing.value) return null;
   if (measuring.value) return <p class="selection hint" role="status">{["Press an edge or a corner", "Press another one: the clearance between them is shown and follows the motion", "Press again to measure something else, Escape to end"][picked.value.length]}</p>;

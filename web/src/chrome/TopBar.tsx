@@ -4,7 +4,7 @@ import { useRef } from "preact/hooks";
 import { canRedo, canUndo, redo, undo } from "../design.ts";
 import { openFile } from "../session.ts";
 import { isDark, setTheme, theme } from "../stage/colours.ts";
-import { baked, drawing, helpOpen, line, workerState } from "../state.ts";
+import { standalone, drawing, helpOpen, line, workerState } from "../state.ts";
 import { Button } from "./Button.tsx";
 import { SaveMenu } from "./SaveMenu.tsx";
 
@@ -23,7 +23,7 @@ export function TopBar() {
       <h1 class="filename" title={drawing.value?.name}>{drawing.value?.name ?? ""}</h1>
       <Line />
       <span class="spring" />
-      {!baked.value && (
+      {!standalone.value && (
         <>
           <input ref={box} class="unseen" type="file" accept=".svg,.dxf,.lbrn2,.lbrn,.json" tabIndex={-1} aria-label="drawing" onChange={take} id="file" />
           <Button icon="open" label="Open a drawing" keyName="O" onClick={() => box.current?.click()}>Open</Button>
@@ -54,7 +54,7 @@ function Mark() {
 }
 
 function Line() {
-  if (baked.value) return null;
+  if (standalone.value) return null;
   if (line.value === "refused") return <span class="pill bad" role="status">not let in</span>;
   if (line.value === "broken") return <span class="pill bad" role="status">no server: trying again</span>;
   if (workerState.value === "lost") return <span class="pill warn" role="status">solver lost, starting anew</span>;

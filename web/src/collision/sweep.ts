@@ -22,21 +22,21 @@ const FREE: Contact = { share: 1, nx: 0, ny: 0 };
 const PARALLEL = 1e-9;
 const SLIDES = 5;
 
-/** First contact of moving bodies, shifted by (ox, oy), on the way (dx, dy) among standing ones; `skin` [mm] is kept between them. */
-export function firstContact(moving: readonly Body[], standing: readonly Body[], ox: number, oy: number, dx: number, dy: number, skin: number): Contact {
+/** First contact of moving bodies, shifted by (ox, oy), on the way (dx, dy) among standing ones; `clearance` [mm] is kept between them. */
+export function firstContact(moving: readonly Body[], standing: readonly Body[], ox: number, oy: number, dx: number, dy: number, clearance: number): Contact {
   let best = FREE;
   const far = Math.hypot(dx, dy);
   for (const a of moving) for (const b of standing) {
     const apart = Math.hypot(b.x - a.x - ox, b.y - a.y - oy);
-    if (apart > a.outline.radius + b.outline.radius + far + skin) continue;
-    best = cornersOnEdges(a, b, ox, oy, dx, dy, skin, 1, best);
-    best = cornersOnEdges(b, a, -ox, -oy, -dx, -dy, skin, -1, best);
+    if (apart > a.outline.radius + b.outline.radius + far + clearance) continue;
+    best = cornersOnEdges(a, b, ox, oy, dx, dy, clearance, 1, best);
+    best = cornersOnEdges(b, a, -ox, -oy, -dx, -dy, clearance, -1, best);
   }
   return best;
 }
 
 /** Corners of `a`, shifted by (ox, oy), that go by (dx, dy) and meet edges of `b`; `side` is -1 where it is `b` that moves. */
-function cornersOnEdges(a: Body, b: Body, ox: number, oy: number, dx: number, dy: number, skin: number, side: number, best: Contact): Contact {
+function cornersOnEdges(a: Body, b: Body, ox: number, oy: number, dx: number, dy: number, clearance: number, side: number, best: Contact): Contact {
   const { outline: from } = a;
   const { x: bx, y: by, next, boxes } = b.outline;
   // all in the frame of b
@@ -44,13 +44,13 @@ function cornersOnEdges(a: Body, b: Body, ox: number, oy: number, dx: number, dy
   const turn = (vx: number, vy: number): [number, number] => [b.cos * vx + b.sin * vy, -b.sin * vx + b.cos * vy];
   const [sx, sy] = turn(a.x + ox - b.x, a.y + oy - b.y);
   const [vx, vy] = turn(dx, dy);
-  const reach = b.outline.radius + skin;
+  const reach = b.outline.radius + clearance;
   const far = Math.hypot(vx, vy);
   for (let i = 0; i < from.x.length; i++) {
     const px = sx + cos * from.x[i]! - sin * from.y[i]!;
     const py = sy + sin * from.x[i]! + cos * from.y[i]!;
-    const [left, right] = [Math.min(px, px + vx * best.share) - skin, Math.max(px, px + vx * best.share) + skin];
-    const [low, high] = [Math.min(py, py + vy * best.share) - skin, Math.max(py, py + vy * best.share) + skin];
+    const [left, right] = [Math.min(px, px + vx * best.share) - clearance, Math.max(px, px + vx * best.share) + clearance];
+    const [low, high] = [Math.min(py, py + vy * best.share) - clearance, Math.max(py, py + vy * best.share) + clearance];
     if (left > reach || right < -reach || low > reach || high < -reach) continue;
     for (let r = 0; 4 * r < boxes.length; r++) {
       if (left > boxes[4 * r + 2]! || right < boxes[4 * r]! || low > boxes[4 * r + 3]! || high < boxes[4 * r + 1]!) continue;
@@ -63,11 +63,11 @@ function cornersOnEdges(a: Body, b: Body, ox: number, oy: number, dx: number, dy
         const speed = nx * vx + ny * vy;
         if (speed > -PARALLEL * far) continue;
         const above = nx * (px - bx[k]!) + ny * (py - by[k]!);
-        if (above < -skin) continue; // behind the line: comes from elsewhere
-        const share = Math.max((above - skin) / -speed, 0);
+        if (above < -clearance) continue; // behind the line: comes from elsewhere
+        const share = Math.max((above - clearance) / -speed, 0);
         if (share >= best.share) continue;
         const along = (ex * (px + share * vx - bx[k]!) + ey * (py + share * vy - by[k]!)) / long;
-        if (along < -skin || along > long + skin) continue;
+        if (along < -clearance || along > long + clearance) continue;
         best = { share, nx: side * (b.cos * nx - b.sin * ny), ny: side * (b.sin * nx + b.cos * ny) };
       }
     }
@@ -75,22 +75,22 @@ function cornersOnEdges(a: Body, b: Body, ox: number, oy: number, dx: number, dy
   return best;
 }
 
-/** Shift (x, y) [mm] of moving bodies towards a wish, straight and then along what they meet; nothing is ever passed through. */
-export function slideTowards(moving: readonly Body[], standing: readonly Body[], wish: readonly [number, number], skin: number): [number, number] {
+/** Shift (x, y) [mm] of moving bodies towards a desired place, straight and then along what they meet; nothing is ever passed through. */
+export function slideTowards(moving: readonly Body[], standing: readonly Body[], desired: readonly [number, number], clearance: number): [number, number] {
   let [x, y] = [0, 0];
-  let [dx, dy] = wish;
+  let [dx, dy] = desired;
   const met: Contact[] = [];
-  for (let k = 0; k < SLIDES && Math.hypot(dx, dy) > skin; k++) {
-    const contact = firstContact(moving, standing, x, y, dx, dy, skin);
+  for (let k = 0; k < SLIDES && Math.hypot(dx, dy) > clearance; k++) {
+    const contact = firstContact(moving, standing, x, y, dx, dy, clearance);
     [x, y] = [x + contact.share * dx, y + contact.share * dy];
     if (contact.share === 1) break;
     met.push(contact);
-    [dx, dy] = allowed(wish[0] - x, wish[1] - y, met);
+    [dx, dy] = allowed(desired[0] - x, desired[1] - y, met);
   }
   return [x, y];
 }
 
-/** What of a wish is left that leads into none of the contacts: the wish, or its part along one of them, or nothing. */
+/** What of a desired shift is left that leads into none of the contacts: the shift, or its part along one of them, or nothing. */
 function allowed(wx: number, wy: number, met: readonly Contact[]): [number, number] {
   const into = (x: number, y: number): boolean => met.some(({ nx, ny }) => nx * x + ny * y < -1e-9 * Math.hypot(wx, wy));
   if (!into(wx, wy)) return [wx, wy];

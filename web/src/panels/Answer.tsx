@@ -2,7 +2,7 @@
 
 import { asks, design, goals, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
 import { type Cell, type Finding, type Goal, isPull, isTurn, type Point } from "../protocol.ts";
-import { answer, baked, dragged, drawing, findings, highlit, names, selected } from "../state.ts";
+import { answer, standalone, dragged, drawing, findings, highlit, names, selected } from "../state.ts";
 import { end, shown } from "../motion.ts";
 import { ask, degrees, few, number, short } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
@@ -34,9 +34,9 @@ export function Answer() {
 
 function Asked() {
   const whole = design.value.goals;
-  if (baked.value && !asks(design.value)) return null;
+  if (standalone.value && !asks(design.value)) return null;
   return (
-    <Section title="What is pulled" step={baked.value ? undefined : 2} done={asks(design.value)}>
+    <Section title="What is pulled" step={standalone.value ? undefined : 2} done={asks(design.value)}>
       <Likely about="pulled" />
       {typeof whole === "string" && <p>{whole === "closer" ? "neighbours closer" : "sum of squared translations"}</p>}
       {typeof whole !== "string" && goals.value.length === 0 && <p class="quiet">Nothing yet. Press a part in the picture, then Pull.</p>}
@@ -48,12 +48,12 @@ function Asked() {
 /** The button that does the likely thing, where something is missing. */
 function Likely({ about }: { about: Finding["about"] }) {
   const likely = findings.value.find((one) => one.about === about)?.mends[0];
-  if (!likely || baked.value) return null;
+  if (!likely || standalone.value) return null;
   return <p class="likely"><Button label={likely.words} onClick={() => mend(likely)} class="main small">{likely.words}</Button></p>;
 }
 
 function Gap() {
-  if (baked.value) return null;
+  if (standalone.value) return null;
   const wrong = findings.value.some((one) => one.about === "gap");
   return (
     <Section title="The gap" step={3} done={!wrong && drawing.value !== null && answer.value !== null} side={<span>{number(design.value.gap)} mm</span>}>
@@ -64,7 +64,7 @@ function Gap() {
 }
 
 function GoalRow({ goal, index }: { goal: Goal; index: number }) {
-  const still = baked.value !== null;
+  const still = standalone.value !== null;
   const turned = (angle: number): Point => [Math.cos((angle * Math.PI) / 180), Math.sin((angle * Math.PI) / 180)].map((v) => Number(v.toFixed(6)) + 0) as Point;
   return (
     <li class="row">
@@ -93,9 +93,9 @@ function GoalRow({ goal, index }: { goal: Goal; index: number }) {
 
 function Standing() {
   const { fixed, glue } = design.value;
-  if (baked.value && fixed.length + glue.length === 0) return null;
+  if (standalone.value && fixed.length + glue.length === 0) return null;
   return (
-    <Section title="What stands" step={baked.value ? undefined : 1} done={fixed.length > 0}>
+    <Section title="What stands" step={standalone.value ? undefined : 1} done={fixed.length > 0}>
       <Likely about="stands" />
       {fixed.length === 0 && <p class="quiet">Nothing yet. Press a part in the picture, then Fix.</p>}
       <ul class="chips">
@@ -115,7 +115,7 @@ function Chip({ name, words, onRemove, class: kind }: { name: string; words: str
   return (
     <li class={`chip ${kind}`}>
       {short(name, 26)}
-      {!baked.value && <button type="button" aria-label={words} title={words} onClick={onRemove}>×</button>}
+      {!standalone.value && <button type="button" aria-label={words} title={words} onClick={onRemove}>×</button>}
     </li>
   );
 }

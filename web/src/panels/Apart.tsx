@@ -1,9 +1,11 @@
 /** Whether it comes apart, and the ways out as films. */
 
-import { design } from "../design.ts";
+import { useSignal } from "@preact/signals";
+import { design, fixedNames } from "../design.ts";
 import { shown } from "../motion.ts";
+import type { Point } from "../protocol.ts";
 import { ask, showEscape } from "../session.ts";
-import { baked, checked, current } from "../state.ts";
+import { standalone, checked, current, many, planned, running, selected } from "../state.ts";
 import { few } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { Run } from "../chrome/Run.tsx";
@@ -16,14 +18,14 @@ export function Apart() {
     <>
     <Section title="Does it come apart?">
       <p>Can some parts be moved without limit away from the others? Turning in place is not coming apart.</p>
-      {!baked.value && (
+      {!standalone.value && (
         <div class="asks"><Run kind="check" label="Check" onClick={() => void ask("check", { design: design.peek() })}>Check</Run></div>
       )}
       {about && (
-        <div class={current(about) || baked.value ? "result" : "result old"}>
+        <div class={current(about) || standalone.value ? "result" : "result old"}>
           <p class="verdict" data-verdict={about.reply.verdict}>{about.reply.verdict}</p>
           <p class="why">{about.reply.words.replace(/^[^:]*: /, "")}</p>
-          {!current(about) && !baked.value && <p class="quiet">said of an earlier design</p>}
+          {!current(about) && !standalone.value && <p class="quiet">said of an earlier design</p>}
           <ul class="rows">
             {about.reply.escapes.map((one, i) => (
               <li class="row" key={i}>
@@ -41,7 +43,50 @@ export function Apart() {
         </div>
       )}
     </Section>
-    {baked.value && <Command text={about?.reply.command} />}
+    {!standalone.value && <Planned />}
+    {standalone.value && <Command text={about?.reply.command} />}
     </>
+  );
+}
+
+const DIRECTIONS: Record<string, Point | null> = { "nowhere": null, "in -y": [0, -1], "in +y": [0, 1], "in -x": [-1, 0], "in +x": [1, 0] };
+
+/** In which order and along which ways parts are taken out: every step can be played. */
+function Planned() {
+  const falls = useSignal("nowhere");
+  const about = planned.value;
+  const chosen = many.value.size ? [...many.value] : selected.value ? [selected.value] : [];
+  const loose = chosen.filter((name) => !fixedNames.value.has(name));
+  const run = (targets: string[]): void => void ask("plan", { design: design.peek(), targets, gravity: DIRECTIONS[falls.value] ?? null });
+  return (
+    <Section title="Take apart, put together">
+      <p>The order in which parts are taken out, and every step on the way: who moves, how, and with how much room. Backwards it is how to put it together.</p>
+      <div class="asks">
+        <label>loose parts fall <select value={falls.value} aria-label="direction in which loose parts fall" onChange={(event) => (falls.value = event.currentTarget.value)}>
+          {Object.keys(DIRECTIONS).map((name) => <option key={name} value={name}>{name}</option>)}
+        </select></label>
+        <Run kind="plan" label="Plan how to take it apart" onClick={() => run([])}>Plan</Run>
+        {loose.length > 0 && !running.value.has("plan") && <Button label={`Plan how to take out ${few(loose)}`} onClick={() => run(loose)}>{`Only ${few(loose, 2)}`}</Button>}
+      </div>
+      {about && (
+        <div class={current(about) ? "result" : "result old"}>
+          <p class="verdict" data-verdict={about.reply.verdict}>{about.reply.words}</p>
+          {!current(about) && <p class="quiet">said of an earlier design</p>}
+          <ol class="rows">
+            {about.reply.steps.map((one, i) => (
+              <li class="row" key={i}>
+                <Button
+                  icon="play" label={`Play step ${i + 1}: ${one.words}`} pressed={shown.value.what === "escape" && shown.value.frames === about.ways[i]}
+                  onClick={() => showEscape(i, about)}
+                />
+                <span class="grow">{i + 1}. {one.words}</span>
+              </li>
+            ))}
+          </ol>
+          {about.reply.facts.map((fact) => <p class="quiet" key={fact}>{fact}</p>)}
+          <Command text={about.reply.command} />
+        </div>
+      )}
+    </Section>
   );
 }

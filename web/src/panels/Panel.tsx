@@ -2,7 +2,7 @@
 
 import { computed } from "@preact/signals";
 import type { ComponentType } from "preact";
-import { answer, baked, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
+import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
 import { Findings } from "./Findings.tsx";
@@ -20,7 +20,7 @@ const GapsAndJoints = () => <><Gaps /><Joints /></>;
 /** The panels of the live page; of one that carries what was found, those that have something to say. */
 export const pages = computed<Page[]>(() => {
   const page = (name: Tab, words: string, Shown: ComponentType, there: boolean = true): Page[] => (there ? [{ name, words, Shown }] : []);
-  const told = baked.value;
+  const told = standalone.value;
   if (!told) {
     return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space), ...page("sure", "How sure", Sure)];
   }

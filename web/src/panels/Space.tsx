@@ -6,7 +6,7 @@ import { design } from "../design.ts";
 import { end, shown } from "../motion.ts";
 import { ask } from "../session.ts";
 import { isDark } from "../stage/colours.ts";
-import { answer, baked, current, drawing, indexOf, names, selected, space } from "../state.ts";
+import { answer, standalone, current, drawing, indexOf, names, selected, space } from "../state.ts";
 import type { SpaceView } from "../space3d.ts";
 import { nearestBy, number } from "../words.ts";
 import { Run } from "../chrome/Run.tsx";
@@ -36,7 +36,7 @@ export function Space() {
   return (
     <Section title="Free space of a pair">
       <p>Everywhere one part can go against another: shift in x and y, and turn upwards.</p>
-      {!baked.value && (
+      {!standalone.value && (
         <div class="asks">
           <datalist id="partnames">{names.value.map((name) => <option key={name} value={name} />)}</datalist>
           {choice(a, "stands")}{choice(b, "moves")}
@@ -45,8 +45,8 @@ export function Space() {
       )}
       {about?.reply.open && <p class="strong">{about.reply.words}</p>}
       {about && !about.reply.open && <Body />}
-      {about && baked.value && <Command text={about.reply.command} />}
-      {about && !current(about) && !baked.value && <p class="quiet">shown for an earlier design</p>}
+      {about && standalone.value && <Command text={about.reply.command} />}
+      {about && !current(about) && !standalone.value && <p class="quiet">shown for an earlier design</p>}
     </Section>
   );
 }

@@ -1,6 +1,6 @@
 /** What a study says beside the answer: pictures, tables and terms, as they came. */
 
-import { baked } from "../state.ts";
+import { standalone } from "../state.ts";
 import type { StudyTab } from "../protocol.ts";
 import { Blamebar } from "./Ranked.tsx";
 import { Section } from "./Section.tsx";
@@ -8,7 +8,7 @@ import { Table } from "./Table.tsx";
 import { Terms } from "./Terms.tsx";
 
 export function Study() {
-  const { study, tints } = baked.value!;
+  const { study, tints } = standalone.value!;
   return (
     <>
       {tints?.per && <Blamebar most={Math.max(...Object.values(tints.values))} per={tints.per} />}

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { design } from "../design.ts";
 import { ask } from "../session.ts";
-import { answer, baked, can, checked, current, hello, proof } from "../state.ts";
+import { answer, standalone, can, checked, current, hello, planned, proof } from "../state.ts";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Run } from "../chrome/Run.tsx";
 import { Section } from "./Section.tsx";
@@ -13,11 +13,12 @@ export function Sure() {
   const about = answer.value;
   return (
     <>
-      {(about || !baked.value) && <Section title="How sure is it">
+      {(about || !standalone.value) && <Section title="How sure is it">
         {about ? <Terms all={about.reply.sure} /> : <p class="quiet">No answer yet.</p>}
       </Section>}
-      {checked.value && (baked.value || current(checked.value)) && <Section title="How sure is it whether it comes apart"><Terms all={checked.value.reply.sure} /></Section>}
-      {!baked.value && about?.reply.objective != null && <Prove />}
+      {planned.value && current(planned.value) && <Section title="How sure is the plan"><Terms all={planned.value.reply.sure} /></Section>}
+      {checked.value && (standalone.value || current(checked.value)) && <Section title="How sure is it whether it comes apart"><Terms all={checked.value.reply.sure} /></Section>}
+      {!standalone.value && about?.reply.objective != null && <Prove />}
     </>
   );
 }

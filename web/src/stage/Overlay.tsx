@@ -4,7 +4,7 @@ import { useRef } from "preact/hooks";
 import { design, goals, setGoal, settle } from "../design.ts";
 import { factor, shown } from "../motion.ts";
 import { type Goal, isPull, isTurn, type Point, type Pull } from "../protocol.ts";
-import { baked, drawing, extent, indexOf, pointed, reach, selected } from "../state.ts";
+import { standalone, drawing, extent, indexOf, pointed, reach, selected } from "../state.ts";
 import { lassoed } from "./lasso.ts";
 import { size, view } from "./camera.ts";
 import { ends, long, picked, shortest } from "./measure.ts";
@@ -112,7 +112,7 @@ function PullArrow({ goal, index, at }: { goal: Pull; index: number; at: Point }
     return [event.clientX - box.left, event.clientY - box.top];
   };
   const press = (what: "base" | "head") => (event: PointerEvent) => {
-    if (baked.value) return;
+    if (standalone.value) return;
     (event.currentTarget as Element).setPointerCapture(event.pointerId);
     held.current = what;
     event.stopPropagation();

@@ -59,7 +59,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
     if (led && !moving) {
       behind.show(g, scene, led);
       paint(g, size.peek(), ratio, view.peek(), scene, false, new Set(led.group));
-      paintGhost(g, size.peek(), ratio, view.peek(), scene, led.group, [led.wish[0] - led.free[0], led.wish[1] - led.free[1]]);
+      paintGhost(g, size.peek(), ratio, view.peek(), scene, led.group, [led.desired[0] - led.free[0], led.desired[1] - led.free[1]]);
     } else {
       clear(g, size.peek(), ratio, scene.colours);
       paint(g, size.peek(), ratio, view.peek(), scene, rough);
@@ -176,7 +176,7 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     if (event.button > 1 || !state.drawing.peek()) return;
     canvas.setPointerCapture(event.pointerId);
     const at = here(event);
-    if (event.button === 0 && (lassoing.peek() || event.shiftKey) && down.size === 0 && !state.baked.peek()) {
+    if (event.button === 0 && (lassoing.peek() || event.shiftKey) && down.size === 0 && !state.standalone.peek()) {
       if (lassoing.peek() || partAt(at) === null) {
         lassoPointer = event.pointerId;
         return draw(at);
@@ -197,7 +197,7 @@ function pointers(canvas: HTMLCanvasElement): () => void {
     if (down.size === 2) return pinch(held, at);
     if (!held.moved && Math.hypot(at[0] - held.at[0], at[1] - held.at[1]) < (event.pointerType === "touch" ? 8 : 4)) return;
     held.moved = true;
-    const free = held.part !== null && !fixedNames.peek().has(held.part) && !state.baked.peek();
+    const free = held.part !== null && !fixedNames.peek().has(held.part) && !state.standalone.peek();
     if (free) dragTo(held, at);
     else {
       panBy(at[0] - held.at[0], at[1] - held.at[1]);
@@ -240,7 +240,7 @@ function pointers(canvas: HTMLCanvasElement): () => void {
       else {
         state.pressed.value = held.part ? held.grip : null;
         choose(held.part);
-        if (held.part && state.names.peek().length <= AT_ONCE && !fixedNames.peek().has(held.part) && !state.baked.peek()) askReach(held.part);
+        if (held.part && state.names.peek().length <= AT_ONCE && !fixedNames.peek().has(held.part) && !state.standalone.peek()) askReach(held.part);
       }
     }
   };
@@ -298,12 +298,12 @@ export function Stage() {
   }, []);
   const parts = state.drawing.value?.parts.length ?? 0;
   const grabbing = pointerTarget.value !== null;
-  const over = state.hovered.value !== null && !state.baked.value;
+  const over = state.hovered.value !== null && !state.standalone.value;
   return (
     <div class="stage" data-unsure={state.unsure.value || shown.value.what === "between"} data-cursor={grabbing ? "grabbing" : measuring.value || lassoing.value ? "cell" : state.gluing.value ? "cell" : over ? "grab" : "default"}>
       <canvas
         ref={canvas} tabIndex={0} role="application" aria-roledescription="drawing"
-        aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part${state.baked.value ? "" : ", arrow keys move it or turn its pull"}, question mark lists all keys.`}
+        aria-label={`${parts} parts, gap ${design.value.gap} mm. Full stop and comma choose a part${state.standalone.value ? "" : ", arrow keys move it or turn its pull"}, question mark lists all keys.`}
       />
       <Overlay />
     </div>

@@ -21,13 +21,13 @@ export interface Lead {
   /** Shift [mm] from the last known motion, free by the outlines. */
   free: Point;
   /** Shift at which the grip would be at the pointer. */
-  wish: Point;
+  desired: Point;
 }
 
 export const lead = signal<Lead | null>(null);
 
 /** Kept between outlines, as a share of the drawing's size: more than they are rounded by on their way here. */
-const SKIN = 3e-7;
+const CLEARANCE = 3e-7;
 
 const outlines = new WeakMap<Shape, Outline>();
 function outlined(shape: Shape): Outline {
@@ -53,22 +53,22 @@ export function leadTo(part: string, grip: Point, target: Point, shaped: boolean
   const at = (k: number) => placed(current.shapes[k]!, motion, k, 1);
   const shape = current.shapes[i]!;
   const held = outOf(at(i), [grip[0] - shape.at[0], grip[1] - shape.at[1]]);
-  const wish: Point = [target[0] - held[0], target[1] - held[1]];
+  const desired: Point = [target[0] - held[0], target[1] - held[1]];
   const names = groupOf(part) ?? [part];
   const group = names.flatMap((name) => indexOf.peek().get(name) ?? []);
   if (!shaped || names.some((name) => fixedNames.peek().has(name))) {
-    lead.value = { group, free: [0, 0], wish };
+    lead.value = { group, free: [0, 0], desired };
     return;
   }
   const body = (k: number): Body => ({ ...at(k), outline: outlined(current.shapes[k]!) });
   const moving = group.map(body);
-  const free = slideTowards(moving, standing(moving, group, motion, wish).map(body), wish, SKIN * 2 * extent.peek().radius);
-  lead.value = { group, free, wish };
+  const free = slideTowards(moving, standing(moving, group, motion, desired).map(body), desired, CLEARANCE * 2 * extent.peek().radius);
+  lead.value = { group, free, desired };
 }
 
 /** Parts that the moving ones could meet on their way. */
-function standing(moving: readonly Body[], group: readonly number[], motion: Float32Array, wish: Point): number[] {
-  const far = Math.hypot(...wish);
+function standing(moving: readonly Body[], group: readonly number[], motion: Float32Array, desired: Point): number[] {
+  const far = Math.hypot(...desired);
   const aside = new Set(group);
   for (const pair of drawing.peek()?.ignore ?? []) { // stacked sheets pass each other
     const [a, b] = pair.map((name) => indexOf.peek().get(name)!) as [number, number];

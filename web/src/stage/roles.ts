@@ -3,13 +3,13 @@
 import { computed } from "@preact/signals";
 import { fixedNames, pulledNames } from "../design.ts";
 import { shown } from "../motion.ts";
-import { answer, baked, checked, coloured, dragged, names, pointed, ranking, space as pair, studies, tab } from "../state.ts";
+import { answer, standalone, checked, coloured, dragged, names, pointed, ranking, space as pair, studies, tab } from "../state.ts";
 
 export type Role = "neutral" | "pulled" | "fixed" | "leaves" | "lit";
 
 /** Shares 0..1 of the importance of the parts; null while the ranking is not shown. */
 export const blame = computed<Float32Array | null>(() => {
-  const of = tab.value === "gaps" ? blamed() : tab.value === "vary" ? varied() : tab.value === "study" ? baked.value?.tints?.values : undefined;
+  const of = tab.value === "gaps" ? blamed() : tab.value === "vary" ? varied() : tab.value === "study" ? standalone.value?.tints?.values : undefined;
   if (!of || !coloured.value) return null;
   const values = names.value.map((name) => Math.abs(of[name] ?? 0));
   const most = Math.max(...values, 1e-12);
@@ -40,7 +40,7 @@ export const roles = computed<Role[]>(() => {
   );
   const pressed = new Set(pointed.value?.parts ?? []);
   const held = new Set(shown.value.what === "drag" ? (dragged.value?.reply.blocking ?? []) : []);
-  const space = baked.value ? pair.value?.reply : undefined; // the pair that the page is about
+  const space = standalone.value ? pair.value?.reply : undefined; // the pair that the page is about
   const role = (name: string): Role => {
     if (pressed.has(name)) return "lit";
     if (space?.a === name || fixedNames.value.has(name)) return "fixed";

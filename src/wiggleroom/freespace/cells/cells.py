@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.grow import grow
-from wiggleroom.freespace.cells.pair_edges import outlines
+from wiggleroom.freespace.cells.pair_edges import edge_table
 from wiggleroom.freespace.cells.wall_search import SEED
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
 
@@ -131,7 +131,7 @@ def grow_cells(
     finest = 1 / 64 if to_the_end is None else np.where(to_the_end, MIN_STEP_SHARE, 1 / 64)
     seeds["step"], seeds["least"], seeds["span"] = step, step * finest, span
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
-    table, corners = outlines(shapes), np.diff(shapes.first)
+    table, corners = edge_table(shapes), np.diff(shapes.first)
     work = int(corners[seeds["a"]].sum() + corners[seeds["b"]].sum())
     if count < 2 or work < MIN_PARALLEL_CORNERS:
         walls = grow(table, seeds, keeps)
@@ -182,7 +182,7 @@ def select(cells: Cells, rows: Ints) -> Cells:
     )
 
 
-def joined(one: Cells, other: Cells) -> Cells:
+def concatenated(one: Cells, other: Cells) -> Cells:
     """Both lists of cells, one after the other."""
     cat = np.concatenate
     return Cells(
@@ -196,4 +196,4 @@ def replaced(cells: Cells, pairs: Ints, new: Cells) -> Cells:
     """The same pairs in the same order, with `new` cells for some of them."""
     order = np.arange(len(cells.a))
     order[pairs] = len(cells.a) + np.arange(len(pairs))
-    return select(joined(cells, new), order)
+    return select(concatenated(cells, new), order)

@@ -9,7 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
-from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, grow_cells, joined, select
+from wiggleroom.freespace.cells.cells import MAX_ANGLE_SPAN, Cells, concatenated, grow_cells, select
 from wiggleroom.freespace.cells.walls import clip
 from wiggleroom.freespace.slices import Slice, SliceSequence
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
@@ -27,6 +27,7 @@ MIN_COVERAGE_GAIN = 2e-5
 SEEDS_PER_ROUND = 16
 """Places where a cell is tried in one round."""
 MAX_COVER_ROUNDS = 60
+"""Rounds at most, for one number of slices."""
 SLICE_COUNTS = (48, 96, 192, 384)
 """Numbers of slices looked at; each after the first is also a fresh test of the cells so far."""
 
@@ -124,7 +125,7 @@ class _Work:
             psi = cells.seed[c, 2] + np.remainder(psi - cells.seed[c, 2] + np.pi, 2 * np.pi) - np.pi
         at = np.flatnonzero((psi > cells.ends[c, 0]) & (psi < cells.ends[c, 1]))
         boxes = np.array([slices[k].region.bounds for k in at]).reshape(-1, 4)
-        normal, offset = half_planes(self.bodies.shapes, cells, c, self.relation, psi[at], angle[at])
+        normal, offset = half_planes_at_angles(self.bodies.shapes, cells, c, self.relation, psi[at], angle[at])
         corners, count = _clipped(normal, offset, boxes)
         some = count >= 3
         return at[some], _as_polygons(corners[some], count[some])
@@ -150,7 +151,7 @@ class _Work:
                     use.append(c)
             if not use:
                 break
-            cells = joined(cells, select(new, np.array(use)))
+            cells = concatenated(cells, select(new, np.array(use)))
         return cells, left
 
 
@@ -203,7 +204,7 @@ def _roomy_point(piece: shapely.Polygon) -> tuple[Floats, float]:
     return opposite @ corner / opposite.sum(), float(radius[best])
 
 
-def half_planes(
+def half_planes_at_angles(
     shapes: BodyShapes, cells: Cells, c: int, relation: Relative, psi: Floats, phi: Floats
 ) -> tuple[Floats, Floats]:
     """Walls of one cell at some angles: normal (k, R, 2) and offset (k, R) of n . shift >= offset."""

@@ -1,14 +1,14 @@
-"""Compiled growth of cells round their seeds: march the angle both ways and hide every edge pair on the way."""
+"""Compiled growth of cells round their seeds: march the angle both ways and separate every edge pair on the way."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells.pair_edges import EdgeTable, Pair, posed, put
-from wiggleroom.freespace.cells.separating_lines import LINES, MAX_LINES, MAX_WALLS_PER_LINE, room_for
-from wiggleroom.freespace.cells.wall_search import hide_all
-from wiggleroom.freespace.cells.walls import joined, slice_middle
+from wiggleroom.freespace.cells.pair_edges import EdgeTable, Pair, copy_shape, posed
+from wiggleroom.freespace.cells.separating_lines import LINES, MAX_LINES, MAX_WALLS_PER_LINE, workspace_for
+from wiggleroom.freespace.cells.wall_search import separate_all_edges
+from wiggleroom.freespace.cells.walls import segment_inside, slice_middle
 from wiggleroom.geometry.jit_options import INLINED, NO_ALLOCATION, njit
 
 INITIAL_WALLS = 64
@@ -31,7 +31,7 @@ def march(pair, work, seed, keep, way):
         corners, x, y, _ = slice_middle(pair, work, end, seed.half)
         closing = corners == 0
         pose = here if closing else posed(x, y, end.psi)
-        good, cut = hide_all(pair, work, seed, keep, pose, p, q)
+        good, cut = separate_all_edges(pair, work, seed, keep, pose, p, q)
         there = here
         if good:
             corners, x, y, rim = slice_middle(pair, work, posed(seed.x, seed.y, here.psi), seed.half)
@@ -44,7 +44,7 @@ def march(pair, work, seed, keep, way):
                 middle = posed(x, y, here.psi)
                 corners, x, y, _ = slice_middle(pair, work, end, seed.half)
                 there = posed(x, y, end.psi)
-                good = good and corners > 0 and joined(pair, work, middle, there)
+                good = good and corners > 0 and segment_inside(pair, work, middle, there)
         if good:
             here = there
             d = min(2.0 * d, 0.5)
@@ -72,11 +72,11 @@ def grow_many(outlines, work, seeds, keeps, begin, walls):
         if total + MAX_WALLS > len(walls):
             return c, total
         seed, keep = seeds[c], keeps[c]
-        na, ra = put(outlines, seed.a, work.edges, 0, work.runs, 0)
-        n, r = put(outlines, seed.b, work.edges, na, work.runs, ra)
+        na, ra = copy_shape(outlines, seed.a, work.edges, 0, work.runs, 0)
+        n, r = copy_shape(outlines, seed.b, work.edges, na, work.runs, ra)
         pair = Pair(work.edges, work.runs, na, n, ra, r)
         work.number[LINES] = 0
-        good, _ = hide_all(pair, work, seed, keep, posed(seed.x, seed.y, seed.psi), seed.psi, seed.psi)
+        good, _ = separate_all_edges(pair, work, seed, keep, posed(seed.x, seed.y, seed.psi), seed.psi, seed.psi)
         seed.grown = good
         if not good:
             continue
@@ -101,7 +101,7 @@ def grow(outlines: EdgeTable, seeds: np.ndarray, keeps: NDArray[np.float64]) -> 
 
     Parameters
     ----------
-    outlines : Outlines
+    outlines : EdgeTable
     seeds : (P,) SEED
         What was found is filled in.
     keeps : (P, k, 3) float64 [mm, mm, rad]
@@ -112,7 +112,7 @@ def grow(outlines: EdgeTable, seeds: np.ndarray, keeps: NDArray[np.float64]) -> 
     (R, 3) int64
         Kind, edge and corner of all walls, those of one cell after those of another.
     """
-    work, done, found = room_for(outlines), 0, [np.zeros((0, 3), dtype=np.int64)]
+    work, done, found = workspace_for(outlines), 0, [np.zeros((0, 3), dtype=np.int64)]
     while done < len(seeds):
         walls = np.empty((INITIAL_WALLS * (len(seeds) - done) + MAX_WALLS, 3), dtype=np.int64)
         done, count = grow_many(outlines, work, seeds, keeps, done, walls)

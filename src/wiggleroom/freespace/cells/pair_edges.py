@@ -58,7 +58,7 @@ class Pose(NamedTuple):
     s: float
 
 
-def outlines(shapes: BodyShapes) -> EdgeTable:
+def edge_table(shapes: BodyShapes) -> EdgeTable:
     """All shapes for compiled code."""
     edges, runs = np.zeros(len(shapes.corner), dtype=EDGE), np.zeros(len(shapes.run_disc), dtype=RUN)
     edges["x"], edges["y"] = shapes.corner.T
@@ -71,7 +71,7 @@ def outlines(shapes: BodyShapes) -> EdgeTable:
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def put(outlines, shape, edges, n, runs, r):
+def copy_shape(outlines, shape, edges, n, runs, r):
     """Copy a shape to rows n .. of a pair's edges and r .. of its runs; the rows after them."""
     first, run_first = outlines.first[shape], outlines.run_first[shape]
     shift = n - first
@@ -94,7 +94,7 @@ def posed(x, y, psi):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def seen(pair, edge, v, pose):
+def corner_in_frame(pair, edge, v, pose):
     """Corner v of one part in the frame of the part that `edge` is of."""
     x, y, c, s = pair.edges[v].x, pair.edges[v].y, pose.c, pose.s
     if edge < pair.na:
@@ -104,9 +104,9 @@ def seen(pair, edge, v, pose):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def in_front(pair, edge, v, pose):
+def wall_value(pair, edge, v, pose):
     """Wall value h: how far corner v is in front of the line of `edge`."""
-    x, y = seen(pair, edge, v, pose)
+    x, y = corner_in_frame(pair, edge, v, pose)
     e = pair.edges[edge]
     return e.nx * (x - e.x) + e.ny * (y - e.y)
 
@@ -114,11 +114,11 @@ def in_front(pair, edge, v, pose):
 @njit(**COMPILED_CALLERS_ONLY)
 def edge_in_front(pair, edge, other, pose):
     """How far the whole edge `other` is in front of the line of `edge`."""
-    return min(in_front(pair, edge, other, pose), in_front(pair, edge, pair.edges[other].after, pose))
+    return min(wall_value(pair, edge, other, pose), wall_value(pair, edge, pair.edges[other].after, pose))
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def normal_seen(pair, edge, psi):
+def normal_in_frame(pair, edge, psi):
     """Normal of the line of `edge` in the frame of the other part."""
     e, c, s = pair.edges[edge], np.cos(psi), np.sin(psi)
     if edge < pair.na:
@@ -127,13 +127,13 @@ def normal_seen(pair, edge, psi):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def left_of(a, b, p):
+def orientation(a, b, p):
     """Positive where A sees corner p left of the line from corner a to b."""
     return (b.seen_x - a.seen_x) * (p.seen_y - a.seen_y) - (b.seen_y - a.seen_y) * (p.seen_x - a.seen_x)
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def from_point(p, a, b):
+def squared_distance_to_edge(p, a, b):
     """Squared distance of corner p and the segment from corner a to b, as A sees them."""
     ux, uy = b.seen_x - a.seen_x, b.seen_y - a.seen_y
     px, py = p.seen_x - a.seen_x, p.seen_y - a.seen_y
@@ -144,10 +144,13 @@ def from_point(p, a, b):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def apart2(pair, i, j):
+def squared_distance(pair, i, j):
     """Squared distance of two edges, as A sees them; 0 where they cross."""
     a, c = pair.edges[i], pair.edges[j]
     b, d = pair.edges[a.after], pair.edges[c.after]
-    if left_of(a, b, c) * left_of(a, b, d) < 0.0 and left_of(c, d, a) * left_of(c, d, b) < 0.0:
+    if orientation(a, b, c) * orientation(a, b, d) < 0.0 and orientation(c, d, a) * orientation(c, d, b) < 0.0:
         return 0.0
-    return min(min(from_point(c, a, b), from_point(d, a, b)), min(from_point(a, c, d), from_point(b, c, d)))
+    return min(
+        min(squared_distance_to_edge(c, a, b), squared_distance_to_edge(d, a, b)),
+        min(squared_distance_to_edge(a, c, d), squared_distance_to_edge(b, c, d)),
+    )

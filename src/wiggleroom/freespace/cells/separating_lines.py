@@ -1,9 +1,9 @@
-"""Compiled search for what lines hide.
+"""Compiled test for which edges lines separate.
 
 A *line* is the line of one edge of A (kind 0) or of B (kind 1). A *wall* keeps one corner of the other part in front of a line. An edge
-pair is *hidden* by a line over an angle interval when the walls on that line keep the other part's edge in front of the line by at least
+pair is *separated* by a line over an angle interval when the walls on that line keep the other part's edge in front of the line by at least
 as much as the owner's own edge reaches in front of it; then the two edges cannot cross. A cell is free of overlap over an interval as soon
-as every edge pair is hidden there: its slices are convex, so nothing forbidden can begin inside without two edges crossing. How far a
+as every edge pair is separated there: its slices are convex, so nothing forbidden can begin inside without two edges crossing. How far a
 corner stays in front is a sinusoid of the angle, so its least value over an interval is closed form: nothing is sampled.
 """
 
@@ -14,24 +14,31 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells.pair_edges import EDGE, RUN, EdgeTable, apart2, normal_seen, seen
+from wiggleroom.freespace.cells.pair_edges import (
+    EDGE,
+    RUN,
+    EdgeTable,
+    corner_in_frame,
+    normal_in_frame,
+    squared_distance,
+)
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
 MAX_LINES = 400
 MAX_WALLS_PER_LINE = 48
 MAX_LINE_CORNERS = 1600
 LINES, PAIRS = 0, 1
-UNSEEN, SEEN, COVERED = 0, 1, 2
+UNSEEN, SEEN, SEPARATED = 0, 1, 2
 
 LINE = np.dtype([("edge", "i8"), ("count", "i8"), ("before", "i8"), ("walls", "i8", (MAX_WALLS_PER_LINE,))], align=True)
 """A line, the number of walls on it, now and before the present step, and their corners."""
 RUN_PAIR = np.dtype([("state", "i8"), ("bound", "f8")], align=True)
-"""What is known of a run of A and one of B: UNSEEN, SEEN or COVERED, and that they are at least so far apart [mm]."""
+"""What is known of a run of A and one of B: UNSEEN, SEEN or SEPARATED, and that they are at least so far apart [mm]."""
 OPEN_PAIR = np.dtype([("a", "i8"), ("b", "i8"), ("apart2", "f8")], align=True)
-"""An edge pair that no line hides, and the square of its distance [mm^2]."""
+"""An edge pair that no line separates, and the square of its distance [mm^2]."""
 
 
-class Work(NamedTuple):
+class Workspace(NamedTuple):
     """Room to work in, as large as the largest pair needs.
 
     Parameters
@@ -41,17 +48,17 @@ class Work(NamedTuple):
         For the table of the pair.
     number : (2,) int64
         How many lines and open pairs there are.
-    lines : (MOST_LINES,) LINE
+    lines : (MAX_LINES,) LINE
         Lines of the cell being grown.
-    ahead : (MOST_LINES, n) float64 [mm]
+    ahead : (MAX_LINES, n) float64 [mm]
         How far each edge of a line's owner reaches in front of it, and each edge of the other part stays in front at least.
-    run_ahead : (MOST_LINES, r) float64 [mm]
+    run_ahead : (MAX_LINES, r) float64 [mm]
         The same for whole runs of edges.
     run_pairs : (r / 2, r / 2) RUN_PAIR
         All runs of A with all of B.
     open_pairs : (n^2 / 4,) OPEN_PAIR
-        Edge pairs that nothing hides, as far as they have been looked for.
-    polygons : (2, MOST_CORNERS, 2) float64 [mm]
+        Edge pairs that nothing separates, as far as they have been looked for.
+    polygons : (2, MAX_LINE_CORNERS, 2) float64 [mm]
         A slice, clipped from one into the other.
     """
 
@@ -66,10 +73,10 @@ class Work(NamedTuple):
     polygons: NDArray[np.float64]
 
 
-def room_for(outlines: EdgeTable) -> Work:
+def workspace_for(outlines: EdgeTable) -> Workspace:
     """Room for any pair of these shapes."""
     n, r = int(np.diff(outlines.first).max()), int(np.diff(outlines.run_first).max())
-    return Work(
+    return Workspace(
         edges=np.empty(2 * n, dtype=EDGE),
         runs=np.empty(2 * r, dtype=RUN),
         number=np.zeros(2, dtype=np.int64),
@@ -142,8 +149,8 @@ def set_ahead(pair, work, k, p, q):
         begin, end = pair.ra, pair.r
     else:
         begin, end = 0, pair.ra
-    px, py = normal_seen(pair, line.edge, p)
-    qx, qy = normal_seen(pair, line.edge, q)
+    px, py = normal_in_frame(pair, line.edge, p)
+    qx, qy = normal_in_frame(pair, line.edge, q)
     for w in range(pair.runs[begin].begin, pair.runs[end - 1].end):
         corner = pair.edges[w]
         most = -np.inf
@@ -165,25 +172,25 @@ def set_ahead(pair, work, k, p, q):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def hides(of_a, ahead, k, i, j, tiny):
-    """True where line k, of A or not, hides edge (or run) i of A from edge (or run) j of B."""
+def separates(of_a, ahead, k, i, j, tiny):
+    """True where line k, of A or not, separates edge (or run) i of A from edge (or run) j of B."""
     if of_a:
         return ahead[k, i] <= ahead[k, j] + tiny
     return ahead[k, j] <= ahead[k, i] + tiny
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def hidden(pair, work, ahead, i, j, tiny):
-    """True where any line hides edge (or run) i of A from edge (or run) j of B."""
+def separated(pair, work, ahead, i, j, tiny):
+    """True where any line separates edge (or run) i of A from edge (or run) j of B."""
     for k in range(work.number[LINES]):  # noqa: SIM110 (compiled code has no generators)
-        if hides(work.lines[k].edge < pair.na, ahead, k, i, j, tiny):
+        if separates(work.lines[k].edge < pair.na, ahead, k, i, j, tiny):
             return True
     return False
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def hidden_piecewise(pair, work, cut, other, p, q, tiny):
-    """True where lines together hide all of edge `cut` from edge `other`: one line the piece up to a point of it, another the rest."""
+def separated_piecewise(pair, work, cut, other, p, q, tiny):
+    """True where lines together separate all of edge `cut` from edge `other`: one line the piece up to a point of it, another the rest."""
     up_to, down_to = 0.0, 1.0
     begin, end = pair.edges[cut], pair.edges[pair.edges[cut].after]
     for k in range(work.number[LINES]):
@@ -196,8 +203,8 @@ def hidden_piecewise(pair, work, cut, other, p, q, tiny):
             up_to, down_to = _longer(up_to, down_to, low, high)
             continue
         least = work.ahead[k, other] - tiny
-        px, py = normal_seen(pair, line.edge, p if cut < pair.na else q)
-        qx, qy = normal_seen(pair, line.edge, q if cut < pair.na else p)
+        px, py = normal_in_frame(pair, line.edge, p if cut < pair.na else q)
+        qx, qy = normal_in_frame(pair, line.edge, q if cut < pair.na else p)
         for w in range(
             line.count
         ):  # in between a point stays in front by at least the mean of both ends, a minimum being concave
@@ -210,7 +217,7 @@ def hidden_piecewise(pair, work, cut, other, p, q, tiny):
 
 @njit(**COMPILED_CALLERS_ONLY)
 def _longer(up_to, down_to, low, high):
-    """Ends of the hidden pieces of an edge, with what is hidden where a linear function, `low` and `high` at its ends, is not negative."""
+    """Ends of the separated pieces of an edge, with the piece where a linear function, `low` and `high` at its ends, is not negative."""
     if low >= 0.0:
         up_to = max(up_to, 1.0 if high >= 0.0 else low / (low - high))
     if high >= 0.0:
@@ -219,7 +226,7 @@ def _longer(up_to, down_to, low, high):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def strike(work, n):
+def remove_open_pair(work, n):
     """Take one edge pair from the list of open ones."""
     last = work.number[PAIRS] - 1
     work.open_pairs[n] = work.open_pairs[last]
@@ -227,26 +234,26 @@ def strike(work, n):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def first_look(pair, work, pose, tiny):
-    """Look from a pose: which pairs of runs some line covers wholly, and how near the pose brings the others at least."""
+def classify_run_pairs(pair, work, pose, tiny):
+    """Which pairs of runs some line separates whole, and how near to each other the others are at least at a pose."""
     for v in range(pair.n):
         e = pair.edges[v]
         e.seen_x, e.seen_y = e.x, e.y
         if v >= pair.na:
-            e.seen_x, e.seen_y = seen(pair, 0, v, pose)
+            e.seen_x, e.seen_y = corner_in_frame(pair, 0, v, pose)
     work.number[PAIRS] = 0
     for j in range(pair.ra, pair.r):
         b = pair.runs[j]
         x, y = pose.c * b.x - pose.s * b.y + pose.x, pose.s * b.x + pose.c * b.y + pose.y
         for i in range(pair.ra):
             a, run_pair = pair.runs[i], work.run_pairs[i, j - pair.ra]
-            run_pair.state = COVERED if hidden(pair, work, work.run_ahead, i, j, tiny) else UNSEEN
+            run_pair.state = SEPARATED if separated(pair, work, work.run_ahead, i, j, tiny) else UNSEEN
             run_pair.bound = max(0.0, np.hypot(x - a.x, y - a.y) - b.radius - a.radius)
 
 
 @njit(**COMPILED_CALLERS_ONLY)
 def nearest_open(pair, work, tiny):
-    """Place in the list of the nearest edge pair that no line hides, or -1; runs are opened in the order of their distance."""
+    """Place in the list of the nearest edge pair that no line separates, or -1; runs are opened in the order of their distance."""
     best, where = np.inf, -1
     for n in range(work.number[PAIRS]):
         if work.open_pairs[n].apart2 < best:
@@ -263,28 +270,28 @@ def nearest_open(pair, work, tiny):
         work.run_pairs[a, b - pair.ra].state = SEEN
         for i in range(pair.runs[a].begin, pair.runs[a].end):
             for j in range(pair.runs[b].begin, pair.runs[b].end):
-                if hidden(pair, work, work.ahead, i, j, tiny):
+                if separated(pair, work, work.ahead, i, j, tiny):
                     continue
                 n = work.number[PAIRS]
                 found = work.open_pairs[n]
-                found.a, found.b, found.apart2 = i, j, apart2(pair, i, j)
+                found.a, found.b, found.apart2 = i, j, squared_distance(pair, i, j)
                 work.number[PAIRS] = n + 1
                 if found.apart2 < best:
                     best, where = found.apart2, n
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def cover(pair, work, k, tiny):
-    """Strike what line k hides from the runs and from the list of open edge pairs."""
+def remove_separated_pairs(pair, work, k, tiny):
+    """Take what line k separates out of the pairs of runs and out of the list of open edge pairs."""
     of_a = work.lines[k].edge < pair.na
     for i in range(pair.ra):
         for j in range(pair.ra, pair.r):
-            if hides(of_a, work.run_ahead, k, i, j, tiny):
-                work.run_pairs[i, j - pair.ra].state = COVERED
+            if separates(of_a, work.run_ahead, k, i, j, tiny):
+                work.run_pairs[i, j - pair.ra].state = SEPARATED
     kept = 0
     for n in range(work.number[PAIRS]):
         one = work.open_pairs[n]
-        if not hides(of_a, work.ahead, k, one.a, one.b, tiny):
+        if not separates(of_a, work.ahead, k, one.a, one.b, tiny):
             work.open_pairs[kept] = one
             kept += 1
     work.number[PAIRS] = kept

@@ -1,22 +1,22 @@
-"""Compiled search for the walls of a cell: part the nearest edges that nothing hides, until all are hidden or out of reach."""
+"""Compiled search for the walls of a cell: separate the nearest edges, until all are separated or out of reach."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.freespace.cells.pair_edges import edge_in_front, normal_seen, posed
+from wiggleroom.freespace.cells.pair_edges import edge_in_front, normal_in_frame, posed
 from wiggleroom.freespace.cells.separating_lines import (
     LINES,
     add_wall,
-    cover,
-    first_look,
-    hidden_piecewise,
+    classify_run_pairs,
     line_of,
     nearest_open,
+    remove_open_pair,
+    remove_separated_pairs,
+    separated_piecewise,
     set_ahead,
-    strike,
 )
-from wiggleroom.freespace.cells.walls import keeps, out_of_reach
+from wiggleroom.freespace.cells.walls import out_of_reach, wall_contains
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, INLINED, njit
 
 NO_SEPARATING_LINE, OUT_OF_MEMORY = -1, -2
@@ -39,7 +39,7 @@ SEED = np.dtype(
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def parallel(pair, i, j, p, q):
+def parallel_angle(pair, i, j, p, q):
     """Angle strictly inside (p, q) at which edge i of A and edge j of B are parallel, or nan."""
     a, b = pair.edges[i], pair.edges[j]
     c, d = pair.edges[a.after], pair.edges[b.after]
@@ -65,8 +65,8 @@ def line_between(pair, i, j, pose, tiny):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def a_first(pair, i, j, pose, seed):
-    """Which line is tried first: the one further away, or that leaves more room at the wish, unless it is the barred one."""
+def prefers_line_of_a(pair, i, j, pose, seed):
+    """Which line is tried first: the one further away, or that leaves more room at the target pose, unless it is the excluded one."""
     if seed.excluded_edge == i or seed.excluded_edge == j:
         return seed.excluded_edge == j
     if not np.isnan(seed.target_x):
@@ -75,19 +75,19 @@ def a_first(pair, i, j, pose, seed):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def rise(pair, edge, u, v, psi):
+def height_difference(pair, edge, u, v, psi):
     """How much further corner v is in front of the line of `edge` than corner u, at an angle."""
-    mx, my = normal_seen(pair, edge, psi)
+    mx, my = normal_in_frame(pair, edge, psi)
     return mx * (pair.edges[v].x - pair.edges[u].x) + my * (pair.edges[v].y - pair.edges[u].y)
 
 
 @njit(**INLINED)
-def part(pair, work, seed, keep, i, j, pose, p, q):
-    """Add the walls that part edge i of A and edge j of B over [p, q]: the line they stand on, NO_LINE or NO_ROOM.
+def separate_edges(pair, work, seed, keep, i, j, pose, p, q):
+    """Add the walls that separate edge i of A and edge j of B over [p, q]: the line they stand on, NO_SEPARATING_LINE or OUT_OF_MEMORY.
 
     Tried are lines that leave room at the poses to keep; then with less room; at the seed's own angle with none.
     """
-    first = a_first(pair, i, j, pose, seed)
+    first = prefers_line_of_a(pair, i, j, pose, seed)
     room, tiny = seed.margin, seed.tiny
     for attempt in range(9 if q > p else 12):
         if attempt == 9:
@@ -104,12 +104,12 @@ def part(pair, work, seed, keep, i, j, pose, p, q):
             continue
         # the lower end of the other edge at both ends of the interval: one corner, or both where the edges pass through parallel
         u, v = other, pair.edges[other].after
-        at_p, at_q = rise(pair, edge, u, v, p), rise(pair, edge, u, v, q)
+        at_p, at_q = height_difference(pair, edge, u, v, p), height_difference(pair, edge, u, v, q)
         need_v = min(at_p, at_q) < -tiny
         need_u = not need_v or max(at_p, at_q) > tiny
-        if need_u and not keeps(pair, edge, u, keep, tiny, room):
+        if need_u and not wall_contains(pair, edge, u, keep, tiny, room):
             continue
-        if need_v and not keeps(pair, edge, v, keep, tiny, room):
+        if need_v and not wall_contains(pair, edge, v, keep, tiny, room):
             continue
         line = line_of(pair, work, edge)
         if line < 0:
@@ -124,8 +124,8 @@ def part(pair, work, seed, keep, i, j, pose, p, q):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def hide_all(pair, work, seed, keep, pose, p, q):
-    """Add walls until every edge pair is hidden over [p, q] or out of reach, nearest first from `pose`.
+def separate_all_edges(pair, work, seed, keep, pose, p, q):
+    """Add walls until every edge pair is separated over [p, q] or out of reach, nearest first from `pose`.
 
     Returns whether all are, and, where an edge pair resists, the angle inside (p, q) at which its two edges are parallel, nan where there
     is none: up to there and from there on different corners lead, and one wall may do where both would not.
@@ -133,7 +133,7 @@ def hide_all(pair, work, seed, keep, pose, p, q):
     tiny = seed.tiny
     for k in range(work.number[LINES]):
         set_ahead(pair, work, k, p, q)
-    first_look(pair, work, pose, tiny)
+    classify_run_pairs(pair, work, pose, tiny)
     last = 0.0
     while True:
         where = nearest_open(pair, work, tiny)
@@ -145,14 +145,14 @@ def hide_all(pair, work, seed, keep, pose, p, q):
             last = apart2
             if out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny):
                 return True, np.nan
-        line = part(pair, work, seed, keep, i, j, pose, p, q)
+        line = separate_edges(pair, work, seed, keep, i, j, pose, p, q)
         if line == OUT_OF_MEMORY:
             return False, np.nan
         if line == NO_SEPARATING_LINE:
-            if hidden_piecewise(pair, work, i, j, p, q, tiny) or hidden_piecewise(pair, work, j, i, p, q, tiny):
-                strike(work, where)
+            if separated_piecewise(pair, work, i, j, p, q, tiny) or separated_piecewise(pair, work, j, i, p, q, tiny):
+                remove_open_pair(work, where)
                 continue
             beyond = not looked and out_of_reach(pair, work, pose, p, q, np.sqrt(apart2), tiny)
-            return beyond, parallel(pair, i, j, p, q)
+            return beyond, parallel_angle(pair, i, j, p, q)
         set_ahead(pair, work, line, p, q)
-        cover(pair, work, line, tiny)
+        remove_separated_pairs(pair, work, line, tiny)

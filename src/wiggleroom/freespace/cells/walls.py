@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.freespace.cells.pair_edges import in_front, normal_seen, posed, seen
+from wiggleroom.freespace.cells.pair_edges import corner_in_frame, normal_in_frame, posed, wall_value
 from wiggleroom.freespace.cells.separating_lines import LINES
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
@@ -51,7 +51,7 @@ def direction(pair, edge, psi):
     """Normal of the line of `edge` in A's frame."""
     if edge < pair.na:
         return pair.edges[edge].nx, pair.edges[edge].ny
-    return normal_seen(pair, edge, psi)
+    return normal_in_frame(pair, edge, psi)
 
 
 @njit(**COMPILED_CALLERS_ONLY)
@@ -90,11 +90,11 @@ def slice_middle(pair, work, pose, half):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def keeps(pair, edge, v, keep, tiny, margin):
+def wall_contains(pair, edge, v, keep, tiny, margin):
     """True where the wall leaves every point of `keep` inside, and by `margin` those where corner and edge do not touch."""
     e = pair.edges[edge]
     for k in range(len(keep)):
-        x, y = seen(pair, edge, v, posed(keep[k, 0], keep[k, 1], keep[k, 2]))
+        x, y = corner_in_frame(pair, edge, v, posed(keep[k, 0], keep[k, 1], keep[k, 2]))
         x, y = x - e.x, y - e.y
         h = e.nx * x + e.ny * y
         if h < -tiny:
@@ -109,7 +109,7 @@ def keeps(pair, edge, v, keep, tiny, margin):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def joined(pair, work, one, other):
+def segment_inside(pair, work, one, other):
     """True where the straight way between two relative poses certainly stays inside all walls."""
     turn, move = other.psi - one.psi, np.hypot(other.x - one.x, other.y - one.y)
     away = max(np.hypot(one.x, one.y), np.hypot(other.x, other.y))
@@ -121,7 +121,7 @@ def joined(pair, work, one, other):
             if line.edge >= pair.na:
                 far += away
             bend = far * turn * turn + 2.0 * move * abs(turn)
-            if min(in_front(pair, line.edge, v, one), in_front(pair, line.edge, v, other)) < bend / 8.0:
+            if min(wall_value(pair, line.edge, v, one), wall_value(pair, line.edge, v, other)) < bend / 8.0:
                 return False
     return True
 
@@ -151,7 +151,7 @@ def out_of_reach(pair, work, pose, p, q, apart, tiny):
             sign, x, y, way = -1.0, pose.x, pose.y, room
         for w in range(line.count):
             v = line.walls[w]
-            if in_front(pair, line.edge, v, pose) < -tiny:
+            if wall_value(pair, line.edge, v, pose) < -tiny:
                 return False
             least = pair.edges[line.edge].off - height(pair, line.edge, v, mx, my, pose)
             least -= bend * (np.hypot(pair.edges[v].x - x, pair.edges[v].y - y) + way)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.models.bounded_slices import bounded
 from wiggleroom.freespace.models.pair_models import Hull
-from wiggleroom.freespace.slices import PairOutlines, Slice, march, slice_near
+from wiggleroom.freespace.slices import PairOutlines, Slice, slice_near, slice_sequence
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -25,6 +25,7 @@ CONTACT_TOLERANCE = 1e-7
 MIN_CENTRING_GAIN = 1e-3
 """Rest is kept where no other place has this share more room."""
 MAX_MARCH_STEPS = 2000
+"""Steps of the march to the first touch at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +84,7 @@ def pair_hull(pair: PairOutlines, model: Hull, reach: float) -> PairHull | None:
         found = [_slice(pair, phi, centre, limit) for phi in ends]
         slices = [found[0], rest, found[1]]
     else:
-        space = march(pair, reach)
+        space = slice_sequence(pair, reach)
         ends, limit = space.ends, space.limit
         angles = np.linspace(*ends, model.slices)
         slices = [s for phi in angles if (s := space.at(float(phi))) is not None]

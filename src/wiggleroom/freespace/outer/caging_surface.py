@@ -17,7 +17,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.chords import chords
-from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, zipped
+from wiggleroom.freespace.outer.contour_stitching import Crossings, Loop, Seam, deepest, loop_of, stitched
 from wiggleroom.freespace.outer.outer_region import ReachedSlices
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, core, forbidden, uncovered
 from wiggleroom.geometry.relative_pose import turn
@@ -169,7 +169,7 @@ def _next(
             for seldom in ((True, False) if few else (False,))
         )
     for there in some:
-        seam = None if there is None else zipped(crossings, here, there)
+        seam = None if there is None else stitched(crossings, here, there)
         if there is not None and seam is not None:
             return there, seam
     return None

@@ -196,7 +196,7 @@ def deepest(crossings: Crossings, loop: Loop, angle: float) -> Floats | None:
     return found.x[:2] if found.success and found.x[2] > 0 else None
 
 
-def zipped(crossings: Crossings, one: Loop, two: Loop) -> Seam | None:
+def stitched(crossings: Crossings, one: Loop, two: Loop) -> Seam | None:
     """Seam of two loops; None where none was found."""
     both = np.vstack([one.at, two.at])
     low, high = both.min(0), both.max(0)

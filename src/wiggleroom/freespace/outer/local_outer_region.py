@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 
 import numpy as np
 import shapely
@@ -23,16 +22,18 @@ from wiggleroom.geometry.relative_pose import turn
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-FIRST_WINDOW = 1.3
-"""Half of the first window, in clearances."""
-WINDOW_GROWTH, MAX_WINDOWS = 1.4, 7
-"""Where the walls do not close, the window becomes so many times larger, and so often."""
+WINDOWS = ((1.3, 2), (3.2, 8), (4.8, 8))
+"""Half of the windows that are tried, in clearances, and how often their boxes are halved."""
 EDGE_REACH = 15.0
 """Edges and corners count that lie no further from the other part, in clearances."""
-ANGLE_INTERVALS = 4
+ANGLE_INTERVALS = 6
 """Intervals of turns of a window."""
+MAX_OPEN_BOXES = 24
+"""No more boxes than so many are halved at once."""
+ROUNDING_MARGIN = 1e-12
+"""Turns of a box are wider by this [rad]."""
 TIGHTENING_ROUNDS = 2
-"""So often a window is drawn closer round what is left of the one before."""
+"""So often a window is drawn closer round what is left of the one before: walls that it needs less long hold more often."""
 CORNER_REACH = 2.0
 """Points on the sides of a corner count as well, so many half windows away: a corner may slip off the end of an edge."""
 NORMAL_SECTORS, WALLS_PER_SECTOR = 32, 6
@@ -76,57 +77,109 @@ class LocalOuterRegion:
 
 
 @dataclass(frozen=True, eq=False)
-class _Window:
-    """Boxes of translations, `centre` (K, 2) and half sides `half` (K, 2) [mm], for the turns between `low` and `high` (K,)."""
+class _Boxes:
+    """Boxes (K, 3) of motions from `low` to `high` [mm, mm, rad]."""
 
     low: Floats
     high: Floats
-    centre: Floats
-    half: Floats
+
+    def halved(self, lever: float) -> _Boxes:
+        """Both halves of each box, cut where it is longest; a turn by one radian is as long as `lever` [mm]."""
+        k = np.arange(len(self.low))
+        axis = ((self.high - self.low) * (1.0, 1.0, lever)).argmax(1)
+        middle = (self.low[k, axis] + self.high[k, axis]) / 2
+        high, low = self.high.copy(), self.low.copy()
+        high[k, axis] = low[k, axis] = middle
+        return _Boxes(np.vstack([self.low, low]), np.vstack([high, self.high]))
 
 
-def pocket(material: PairMaterial) -> LocalOuterRegion | None:
+def local_outer_region(sides: NearSides) -> LocalOuterRegion | None:
     """Walls round rest; None where they do not close in a window of a few clearances."""
-    sides = _Sides(material)
-    most = material.clearance * np.array([FIRST_WINDOW, FIRST_WINDOW, 2 * FIRST_WINDOW / sides.lever])
-    for _ in range(MAX_WINDOWS):
-        ends = np.linspace(-most[2], most[2], ANGLE_INTERVALS + 1)
-        window = _Window(ends[:-1], ends[1:], np.zeros((ANGLE_INTERVALS, 2)), np.tile(most[:2], (ANGLE_INTERVALS, 1)))
-        found = _left(material, sides, window)
+    material = sides.pair
+    for window, rounds in WINDOWS:
+        high = window * material.clearance * np.array([1.0, 1.0, 2.0 / sides.lever])
+        found = _within(sides, -high, high, rounds)
+        if found is None or not _at_rim(found, -high, high).any():
+            return found
+    return None
+
+
+def _within(sides: NearSides, low: Floats, high: Floats, rounds: int) -> LocalOuterRegion | None:
+    """What walls leave of a window between two corners (3,) [mm, mm, rad]; boxes that reach its rim are halved, in so many rounds."""
+    ends = np.linspace(low[2], high[2], ANGLE_INTERVALS + 1)
+    first, last = np.tile(low, (ANGLE_INTERVALS, 1)), np.tile(high, (ANGLE_INTERVALS, 1))
+    first[:, 2], last[:, 2] = ends[:-1], ends[1:]
+    found = _left(sides, _Boxes(first, last))
+    for _ in range(rounds):
         if found is None:
             return None
-        open_ = np.abs(found.corner).max(0) > most * (1 - 1e-6)
-        if not open_.any():
+        rim = _at_rim(found, low, high)
+        if not rim.any():
             break
-        most = np.where(open_, WINDOW_GROWTH * most, most)
-    else:
-        return None
+        if len(np.unique(found.which[rim])) > MAX_OPEN_BOXES:
+            break
+        open_ = np.isin(found.which, found.which[rim])
+        halves = _left(sides, _around(_some(found, open_)).halved(sides.lever))
+        found = _connected(_joined(_some(found, ~open_), halves))
+    if found is None or _at_rim(found, low, high).any():
+        return found
     for _ in range(TIGHTENING_ROUNDS):
-        closer = _left(material, sides, _closer(found))
-        if closer is None:
-            break
-        found = closer
+        found = None if found is None else _connected(_left(sides, _around(found)))
     return found
 
 
-def _closer(found: LocalOuterRegion) -> _Window:
-    """As many intervals over the turns that are left, each with a box round what is left at its turns."""
-    ends = np.linspace(*found.turns, ANGLE_INTERVALS + 1)
-    boxes = []
-    for low, high in pairwise(ends):
-        there = (found.low[found.which] <= high) & (found.high[found.which] >= low)
-        at = found.corner[there, :2]
-        boxes.append((at.min(0), at.max(0)) if len(at) else (np.zeros(2), np.zeros(2)))
-    box = np.array(boxes)
-    return _Window(ends[:-1], ends[1:], box.mean(1), (box[:, 1] - box[:, 0]) / 2 + 4 * found.material.margin)
+def _at_rim(found: LocalOuterRegion, low: Floats, high: Floats) -> NDArray[np.bool_]:
+    """Which corners (N,) reach the rim of a window."""
+    outside = (found.corner < (1 - 1e-6) * low) | (found.corner > (1 - 1e-6) * high)
+    return np.asarray(outside.any(axis=1))
 
 
-class _Sides:
+def _connected(found: LocalOuterRegion | None) -> LocalOuterRegion | None:
+    """Only the polyhedra to which a way from rest through others leads: each touches the next one, and so do the boxes round them."""
+    if found is None or not len(found.corner):
+        return None
+    boxes = _around(found)
+    meet = np.asarray(((boxes.low[:, None] <= boxes.high) & (boxes.low <= boxes.high[:, None])).all(axis=2))
+    reached = np.asarray(((boxes.low <= 0) & (boxes.high >= 0)).all(axis=1))
+    while True:
+        more = reached | meet[reached].any(0)
+        if (more == reached).all():
+            break
+        reached = more
+    return _some(found, np.isin(found.which, np.unique(found.which)[reached]))
+
+
+def _around(found: LocalOuterRegion) -> _Boxes:
+    """A box round each polyhedron."""
+    first = np.flatnonzero(np.diff(found.which, prepend=-1))
+    margin = np.array([4 * found.material.margin] * 2 + [ROUNDING_MARGIN])
+    return _Boxes(np.minimum.reduceat(found.corner, first) - margin, np.maximum.reduceat(found.corner, first) + margin)
+
+
+def _some(found: LocalOuterRegion, corners: NDArray[np.bool_]) -> LocalOuterRegion:
+    """The polyhedra to which some corners (N,) belong."""
+    return LocalOuterRegion(found.material, found.low, found.high, found.corner[corners], found.which[corners])
+
+
+def _joined(one: LocalOuterRegion, other: LocalOuterRegion | None) -> LocalOuterRegion | None:
+    """Polyhedra of both; None where there are none."""
+    if other is None:
+        return one if len(one.corner) else None
+    return LocalOuterRegion(
+        one.material,
+        np.concatenate([one.low, other.low]),
+        np.concatenate([one.high, other.high]),
+        np.vstack([one.corner, other.corner]),
+        np.concatenate([one.which, other.which + len(one.low)]),
+    )
+
+
+class NearSides:
     """Edges and convex corners of both parts that lie near the other, each in its own axes about the pivot."""
 
     def __init__(self, material: PairMaterial) -> None:
         reach = EDGE_REACH * material.clearance
-        self.material = material.a, material.b
+        self.pair, self.material = material, (material.a, material.b)
         self.sides = []
         for mine, other in ((material.a, material.b), (material.b, material.a)):
             start, end, come, go = corners_of(mine)
@@ -142,30 +195,35 @@ class _Sides:
             )
         seen = np.vstack([s[3] for s in self.sides])
         self.lever = float(np.hypot(*seen.T).max()) if len(seen) else material.radius
-        for material in self.material:
-            shapely.prepare(material)
+        for whole in self.material:
+            shapely.prepare(whole)
+
+    @property
+    def work(self) -> float:
+        """About how long a pocket takes, in milliseconds of some machine: from pairs of edges and points, so the same everywhere."""
+        (one, *_, corners, _, _, _, _), (other, *_, others, _, _, _, _) = self.sides
+        return 15 + 0.012 * (len(one) * len(others) + len(other) * len(corners))
 
 
-def _left(material: PairMaterial, sides: _Sides, window: _Window) -> LocalOuterRegion | None:
-    """What the walls that hold in a window leave of it; None where that is nothing at all, which only rounding can do."""
-    half = (window.high - window.low) / 2 * (1 + 1e-9) + 1e-14
-    middle = (window.low + window.high) / 2
-    planes = [_planes(material, sides, kind, window, middle, half) for kind in (0, 1)]
+def _left(sides: NearSides, boxes: _Boxes) -> LocalOuterRegion | None:
+    """What the walls that hold in each of some boxes leave of it; None where that is nothing at all."""
+    low, high = boxes.low[:, 2], boxes.high[:, 2]
+    centre, half = (boxes.low + boxes.high)[:, :2] / 2, (boxes.high - boxes.low)[:, :2] / 2 * (1 + 1e-9)
+    window = _Window((low + high) / 2, (high - low) / 2 * (1 + 1e-9) + 1e-14, centre, half)
+    planes = [_planes(sides, kind, window) for kind in (0, 1)]
     corners = []
-    for k in range(len(middle)):
-        x, y = window.centre[k]
-        one, other = window.half[k]
+    for k in range(len(low)):
+        x, y = centre[k]
+        one, other = half[k]
         box = np.array([[1, 0, 0, x + one], [-1, 0, 0, one - x], [0, 1, 0, y + other], [0, -1, 0, other - y]])
         rows = np.vstack([rows[which == k] for rows, which in planes])
-        slack = rows[:, 3] - rows[:, :2] @ window.centre[k] - rows[:, 2] * middle[k]
+        slack = rows[:, 3] - rows[:, :2] @ centre[k] - rows[:, 2] * window.middle[k]
         rows = np.vstack([box, rows[_least(2 * _sector(rows) + (rows[:, 2] > 0), slack, 1)]])
-        corners.append(corners_between(rows, float(window.low[k]), float(window.high[k])))
+        corners.append(corners_between(rows, float(low[k]), float(high[k])))
     count = [len(c) for c in corners]
     if not sum(count):
         return None
-    return LocalOuterRegion(
-        material, window.low, window.high, np.vstack(corners), np.repeat(np.arange(len(count)), count)
-    )
+    return LocalOuterRegion(sides.pair, low, high, np.vstack(corners), np.repeat(np.arange(len(count)), count))
 
 
 def _sector(normal: Floats) -> Ints:
@@ -180,12 +238,21 @@ def _least(key: Ints, value: Floats, most: int) -> Ints:
     return order[np.arange(len(order)) - first < most]
 
 
-def _planes(
-    material: PairMaterial, sides: _Sides, kind: int, window: _Window, middle: Floats, half: Floats
-) -> tuple[Floats, Ints]:
+@dataclass(frozen=True, eq=False)
+class _Window:
+    """Boxes of translations, `centre` (K, 2) and half sides `sides` (K, 2) [mm], for turns within `half` of `middle` (K,) [rad]."""
+
+    middle: Floats
+    half: Floats
+    centre: Floats
+    sides: Floats
+
+
+def _planes(sides: NearSides, kind: int, window: _Window) -> tuple[Floats, Ints]:
     """Walls (k, 4) of edges of A and points of B (`kind` 0), or of B and of A, that hold in the windows; and the window of each."""
+    material, middle, half = sides.pair, window.middle, window.half
     start, end, go = sides.sides[kind][:3]
-    size = np.hypot(*window.half.T)
+    size = np.hypot(*window.sides.T)
     points = _points(sides.sides[1 - kind], CORNER_REACH * float(size.max()))
     normal = np.column_stack([go[:, 1], -go[:, 0]])
     # where the points are in each window, seen by the part whose edges count, and how far a turn within the window carries them
@@ -199,8 +266,8 @@ def _planes(
         along_box, across_box = (np.abs(turn(v[None], middle[:, None])) for v in (go, normal))
     swing = (2 * np.sin(half[:, None] / 2) * arm + material.margin)[..., None]
     # and how far with what the box adds (K, points, edges)
-    sideways = (along_box * window.half[:, None]).sum(2)[:, None] + swing
-    inwards = (across_box * window.half[:, None]).sum(2)[:, None] + swing
+    sideways = (along_box * window.sides[:, None]).sum(2)[:, None] + swing
+    inwards = (across_box * window.sides[:, None]).sum(2)[:, None] + swing
     front = seen @ normal.T - (start * normal).sum(1)
     along = seen @ go.T - (start * go).sum(1)
     long = ((end - start) * go).sum(1)

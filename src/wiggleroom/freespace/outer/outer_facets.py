@@ -16,6 +16,8 @@ Ints = NDArray[np.int64]
 
 NORMAL_TOLERANCE = 0.12
 """Facets of a hull whose normals differ by less [rad] are one; its support is worked out anew, so nothing is cut off."""
+FINEST_INTERVAL = 1e-6
+"""Narrower intervals [rad] are never cut again."""
 SUPPORT_TOLERANCE = 0.05
 """An interval holds a facet where it comes this near to it, as a share of its blur."""
 
@@ -86,10 +88,15 @@ def _unlike(normals: Floats) -> Floats:
 
 
 def holding(outer: OuterRegion, found: Facets, which: Ints, accuracy: float) -> Ints:
-    """Intervals that keep some facets (k,) of `found` where they are, and blur by more than `accuracy` [mm]."""
+    """Intervals that keep some facets (k,) of `found` where they are, and are too wide.
+
+    They are where they blur by more than `accuracy` [mm], and where they are wider than half of the turns that are looked at: what
+    an interval holds at one turn it holds at all.
+    """
     points, interval = outer.points(found.low, found.high)
     blur, width = outer.blur[interval], (outer.high - outer.low)[interval]
     normal = found.normal[which]
     short = found.offset[which] - points @ normal.T
     near = blur[:, None] * np.hypot(*normal[:, :2].T) + width[:, None] * np.abs(normal[:, 2])
-    return np.unique(interval[((short <= SUPPORT_TOLERANCE * near) & (blur[:, None] > accuracy)).any(1)])
+    wide = (blur > accuracy) | (width > max((found.high - found.low) / 2, FINEST_INTERVAL))
+    return np.unique(interval[((short <= SUPPORT_TOLERANCE * near) & wide[:, None]).any(1)])

@@ -18,6 +18,7 @@ MAX_ROWS = 60
 MAX_EDGES = 6
 """Edges that a corner may meet at most; where it may meet more, it gives no rows."""
 MAX_PIVOTS = 40
+"""Steps of the simplex method; every one of them is a bound, so it may end at any."""
 TOLERANCE = 1e-9
 """Share of a row that counts as nothing."""
 SURE_VIOLATION = 1e-7
@@ -56,7 +57,7 @@ def edges_within(x, y, radius, edge, disc, kid, stack, out):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def in_front(edge, e, x, y):
+def signed_line_distance(edge, e, x, y):
     """How far a point is in front of the line of an edge."""
     ex, ey = edge[e, 2] - edge[e, 0], edge[e, 3] - edge[e, 1]
     return (ey * (x - edge[e, 0]) - ex * (y - edge[e, 1])) / np.sqrt(ex * ex + ey * ey)
@@ -70,7 +71,11 @@ def free_side_is_convex(edge, some, count, tiny):
             e, f = some[i], some[j]
             if (
                 i != j
-                and min(in_front(edge, e, edge[f, 0], edge[f, 1]), in_front(edge, e, edge[f, 2], edge[f, 3])) < -tiny
+                and min(
+                    signed_line_distance(edge, e, edge[f, 0], edge[f, 1]),
+                    signed_line_distance(edge, e, edge[f, 2], edge[f, 3]),
+                )
+                < -tiny
             ):
                 return False
     return True
@@ -133,7 +138,7 @@ def add_rows(
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def most_of(c0, c1, c2, rows, m, active, inverse):
+def linear_program_maximum(c0, c1, c2, rows, m, active, inverse):
     """Largest c . z over the cube [-1, 1]^3 and rows a . z <= b, or a little more; -inf where there is no such z.
 
     `active` (3, 4) and `inverse` (3, 3) are room to work in.

@@ -14,9 +14,9 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.subdivision.classify_box import CLOSED, FOUND, PAUSED, best_corner, search
+from wiggleroom.freespace.subdivision.box_search import CLOSED, FOUND, PAUSED, best_corner, search_boxes
 from wiggleroom.freespace.subdivision.disc_tree import solid
-from wiggleroom.freespace.subdivision.passage import WINDOW_OFFSET, middle_of_contact, shorter, way_through
+from wiggleroom.freespace.subdivision.passage import WINDOW_OFFSET, middle_of_contact, shortcut, waypoints_through
 from wiggleroom.geometry.rigid_motions import about
 
 Floats = NDArray[np.float64]
@@ -120,14 +120,14 @@ class MotionBoxes:
         self._state[: self.count][self._state[: self.count] == 3] = 0
         how = PAUSED
         while how == PAUSED and not (stop is not None and stop.is_set()):
-            how, self.count, length = search(
+            how, self.count, length = search_boxes(
                 self._middle, self._level, self._state, self._first, self._upper, self.count, self.count + STOP_CHECK_BOXES, self._origin,
                 self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._way, self._visits,
             )  # fmt: skip
         if how != FOUND:
             return how == CLOSED, None
         way = self._way[:length]
-        points = way_through(way, self._middle, self._level, self._origin, self._scale)
+        points = waypoints_through(way, self._middle, self._level, self._origin, self._scale)
         if self._at_rim(int(way[-1])):
             return False, np.vstack([points, self._round(points[-1])])
         half = 0.5 ** self._level[way[-1]] * self._scale
@@ -142,7 +142,7 @@ class MotionBoxes:
         finer = [np.linspace(one, other, n, endpoint=False) for one, other, n in zip(way, way[1:], count, strict=False)]
         points = about(np.concatenate([*finer, way[-1:]])[:, None], (spot - self.pivot)[None])[:, 0]
         one, other = solid(self.a, spot), solid(self.b, spot)
-        return shorter(points, (*one.arrays, other.edge, other.disc, other.kid))
+        return shortcut(points, (*one.arrays, other.edge, other.disc, other.kid))
 
     def _round(self, last: Floats) -> Floats:
         """From where a is left behind, on a circle round it to where the pull leads away from it."""

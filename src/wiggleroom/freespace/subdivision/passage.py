@@ -10,7 +10,8 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.subdivision.classify_box import CLOSED, PAUSED, SPENT, search, straight
+from wiggleroom.freespace.subdivision.box_search import CLOSED, PAUSED, SPENT, search_boxes
+from wiggleroom.freespace.subdivision.classify_box import is_free_segment
 from wiggleroom.freespace.subdivision.disc_tree import solid
 
 Floats = NDArray[np.float64]
@@ -81,7 +82,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
             if stop is not None and stop.is_set():
                 return Passage(False, False, None, pivot)
             began, before = time.perf_counter(), count
-            how, count, length = search(
+            how, count, length = search_boxes(
                 middle, level, state, first, upper, count, count + pace, origin, scale, MAX_DEPTH, not turning, turning,
                 NOTHING_ASKED, 1, *pair, way, unlimited,
             )  # fmt: skip
@@ -91,8 +92,8 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
         if how == SPENT:
             break
         if not turning:
-            points = way_through(way[:length], middle, level, origin, scale)
-            return Passage(False, False, shorter(points, pair), pivot)
+            points = waypoints_through(way[:length], middle, level, origin, scale)
+            return Passage(False, False, shortcut(points, pair), pivot)
     return Passage(False, False, None, pivot)
 
 
@@ -104,7 +105,7 @@ def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
     return (box[:2] + box[2:]) / 2
 
 
-def way_through(
+def waypoints_through(
     way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
 ) -> Floats:
     """Way-points: rest, middles of boxes and of the faces between them, turns unwrapped."""
@@ -118,12 +119,12 @@ def way_through(
     return np.vstack([np.zeros(3), origin + points * scale[[0, 0, 1]]])
 
 
-def shorter(points: Floats, pair: tuple) -> Floats:
+def shortcut(points: Floats, pair: tuple) -> Floats:
     """The way without the detours from box to box: as long straight pieces as are certainly free."""
     kept, k = [0], 0
     while k < len(points) - 1:
         step = len(points) - 1 - k
-        while step > 1 and not straight(points[k], points[k + step], *pair, 1e-4):
+        while step > 1 and not is_free_segment(points[k], points[k + step], *pair, 1e-4):
             step = step // 2
         k += step
         kept.append(k)

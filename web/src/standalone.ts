@@ -12,7 +12,7 @@ import * as state from "./state.ts";
 
 /** True where the page carries what was found; then it is shown. */
 export function unpack(): boolean {
-  const text = document.getElementById("baked")?.textContent;
+  const text = document.getElementById("standalone")?.textContent;
   if (!text) return false;
   const { opened, answers = [], said = null, study = null, tints = null, ...told } = JSON.parse(text) as StandalonePage;
   const standing = ({ shapes, of }: SharedOutlines): Ring[][] => opened.parts.map(({ at: [x, y, degrees] }, i) => {
@@ -20,7 +20,7 @@ export function unpack(): boolean {
     return shapes[of[i]!]!.map((ring) => ring.map((point) => outOf(pose, point)));
   });
   const rest = standing(opened.outlines);
-  state.baked.value = { said, study, tints };
+  state.standalone.value = { said, study, tints };
   state.line.value = "open";
   state.drawing.value = { ...opened, ignore: [], parts: opened.parts.map((part, i) => ({ ...part, rings: rest[i]! })) };
   state.tab.value = told.tab ?? "answer";

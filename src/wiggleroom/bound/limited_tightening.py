@@ -1,0 +1,77 @@
+"""The linear relaxation of an assembly as a quick bound: solved and tightened as far as some work allows.
+
+Work is counted from the size of programs, not timed, so that every machine gives the same answer; one unit is about a millisecond.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges, turn_differences
+from wiggleroom.bound.joint_multipliers import goal_weights
+from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
+from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
+from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
+from wiggleroom.geometry.bodies import Bodies
+from wiggleroom.program.objectives import PointMotion
+
+NEAR = 0.03
+"""A quick bound that lies no further above the motion found than this share is near enough."""
+HOPS = 2
+"""Turns are tightened of bodies so many joints apart."""
+MIN_GAIN = 0.1
+"""It ends where the bound's distance from the motion found falls by less than this share."""
+
+
+def tightened(
+    them: Bodies,
+    goal: PointMotion,
+    joints: JointConstraints,
+    regions: Sequence[LocalOuterRegion],
+    found: float,
+    work: float,
+) -> float:
+    """Value that no motion exceeds, near `found`, the value of a motion; infinite where the work does not allow a program at all."""
+    held = them.fixed | np.isfinite(first_ranges(them.fixed, joints, regions).far)
+    joints = joints.some(held[joints.a] & held[joints.b])
+    linkage = Linkage(
+        them.fixed,
+        them.radius,
+        them.rest[:, :2],
+        joints,
+        turn_differences(joints, regions),
+        min((region.material.clearance for region in regions), default=1.0),
+    )
+    ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
+    weights = goal_weights(goal, len(held))
+    cutoff = Cutoff(weights, (1 + NEAR / 2) * found)
+    bodies = np.flatnonzero(held & ~them.fixed)
+    asked, cuts = dominating(linkage, bodies, HOPS), RegionCuts([*regions])
+    first, again = _work_of_program(len(bodies), len(joints.a))
+    best = np.inf
+    while work >= first:
+        try:
+            program = RelaxationInRanges(linkage, cuts, ranges)
+        except InfeasibleRanges:
+            return cutoff.worth
+        most = max(program.largest(weights, _never)[0], cutoff.worth if np.isfinite(best) else -np.inf)
+        gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
+        best, work = min(best, most), work - first - 2 * len(asked) * again
+        if best <= (1 + NEAR) * found or gain < MIN_GAIN or work < first:
+            break
+        ranges = after_cuts(ranges, program.turn_cuts(asked, cutoff, _never), linkage.turns)
+        if np.any(ranges.low > ranges.high):
+            return cutoff.worth
+    return float(best)
+
+
+def _never() -> bool:
+    return False
+
+
+def _work_of_program(bodies: int, joints: int) -> tuple[float, float]:
+    """Rather more than a linear program takes when it is solved first, and when it is asked again with another cost."""
+    first = 80 * ((5 * bodies + 4 * joints) / 340) ** 2.1
+    return first, 0.3 * first

@@ -1,0 +1,206 @@
+"""Who falls: loose parts that their weight carries on and on, and whom to hold so that nothing does.
+
+Everything that is loose sinks in small steps. Each is a linear program: the largest loss of height, weighed by area, that distances of
+corners from edges allow, less a little for every motion, so that nothing moves that loses no height by it. Parts first settle by the play
+that they have; those that still sink after many steps fall. There is no friction, and no swing. Source: Whiting, Ochsendorf and Durand,
+"Procedural modeling of structurally-sound masonry buildings", 2009, for equilibrium as a program over contacts; here is its dual.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from scipy.optimize import linprog
+from scipy.sparse import coo_array
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.errors import InputError, Stop
+from wiggleroom.geometry.neighbours import placed
+from wiggleroom.geometry.rigid_motions import of_bodies
+from wiggleroom.planning.clearance_program import Carried, ClearanceProblem, near_corners
+from wiggleroom.planning.steps import Step
+from wiggleroom.search.prepare import Survey
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+STEPS = 24
+"""So many steps parts sink; what comes to rest before the second half of them has settled."""
+TRUST = 0.5
+"""In a step corners go no further than about this multiple of the clearance."""
+MARGIN = 0.1
+"""Parts come no nearer to each other than this multiple of the clearance."""
+EFFORT = 0.02
+"""A motion pays where it loses height by more than this share of its length: slopes of one degree count as level."""
+AT_REST = 0.05
+"""A part that sinks by less than this multiple of the clearance in the second half of the steps is at rest."""
+LOOKS = 3
+"""Each straight piece of a step is looked at so often."""
+
+
+@dataclass(eq=False)
+class Gravity:
+    """Falling among the parts of one assembly.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        Something in it stands.
+    ground : Survey
+        Of the assembly.
+    direction : (x, y)
+        In which loose parts fall; any length but zero.
+
+    Raises
+    ------
+    InputError
+        If the direction is none.
+    """
+
+    assembly: Assembly
+    ground: Survey
+    direction: tuple[float, float]
+    _known: dict[bytes, Bools] = field(default_factory=dict, init=False)
+
+    def __post_init__(self) -> None:
+        length = float(np.hypot(*self.direction))
+        if not 0 < length < np.inf:
+            finding = f"gravity {self.direction}: it must be a direction, as (0, -1)"
+            raise InputError(finding)
+        self.direction = (self.direction[0] / length, self.direction[1] / length)
+
+    def falling(self, motion: Floats, there: Bools, held: Bools, stop: Stop | None = None) -> Bools:
+        """Parts (n,) that fall.
+
+        Parameters
+        ----------
+        motion : (n, 3) float64 [mm, mm, rad]
+            Where the parts are, about their reference points.
+        there : (n,) bool
+            Parts that have not left.
+        held : (n,) bool
+            Parts that are held; what is fixed stands anyway.
+        stop : optional
+            Asked before every step; then those that sink still count as falling.
+        """
+        bodies = self.ground.bodies
+        here = np.array([there[list(m)].all() for m in bodies.members])
+        stands = bodies.fixed | np.array([held[list(m)].any() for m in bodies.members])
+        free = np.flatnonzero(here & ~stands)
+        out = np.zeros(len(there), dtype=np.bool_)
+        if not len(free):
+            return out
+        begin = of_bodies(self.assembly, bodies, motion[None])[0]
+        key = np.round(begin[here], 9).tobytes() + here.tobytes() + free.tobytes()
+        if key not in self._known:
+            self._known[key] = np.isin(bodies.body_of, free[self._sinking(begin, here, free, stop)])
+        return self._known[key]
+
+    def to_hold(self, step: Step, stop: Stop | None = None) -> tuple[str, ...]:
+        """Names of parts that somebody must hold during a step, besides those that move, so that nothing falls.
+
+        Those that lie lowest are held first: others may rest on them.
+        """
+        names = np.array(self.assembly.names, dtype=object)
+        moving = np.isin(names, step.parts)
+        held = np.zeros(len(names), dtype=np.bool_)
+        states = list(_states(step))
+        for motion in states:
+            while (falls := self.falling(motion, step.there, held | moving, stop)).any():
+                held[self._lowest(motion, np.flatnonzero(falls))] = True
+        for k in np.flatnonzero(held):  # what was held first may be held up by what came later
+            without = held.copy()
+            without[k] = False
+            if not any(self.falling(m, step.there, without | moving, stop).any() for m in states):
+                held = without
+        return tuple(names[held])
+
+    def _lowest(self, motion: Floats, who: Ints) -> int:
+        """Which of some parts has the centroid of its body lowest."""
+        bodies = self.ground.bodies
+        at = bodies.rest + of_bodies(self.assembly, bodies, motion[None])[0]
+        heights = at[bodies.body_of[who], :2] @ np.array(self.direction)
+        return int(who[int(heights.argmax())])
+
+    def _sinking(self, motion: Floats, there: Bools, free: Ints, stop: Stop | None) -> Bools:
+        """Which of the `free` bodies still sink after many steps."""
+        ground, down = self.ground, np.array(self.direction)
+        weight = shapely.area(placed(ground.bodies, None, free)[free])
+        problem = ClearanceProblem(
+            ground.bodies, there, ground.ignored, ground.clearance, ground.size, Carried(free, as_one=False)
+        )
+        sunk = np.zeros((STEPS + 1, len(free)))
+        trust = TRUST * ground.clearance
+        for k in range(STEPS):
+            if stop is not None and stop.is_set():
+                return np.ones(len(free), dtype=np.bool_)
+            change, trust = self._sink(problem, motion, weight / weight.sum(), trust)
+            motion = motion + change
+            sunk[k + 1] = sunk[k] + change[free, :2] @ down
+            if not change.any():
+                return np.zeros(len(free), dtype=np.bool_)
+        half = STEPS // 2
+        return np.asarray(sunk[-1] - sunk[half] > AT_REST * ground.clearance)
+
+    def _sink(self, problem: ClearanceProblem, motion: Floats, weight: Floats, trust: float) -> tuple[Floats, float]:
+        """One step, shorter where a longer one would meet something, and how long the next one may be."""
+        most = TRUST * problem.clearance
+        while trust > 1e-3 * most:
+            change = _program(problem, motion, weight, np.array(self.direction), trust)
+            if not change.any():
+                return change, trust
+            if problem.least(np.stack([motion, motion + change])) > 0:
+                return change, min(2 * trust, most)
+            trust /= 4
+        return np.zeros_like(motion), most
+
+
+def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Floats, trust: float) -> Floats:
+    """Motion (n, 3) [mm, mm, rad] of all bodies by which the free ones lose the most height."""
+    bodies, free = problem.bodies, problem.moving.who
+    mine = {int(b): k for k, b in enumerate(free)}
+    lever = bodies.radius[free]
+    count = 3 * len(free)
+    value, row, column, limit = list[float](), list[int](), list[int](), list[float]()
+    pose = bodies.rest + motion
+    for b, c, point, normal, apart in near_corners(problem, pose, 4 * trust):
+        for body, sign in ((b, -1.0), (c, 1.0)):
+            if body in mine:
+                k, arm = mine[body], point - pose[body, :2]
+                turn = (normal[1] * arm[0] - normal[0] * arm[1]) / bodies.radius[body]
+                value += [sign * normal[0], sign * normal[1], sign * turn]
+                column += [3 * k, 3 * k + 1, 3 * k + 2]
+                row += [len(limit)] * 3
+        limit.append(max(apart - MARGIN * problem.clearance, 0.0))
+    rows = coo_array((value, (row, column)), shape=(len(limit), count)).tocsr()
+    cost = np.zeros((len(free), 3))
+    cost[:, :2] = -weight[:, None] * down
+    effort = EFFORT * np.repeat(weight, 3)
+    # every change as the difference of two that are not negative, so that both ways cost effort
+    found = linprog(
+        np.concatenate([cost.ravel() + effort, effort - cost.ravel()]),
+        A_ub=None if not limit else np.hstack([rows.toarray(), -rows.toarray()]),
+        b_ub=limit or None,
+        bounds=(0.0, trust),
+        method="highs",
+    )
+    change = np.zeros_like(motion)
+    if found.success:
+        moved = (found.x[:count] - found.x[count:]).reshape(-1, 3)
+        moved[np.abs(moved) < 1e-6 * trust] = 0.0
+        change[free] = np.column_stack([moved[:, :2], moved[:, 2] / lever])
+    return change
+
+
+def _states(step: Step) -> Iterator[Floats]:
+    """States on the way of a step, from its beginning to its end."""
+    yield step.way[0]
+    for one, other in pairwise(step.way):
+        for t in np.arange(1, LOOKS + 1) / LOOKS:
+            yield one + t * (other - one)

@@ -1,0 +1,156 @@
+"""The assembly of a drawing, as studies of gaps ask it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.assembly.build import assemble
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import Stop
+from wiggleroom.maximise import witness
+from wiggleroom.program.gap_sensitivity import gains
+from wiggleroom.program.nonlinear_program import Program
+from wiggleroom.program.objectives import Objective
+from wiggleroom.search.active_set import touching
+from wiggleroom.search.answer import Answer
+from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.sensitivity.dual_face import face, group_gains
+from wiggleroom.sensitivity.parallel import Work
+from wiggleroom.sensitivity.perturbation import (
+    PerturbationBase,
+    PerturbedObjective,
+    base,
+    can_be_ranked,
+    ended,
+    objective_in_same_walls,
+    perturbed_objective,
+    perturbed_objective_anew,
+)
+from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives
+from wiggleroom.solve.interior_point import Solution
+
+Floats = NDArray[np.float64]
+
+DIFFERENCE_STEP = 1e-3
+"""Extra gap of forward differences, as a share of the typical clearance."""
+
+
+@dataclass(frozen=True, eq=False)
+class PlanarModel:
+    """An assembly of the plane and what is asked of it; prepared when something needs that."""
+
+    question: Assembly | Prepared
+    goals: Goal | Sequence[Goal] | None = None
+
+    @property
+    def assembly(self) -> Assembly:
+        """The assembly as it is."""
+        return self.question if isinstance(self.question, Assembly) else self.question.assembly
+
+    @cached_property
+    def ready(self) -> Prepared:
+        """Pairs and free spaces."""
+        return prepare(self.question) if isinstance(self.question, Assembly) else self.question
+
+    @property
+    def clearance(self) -> float:
+        """Typical clearance between neighbours [mm]."""
+        return self.ready.clearance
+
+    def answer(self, stop: Stop | None) -> Answer:
+        """Largest motion from rest, without a bound."""
+        return witness(self.ready if "ready" in vars(self) else self.question, self.goals, stop=stop)
+
+    def can_be_ranked(self, answer: Answer) -> bool:
+        """True where the motion ends, at forces that say what it is worth to give way."""
+        return can_be_ranked(answer)
+
+    def derivatives(self, answer: Answer) -> GapDerivatives:
+        """Derivatives by the gap of every part and joint."""
+        found = ended(answer)
+        return _derivatives(found.program, found.solution, len(answer.assembly.parts))
+
+    def quotients(self, answer: Answer) -> DifferenceQuotients:
+        """How derivatives are found by solving the last program again."""
+        found = ended(answer)
+        start = base(self.ready, found)
+        solution = replace(found.solution, u=start.solution.u, lam=start.solution.lam)
+        return DifferenceQuotients(slope, start, _derivatives(found.program, solution, len(answer.assembly.parts)))
+
+    def moved(self, answer: Answer, inward: Floats, stop: Stop | None) -> Answer:
+        """Largest motion when the outline of each part moves inward by `inward` (n,) [mm]."""
+        offset = {name: -float(x) for name, x in zip(self.assembly.names, inward, strict=True) if x}
+        return witness(assemble(self.assembly.drawing, offset=offset), answer.goals, stop=stop)
+
+    def draws(self, answer: Answer) -> tuple[Work, Any]:
+        """What many such motions need: moved walls of the prepared assembly."""
+        return one_draw, (self.ready, ended(answer).program.objective, answer.goals)
+
+    def draws_afresh(self, answer: Answer) -> tuple[Work, Any]:
+        """The same, everything worked out anew."""
+        return one_afresh, (self.assembly, answer.goals)
+
+    def room(self, whole: float, aim: float) -> Floats:
+        """How far the outline of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
+        drawing = self.assembly.drawing
+        own = np.array([p.offset for p in drawing.parts])
+        room = (whole - aim) / 2 - own
+        index = {name: k for k, name in enumerate(self.assembly.names)}
+        for joint in drawing.gaps:
+            for name in joint.parts:
+                room[index[name]] = min(room[index[name]], (joint.gap - aim) / 2 - own[index[name]])
+        return np.maximum(room, 0.0)
+
+
+def _derivatives(program: Program, solution: Solution, parts: int) -> GapDerivatives:
+    """Derivatives from the multipliers of a program."""
+    active = touching(program, solution.u, solution.lam)
+    some = gains(program, solution.u)
+    joint = np.sort(np.column_stack([some.edge_part, some.corner_part]), axis=1)
+    joints, of = np.unique(joint, axis=0, return_inverse=True)
+    of = of.ravel()
+    jacobian = program.linearise(solution.u).jacobian()[active.row]
+    total = float(active.force.sum())
+    return GapDerivatives(
+        group_gains(some, active.row, program.rows, (some.edge_part, some.corner_part), parts) / 2,
+        joints,
+        group_gains(some, active.row, program.rows, (of, of), len(joints)) / 2,
+        face(jacobian, active.row, solution.lam[active.row], program.length),
+        float(active.force[active.virtual].sum()) / total if total > 0 else 0.0,
+    )
+
+
+def slope(start: PerturbationBase, task: tuple[int, float]) -> float:
+    """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
+    part, sign = task
+    for step in (DIFFERENCE_STEP, DIFFERENCE_STEP / 10):
+        extra = sign * step * start.program.length
+        inward = np.zeros(len(start.program.bodies.body_of))
+        inward[part] = extra / 2
+        value = objective_in_same_walls(start, inward)
+        if np.isfinite(value):
+            return (value - start.value) / extra
+    return np.nan
+
+
+def one_draw(shared: tuple[Prepared, Objective, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
+    """One draw, with the moved walls of the prepared assembly."""
+    ready, objective, goals = shared
+    return perturbed_objective(ready, objective, goals, inward)
+
+
+def one_afresh(shared: tuple[Assembly, tuple[Goal, ...]], inward: Floats) -> PerturbedObjective:
+    """One draw, everything worked out anew."""
+    return perturbed_objective_anew(*shared, inward)
+
+
+def model_of(question: Any, goals: Any) -> Any:
+    """The model that a study asks: the question itself where it is one."""
+    return PlanarModel(question, goals) if isinstance(question, Assembly | Prepared) else question

@@ -1,0 +1,251 @@
+"""An assembly in space, as studies of gaps ask it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from wiggleroom.deadline import Deadline
+from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
+from wiggleroom.errors import InputError, Stop, TouchingError
+from wiggleroom.sensitivity.allowable_gap import held_gap, see_question
+from wiggleroom.sensitivity.dual_face import face
+from wiggleroom.sensitivity.gap_trials import AllowableGap
+from wiggleroom.sensitivity.motion_border import MotionBorder
+from wiggleroom.sensitivity.parallel import Work
+from wiggleroom.sensitivity.perturbation import PerturbedObjective
+from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives
+from wiggleroom.spatial.corner_displacement import corner_displacements
+from wiggleroom.spatial.separating_plane_program import LinearisedSeparatingPlanes
+from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
+from wiggleroom.spatial.spatial_assembly import assemble_spatial, goal_findings
+from wiggleroom.spatial.spatial_disassembly import check_spatial
+from wiggleroom.spatial.spatial_flex import flex_spatial, lacking
+from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.spatial.spatial_prepare import SpatialPrepared, prepare_spatial
+from wiggleroom.verdict import Verdict
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+DIFFERENCE_STEP = 1e-3
+"""Extra gap of difference quotients, as a share of the typical clearance."""
+ACTIVE = 1e-6
+"""A row with less than this share of the largest force holds nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialModel:
+    """An assembly in space and what is asked of it."""
+
+    assembly: SpatialAssembly
+    goals: tuple[SpatialGoal, ...] | None = None
+    found: SpatialAnswer | None = None
+
+    @cached_property
+    def ready(self) -> SpatialPrepared:
+        """Bodies and near pieces."""
+        return prepare_spatial(self.assembly)
+
+    @property
+    def clearance(self) -> float:
+        """Typical clearance between neighbours [mm]."""
+        return self.ready.clearance
+
+    def answer(self, stop: Stop | None) -> SpatialAnswer:
+        """Largest motion from rest; the one that was found before, where there is one."""
+        return self.found or flex_spatial(self.ready if "ready" in vars(self) else self.assembly, self.goals, stop=stop)
+
+    def can_be_ranked(self, answer: SpatialAnswer) -> bool:
+        """True where the motion ends, at forces that say what it is worth to give way."""
+        return answer.warm_start is not None and answer.objective is not None and answer.verdict.ends
+
+    def derivatives(self, answer: SpatialAnswer) -> GapDerivatives:
+        """Derivatives by the gap of every part and joint."""
+        assert answer.warm_start is not None  # see `can_be_ranked`
+        return _derivatives(answer.assembly, answer.warm_start)
+
+    def quotients(self, answer: SpatialAnswer) -> DifferenceQuotients:
+        """How derivatives are found by solving again from rest."""
+        shared = (self.assembly, answer.goals, answer.objective, self.clearance)
+        return DifferenceQuotients(spatial_slope, shared, self.derivatives(answer))
+
+    def moved(self, answer: SpatialAnswer, inward: Floats, stop: Stop | None) -> SpatialAnswer:
+        """Largest motion when all faces of each part move inward by `inward` (n,) [mm]."""
+        return flex_spatial(_moved_inward(self.assembly, inward), answer.goals, stop=stop)
+
+    def draws(self, answer: SpatialAnswer) -> tuple[Work, Any]:
+        """What many such motions need: each is worked out from nothing."""
+        return one_spatial_draw, (self.assembly, answer.goals)
+
+    def draws_afresh(self, answer: SpatialAnswer) -> None:
+        """Nothing is used again from draw to draw."""
+
+    def room(self, whole: float, aim: float) -> Floats:
+        """How far the faces of each part (n,) may move out [mm]."""
+        return np.full(len(self.assembly.parts), (whole - aim) / 2)
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialGapModel:
+    """An assembly in space at any gap."""
+
+    assembly: SpatialAssembly
+    goals: tuple[SpatialGoal, ...]
+
+    def made(self, gap: float) -> SpatialAssembly:
+        """The assembly with another gap."""
+        return assemble_spatial(self.assembly.drawing, gap=gap)
+
+    def flexed(
+        self,
+        made: SpatialAssembly,
+        search: int | None,  # noqa: ARG002
+        stop: Stop | None,
+        progress: Callable[[Any], None] | None,  # noqa: ARG002
+    ) -> SpatialAnswer:
+        """Largest motion of it; there is no search beyond the nearest hill."""
+        return flex_spatial(made, self.goals, stop=stop)
+
+    def bound(self, *_: Any) -> None:
+        """Nothing bounds motions in space."""
+
+
+def spatial_largest_gap(assembly: SpatialAssembly, *, stop: Stop | None = None) -> LargestGap:
+    """The gap at which an assembly comes apart; see `wiggleroom.largest_gap`."""
+    return largest_gap_over(
+        assembly,
+        lambda gap: assemble_spatial(assembly.drawing, gap=gap),
+        lambda made: check_spatial(made, stop=stop, every=False),
+        stop,
+    )
+
+
+def spatial_allowable_gap(
+    assembly: SpatialAssembly,
+    goals: tuple[SpatialGoal, ...] | None = None,
+    *,
+    at_most: float | None = None,
+    holds: bool = False,
+    fits: float | None = None,
+    seconds: float | None = None,
+    stop: Stop | None = None,
+    progress: Callable[[Any], None] | None = None,
+) -> AllowableGap:
+    """Gap at which a motion stays below a limit or parts interlock; see `wiggleroom.allowable_gap`.
+
+    Raises
+    ------
+    InputError
+        If not one question is asked, or one that belongs to drawings.
+    """
+    see_question(at_most, holds, fits)
+    if fits is not None:
+        raise InputError("gap: --fits is for drawings; of an assembly in space ask --at-most or --holds")
+    deadline = Deadline(seconds, stop)
+    if at_most is None:
+        return held_gap(assembly, spatial_largest_gap(assembly, stop=deadline), deadline)
+    asked = assembly.goals if goals is None else goals
+    wrong = goal_findings(assembly.drawing, asked) + lacking(assembly, asked)
+    if wrong:
+        raise InputError(wrong)
+    return MotionBorder(SpatialGapModel(assembly, asked), at_most, deadline, progress).enclose()
+
+
+def _moved_inward(assembly: SpatialAssembly, inward: Floats) -> SpatialAssembly:
+    further = {name: float(x) for name, x in zip(assembly.names, inward, strict=True) if x}
+    return assemble_spatial(assembly.drawing, inward=further)
+
+
+def spatial_slope(
+    shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...], float, float], task: tuple[int, float]
+) -> float:
+    """Objective gained per mm of extra gap round one part, from solving again with a little more (+1) or less (-1) of it."""
+    assembly, goals, value, clearance = shared
+    part, sign = task
+    extra = sign * DIFFERENCE_STEP * clearance
+    inward = np.zeros(len(assembly.parts))
+    inward[part] = extra / 2
+    found = one_spatial_draw((assembly, goals), inward)
+    return (found.value - value) / extra if np.isfinite(found.value) and found.verdict.ends else np.nan
+
+
+def one_spatial_draw(shared: tuple[SpatialAssembly, tuple[SpatialGoal, ...]], inward: Floats) -> PerturbedObjective:
+    """Largest objective with other faces, everything worked out anew."""
+    assembly, goals = shared
+    try:
+        answer = flex_spatial(_moved_inward(assembly, inward), goals)
+    except TouchingError:
+        return PerturbedObjective(np.nan, Verdict.TOUCHING)
+    except InputError:
+        return PerturbedObjective(np.nan, Verdict.NOT_MAKEABLE)
+    return PerturbedObjective(np.inf if answer.objective is None else answer.objective, answer.verdict)
+
+
+def _derivatives(assembly: SpatialAssembly, held: HeldMotion) -> GapDerivatives:
+    """Derivatives from the forces on the planes.
+
+    A corner that moves inward by s gives its row n . s more room, where n points from the corner to the other piece.
+    """
+    P, found = held.program, held.found
+    at = P.linearise(found.point)
+    lam = found.lam * P.length
+    row = np.flatnonzero((found.lam > ACTIVE * found.lam.max(initial=0.0)) & (lam > at.h * P.length))
+    plane = np.searchsorted(P.row, row, side="right") - 1
+    pair = np.repeat(np.arange(len(P.a)), np.diff(P.plane))[plane]
+    gain, part = np.empty(len(row)), np.empty(len(row), dtype=np.int64)
+    other = np.empty(len(row), dtype=np.int64)
+    known: dict[tuple[int, int], Floats] = {}
+    owner, first = held.grouping.bodies.owner, _first_pieces(held)
+    for k, (r, p, x) in enumerate(zip(row.tolist(), plane.tolist(), pair.tolist(), strict=True)):
+        mine = r < P.row[p] + P.own[p]
+        corner = r - P.row[p] - (0 if mine else P.own[p])
+        (body, piece), (across, its) = (
+            (P.pieces[p, :2], P.pieces[p, 2:]) if mine else (P.pieces[p, 2:], P.pieces[p, :2])
+        )
+        part[k], other[k] = owner[body][piece], owner[across][its]
+        key = (int(part[k]), int(piece - first[int(part[k])]))
+        if key not in known:
+            known[key] = corner_displacements(assembly.made[key[0]], key[1]) @ assembly.parts[key[0]].R.T
+        n = found.point.n[p] if mine else -at.Psi[x].T @ found.point.n[p]
+        gain[k] = -n @ known[key][corner]
+    columns = np.arange(len(row))
+    ends = np.sort(np.column_stack([part, other]), axis=1)
+    joints, of = np.unique(ends, axis=0, return_inverse=True)
+    by_part = sp.csr_matrix((gain / 2, (part, columns)), shape=(len(assembly.parts), len(row)))
+    by_joint = sp.csr_matrix((gain / 2, (of.ravel(), columns)), shape=(len(joints), len(row)))
+    return GapDerivatives(
+        by_part, joints, by_joint, face(_jacobian(at, row, plane, pair), row, lam[row], P.length), 0.0
+    )
+
+
+def _first_pieces(held: HeldMotion) -> dict[int, int]:
+    """Index, among the pieces of its body, of the first piece of every part."""
+    found: dict[int, int] = {}
+    for owner in held.grouping.bodies.owner:
+        for k, part in enumerate(owner.tolist()):
+            found.setdefault(part, k)
+    return found
+
+
+def _jacobian(at: LinearisedSeparatingPlanes, row: Ints, plane: Ints, pair: Ints) -> sp.csr_matrix:
+    """Derivatives (k, V + planes) of some rows by the freedoms of the bodies and by their planes."""
+    P, R = at.program, at.point.pose.R
+    a, b = P.a[pair], P.b[pair]
+    G = at.G[row]
+    force = np.einsum("kij,kj->ki", R[a], G[:, :3])
+    on_a = np.hstack([-force, G[:, 3:6]]) * P.scale[a]
+    on_b = np.hstack([force, np.einsum("kji,kj->ki", at.Psi[pair], G[:, 6:9])]) * P.scale[b]
+    used, which = np.unique(plane, return_inverse=True)
+    size = int(P.slot.max(initial=-1)) + 1
+    column = np.hstack([P.slot[a], P.slot[b], size + 3 * which.ravel()[:, None] + np.arange(3)])
+    value = np.hstack([on_a, on_b, G[:, 9:]])
+    keep = column >= 0
+    rows = np.repeat(np.arange(len(row)), 15).reshape(column.shape)
+    return sp.csr_matrix((value[keep], (rows[keep], column[keep])), shape=(len(row), size + 3 * len(used)))

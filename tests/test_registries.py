@@ -1,0 +1,79 @@
+"""What stands in a registry stands in every other place that names it."""
+
+from __future__ import annotations
+
+import inspect
+import re
+import typing
+from pathlib import Path
+
+import pytest
+from benchmarks.architecture_picture import EVERYWHERE, LANES
+from msgspec import Struct
+
+from tests.test_imports import ORDER
+from wiggleroom.app.dispatcher import ANSWERS
+from wiggleroom.assembly.joints import JOINTS
+from wiggleroom.cli import coupon_command, flex_command, make_command
+from wiggleroom.cli.words import DRAWINGS
+from wiggleroom.drawing.read import READERS
+from wiggleroom.schema import replies, requests, results
+from wiggleroom.solve import SOLVERS
+
+TOP = Path(__file__).parents[1]
+
+
+@pytest.mark.parametrize("command", [make_command.make, coupon_command.coupon])
+def test_the_help_of_joint_names_every_family(command):
+    said = re.search(r"\n    joint\n        ([^\n]*)", inspect.getdoc(command).replace("\n", "\n    "))
+    named = set(re.findall(r"\w+", said[1]))
+    families = {family: name for name, family in reversed(JOINTS.items())}.values()  # "t" is short for "tee"
+    assert set(families) <= named
+
+
+def test_every_solver_is_a_choice_of_the_command():
+    hints = typing.get_type_hints(flex_command.flex)
+    assert set(typing.get_args(hints["solver"])) == set(SOLVERS)
+
+
+def test_every_format_that_is_read_is_known_to_the_command_line_and_the_page():
+    assert {*DRAWINGS, ".json"} == set(READERS)
+    accepted = re.search(r'accept="([^"]*)"', (TOP / "web/src/chrome/TopBar.tsx").read_text())
+    assert set(accepted[1].split(",")) == set(READERS)
+
+
+def structures(module):
+    """Structures of a module from which no other is derived."""
+    own = [one for one in vars(module).values() if isinstance(one, type) and issubclass(one, Struct)]
+    return {one for one in own if one.__module__ == module.__name__ and not one.__subclasses__()}
+
+
+def test_every_format_of_results_is_listed_and_documented():
+    formats = {one for one in structures(results) if one.__struct_config__.tag_field == "format"}
+    assert formats == set(results.RESULTS)
+    page = (TOP / "docs/json.md").read_text()
+    assert [one.__name__ for one in formats if f"<!-- generated from {one.__name__} -->" not in page] == []
+
+
+@pytest.mark.parametrize(
+    ("module", "base", "every"),
+    [(requests, requests.Request, requests.AnyRequest), (replies, replies.Reply, replies.AnyReply)],
+)
+def test_every_message_is_part_of_the_protocol(module, base, every):
+    assert {one for one in structures(module) if issubclass(one, base)} <= set(typing.get_args(every))
+
+
+def test_every_request_is_answered():
+    kinds = {kind.__struct_config__.tag for kind in typing.get_args(requests.AnyRequest)}
+    assert kinds - {"open", "flex", "cancel"} == set(ANSWERS)
+
+
+def test_the_picture_of_the_architecture_shows_every_package():
+    assert {*EVERYWHERE, *(name for _, names in LANES for name in names)} == set(ORDER)
+
+
+def test_every_file_that_the_architecture_names_is_there():
+    page = (TOP / "docs/architecture.md").read_text()
+    folders = ("", "src/wiggleroom", "src/wiggleroom/cli", "src/wiggleroom/spatial", "web/src", "web/src/panels")
+    named = re.findall(r"`((?:\w+/)*\w+\.(?:py|tsx?))`", page)
+    assert [name for name in named if not any((TOP / folder / name).exists() for folder in folders)] == []

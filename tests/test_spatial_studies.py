@@ -1,0 +1,168 @@
+"""Studies of gaps in space: against closed forms, against solving again, and both sides of a border checked."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wiggleroom as wr
+from tests.test_spatial import PEG, PLATE, ring, spatial
+from wiggleroom.cli import main
+from wiggleroom.spatial.corner_displacement import corner_displacements
+from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialPull
+
+LOCKED = PEG | {"lock": ["rx", "ry", "rz"]}
+ALONG_X = wr.Pull("peg", (1, 0, 0))
+BAR = {
+    "name": "bar",
+    "boxes": [[-10, -4, -4, 10, 4, 4], [-10, -6, -4, -8, 6, 4], [8, -6, -4, 10, 6, 4]],
+    "lock": ["y", "z", "rx", "ry", "rz"],
+}
+SLOT = {"name": "wall", "boxes": [[-3, 5, -5, 3, 9, 5], [-3, -9, -5, 3, -5, 5]], "fixed": True}
+
+
+def joint() -> SpatialAssembly:
+    assembly = wr.read("examples/43_mortise_and_tenon/joint.json")
+    assert isinstance(assembly, SpatialAssembly)
+    return assembly
+
+
+@pytest.mark.parametrize("goal", [wr.Pull("rail", (0, 0, 1), (120, 0, 0)), wr.Turn("rail", (0, 1, 0))])
+def test_ranking_by_forces_is_what_solving_again_gives(goal: wr.Pull | wr.Turn) -> None:
+    assembly = joint()
+    by_forces, again = (wr.rank(assembly, goal, by=by) for by in ("duals", "differences"))
+    assert by_forces.unique.all()
+    assert by_forces.looser == pytest.approx(again.looser, rel=1e-4)
+    assert by_forces.tighter == pytest.approx(again.tighter, rel=1e-4)
+    step = 1e-4
+    more, less = (
+        wr.flex(assemble_spatial(assembly.drawing, gap=assembly.gap + s), goal).objective for s in (step, -step)
+    )
+    assert by_forces.looser.sum() == pytest.approx((more - less) / (2 * step), rel=1e-4)
+    assert by_forces.joint_looser.sum() == pytest.approx(by_forces.looser.sum())
+    assert wr.rank(by_forces.answer).looser == pytest.approx(by_forces.looser)
+
+
+def test_ranking_of_many_parts_tells_who_holds_and_who_does_not() -> None:
+    burr = wr.read("examples/44_six_piece_burr/burr.json")
+    found = wr.rank(burr, wr.Pull("stick2", (1, 0, 0)))
+    worth = dict(zip(burr.names, found.importance.tolist(), strict=True))
+    assert worth == pytest.approx(
+        {"key": 0, "stick1": 0.5, "stick2": 0.5, "stick3": 0, "stick4": 0, "stick5": 0}, abs=1e-6
+    )
+    assert [tuple(burr.names[k] for k in pair) for pair in found.joints.tolist()] == [("stick1", "stick2")]
+
+
+def test_corners_follow_the_faces_of_plates_boxes_and_meshes() -> None:
+    outline = [[0, 0], [6, 0], [6, 2], [2, 2], [2, 5], [0, 5]]
+    boxes = [[0, 0, 0, 6, 2, 3], [0, 0, 0, 2, 5, 3]]
+    for part in ({"outline": outline, "thickness": 3}, {"boxes": boxes}):
+        made, smaller = (spatial({"name": "a", **part}, PLATE, gap=gap).made[0] for gap in (0.2, 0.202))
+        for k, piece in enumerate(made.pieces):
+            moved = piece.corners + 1e-3 * corner_displacements(made, k)
+            assert np.abs(moved - smaller.pieces[k].corners).max() < 1e-9
+
+
+def test_draws_are_those_of_the_closed_form_also_where_parts_get_larger_than_drawn() -> None:
+    # the peg, locked, moves by 0.2 and half of both extra gaps; nothing but these matters
+    found = wr.sample(spatial(PLATE, LOCKED), 0.05, ALONG_X, draws=12, seed=3, limit=0.25)
+    assert (found.extra.sum(axis=1) < 0).any()
+    assert found.value == pytest.approx(0.2 + found.extra.sum(axis=1) / 2, abs=1e-7)
+    assert found.good == int((found.value <= 0.25).sum())
+    assert found.foreseen == pytest.approx(0.05 / np.sqrt(2), rel=1e-4)
+    assert not len(found.checked)
+
+
+def test_parts_that_do_not_fit_are_counted_as_misfits() -> None:
+    found = wr.sample(spatial(PLATE, LOCKED), wr.Spread(0.4, "uniform"), ALONG_X, draws=12, seed=1)
+    assert found.misfits == int((0.2 + found.extra.sum(axis=1) / 2 <= 0).sum()) > 0
+
+
+def test_tightening_takes_away_what_the_rank_says() -> None:
+    found = wr.tighten(spatial(PLATE, LOCKED, gap=0.3), ALONG_X, parts=1, draws=2)
+    assert found.before.objective == pytest.approx(0.5, abs=1e-7)
+    assert found.after.objective == pytest.approx(0.5 - 0.27 / 2, abs=1e-7)  # a tenth of the gap is left
+    assert found.random == pytest.approx([0.365, 0.365], abs=1e-7)
+
+
+def test_the_largest_gap_for_a_motion_is_that_of_the_closed_form() -> None:
+    found = wr.allowable_gap(spatial(PLATE, LOCKED, gap=0.05), ALONG_X, at_most=0.35)
+    assert found.gap <= 0.15 <= found.beyond <= 1.0011 * found.gap
+    assert found.certainty == "searched"
+
+
+def test_the_largest_gap_that_holds_has_a_checked_state_on_both_sides() -> None:
+    # heads 12 wide behind a slot of 10: they pass from a gap of 1 on
+    assembly = spatial(BAR, SLOT, gap=0.5)
+    found = wr.largest_gap(assembly)
+    assert found.holds <= 1.0 <= found.parts_at <= 1.0011 * found.holds
+    assert (found.interlocked.verdict, found.apart.verdict) == ("interlocked", "comes apart")
+    held = wr.allowable_gap(assembly, holds=True)
+    assert (held.gap, held.beyond) == (found.holds, found.parts_at)
+
+
+def test_questions_that_cannot_be_asked_in_space_are_refused_in_one_line() -> None:
+    with pytest.raises(wr.InputError, match="--fits is for drawings"):
+        wr.allowable_gap(spatial(PLATE, PEG), fits=0.1)
+    with pytest.raises(wr.InputError, match="nothing stops the motion"):
+        wr.rank(spatial(PLATE, PEG), wr.Pull("peg", (0, 0, 1)))
+
+
+def test_studies_of_a_round_pin_are_those_of_its_polygons() -> None:
+    # a locked pin of a regular polygon: each face moves by half of the extra gap, so along a normal the motion is the extra gap
+    pin = {"name": "peg", "outline": ring(24, 5.0), "thickness": 8, "lock": ["z", "rx", "ry", "rz"]}
+    hole = PLATE | {"holes": [ring(24, 5.2)[::-1]]}
+    angle = np.pi / 24
+    goal = wr.Pull("peg", (float(np.cos(angle)), float(np.sin(angle)), 0))
+    assembly = spatial(hole, pin, gap=0.02)
+    found = wr.rank(assembly, goal)
+    assert found.looser == pytest.approx([0.5, 0.5], abs=1e-6)
+    assert found.answer.objective == pytest.approx(0.2 * np.cos(angle) + 0.02, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        "rank FILE --pull rail:+z@120,0,0",
+        "tighten FILE --pull rail:+z@120,0,0 --parts 1 --draws 1",
+        "sample FILE --pull rail:+z@120,0,0 --spread 0.01 --draws 2",
+        "gap FILE --pull rail:+z@120,0,0 --at-most 1",
+        "sweep FILE --pull rail:+z@120,0,0 --gaps 0.2,0.3",
+        "check FILE --largest-gap",
+    ],
+)
+def test_commands_write_the_formats_of_the_plane_with_their_dimension(
+    line: str, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file = "examples/43_mortise_and_tenon/joint.json"
+    picture = tmp_path / "found.svg"
+    words = [*line.replace("FILE", file).split(), "--json", "-", "--picture", str(picture)]
+    monkeypatch.setattr("sys.argv", ["wiggleroom", *words])
+    assert main() == 0
+    said = json.loads(capfd.readouterr().out)
+    assert said["format"] == f"wiggleroom.{line.split()[0]}/1"
+    assert said["dimension"] == 3
+    assert picture.read_text().lstrip().startswith("<")
+
+
+def test_a_tower_of_pegs_is_ranked_where_rows_belong_to_glued_bodies() -> None:
+    one = {"name": "one", "boxes": [[2, 0, 0, 4, 10, 10]]}
+    two = {"name": "two", "boxes": [[4, 0, 0, 7, 10, 10]]}
+    walls = [
+        {"name": "low", "boxes": [[0, 0, 0, 1, 10, 10]], "fixed": True},
+        {"name": "high", "boxes": [[10, 0, 0, 11, 10, 10]], "fixed": True},
+    ]
+    locked = [p | {"lock": ["y", "z", "rx", "ry", "rz"]} for p in (one,)]
+    found = wr.rank(spatial(*walls, *locked, gap=0.1), wr.Pull("one", (1, 0, 0)))
+    assert found.looser == pytest.approx([0, 0.5, 0.5], abs=1e-6)
+    together = flex_spatial(spatial(*walls, one, two, glue=[["one", "two"]], gap=0.1), SpatialPull("one", (1, 0, 0)))
+    ranked = wr.rank(together)
+    worth = dict(zip(["low", "high", "one", "two"], ranked.looser.tolist(), strict=True))
+    assert worth["low"] == worth["one"] == 0
+    assert worth["high"] > 0
+    assert worth["two"] > 0
