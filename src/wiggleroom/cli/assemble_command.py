@@ -75,7 +75,7 @@ def assemble(
     import math
     import shlex
 
-    from wiggleroom.cli.asking import listed
+    from wiggleroom.cli.asking import split_words
     from wiggleroom.cli.say import note, show
     from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.errors import InputError
@@ -90,7 +90,7 @@ def assemble(
     if join is not None and not 0 <= join < math.inf:
         message = f"--join {join:g}: it must be 0 or more"
         raise InputError(message)
-    options = ReadOptions(tuple(listed(only)), tuple(listed(skip)), join, tuple(listed(solid)))
+    options = ReadOptions(tuple(split_words(only)), tuple(split_words(skip)), join, tuple(split_words(solid)))
     if sheet.given:
         done = _in_space(assembled_sheet(file, sheet, unit=unit, options=options, seconds=time), command)
     else:
