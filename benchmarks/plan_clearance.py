@@ -25,6 +25,8 @@ Floats = NDArray[np.float64]
 TRIALS = 1500
 POINTS, SAMPLES = 8, 6
 """Way-points besides the first, and poses looked at on every piece."""
+TOLD = 0.1
+"""Plans say clearances up to this share of the drawing's size."""
 BENT = 3
 """So many bent ways are begun with."""
 
@@ -71,7 +73,7 @@ def widest(assembly: Assembly, step: Step, trials: int, seed: int = 0) -> float:
     """Largest least distance of any way between the ends of a step that the search finds [mm]."""
     room, random = Room(assembly, step), np.random.default_rng(seed)
     own = (room.rest + step.way)[:, room.moving]
-    limit = room.here(own[0])
+    limit = min(room.here(own[0]), TOLD * room.size)
     if not step.leaves:
         limit = min(limit, room.here(own[-1]))
     best = room.least(own)[0]
@@ -85,7 +87,7 @@ def widest(assembly: Assembly, step: Step, trials: int, seed: int = 0) -> float:
         way, (least, piece) = begin, room.least(begin)
         for _ in range(trials // len(begins)):
             if best > 0.99 * limit:
-                return best
+                return min(best, TOLD * room.size)
             trial = way.copy()
             k = piece + int(random.integers(2)) if random.random() < 0.5 else int(random.integers(1, len(way)))
             k = min(max(k, 1), len(way) - 2)
@@ -98,7 +100,7 @@ def widest(assembly: Assembly, step: Step, trials: int, seed: int = 0) -> float:
             if found[0] >= least:
                 way, (least, piece) = trial, found
         best = max(best, least)
-    return best
+    return min(best, TOLD * room.size)
 
 
 def _resampled(way: Floats) -> Floats:

@@ -56,12 +56,14 @@ def command(monkeypatch: pytest.MonkeyPatch) -> Callable[..., int]:
 
 @pytest.fixture
 def command_output(
-    command: Callable[..., int], capfd: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> Callable[..., tuple[int, str, list[str]]]:
     """The command line: its words, and its exit code, its stdout and the lines of its stderr."""
+    from wiggleroom.cli import main
 
     def run(*words: object) -> tuple[int, str, list[str]]:
-        code = command(*words)
+        monkeypatch.setattr("sys.argv", ["wiggleroom", *map(str, words)])
+        code = main()
         out, err = capfd.readouterr()
         return code, out, err.splitlines()
 

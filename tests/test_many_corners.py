@@ -63,3 +63,35 @@ def test_simplified_outlines_hold_all_the_material_and_hardly_more(tolerance, tm
         assert shapely.difference(old, new).area < 1e-12
         assert shapely.hausdorff_distance(old.boundary, new.boundary) < 3 * tolerance
         assert shapely.get_num_coordinates(new) < 0.6 * shapely.get_num_coordinates(old)
+
+
+@pytest.fixture
+def disc_in_a_hole(tmp_path):
+    return in_a_hole(ring(700), drawing.disc(1.02, 700), tmp_path)
+
+
+def test_studies_take_them(disc_in_a_hole):
+    steps = wr.sweep(disc_in_a_hole, [0.0, 0.01]).steps
+    assert [s.objective for s in steps] == pytest.approx([0.02, 0.03], rel=2e-3)
+    some = wr.sample(disc_in_a_hole, 0.001, draws=3, workers=1)
+    assert some.value == pytest.approx(0.02 + some.extra.sum(axis=1) / 2, rel=5e-3)
+    tighter = wr.tighten(disc_in_a_hole, parts=1, draws=1, workers=1)
+    assert tighter.after.objective == pytest.approx(0.011, rel=2e-2)
+    assert wr.rank(disc_in_a_hole).by_duals == pytest.approx([0.5, 0.5], rel=1e-2)
+
+
+def test_the_page_drags_them(disc_in_a_hole):
+    live = wr.Live(disc_in_a_hole.drawing)
+    live.design()
+    for target in ((0.5, 0.0), (-0.3, 0.4)):
+        found = live.drag("disc", (0, 0), target, seconds=5.0)
+        assert np.hypot(*found.motion[1, :2]) == pytest.approx(0.02, rel=0.02)
+        assert audit_path(disc_in_a_hole, np.stack([found.motion, found.motion])).free
+
+
+@pytest.mark.parametrize(("neck", "verdict"), [(0.7, "interlocked"), (1.1, "comes apart")])
+def test_check_judges_them_as_they_were_drawn(neck, verdict, tmp_path):
+    room = drawing.union(drawing.disc(1.02, 700), drawing.box(-neck, 0, neck, 3))
+    found = wr.check(in_a_hole(ring(700), room, tmp_path))
+    assert (found.verdict, found.certainty) == (verdict, "proven")
+    assert found.spins == (("disc",) if verdict == "interlocked" else ())

@@ -18,6 +18,7 @@ from tests.test_program import close, slope, steps, whole
 from wiggleroom.assembly.build import assemble
 from wiggleroom.compare.approximate import approximate
 from wiggleroom.drawing.model import Drawing, Part, Region
+from wiggleroom.freespace.models.bounded_slices import _ball
 from wiggleroom.freespace.models.halfplane import half_planes
 from wiggleroom.freespace.models.hull import pair_hull
 from wiggleroom.freespace.slices import pair_outlines
@@ -172,6 +173,19 @@ def test_extension_that_takes_in_forbidden_space_is_discarded() -> None:
     for x, y in shapely.get_coordinates(middle) * 0.999:
         assert not shapely.intersects(pair.material[0], shapely.affinity.translate(pair.material[1], x, y))
     assert np.hypot(*shapely.get_coordinates(middle).T).max() < 0.6  # the ball of Lemma 1, not the window
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+@pytest.mark.parametrize("angle", [0.0, 0.4])
+def test_ball_of_lemma_1_is_not_halved_where_a_corner_is_nearest(angle: float, mirrored: bool) -> None:
+    # the other block stands beside the first one, its lower side in line with the upper one: that line runs through rest
+    blocks = box(0, 0, 1, 1), box(1.5, 1, 2.5, 2)
+    blocks = tuple(shapely.affinity.scale(b, -1 if mirrored else 1, 1, origin=(0, 0)) for b in blocks)
+    blocks = tuple(shapely.affinity.rotate(b, angle, origin=(0, 0), use_radians=True) for b in blocks)
+    ball = _ball(pair_outlines(*blocks), 0.0, np.zeros(2), 3.0)
+    assert ball.area == pytest.approx(np.pi * 0.5**2, rel=0.01)  # all the way to the corner
+    for x, y in 0.999 * shapely.get_coordinates(ball):
+        assert not shapely.intersects(blocks[0], shapely.affinity.translate(blocks[1], x, y))
 
 
 def test_faces_in_a_program_have_exact_derivatives() -> None:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import shapely
 from benchmarks.attack import drawing, families_mechanisms
+from benchmarks.attack.oracle import Ground
 from shapely import affinity
 
 import wiggleroom as wr
@@ -162,3 +163,18 @@ def test_a_hexagon_in_a_round_hole_turns_in_place(tmp_path):
     answer = wr.flex(assembled(made, tmp_path), wr.Turn("nut"))
     assert answer.verdict == "unbounded"
     assert np.degrees(answer.period.objective) == pytest.approx(60)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.9])
+def test_parts_that_hold_each_other_leave_and_turn_for_ever(angle, tmp_path):
+    """Nothing turns in place, and no motion of the turned part alone repeats: both go off and turn as one."""
+    tail = shapely.Polygon([(0.9, 0.4), (1.1, 0.3), (1.1, 0.7), (0.9, 0.6)])
+    one = drawing.union(drawing.box(0, 0, 0.91, 1), tail)
+    other = drawing.cut(drawing.box(0.95, 0, 2, 1), drawing.wider(tail, 0.03))
+    stand = drawing.cut(drawing.box(-0.5, -0.5, 2.5, 0.6), drawing.box(-0.1, -0.1, 2.1, 2))
+    parts = [drawing.part("stand", stand, fixed=True), drawing.part("one", one), drawing.part("other", other)]
+    made = drawing.turned(drawing.assembly(parts, [drawing.turn("other", "ccw")]), angle)
+    (tmp_path / "made.json").write_text(json.dumps(made))
+    answer = wr.flex(wr.read(tmp_path / "made.json"), search=0)
+    assert answer.verdict == "unbounded"
+    assert Ground(made).overlap_on(answer.waypoints) is None

@@ -1,6 +1,7 @@
 """Plans: against an exhaustive search on the grid, and every step by general polygon geometry."""
 
 import json
+import re
 import threading
 from itertools import pairwise
 
@@ -88,7 +89,7 @@ def test_check_finds_nested_latches_too():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", range(200, 204))
+@pytest.mark.parametrize("seed", [200, 201, 202, 203, 1085])
 def test_random_trays_agree_with_the_grid(seed):
     pieces, wall = random_tray(seed)
     truth, exhausted = grid_search(pieces, wall)
@@ -115,6 +116,7 @@ def test_a_bar_slides_turns_and_slides_on(turn):
     assert found.verdict == "comes apart"
     assert found.order[-1] == ("bar",)
     see_free(found)
+    assert min(step.clearance for step in found.steps) > 0.5  # at rest all have 0.6
     bar = found.assembly.names.index("bar")
     assert abs(found.way[-1, bar, 2]) == pytest.approx(np.pi / 2, abs=0.2)
 
@@ -153,6 +155,42 @@ def test_a_hook_turns_out_with_room():
     found = wr.plan(wr.read("examples/17_does_it_come_apart/rotation.json"))
     see_free(found)
     assert found.steps[-1].clearance > 0.5  # at rest it is 1 from the channel
+
+
+@pytest.mark.parametrize("case", ["latches", "lock", "pushed"])
+def test_the_ball_of_errors_is_the_largest_under_which_a_step_still_goes(case):
+    wall = shapely.box(0, 0, 50, 30) - shapely.box(10, 10, 50, 20)
+    pushed = {"wall": wall, "inner": shapely.box(10, 10, 20, 20), "outer": shapely.box(20, 10, 30, 20)}
+    assembly, targets = {
+        "latches": (latches(2), ["bolt"]), "lock": (tumbler_lock(2, 0.3), ["bolt"]), "pushed": (assembled(pushed, "wall"), ["inner"]),
+    }[case]  # fmt: skip
+    found, random = wr.plan(assembly, targets), np.random.default_rng(1)
+    for step in found.steps:
+        assert step.as_one
+        moving = [assembly.names.index(n) for n in step.parts]
+
+        def overlap(shift, turn=0.0, step=step, moving=moving):
+            """Largest overlap on the way of what moves, put wrong by a shift and a turn."""
+            worst = 0.0
+            for t in np.linspace(0, 1, 15):
+                at = outlines_at(found.assembly, step.way[0] + t * (step.way[-1] - step.way[0]))
+                others = shapely.union_all([at[k] for k in np.flatnonzero(step.there) if k not in moving])
+                mine = shapely.union_all([at[k] for k in moving])
+                origin = tuple(np.mean([at[k].centroid.coords[0] for k in moving], axis=0))
+                mine = shapely.affinity.rotate(mine, turn, origin=origin, use_radians=True)
+                worst = max(worst, shapely.affinity.translate(mine, *shift).intersection(others).area)
+            return worst
+
+        angle = random.uniform(0, 2 * np.pi, 12)
+        inside = 0.999 * step.room * np.sqrt(random.uniform(0, 1, 12))
+        assert all(overlap((r * np.cos(a), r * np.sin(a))) < 1e-9 for r, a in zip(inside, angle, strict=True))
+        beyond = 1.05 * step.room
+        assert any(
+            overlap((beyond * np.cos(a), beyond * np.sin(a))) > 1e-9
+            for a in np.arange(24) * np.pi / 12 + assembly.rest[0, 2]
+        )
+        assert overlap((0.0, 0.0), 0.99 * step.turn_room) < 1e-9
+        assert overlap((0.0, 0.0), -0.99 * step.turn_room) < 1e-9
 
 
 def test_draws_of_a_plan_against_closed_forms():
@@ -300,3 +338,12 @@ def test_films_play(tmp_path):
     found.draw(tmp_path / "plan.svg")
     assert "animate" in (tmp_path / "plan.film.svg").read_text()
     assert "order of leaving" in (tmp_path / "plan.svg").read_text()
+
+
+def test_numbers_fit_into_their_discs():
+    from wiggleroom.report.plan_pictures import picture_of_plan
+
+    svg = picture_of_plan(wr.plan(frame_puzzle()))
+    marks = re.findall(r'<circle [^>]*r="([\d.]+)"[^>]*/><text [^>]*font-size="([\d.]+)"[^>]*>(\d+)</text>', svg)
+    assert {int(number) for _, _, number in marks} == set(range(1, 21))
+    assert all(0.64 * len(number) * float(size) < 2 * float(radius) * 0.95 for radius, size, number in marks)

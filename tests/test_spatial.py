@@ -75,12 +75,12 @@ def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | 
     at = P.linearise(point)
 
     def moved(u: np.ndarray, y: np.ndarray) -> SeparatingPlanePoint:
-        from wiggleroom.spatial import separating_plane_constraints as kernel
+        from wiggleroom.spatial.plane_fitting import move_planes
 
         change = P.unpacked(u) * P.scale
         there = SpatialPose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
         n, d = np.empty_like(point.n), np.empty_like(point.d)
-        kernel.move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
+        move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
         return SeparatingPlanePoint(there, n, d)
 
     u, y = rng.normal(size=6), rng.normal(size=(P.planes, 3))
@@ -353,3 +353,49 @@ def test_pulls_of_random_burrs_end_with_a_verdict(seed: int) -> None:
     for direction in itertools.product((1.0, -1.0), repeat=3):
         answer = sound(flex_spatial(fixed, SpatialPull("p1", direction)))
         assert answer.verdict in ("optimal", "unbounded")
+
+
+def test_a_chain_of_fingers_is_unbounded_as_its_drawing_is() -> None:
+    flat = wr.patterns.chain(10, joint="finger", gap=0.01)
+    parts = [
+        {"name": p.name, "outline": p.regions[0].outer.tolist(), "thickness": 0.4, "at": [*p.at[:2], 0]}
+        | {"fixed": p.fixed, "lock": ["z", "rx", "ry"]}
+        for p in flat.drawing.parts
+    ]
+    last = flat.drawing.parts[-1]
+    answer = sound(flex_spatial(spatial(*parts, gap=0.01), SpatialPull(last.name, (0, 1, 0), (*last.at[:2], 0.2))))
+    assert answer.verdict == "unbounded"
+    assert answer.leaves == (last.name,)
+    assert answer.iterations <= 30
+
+
+def test_the_key_of_a_burr_leaves_across_its_axis_once_it_is_out() -> None:
+    from benchmarks.spatial_figures import carried, keyed_burr
+
+    cells = keyed_burr(1)
+    # on the grid: the first move of the key is along x only, and out there nothing stops it across
+    blocked = {step for step in spatial_burrs.STEPS if 1 in carried(cells, 0, step)}
+    assert blocked == {s for s in spatial_burrs.STEPS if s[0] == 0}
+    out = [{(x + 12, y, z) for x, y, z in cells[0]}, *cells[1:]]
+    assert carried(out, 0, (0, 1, 0)) == {0}
+    gap = 0.05
+    assembly = assemble_spatial(spatial_burrs.assembled(cells, gap).drawing, fix=("p1",))
+    judge = spatial_overlaps.Judge(
+        [spatial_overlaps.voxel_judge(v, gap / 2) for v in cells], assembly.reference, [k == 1 for k in range(6)]
+    )
+    answer = sound(flex_spatial(assembly, SpatialPull("p0", (0, -1, 0))))
+    assert answer.verdict == "unbounded"
+    assert answer.leaves == ("p0",)
+    assert np.abs(answer.waypoints[:, 0, 0]).max() > 2  # it goes along x on its way
+    for one, other in itertools.pairwise(answer.waypoints):
+        for share in (0.0, 0.5, 1.0):
+            assert judge.depth(spatial_overlaps.between(one, other, share)) < spatial_overlaps.SHALLOW
+
+
+def test_parts_glued_to_what_stands_do_not_end_a_check_with_an_error() -> None:
+    base = {"name": "base", "boxes": [[0, 0, 0, 10, 10, 1]], "fixed": True}
+    post = {"name": "post", "boxes": [[0, 0, 1, 1, 1, 5]]}
+    lid = {"name": "lid", "boxes": [[2, 2, 2, 8, 8, 3]]}
+    found = wr.check(spatial(base, post, lid, glue=[["base", "post"]]))
+    assert [e.parts for e in found.escapes] == [("lid",)]
+    assert found.remains == ("base", "post")

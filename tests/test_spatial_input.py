@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
 from wiggleroom.spatial.made_solids import made_solid
@@ -190,3 +191,35 @@ def test_faces_that_cannot_meet_again_are_refused(tmp_path: Path) -> None:
     with pytest.raises(wr.InputError, match=r"cannot all move inward|cross each other"):
         read_spatial_assembly(file)
     assert read_spatial_assembly(file, gap=0.0).made[0].pieces
+
+
+@pytest.mark.parametrize("joint", ["tee", "finger", "swallowtail"])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_mesh_of_a_plate_is_made_as_the_plate_is(joint: str, turned: bool) -> None:
+    import shapely
+    import trimesh
+
+    from wiggleroom.drawing.model import Region
+    from wiggleroom.spatial.made_solids import made_solid
+    from wiggleroom.spatial.solid_boolean import solid_of
+    from wiggleroom.spatial.spatial_model import Plate, SpatialPart, Surface
+
+    ring = wr.patterns.chain(3, joint=joint, gap=0.04).drawing.parts[1].regions[0].outer
+    mesh = trimesh.creation.extrude_polygon(shapely.Polygon(ring), 0.5, engine="earcut")
+    R = Rotation.from_euler("xyz", [20, 50, 70], degrees=True).as_matrix() if turned else np.eye(3)
+    surface = Surface(np.array(mesh.vertices) @ R.T, np.array(mesh.faces, dtype=np.int64))
+    plate, wrong = made_solid(SpatialPart("a", Plate((Region(ring),), 0.5), np.zeros(3), np.eye(3)), 0.04)
+    solid, also_wrong = made_solid(SpatialPart("a", surface, np.zeros(3), np.eye(3)), 0.04)
+    assert (wrong, also_wrong) == ([], [])
+    assert plate is not None
+    assert solid is not None
+    volume = solid_of(plate.surface).volume()
+    assert solid_of(solid.surface).volume() == pytest.approx(volume, rel=1e-9)
+    pieces = [hull_volume(piece.corners) for piece in solid.pieces]
+    assert sum(pieces) == pytest.approx(volume, rel=1e-9)  # cut, not overlapping
+
+
+def hull_volume(corners: np.ndarray) -> float:
+    from scipy.spatial import ConvexHull
+
+    return float(ConvexHull(corners).volume)

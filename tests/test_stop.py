@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import subprocess
+import sys
 import threading
 import time
 from collections.abc import Callable
@@ -14,6 +18,10 @@ import pytest
 
 import wiggleroom as wr
 from wiggleroom.assembly.build import assemble
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.cli.running import unless_stopped
+from wiggleroom.cli.watch import at_once, interruptible
+from wiggleroom.search.loop import Progress
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
 
@@ -74,9 +82,105 @@ def test_stop_is_honoured_within_a_second(what: str, jigsaw: wr.Assembly) -> Non
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), 0.4) < 1.0
 
 
+class AfterSeconds:
+    """A request to stop after so much processor time; it knows when it was first seen."""
+
+    def __init__(self, seconds: float) -> None:
+        self.due, self.seen = time.process_time() + seconds, 0.0
+
+    def is_set(self) -> bool:
+        now = time.process_time()
+        self.seen = self.seen or (now if now >= self.due else 0.0)
+        return now >= self.due
+
+
+@pytest.fixture(scope="module")
+def many_tees() -> wr.Assembly:
+    """A thousand blocks: single stages take long; what only large assemblies need has been compiled."""
+    few = wr.patterns.grid(11, 11, joint="tee", gap=0.02)
+    wr.flex(few, search=0)
+    wr.check(few, seconds=1.0)
+    return wr.patterns.grid(32, 32, joint="tee", gap=0.02)
+
+
+@pytest.mark.parametrize("after", [0.2, 0.5, 0.8, 1.2, 1.6])
+def test_flex_of_a_thousand_parts_stops_in_any_stage(after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly) -> None:
+    stop = AfterSeconds(after)
+    answer = wr.flex(many_tees, stop=stop)
+    ended = time.process_time()
+    assert not stop.seen or ended - stop.due < 1.0
+    assert answer.path == "checked"
+    assert answer.verdict == "stopped" or not stop.seen
+
+
+@pytest.mark.parametrize("after", [0.5, 2.0, 3.5])
+def test_check_of_a_thousand_parts_stops_in_any_stage(
+    after: float, jigsaw: wr.Assembly, many_tees: wr.Assembly
+) -> None:
+    stop = AfterSeconds(after)
+    assert wr.check(many_tees, stop=stop).verdict == "unknown"
+    assert time.process_time() - stop.due < 1.0
+
+
+def test_an_audit_that_is_asked_to_stop_vouches_for_nothing() -> None:
+    pair = wr.patterns.chain(2, joint="tee", gap=0.01)
+    way = np.zeros((3, 2, 3))
+    way[1:, 1, 0] = 0.002, 0.004
+    assert audit_path(pair, way).free
+    audit = audit_path(pair, way, stop=AfterSeconds(0.0))
+    assert not audit.free
+    assert audit.certain == 1
+
+
+def test_what_was_found_before_the_stop_is_kept(jigsaw: wr.Assembly) -> None:
+    grid = wr.patterns.grid(12, 12, joint="tee", gap=0.02)
+    seen: list[float] = []
+    stop = threading.Event()
+
+    def progress(step: Progress) -> None:
+        seen.append(step.objective)
+        if len(seen) > 12:  # on the first climb
+            stop.set()
+
+    answer = wr.flex(grid, stop=stop, progress=progress)
+    assert answer.verdict == "stopped"
+    assert answer.path == "checked"
+    assert answer.objective > 0.5 * max(seen)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ASKED)
 @pytest.mark.parametrize("seed", range(3))
 def test_stop_is_honoured_at_any_time(what: str, seed: int, jigsaw: wr.Assembly) -> None:
     delay = float(np.random.default_rng([seed, len(what)]).uniform(0.05, 8.0))
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), delay) < 1.0
+
+
+COMMANDS = ("flex", "check", "gap", "plan", "rank", "sample --spread 0.05", "sweep", "tighten", "tolerances")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a file that is never read to its end")
+@pytest.mark.parametrize("command", COMMANDS)
+def test_ctrl_c_while_a_file_is_read_ends_at_once(command: str, tmp_path: Path) -> None:
+    """A pipe that nobody writes to is read for ever."""
+    os.mkfifo(tmp_path / "endless.svg")
+    program = "import sys; from wiggleroom.cli import main; sys.exit(main())"
+    asked = [sys.executable, "-c", program, *command.split(), str(tmp_path / "endless.svg")]
+    run = subprocess.Popen(asked, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    with (tmp_path / "endless.svg").open("w"):  # opens once it is being read
+        run.send_signal(signal.SIGINT)
+        _, said = run.communicate(timeout=60)
+    assert run.returncode == 3
+    assert "interrupted" in said
+
+
+def test_the_time_limit_holds_while_a_file_is_read() -> None:
+    began = time.monotonic()
+
+    def read_for_ever() -> None:
+        with interruptible(0.2) as stop, unless_stopped(stop), at_once(stop):
+            while time.monotonic() - began < 30.0:
+                pass
+
+    with pytest.raises(wr.WiggleroomError, match="after 0"):
+        read_for_ever()

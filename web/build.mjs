@@ -21,7 +21,7 @@ if (process.argv.includes("--tests")) {
   const page = { ...common, minify: true, legalComments: "none", charset: "utf8" };
   const banner = { js: "/* Built from web/src. Holds Preact and @preact/signals: MIT licence, (c) 2015-present Jason Miller, (c) 2022-present Preact Team. */" };
   await build({ ...page, banner, entryPoints: { page: `${here}src/main.tsx` }, outdir: out, external: ["./space-view.js"] });
-  await build({ ...page, legalComments: "eof", entryPoints: { "space-view": `${here}src/space3d.ts` }, outdir: out });
+  await build({ ...page, legalComments: "eof", entryPoints: { "space-view": `${here}src/space-view.ts` }, outdir: out });
   await build({ ...page, entryPoints: { page: `${here}src/page.css` }, outdir: out });
   await copyFile(`${here}index.html`, `${out}/index.html`);
 }

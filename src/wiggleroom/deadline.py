@@ -58,3 +58,50 @@ class Deadline:
     def is_set(self) -> bool:
         """True where it was asked to stop, or the time is over."""
         return self.over or (self.stop is not None and self.stop.is_set())
+
+
+GRACE_SECONDS = 1.0
+"""What was found is brought in for so long after a request to stop, in processor time of all threads."""
+
+
+@dataclass(eq=False)
+class GracePeriod:
+    """A request to stop, and a little time after it in which what was found is brought in.
+
+    Parameters
+    ----------
+    stop : Stop
+    seconds : float [s]
+        Of processor time, from when the request is first seen.
+
+    Examples
+    --------
+    >>> asked = GracePeriod(Deadline(1e-9), seconds=60.0)
+    >>> asked.is_set(), asked.end.is_set()
+    (True, False)
+    """
+
+    stop: Stop
+    seconds: float = GRACE_SECONDS
+    _seen: float | None = field(default=None, init=False)
+
+    def is_set(self) -> bool:
+        """True where it was asked to stop."""
+        if self._seen is None and self.stop.is_set():
+            self._seen = time.process_time()
+        return self._seen is not None
+
+    @property
+    def end(self) -> Stop:
+        """The later request to stop at the end of the period."""
+        return _EndOfGrace(self)
+
+
+@dataclass(frozen=True, eq=False)
+class _EndOfGrace:
+    period: GracePeriod
+
+    def is_set(self) -> bool:
+        """True where the period is over."""
+        period = self.period
+        return period.is_set() and time.process_time() - (period._seen or 0.0) > period.seconds

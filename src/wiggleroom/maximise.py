@@ -19,6 +19,7 @@ from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, answer_from, approximate
 from wiggleroom.compare.flex_halfplane import flex_half_planes
 from wiggleroom.compare.flex_hull import flex_hull
+from wiggleroom.deadline import GracePeriod
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.freespace.models.pair_models import HalfPlane, PairModel, Walls, model_named
@@ -33,13 +34,14 @@ from wiggleroom.search.carried_incumbent import carried_incumbent
 from wiggleroom.search.complete_search import complete_search
 from wiggleroom.search.distance_climb import climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
-from wiggleroom.search.incumbent import Incumbent, start_at_rest
+from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.periodic_motion import periodic_motion
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.search.simplified_outlines import contact_places, prepare_simplified
+from wiggleroom.search.simplified_outlines import contact_places, prepare_outlines, prepare_simplified
+from wiggleroom.search.turn_in_place import better_climb, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.linear_programming import linear_solver
@@ -97,8 +99,7 @@ def prepare(
     """
     wanted = model_named(model)
     if isinstance(wanted, Walls):
-        ready = prepare_simplified(assembly, stop=stop) or problem.prepare(assembly, stop=stop)
-        return PreparedModel(**vars(ready))
+        return PreparedModel(**vars(prepare_outlines(assembly, stop=stop)))
     return ApproximateModel(**vars(approximate(assembly, wanted, stop)))
 
 
@@ -181,7 +182,8 @@ def flex(
             search=0 if search is None and start is not None else search,
             stop=stop,
             progress=progress,
-        )
+        ),
+        stop,
     )
     if prove is None:
         return answer
@@ -207,6 +209,7 @@ def witness(
     Without `periods` it is not looked whether a motion repeats without end.
     """
     began = time.perf_counter()
+    stop = None if stop is None else GracePeriod(stop)
     tell = progress or silent
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
     asked = asked_goals(its.drawing, goals)
@@ -296,11 +299,28 @@ def _climbed(
     first = pulls(ready.bodies, goal, ready.clearance) if start is None else ()
     if first:
         return _from_several(climb, first, asked, solver, began)
-    climb.improve(climbed(climb, start_at_rest(ready)) if start is None else _incumbent(start, ready).start())
+    turned = turned_in_place(ready, goal) if start is None and search != 0 else None
+    if turned is not None and ready.simplified:  # from rest, corners of simplified curves would be climbed one by one
+        begin: Start | Incumbent = turned
+    else:
+        begin = climbed(climb, start_at_rest(ready)) if start is None else _incumbent(start, ready).start()
+    if isinstance(begin, Incumbent):
+        climb.best = begin
+    else:
+        climb.improve(begin)
+    if climb.stopped:
+        return answer_of(climb, asked, solver, began)
+    before: tuple[float, ...] = ()
+    if turned is not None and not ready.simplified:
+        climb, before = better_climb(climb, turned)
+    elif turned is not None and search is None:
+        value, free = climb.certain_value()
+        if free or value >= goal.value(turned.inner):  # no turn gains more
+            return replace(answer_of(climb, asked, solver, began), search=effort((value,), value))
     climb, repeats = periodic_motion(climb, asked) if periods else (climb, None)
     if search == 0 or repeats is not None:
         return answer_of(climb, asked, solver, began, repeats)
-    return _searched(climb, search, asked, solver, began)
+    return _searched(climb, search, asked, solver, began, before)
 
 
 def _in_own_frame(
@@ -325,7 +345,7 @@ def _in_own_frame(
         own = problem.prepare(frame.assembly, stop=stop)
     except (InputError, StoppedError):
         return None
-    found = with_quick_bound(_climbed(own, frame.goals, solve, solver, search, None, stop, told, began))
+    found = with_quick_bound(_climbed(own, frame.goals, solve, solver, search, None, stop, told, began), stop)
     answer = frame.answer(found, ready.assembly, asked)
     if not audit_path(ready.assembly, answer.waypoints).free:
         return None  # rounding has moved a part too far
@@ -340,20 +360,31 @@ def _in_own_frame(
     return replace(answer, warm_start=carried_incumbent(ready, goal, solve, found, frame, answer.waypoints))
 
 
-def _searched(climb: LocalSearch, search: int | None, asked: tuple[Goal, ...], solver: str, began: float) -> Answer:
-    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do."""
-    ends: tuple[float, ...] = ()
+def _searched(
+    climb: LocalSearch,
+    search: int | None,
+    asked: tuple[Goal, ...],
+    solver: str,
+    began: float,
+    before: tuple[float, ...],
+) -> Answer:
+    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do.
+
+    `before` are values at which other climbs ended.
+    """
+    ends: tuple[float, ...] = (*before, climb.certain_value()[0])
     at_most = None
     exact = not climb.ready.simplified  # a bound of larger parts is none of these
     alone = exact and int((~climb.ready.bodies.fixed).sum()) == 1
     if alone and search is None:
-        ends = (climb.certain_value()[0],)
-        answer = with_quick_bound(answer_of(climb, asked, solver, began))
+        answer = with_quick_bound(answer_of(climb, asked, solver, began), climb.stop)
         if answer.verdict is Verdict.PROVEN:
-            return replace(answer, search=effort(ends, ends[0]))
+            return replace(answer, search=effort(ends, ends[-1]))
     if alone or (exact and search is None):
         found = complete_search(climb)
-        at_most, ends = found.at_most, found.ends if search is None else ()
+        at_most = found.at_most
+        if search is None:
+            ends = (*before, *found.ends)
         if found.best is not climb:
             climb, repeats = periodic_motion(found.best, asked)
             if repeats is not None:

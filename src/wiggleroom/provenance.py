@@ -16,7 +16,16 @@ _DXF = re.compile(rb"\A999\n" + SAYS + _SUM + rb"\n")
 _COMMENT = re.compile(b"\x00\x00\x00\x25tEXtComment\x00" + SAYS + _SUM + b"....", re.DOTALL)  # a chunk of a PNG
 _EXTENSION = re.compile(b"\x21\xfe\x1d" + SAYS + _SUM + b"\x00")  # a comment of a GIF
 _BOX = re.compile(b"\x00\x00\x00\x25free" + SAYS + _SUM + rb"\Z")  # a box of an MP4 that players skip
-_MARKS = {".svg": _XML, ".html": _XML, ".dxf": _DXF, ".png": _COMMENT, ".gif": _EXTENSION, ".mp4": _BOX}
+_ARCHIVE = re.compile(b"\x1d\x00" + SAYS + _SUM + rb"\Z")  # the comment at the end of an archive, and its length
+_MARKS = {
+    ".svg": _XML,
+    ".html": _XML,
+    ".dxf": _DXF,
+    ".png": _COMMENT,
+    ".gif": _EXTENSION,
+    ".mp4": _BOX,
+    ".npz": _ARCHIVE,
+}
 _RECORD = re.compile(rb'\A\s*\{\s*"format"\s*:\s*"wiggleroom[./]')
 TABLES = (
     "step,part,dx_mm,dy_mm,turn_deg",
@@ -58,6 +67,10 @@ def marked(content: bytes, kind: str) -> bytes:
             return content[:-1] + b"\x21\xfe" + bytes([len(mark)]) + mark + b"\x00" + content[-1:]
         case ".mp4":
             return content + (8 + len(mark)).to_bytes(4, "big") + b"free" + mark
+        case ".npz":
+            body = content[:-2]  # up to the length of the comment, which is nought
+            mark = SAYS + _checksum(body)
+            return body + len(mark).to_bytes(2, "little") + mark
     return content
 
 

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
 from wiggleroom.audit.moving_edges import inside_each_other, sweep, swept_boxes
+from wiggleroom.errors import Stop
+from wiggleroom.geometry.batches import in_batches
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -19,6 +21,8 @@ MAX_BOX_GROWTH = 2.0
 """A stretch of the path is halved where boxes round what parts sweep are wider than their own by more than this, in the mean."""
 MAX_NEAR_EDGES = 200_000
 """Pairs of edges of two parts that may meet on one stretch, at most."""
+STOP_CHECK_CORNERS = 50_000
+"""Pairs of so many corners together are one batch: between batches it is asked whether to stop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,25 +37,28 @@ class PathAudit:
         Pairs of parts, a < b, that may overlap somewhere.
     piece : (p,) int64
         The first piece on which each of them may, -1 where they do at the first way-point.
+    whole : bool
+        False where it was asked to stop before every pair was looked at: then no more than the first way-point is certain.
     """
 
     doubtful: NDArray[np.bool_]
     a: Ints
     b: Ints
     piece: Ints
+    whole: bool
 
     @property
     def free(self) -> bool:
         """True where no two parts overlap anywhere along the path."""
-        return len(self.a) == 0
+        return self.whole and len(self.a) == 0
 
     @property
     def certain(self) -> int:
         """Up to so many way-points, no two parts overlap anywhere; 0 where they do at the first already."""
-        return int(self.piece.min(initial=len(self.doubtful))) + 1
+        return int(self.piece.min(initial=len(self.doubtful) if self.whole else 0)) + 1
 
 
-def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
+def audit_path(parts: AuditOutlines | Assembly, motions: Floats, stop: Stop | None = None) -> PathAudit:
     """Judge a way from its way-points and the outlines of the parts alone.
 
     Between two way-points every part moves straight: x, y and angle of its reference point change evenly.
@@ -61,6 +68,8 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     parts : Outlines or Assembly
     motions : (k, n, 3) float64 [mm, mm, rad]
         Way-points: motions of all parts about their reference points, from a state at which parts do not lie inside each other.
+    stop : optional
+        Once it is set, the whole way is in doubt.
 
     Returns
     -------
@@ -94,10 +103,7 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     a, b = keys // n, keys % n
     doubtful = np.zeros(len(motions) - 1, dtype=np.bool_)
     first = np.full(len(keys), len(motions), dtype=np.int64)
-    sweep(
-        a, b, poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run, parts.first_run,
-        parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, doubtful, first,
-    )  # fmt: skip
+    whole = _sweep(parts, poses, a, b, doubtful, first, stop)
     nested = np.zeros(len(keys), dtype=np.bool_)
     inside_each_other(
         a, b, np.ascontiguousarray(poses[:, 0]), parts.first, parts.corner, parts.next_corner, parts.ring, parts.first_ring,
@@ -105,7 +111,36 @@ def audit_path(parts: AuditOutlines | Assembly, motions: Floats) -> PathAudit:
     )  # fmt: skip
     first[nested] = -1
     doubt = first < len(motions)
-    return PathAudit(doubtful[:pieces], a[doubt], b[doubt], first[doubt])
+    return PathAudit(doubtful[:pieces], a[doubt], b[doubt], first[doubt], whole)
+
+
+def _sweep(
+    parts: AuditOutlines,
+    poses: Floats,
+    a: Ints,
+    b: Ints,
+    doubtful: NDArray[np.bool_],
+    first: Ints,
+    stop: Stop | None,
+) -> bool:
+    """Look at some pairs along all pieces, many at a time; False where it was asked to stop before all were looked at."""
+    corners = np.diff(parts.first)
+
+    def look(some: slice) -> NDArray[np.bool_] | None:
+        if stop is not None and stop.is_set():
+            return None
+        met = np.zeros_like(doubtful)
+        sweep(
+            a[some], b[some], poses, parts.rounding, parts.corner, parts.next_corner, parts.direction, parts.length, parts.run,
+            parts.first_run, parts.run_disc, parts.disc, parts.reach, MAX_NEAR_EDGES, met, first[some],
+        )  # fmt: skip
+        return met
+
+    looked = in_batches(len(a), int((corners[a] + corners[b]).sum()) // STOP_CHECK_CORNERS, look)
+    for met in looked:
+        if met is not None:
+            doubtful |= met
+    return all(met is not None for met in looked)
 
 
 def _near(parts: AuditOutlines, poses: Floats) -> Ints:
@@ -124,7 +159,9 @@ def _near(parts: AuditOutlines, poses: Floats) -> Ints:
         a, b = shapely.STRtree(shapes).query(shapes)
         keep = (a < b) & ~(parts.fixed[a] & parts.fixed[b]) & (parts.body[a] != parts.body[b])
         found.append(a[keep] * n + b[keep])
-    return np.setdiff1d(np.concatenate(found), parts.ignored)
+    keys = np.sort(np.concatenate(found))  # quicker than the hashing of np.unique
+    keys = keys[np.diff(keys, prepend=-1) > 0]
+    return keys[~np.isin(keys, parts.ignored)]
 
 
 def _swept(parts: AuditOutlines, poses: Floats, k0: int, k1: int) -> Floats:

@@ -26,6 +26,7 @@ from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, fi
 from wiggleroom.bound.limited_tightening import tightened
 from wiggleroom.bound.outer_regions import links_about, material_of
 from wiggleroom.bound.trigonometric_envelopes import support
+from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
 from wiggleroom.geometry.bodies import Bodies, bodies
 from wiggleroom.geometry.neighbours import classes, placed, relative_pose
@@ -45,8 +46,8 @@ ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
 
 
-def with_quick_bound(answer: Answer) -> Answer:
-    """The answer with a bound, where that takes less work than the answer did and says something; worked out once for an answer."""
+def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
+    """The answer with a bound, where that takes less work than the answer did and says something; worked out once, if not asked to stop."""
     began = time.perf_counter()
     found = answer.warm_start
     told = answer.bound is not None and answer.bound.at_most is not None
@@ -56,7 +57,7 @@ def with_quick_bound(answer: Answer) -> Answer:
         return answer
     # where outlines were searched with fewer corners, the bound is about those that were drawn
     drawn = None if answer.bound is None else bodies(answer.assembly)
-    most = quick_bound(found, found.program.objective, answer.iterations, drawn)
+    most = quick_bound(found, found.program.objective, answer.iterations, drawn, stop)
     spent = time.perf_counter() - began
     seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
     seconds["total"] = answer.seconds["total"] + spent
@@ -66,8 +67,10 @@ def with_quick_bound(answer: Answer) -> Answer:
     return with_bound(replace(answer, seconds=seconds), bound)
 
 
-def quick_bound(found: Incumbent, goal: PointMotion, iterations: int, drawn: Bodies | None = None) -> float | None:
-    """Value that no motion exceeds, from the end of a search; None where it would take too long or joints do not close.
+def quick_bound(
+    found: Incumbent, goal: PointMotion, iterations: int, drawn: Bodies | None = None, stop: Stop | None = None
+) -> float | None:
+    """Value that no motion exceeds, from the end of a search; None where it would take too long, joints do not close or it is to stop.
 
     It is about the bodies that were searched, or about others, `drawn`, that lie at the same places.
     """
@@ -82,6 +85,8 @@ def quick_bound(found: Incumbent, goal: PointMotion, iterations: int, drawn: Bod
         work += _work_of_corners(them, cells.a, cells.b)
     pivots, near = np.zeros((len(first), 2)), []
     for c in wanted:
+        if stop is not None and stop.is_set():
+            return None
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
         material, pivots[c], _ = material_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))

@@ -133,6 +133,11 @@ def shortest_ways(a: Ints, b: Ints, forth: Floats, back: Floats, root: Bools) ->
     return way
 
 
+def _excess(larger: Floats, smaller: Floats) -> Floats:
+    """How far numbers lie above others, zero where they do not; infinite numbers that are equal do not."""
+    return np.subtract(larger, smaller, out=np.zeros(len(larger)), where=larger > smaller)
+
+
 def propagated(ranges: AngleRanges, turns: TurnDifferences) -> AngleRanges:
     """The same ranges, narrower where turns against other bodies say so."""
     low, high = ranges.low.copy(), ranges.high.copy()
@@ -143,7 +148,7 @@ def propagated(ranges: AngleRanges, turns: TurnDifferences) -> AngleRanges:
         np.minimum.at(high, a, before[1][b] - turns.low + ROUNDING_MARGIN)
         np.maximum.at(low, b, before[0][a] + turns.low - ROUNDING_MARGIN)
         np.maximum.at(low, a, before[0][b] - turns.high - ROUNDING_MARGIN)
-        gained = np.maximum(before[1] - high, low - before[0])
+        gained = np.maximum(_excess(before[1], high), _excess(low, before[0]))  # turns without end stay out
         if (low > high).any() or not (gained > 10 * ROUNDING_MARGIN).any():
             break
     return replace(ranges, low=low, high=high)

@@ -57,7 +57,7 @@ def check(
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
-        assembly = read(file, asked)
+        assembly = read(file, asked, stop)
 
         from wiggleroom.disassembly.interlock import check as work_out
         from wiggleroom.disassembly.largest_gap import largest_gap as search

@@ -34,6 +34,7 @@ def flex(
     search: int | None = None,
     prove: float | None = None,
     certificate: Path | None = None,
+    arrays: Path | None = None,
 ) -> int:
     """Find the largest motion of the pulled parts.
 
@@ -70,6 +71,8 @@ def flex(
         extra prove. The proof may take 60 seconds, or what --time leaves; then the best bound so far is given.
     certificate
         For --prove: file for the proof, which wiggleroom verify checks.
+    arrays
+        Write motions, way-points and contacts as numpy arrays to this file: .npz. Of drawings only.
     """
     import shlex
     from dataclasses import replace
@@ -87,6 +90,7 @@ def flex(
         for option, given in (
             ("model", model != "walls"),
             ("prove", prove is not None),
+            ("arrays", arrays is not None),
             *((k, True) for k in settings),
         ):
             if given:
@@ -104,7 +108,7 @@ def flex(
         from wiggleroom.cli.proving import check_proof
 
         check_proof(prove, model)
-    outputs.check(file, **{"--certificate": (certificate, ())})
+    outputs.check(file, **{"--certificate": (certificate, ()), "--arrays": (arrays, (".npz",))})
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     wanted = Hull(**settings) if model == "hull" else model
     answer = replace(
@@ -119,6 +123,13 @@ def flex(
         write_certificate(answer, certificate)
     tell(outputs, lambda: flex_result(answer), lambda: table(answer), answer, command)
     write_moved(answer.assembly, answer.motion, outputs.moved)
+    if arrays is not None:
+        from wiggleroom.cli.say import note
+        from wiggleroom.files import write_whole
+        from wiggleroom.report.answer_arrays import npz
+
+        write_whole(arrays, npz(answer))
+        note(f"arrays: {arrays}")
     return 3 if answer.verdict == "stopped" else 0
 
 
@@ -143,7 +154,7 @@ def _answer(
 
     begin = time.perf_counter()
     with interruptible(seconds) as stop, unless_stopped(stop), progress() as show:
-        assembly = read(file, asked)
+        assembly = read(file, asked, stop)
         lacking = role_findings(assembly.drawing)
         if lacking:
             raise InputError(lacking)

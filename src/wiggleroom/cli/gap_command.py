@@ -54,12 +54,13 @@ def gap(
     import math
     import shlex
 
-    from wiggleroom.cli.in_space import read_in_space, with_dimension
+    from wiggleroom.cli.in_space import read_in_space, see_no_page, with_dimension
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError
 
     outputs.check(file)
+    see_no_page(file, None if holds else outputs.picture)
     if kerf is not None and not (math.isfinite(kerf) and kerf >= 0):
         wrong = f"--kerf {kerf:g}: it must be 0 or more"
         raise InputError(wrong)
@@ -69,7 +70,7 @@ def gap(
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         from wiggleroom.questions import allowable_gap, is_spatial_file
 
-        assembly = read_in_space(file, asked) if is_spatial_file(file) else read(file, asked)
+        assembly = read_in_space(file, asked, stop=stop) if is_spatial_file(file) else read(file, asked, stop)
 
         found = allowable_gap(assembly, at_most=at_most, holds=holds, fits=fits, stop=stop, progress=show)
     from dataclasses import replace

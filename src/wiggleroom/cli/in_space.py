@@ -13,9 +13,11 @@ from wiggleroom.cli.options import QuestionOptions
 from wiggleroom.cli.outputs import Outputs, Places
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.sheet_options import SheetOptions
-    from wiggleroom.errors import Stop
+    from wiggleroom.deadline import Deadline
     from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
 
 _AXES = {
@@ -26,7 +28,6 @@ _AXES = {
 _HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
 _OF_DRAWINGS = ("unit", "only", "skip", "join", "solid")
 """Options that say how a drawing is read, a cutting sheet too."""
-SPATIAL_PICTURES = (".svg", ".png", ".glb")
 
 
 def spatial_questions(
@@ -81,7 +82,7 @@ def _three(text: str) -> tuple[float, float, float] | None:
 
 
 def read_in_space(
-    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Stop | None = None
+    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Deadline | None = None
 ) -> SpatialAssembly:
     """Spatial assembly that a file, or a cutting sheet, and the options describe; its notes go to stderr.
 
@@ -94,6 +95,7 @@ def read_in_space(
     """
     from wiggleroom.cli.asking import names
     from wiggleroom.cli.say import note
+    from wiggleroom.cli.watch import at_once
     from wiggleroom.errors import InputError
 
     goals, wrong = spatial_questions(asked.pull, asked.turn, asked.weight)
@@ -117,7 +119,8 @@ def read_in_space(
         found = assembled_sheet(file, sheet, unit=asked.unit, options=read_options(asked), stop=stop)
         drawing = replace(read_spatial(sure_text(file, found)), source=found.source, notes=found.notes)
     else:
-        drawing = read_spatial(file if "\n" in file else _path(file))
+        with at_once(stop):
+            drawing = read_spatial(file if "\n" in file else _path(file))
     for line in drawing.notes:
         note(line)
     fixed = names(asked.fix, {p.name for p in drawing.parts})
@@ -131,7 +134,7 @@ def _path(file: str) -> Any:
 
 
 def read_question(
-    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Stop | None = None
+    file: str, asked: QuestionOptions, sheet: SheetOptions | None = None, stop: Deadline | None = None
 ) -> Assembly | SpatialAssembly:
     """Assembly of either dimension, if a question about motion can be asked of it; its notes go to stderr.
 
@@ -146,7 +149,7 @@ def read_question(
     from wiggleroom.questions import is_spatial_file
 
     if not (sheet is not None and sheet.given) and not is_spatial_file(file):
-        return require_question(read(file, asked))
+        return require_question(read(file, asked, stop))
     from wiggleroom.spatial.spatial_flex import lacking
 
     assembly = read_in_space(file, asked, sheet, stop)
@@ -154,6 +157,23 @@ def read_question(
     if wrong:
         raise InputError(wrong)
     return assembly
+
+
+def see_no_page(file: str, *places: Path | None, spatial: bool = False) -> None:
+    """See that no page is asked for of curves in space; with `spatial` the file is known to be in space.
+
+    Raises
+    ------
+    InputError
+        If one is.
+    """
+    from wiggleroom.errors import InputError
+    from wiggleroom.questions import is_spatial_file
+
+    for place in places:
+        if place is not None and place.suffix.lower() == ".html" and (spatial or is_spatial_file(file)):
+            message = f"{place}: curves in space are not made into a page; name an .svg or .png"
+            raise InputError(message)
 
 
 def with_dimension(result: Any, assembly: Any) -> Any:
@@ -179,6 +199,7 @@ def spatial_places(outputs: Outputs) -> Places:
     """
     from wiggleroom.cli.outputs import TABLE
     from wiggleroom.errors import InputError
+    from wiggleroom.report.write_spatial import SPATIAL_PICTURES
 
     if outputs.moved is not None:
         message = (
@@ -224,9 +245,9 @@ def flex_in_space(
 
         write_table(spatial_steps(answer.assembly.names, [answer.waypoints]), outputs.csv)
     if outputs.picture is not None:
-        from wiggleroom.report.spatial_picture import draw_spatial
+        from wiggleroom.report.write_spatial import write_spatial
 
-        draw_spatial(answer, outputs.picture)
+        write_spatial(answer, outputs.picture)
         note(f"picture: {outputs.picture}")
     return 3 if answer.verdict == "stopped" else 0
 
@@ -261,8 +282,8 @@ def check_in_space(
 
         write_table(spatial_steps(found.assembly.names, [e.path for e in found.escapes]), outputs.csv)
     if outputs.picture is not None:
-        from wiggleroom.report.spatial_picture import draw_separation
+        from wiggleroom.report.write_spatial import write_spatial
 
-        draw_separation(found, outputs.picture)
+        write_spatial(found, outputs.picture, shlex.join(["wiggleroom", *sys.argv[1:]]))
         note(f"picture: {outputs.picture}")
     return {"interlocked": 0, "comes apart": 1, "unknown": 3}[found.verdict]

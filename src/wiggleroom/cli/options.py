@@ -11,6 +11,7 @@ from cyclopts import Group, Parameter
 if TYPE_CHECKING:
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.assembly.inventory import InventoryRow
+    from wiggleroom.deadline import Deadline
     from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.drawing.model import Drawing, Goal
     from wiggleroom.drawing.traced_outlines import Remark
@@ -99,19 +100,24 @@ def read_options(asked: QuestionOptions) -> ReadOptions:
     )
 
 
-def read(file: str, asked: QuestionOptions) -> Assembly:
+def read(file: str, asked: QuestionOptions, stop: Deadline | None = None) -> Assembly:
     """Assembly that a file and the options describe; its notes, and what looks odd about it, go to stderr.
 
     Raises
     ------
     InputError
         With everything that is wrong, one line each.
+    KeyboardInterrupt
+        After Ctrl-C, or once the time of `stop` is over.
     """
-    drawing, fixed, wanted = _said(file, asked)
-    from wiggleroom.assembly.build import assemble, with_notes
     from wiggleroom.cli.say import note
+    from wiggleroom.cli.watch import at_once
 
-    assembly = with_notes(assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted))
+    with at_once(stop):
+        drawing, fixed, wanted = _said(file, asked)
+        from wiggleroom.assembly.build import assemble, with_notes
+
+        assembly = with_notes(assemble(drawing, gap=asked.gap, fix=fixed, goals=wanted))
     for line in assembly.drawing.notes[len(drawing.notes) :]:
         note(line)
     return assembly

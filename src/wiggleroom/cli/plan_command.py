@@ -82,7 +82,7 @@ def plan(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     names = tuple(name for some in target for name in some.split(",") if name)
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
-        assembly = read(file, asked)
+        assembly = read(file, asked, stop)
         down = None if gravity is None else direction("--gravity", gravity)
 
         from wiggleroom.planning.plan import plan as work_out

@@ -49,7 +49,7 @@ def rank(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("differences") as show:
-        assembly = read_question(file, asked)
+        assembly = read_question(file, asked, stop=stop)
 
         from wiggleroom.questions import rank as work_out
 

@@ -76,7 +76,7 @@ def unless_stopped(stop: Deadline) -> Iterator[None]:
 
     try:
         yield
-    except (InputError, StoppedError):
+    except (InputError, StoppedError, KeyboardInterrupt):
         if stop.over:
             message = f"stopped after {stop.seconds:g} s, before there was anything to say; give more --time"
             raise StoppedError(message) from None

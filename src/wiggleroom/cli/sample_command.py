@@ -56,11 +56,12 @@ def sample(
     """
     import shlex
 
-    from wiggleroom.cli.in_space import read_question, with_dimension
+    from wiggleroom.cli.in_space import read_question, see_no_page, with_dimension
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
     outputs.check(file)
+    see_no_page(file, outputs.picture)
     if seed < 0:
         wrong = f"--seed {seed}: it must be 0 or more"
         raise InputError(wrong)
@@ -70,7 +71,7 @@ def sample(
         from wiggleroom.sensitivity.gap_distribution import Spread
 
         distribution = Spread(spread, kind, sheet, bias)
-        assembly = read_question(file, asked)
+        assembly = read_question(file, asked, stop=stop)
 
         from wiggleroom.questions import sample as work_out
 

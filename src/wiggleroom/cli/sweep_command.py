@@ -41,21 +41,21 @@ def sweep(
     import shlex
     from dataclasses import replace
 
-    from wiggleroom.cli.in_space import read_question, with_dimension
+    from wiggleroom.cli.in_space import read_question, see_no_page, with_dimension
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
 
     outputs.check(file, **{"--html": (html, (".html",))})
+    see_no_page(file, outputs.picture, html)
     wanted = None if gaps is None else _gaps(gaps)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
-        from wiggleroom.questions import is_spatial_file
         from wiggleroom.questions import sweep as work_out
 
         sheet.check(file)
-        if sheet.given or is_spatial_file(file):
-            _no_pages(outputs, html)
+        if sheet.given:
+            see_no_page(file, outputs.picture, html, spatial=True)
         assembly = read_question(file, asked, sheet, stop)
         found = work_out(assembly, wanted, stop=stop, progress=show)
         cut = stop.is_set()
@@ -70,18 +70,6 @@ def sweep(
         draw(found, html, command=command)
         note(f"page: {html}")
     return 3 if cut else 0
-
-
-def _no_pages(outputs: StudyOutputs, html: Path | None) -> None:
-    """Refuse pages of a sweep in space."""
-    from wiggleroom.errors import InputError
-
-    page = html or (
-        outputs.picture if outputs.picture is not None and outputs.picture.suffix.lower() == ".html" else None
-    )
-    if page is not None:
-        message = f"{page}: a sweep in space is not made into a page; name an .svg or .png"
-        raise InputError(message)
 
 
 def _gaps(text: str) -> list[float]:

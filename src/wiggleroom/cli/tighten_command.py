@@ -61,7 +61,7 @@ def tighten(
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("choices at random") as show:
-        assembly = read_question(file, asked)
+        assembly = read_question(file, asked, stop=stop)
 
         from wiggleroom.questions import tighten as work_out
 

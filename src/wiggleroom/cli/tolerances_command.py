@@ -48,7 +48,7 @@ def tolerances(
     outputs.check(file)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
     with interruptible(time.time) as stop, unless_stopped(stop), progress() as show:
-        assembly = require_question(read(file, asked))
+        assembly = require_question(read(file, asked, stop))
         if tolerances is not None:
             from wiggleroom.drawing.tolerances import read_tolerances
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import _thread
 import math
 import signal
 import sys
@@ -27,6 +28,26 @@ def interruptible(seconds: float | None = None) -> Iterator[Deadline]:
     try:
         yield Deadline(seconds, stop)
     finally:
+        signal.signal(signal.SIGINT, before)
+
+
+@contextmanager
+def at_once(stop: Deadline | None) -> Iterator[None]:
+    """Within, Ctrl-C and the end of the time end the work where it is, as KeyboardInterrupt: there is nothing to keep yet."""
+    if stop is None:
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    timer = None
+    if stop.seconds is not None:
+        timer = threading.Timer(max(stop.left, 0.0), _thread.interrupt_main)
+        timer.daemon = True
+        timer.start()
+    try:
+        yield
+    finally:
+        if timer is not None:
+            timer.cancel()
         signal.signal(signal.SIGINT, before)
 
 

@@ -27,7 +27,8 @@ from wiggleroom.errors import Stop, WiggleroomError
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
 from wiggleroom.search.loop import Progress
-from wiggleroom.search.prepare import Prepared, Survey, prepare
+from wiggleroom.search.prepare import Prepared, Survey
+from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
@@ -205,7 +206,9 @@ def _beyond_slides(
     stands = int(np.flatnonzero(bodies.fixed)[0])
     still = MoveSequence(np.zeros((1, len(bodies.fixed), 3)), NO_BODIES)
     tell(Progress("free spaces"))
-    ready = prepare(assembly, ground=ground, stop=stop)
+    ready = simpler = prepare_outlines(assembly, ground, stop)
+    if simpler.simplified:  # what holds larger parts need not hold these: proofs are about the outlines as they are
+        ready = replace(simpler, bodies=bodies, simplified=0.0)
     known, tries = _rigid(ready, begin, effort.boxes, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
@@ -223,9 +226,10 @@ def _beyond_slides(
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     loose = slid.states > 1 and slid.whole and slid.on_lattice
-    searched = explore(ready, stands, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
+    searched = explore(simpler, stands, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
     if searched.way is not None and searched.exit is not None:
-        stage = _leave_moving(assembly, ground, still, searched.way, searched.exit)
+        way = of_bodies(assembly, bodies, of_parts(assembly, simpler.bodies, searched.way))
+        stage = _leave_moving(assembly, ground, still, way, searched.exit)
         return replace(stage, questions=searched.questions)
     count = searched.questions
     for tilt in slid.tilts[:MAX_TILTS]:
@@ -234,7 +238,9 @@ def _beyond_slides(
         if tilted is not None:
             return replace(tilted, questions=count)
     stopped = stop is not None and stop.is_set()
-    answered = searched.unanswered == 0 or loose
+    # where all states of a lattice were visited and every body was turned in each, more places and open questions are no gap in that
+    sure = slid.on_lattice and slid.turned == slid.states
+    answered = sure or (searched.unanswered == 0 and not searched.more_places)
     whole = slid.whole and searched.whole and answered and not stopped
     ended: Separability = Separability.INTERLOCKED if whole else Separability.UNKNOWN
     return Stage(ended, Certainty.SEARCHED, NO_BODIES, None, known.held, count, unanswered=searched.unanswered)
@@ -248,7 +254,7 @@ def _from_tilt(
     stands = int(np.flatnonzero(bodies.fixed)[0])
     moved = displaced(assembly, of_parts(assembly, bodies, before.states)[-1])
     try:
-        ready = prepare(moved, stop=stop)
+        ready = prepare_outlines(moved, stop=stop)
     except WiggleroomError:
         return 0, None
     name = assembly.names[bodies.members[tilt.who][0]]

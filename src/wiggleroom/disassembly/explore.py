@@ -45,7 +45,9 @@ class Explored:
         Checked motions of all bodies to where `exit` begins.
     exit : Exit or None
     whole : bool
-        True where every question that was planned was asked.
+        True where every question that was planned was asked, from all places that it went on from.
+    more_places : bool
+        True where there were more new places than it went on from.
     questions, unanswered : int
         How many were asked, and how many of them found no answer, or none whose way is certain.
     """
@@ -53,6 +55,7 @@ class Explored:
     way: Floats | None
     exit: TranslationEscape | None
     whole: bool
+    more_places: bool
     questions: int
     unanswered: int
 
@@ -87,7 +90,7 @@ def explore(
     """
     bodies = ready.bodies
     if stop is not None and stop.is_set():
-        return Explored(None, None, False, 0, 0)
+        return Explored(None, None, False, False, 0, 0)
     near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
     places = [relative_pose(bodies, near.a, near.b)]
     waiting: deque[Answer | None] = deque([None])
@@ -96,7 +99,7 @@ def explore(
         start = waiting.popleft()
         for goals in _questions(ready, ground, group, nearly, only_turns):
             if questions >= most or (stop is not None and stop.is_set()):
-                return Explored(None, None, False, questions, unanswered)
+                return Explored(None, None, False, False, questions, unanswered)
             questions += 1
             tell(Progress("search", questions))
             answer = ask(ready, goals, start, stop)
@@ -107,14 +110,14 @@ def explore(
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
             found = way_out(ready, ground, group, motions, EXIT_TESTS, stop)
             if found is not None:
-                return Explored(*found, True, questions, unanswered)
+                return Explored(*found, True, False, questions, unanswered)
             if only_turns:
                 continue
             place = relative_pose(bodies, near.a, near.b, motions[-1])
             if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
                 places.append(place)
                 waiting.append(answer)
-    return Explored(None, None, len(places) <= MAX_STATES, questions, unanswered)
+    return Explored(None, None, True, len(places) > MAX_STATES, questions, unanswered)
 
 
 def ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:

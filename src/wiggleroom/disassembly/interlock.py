@@ -26,7 +26,7 @@ from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.maximise import witness
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
-from wiggleroom.search.prepare import prepare
+from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.verdict import Certainty, Separability, Tightness
 
 Floats = NDArray[np.float64]
@@ -272,7 +272,7 @@ def _spins(assembly: Assembly, held: Ints, stop: Stop | None) -> tuple[str, ...]
     if not len(held) or (held == held[0]).all():
         return ()
     try:
-        ready = prepare(assembly, stop=stop)
+        ready = prepare_outlines(assembly, stop=stop)
     except WiggleroomError:
         return ()
     bodies, names = ready.bodies, assembly.names

@@ -97,75 +97,85 @@ def slide_distances(corner, after, first, shape, pose, there, directions, ignore
 def grow(distance, who, reach, stands):
     """Add to `who` all that it pushes when it slides by `reach`; False where something that stands is among it."""
     n = len(who)
-    again = True
-    while again:
-        again = False
-        for b in range(n):
-            if who[b]:
-                for c in range(n):
-                    if not who[c] and distance[b, c] < reach:
-                        if stands[c]:
-                            return False
-                        who[c] = True
-                        again = True
+    waiting = np.flatnonzero(who)
+    pushed = np.empty(n, dtype=np.int64)
+    count = len(waiting)
+    pushed[:count] = waiting
+    while count:
+        count -= 1
+        b = pushed[count]
+        for c in range(n):
+            if not who[c] and distance[b, c] < reach:
+                if stands[c]:
+                    return False
+                who[c] = True
+                pushed[count] = c
+                count += 1
     return True
 
 
 @njit(**OPTIONS)
-def slides(distance, stands, there, stops, stop_count, units, clearance, horizon, who, along, length):
-    """Fill `who` (k, n), `along` (k,) and `length` (k,) with slides of bodies and of what they push; their number.
+def slides(i0, i1, distance, stands, there, stops, stop_count, units, clearance, horizon, who, along, length, count):
+    """Add slides of some bodies, and of what they push, to the `count` in `who` (m, n), `along` (m,) and `length` (m,); their number then.
+
+    They are those of i0 to i1, where i = k n + b stands for body b along direction k.
 
     Along a direction with a unit they stop at its multiples, else at the `stops` (d, n, MAX_STOPS) of the body and a clearance before what
     they meet. A length of infinity: they leave.
     """
-    count, n = 0, len(stands)
+    n = len(stands)
     mine = np.zeros(n, dtype=np.bool_)
-    reach = np.empty(MAX_STOPS + n)
-    for k in range(len(distance)):
-        begin = count
-        for b in range(n):
-            if stands[b] or not there[b]:
+    reach, closest = np.empty(MAX_STOPS + n), np.empty(n)
+    begin = 0
+    while begin < count and along[begin] < i0 // n:
+        begin += 1
+    for i in range(i0, i1):
+        k, b = i // n, i % n
+        if b == 0:
+            begin = count
+        if stands[b] or not there[b]:
+            continue
+        mine[:] = False
+        mine[b] = True
+        if grow(distance[k], mine, np.inf, stands):
+            count = _append(who, along, length, count, begin, mine, k, np.inf)
+            continue
+        many = 0
+        if units[k] > 0:
+            while many < len(reach) and (many + 1) * units[k] < horizon:
+                reach[many] = (many + 1) * units[k]
+                many += 1
+        else:
+            for s in range(stop_count[k, b]):
+                reach[many] = stops[k, b, s]
+                many += 1
+            mine[:] = False
+            closest[:] = np.inf
+            joins = b
+            while True:  # a clearance before each body that would join
+                mine[joins] = True
+                for c in range(n):
+                    closest[c] = min(closest[c], distance[k, joins, c])
+                nearest, joins = np.inf, -1
+                for c in range(n):
+                    if not mine[c] and closest[c] < nearest:
+                        nearest, joins = closest[c], c
+                if nearest > 2.0 * clearance and many < len(reach):
+                    reach[many] = nearest - clearance
+                    many += 1
+                if joins < 0 or stands[joins]:
+                    break
+            reach[:many].sort()
+        for s in range(many):
+            if s and reach[s] - reach[s - 1] < 0.25 * clearance:
                 continue
             mine[:] = False
             mine[b] = True
-            if grow(distance[k], mine, np.inf, stands):
-                count = _append(who, along, length, count, begin, mine, k, np.inf)
-                continue
-            many = 0
-            if units[k] > 0:
-                while many < len(reach) and (many + 1) * units[k] < horizon:
-                    reach[many] = (many + 1) * units[k]
-                    many += 1
-            else:
-                for s in range(stop_count[k, b]):
-                    reach[many] = stops[k, b, s]
-                    many += 1
-                mine[:] = False
-                mine[b] = True
-                while True:  # a clearance before each body that would join
-                    nearest, joins = np.inf, -1
-                    for a in range(n):
-                        if mine[a]:
-                            for c in range(n):
-                                if not mine[c] and distance[k, a, c] < nearest:
-                                    nearest, joins = distance[k, a, c], c
-                    if nearest > 2.0 * clearance and many < len(reach):
-                        reach[many] = nearest - clearance
-                        many += 1
-                    if joins < 0 or stands[joins]:
-                        break
-                    mine[joins] = True
-                reach[:many].sort()
-            for s in range(many):
-                if s and reach[s] - reach[s - 1] < 0.25 * clearance:
-                    continue
-                mine[:] = False
-                mine[b] = True
-                if not grow(distance[k], mine, reach[s] + 0.1 * clearance, stands):
-                    break
-                count = _append(who, along, length, count, begin, mine, k, reach[s])
-                if count == len(along):
-                    return count
+            if not grow(distance[k], mine, reach[s] + 0.1 * clearance, stands):
+                break
+            count = _append(who, along, length, count, begin, mine, k, reach[s])
+            if count == len(along):
+                return count
     return count
 
 
@@ -187,24 +197,28 @@ def _append(who, along, length, count, begin, mine, k, reach):
 
 @njit(**OPTIONS)
 def alignments(
-    corner, after, first, shape, pose, stands, there, directions, units, clearance, distance, stops, stop_count
+    i0, i1, corner, after, first, shape, pose, stands, there, directions, units, clearance, distance, stops, stop_count
 ):
-    """Fill `stops` (d, n, MAX_STOPS) where an edge of a body comes to lie in line with one of another body, as they would without a gap."""
+    """Fill `stops` (d, n, MAX_STOPS) where an edge of a body comes to lie in line with one of another body, as they would without a gap.
+
+    Those of i0 to i1 are filled, where i = k n + b stands for body b along direction k.
+    """
     n = len(shape)
     most = 0
     for b in range(n):
         most += first[shape[b] + 1] - first[shape[b]] + 2
     level, level_first = np.empty(most), np.zeros(n + 1, dtype=np.int64)
-    for k in range(len(directions)):
+    for k in range(i0 // n, (i1 - 1) // n + 1):
+        low, high = max(i0 - k * n, 0), min(i1 - k * n, n)
         if units[k] > 0:
-            stop_count[k] = 0
+            stop_count[k, low:high] = 0
             continue
         at = 0
         for b in range(n):
             if there[b]:
                 at = levels(corner, after, first, shape[b], pose[b], directions[k], clearance, level, at)
             level_first[b + 1] = at
-        for b in range(n):
+        for b in range(low, high):
             stop_count[k, b] = 0
             if stands[b] or not there[b]:
                 continue

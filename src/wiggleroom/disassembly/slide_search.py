@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.disassembly.slide_space import Slide, SlideSpace
 from wiggleroom.disassembly.turn_space import MIN_TILT, LocalTurn, TurnSpace
 from wiggleroom.disassembly.turn_space import WORK_BUDGET as TURN_BUDGET
-from wiggleroom.errors import Stop
+from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.state_tree import StateTree
 
@@ -134,7 +134,7 @@ def slide_search(
         Work at most, on slides and on turns.
     """
     turns = TurnSpace(space)
-    search = _Search(space, turns.order, motion, targets, stop, tell, budget)
+    search = _BreadthFirst(space, turns.order, motion, targets, stop, tell, budget)
     whole = search.slide()
     if search.way is not None or not whole:
         return search.result(whole)
@@ -167,7 +167,7 @@ def turn_end(state: Floats, turn: LocalTurn) -> Floats:
     return after
 
 
-class _Search:
+class _BreadthFirst:
     """The tree of states and those that wait to be gone on from."""
 
     def __init__(
@@ -207,7 +207,10 @@ class _Search:
                 return False
             here = self._waiting.popleft()
             state = self.tree.states[here].motion
-            found = self.space.slides(state)
+            try:
+                found = self.space.slides(state, self.stop)
+            except StoppedError:
+                return False
             leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
             for last in leaving:
                 if not len(self.targets) or np.isin(self.targets, last.who).any():

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.disassembly.slide_moves import MAX_STOPS, alignments, all_levels, slide_distances, slides
+from wiggleroom.errors import Stop, go_on
 from wiggleroom.geometry.bodies import Bodies, corners
 
 Floats = NDArray[np.float64]
@@ -31,6 +33,8 @@ MIN_LEVELS, EXACT = 6, 1e-3
 MAX_UNITS = 60
 """A lattice spans at most so many units."""
 MAX_SLIDES = 4000
+STOP_CHECK_PAIRS = 50_000_000
+"""After so many pairs of bodies it is asked whether to stop."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,22 +98,38 @@ class SlideSpace:
         """True where every stop lies on a lattice, so that there are finitely many states, all of which can be visited."""
         return bool((self.units > 0).all())
 
-    def slides(self, motion: Floats) -> list[Slide]:
-        """Slides from a state, and what leaves from it, with a length of infinity."""
+    def slides(self, motion: Floats, stop: Stop | None = None) -> list[Slide]:
+        """Slides from a state, and what leaves from it, with a length of infinity.
+
+        Raises
+        ------
+        StoppedError
+            If it was asked to stop.
+        """
         shapes, bodies = self.bodies.shapes, self.bodies
+        d, n = self._count.shape
         pose = bodies.rest + motion
         outlines = shapes.corner, shapes.after, shapes.first, bodies.shape, pose
-        self.work += slide_distances(
-            *outlines, self.there, self.directions, self.ignored, MARGIN * self.clearance, self._distance
-        )
-        alignments(
-            *outlines, bodies.fixed, self.there, self.directions, self.units, self.clearance, self._distance,
-            self._stops, self._count,
-        )  # fmt: skip
-        count = slides(
-            self._distance, bodies.fixed, self.there, self._stops, self._count, self.units, self.clearance,
-            3 * self.size, self._who, self._along, self._length,
-        )  # fmt: skip
+        for k0, k1 in _blocks(d, STOP_CHECK_PAIRS // n**2):
+            go_on(stop)
+            self.work += slide_distances(
+                *outlines, self.there, self.directions[k0:k1], self.ignored, MARGIN * self.clearance, self._distance[k0:k1]
+            )  # fmt: skip
+        count = 0
+        for i0, i1 in _blocks(d * n, STOP_CHECK_PAIRS // (MAX_STOPS * n)):
+            go_on(stop)
+            alignments(
+                i0, i1, *outlines, bodies.fixed, self.there, self.directions, self.units, self.clearance, self._distance,
+                self._stops, self._count,
+            )  # fmt: skip
+        for i0, i1 in _blocks(d * n, STOP_CHECK_PAIRS // (MAX_STOPS * n**2)):
+            go_on(stop)
+            count = slides(
+                i0, i1, self._distance, bodies.fixed, self.there, self._stops, self._count, self.units, self.clearance,
+                3 * self.size, self._who, self._along, self._length, count,
+            )  # fmt: skip
+            if count == MAX_SLIDES:
+                break
         return [
             Slide(np.flatnonzero(self._who[k]), self.directions[self._along[k]], float(self._length[k]))
             for k in range(count)
@@ -124,6 +144,12 @@ class SlideSpace:
             self.clearance, out,
         )  # fmt: skip
         return lattice_unit(out[:count], UNIT_TOLERANCE * self.clearance, MIN_UNIT * self.clearance)
+
+
+def _blocks(count: int, many: int) -> Iterator[tuple[int, int]]:
+    """Consecutive ranges of so many of `count`, at least one each."""
+    many = max(many, 1)
+    return ((k, min(k + many, count)) for k in range(0, count, many))
 
 
 def lattice_unit(levels: Floats, tolerance: float, least: float) -> float:

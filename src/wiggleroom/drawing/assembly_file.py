@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import math
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +27,7 @@ from wiggleroom.drawing.assembly_schema import (
 from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
 from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Tolerance, Turn, W
-from wiggleroom.drawing.rings import clean_ring, signed_area
+from wiggleroom.drawing.rings import clean_ring, extents_and_areas
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.tolerances import tolerance_findings
 from wiggleroom.errors import InputError
@@ -51,7 +53,20 @@ def read_assembly(source: str | Path) -> Drawing:
     'a'
     """
     text = load(source, opening="{[", name="assembly")
-    return _Reader(text.name, entry_of(text, FileEntry)).drawing()
+    with _without_collection():
+        return _Reader(text.name, entry_of(text, FileEntry)).drawing()
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Millions of lists are made and none is garbage: to look for it among them takes longer than to read them."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 class _Reader(EntryReader[FileEntry]):
@@ -167,8 +182,10 @@ class _Reader(EntryReader[FileEntry]):
         if given.size and not np.abs(given).max() * self._mm <= LARGEST:
             self._say(where, f"{label} has coordinates beyond {LARGEST:g} mm; move or scale it")
             return np.zeros((0, 2))
+        ring = clean_ring(given if self._mm == 1.0 else given * self._mm, clockwise=clockwise)
+        if len(ring) >= 3 and (ring[2:] != ring[:-2]).any():  # else two corners take turns
+            return ring
         distinct = len({tuple(corner) for corner in corners})
-        ring = clean_ring(given * self._mm, clockwise=clockwise)
         if distinct < 3:
             self._say(where, f"{label} has {distinct} corners; at least 3 are needed")
         elif len(ring) < 3:
@@ -227,10 +244,13 @@ class _Reader(EntryReader[FileEntry]):
         return Pull(entry.part, entry.direction or (0.0, 0.0), point, entry.weight)
 
     def _whole_size(self, parts: list[Part]) -> None:
-        corners = [region.outer for part in parts for region in part.regions]
-        size = max(float(np.ptp(ring, axis=0).max()) for ring in corners)
+        rings = {
+            id(region): region.outer for part in parts for region in part.regions
+        }  # a shape may be there many times
+        extents, areas = extents_and_areas(list(rings.values()))
+        size = float(extents.max())
         size = max(size, *(float(np.ptp([part.at[k] for part in parts])) for k in (0, 1)))
         if size < SMALLEST:
             self._say("", f"is {size:.3g} mm large; it must be at least {SMALLEST:g} mm")
-        elif not all(signed_area(ring) for ring in corners):
+        elif not areas.all():
             self._say("", "has an outline without area; every outline must enclose one")

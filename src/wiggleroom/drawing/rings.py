@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wiggleroom.drawing.model import Part, Points, Region
 
@@ -28,6 +29,23 @@ def signed_area(ring: Points) -> float:
     return float(0.5 * (x[:-1] @ y[1:] - y[:-1] @ x[1:]))  # the last edge ends at 0, 0
 
 
+def extents_and_areas(rings: list[Points]) -> tuple[Points, NDArray[np.float64]]:
+    """Width and height (k, 2) [mm] of many rings of at least three corners each, and their signed areas (k,) [mm2].
+
+    Examples
+    --------
+    >>> extents_and_areas([np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])])
+    (array([[2., 1.]]), array([1.]))
+    """
+    points, count = np.concatenate(rings), np.array([len(ring) for ring in rings])
+    first = np.cumsum(count) - count
+    extents = np.maximum.reduceat(points, first) - np.minimum.reduceat(points, first)
+    after = np.arange(1, len(points) + 1)
+    after[first + count - 1] = first
+    x, y = (points - np.repeat(points[first], count, axis=0)).T
+    return extents, np.add.reduceat(x * y[after] - y * x[after], first) / 2
+
+
 def clean_ring(ring: Points, *, clockwise: bool = False) -> Points:
     """Corners without repeats and straight-on points, running counter-clockwise or clockwise.
 
@@ -51,13 +69,16 @@ def clean_ring(ring: Points, *, clockwise: bool = False) -> Points:
            [0., 1.],
            [0., 0.]])
     """
-    size = float(np.ptp(ring, axis=0).max()) if len(ring) else 0.0
+    if not len(ring):
+        return ring
     if len(ring) > 1 and (ring[0] == ring[-1]).all():
         ring = ring[:-1]
-    ring = _without_repeats(ring, COINCIDENT_CORNERS * size)
-    ring = _without_straight(
-        ring, COLLINEAR_TOLERANCE * size + ROUNDING * (float(np.abs(ring).max()) if len(ring) else 0.0)
-    )
+    low, high = ring.min(axis=0), ring.max(axis=0)
+    size, farthest = float((high - low).max()), max(*(-low).tolist(), *high.tolist())
+    height = COLLINEAR_TOLERANCE * size + ROUNDING * farthest
+    edges = _edges(ring)
+    if not (np.hypot(*edges.T) > COINCIDENT_CORNERS * size).all() or _straight(edges, height).any():
+        ring = _without_straight(_without_repeats(ring, COINCIDENT_CORNERS * size), height)
     if (signed_area(ring) < 0) != clockwise:
         ring = ring[::-1]
     return np.ascontiguousarray(ring)
@@ -81,17 +102,21 @@ def _without_repeats(ring: Points, least: float) -> Points:
 
 def _without_straight(ring: Points, height: float) -> Points:
     while len(ring) >= 3:
-        before = _edges(ring)
-        after = np.concatenate([before[1:], before[:1]])
-        cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        onward = (before * after).sum(axis=1) > 0
-        straight = onward & (np.abs(cross) <= height * np.hypot(*(before + after).T))
+        straight = _straight(_edges(ring), height)
         if not straight.any():
             return ring
         # Of two straight-on neighbours only one goes at a time, so that deviations cannot add up unseen.
         straight &= ~(np.roll(straight, 1) & (np.arange(len(ring)) % 2 == 1))
         ring = ring[~straight]
     return ring
+
+
+def _straight(before: Points, height: float) -> NDArray[np.bool_]:
+    """Corners at which the outline goes straight on, from the edges that end at each."""
+    after = np.concatenate([before[1:], before[:1]])
+    (x, y), (u, v) = before.T, after.T
+    found = np.abs(x * v - y * u) <= height * np.hypot(x + u, y + v)
+    return found & (x * u + y * v > 0) if found.any() else found
 
 
 def _edges(ring: Points) -> Points:

@@ -96,7 +96,8 @@ def _checked(source: Source) -> Source:
     if not source.text.strip():
         message = f"{source.name}: is empty; a drawing with at least one part is needed"
         raise InputError(message)
-    if "\x00" in source.text or any("\ud800" <= character <= "\udfff" for character in set(source.text)):
+    text = source.text  # what is ASCII holds no halves of surrogate pairs
+    if "\x00" in text or (not text.isascii() and any("\ud800" <= character <= "\udfff" for character in set(text))):
         message = f"{source.name}: is binary, not text; save it as plain UTF-8"
         raise InputError(message)
     return source

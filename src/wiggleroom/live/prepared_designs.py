@@ -22,7 +22,8 @@ from wiggleroom.geometry.overlap import overlaps
 from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.program.objectives import ZERO_MOTION
-from wiggleroom.search.prepare import Prepared, cells_at, prepare
+from wiggleroom.search.prepare import Prepared, cells_at
+from wiggleroom.search.simplified_outlines import prepare_outlines
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -101,7 +102,7 @@ class PreparedDesigns:
             made = assemble(drawing, gap=gap, offset={name: -x / 2 for name, x in extra.items() if x})
             inward = np.array([gap / 2 - part.offset for part in made.drawing.parts])
             ready = self._carried(roles, inward, made)
-            self._keep(key, GapDesign(roles, inward, made, ready or prepare(made), ready is None))
+            self._keep(key, GapDesign(roles, inward, made, ready or prepare_outlines(made), ready is None))
         self._kept.move_to_end(key)
         return self._kept[key]
 
@@ -109,7 +110,7 @@ class PreparedDesigns:
         """Return the same design with cells grown for its very outlines; raises StoppedError where it is asked to stop."""
         if design.proven:
             return design
-        proven = replace(design, ready=prepare(design.assembly, stop=stop), proven=True)
+        proven = replace(design, ready=prepare_outlines(design.assembly, stop=stop), proven=True)
         for key, kept in self._kept.items():
             if kept is design:
                 self._kept[key] = proven

@@ -135,6 +135,7 @@ class WarmSearch:
         policy = Policy(
             moves=(regrow_stale, tighten), stale=self._stale, fine=self._tolerance, unchecked=self._unchecked,
             rough=SKETCH_TOLERANCE, mu_may_grow=False, most_rounds=MAX_LIVE_ROUNDS,
+            prepares_next=True,
         )  # fmt: skip
         solver = partial(solve, enough=np.inf if self.enough is None else self.enough, exact=PICTURE_TOLERANCE)
         self.search = LocalSearch(self.ready, self.objective, solver, policy, self.stop)

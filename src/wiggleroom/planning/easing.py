@@ -27,6 +27,8 @@ TURN_PER_PIECE = 0.05
 """Before way-points are moved, pieces turn by at most this [rad]."""
 PIECE_LENGTH = 0.1
 """Nor are they longer than this share of the drawing's size."""
+STRAY = 0.02
+"""Pieces of parts differ from those of bodies by at most about this share of the clearance."""
 KEPT_CLEARANCE = 0.9
 """A way-point is left out where the way without it keeps this share of the clearance."""
 
@@ -45,7 +47,6 @@ def eased(assembly: Assembly, ground: Survey, steps: Sequence[Step], stop: Stop 
     """
     todo = list(steps)
     done: list[Step] = []
-    shift = np.zeros((len(assembly.parts), 3))
     judged: dict[bytes, AuditOutlines] = {}
 
     def free(step: Step) -> bool:
@@ -56,7 +57,10 @@ def eased(assembly: Assembly, ground: Survey, steps: Sequence[Step], stop: Stop 
 
     while todo:
         plain = todo.pop(0)
-        step = _from(assembly, plain, shift)
+        shift = (done[-1].way[-1] if done else plain.way[0]) - plain.way[0]
+        shift[np.abs(shift) < STILL] = 0.0
+        options = _from(assembly, plain, shift)
+        step = next((option for option in options if len(options) < 2 or free(option)), options[0])
         if stop is not None and stop.is_set():
             if shift.any() and not free(step):
                 return tuple(steps)
@@ -67,26 +71,29 @@ def eased(assembly: Assembly, ground: Survey, steps: Sequence[Step], stop: Stop 
             step, todo = alone[0], [*alone[1:], *todo]
         better = _widened(assembly, ground, step)
         if free(better):
-            end = better.way[-1] - step.way[-1]
-            shift = np.where(step.there[:, None], shift + end, shift)
-            done.append(better)
-        elif free(step):
-            done.append(step)
-        else:  # what was gained before is in the way now
+            step = better
+        elif not free(step):  # what was gained before is in the way now
             return tuple(steps)
+        done.append(step)
     return tuple(done)
 
 
-def _from(assembly: Assembly, step: Step, shift: Floats) -> Step:
-    """The step where all parts are a little elsewhere to begin with; those that move go on to where they would have gone."""
+def _from(assembly: Assembly, step: Step, shift: Floats) -> list[Step]:
+    """The step where all parts are a little elsewhere to begin with.
+
+    Those that move go on straight to where they would have gone; or beside their way as far as they are now; or back to its beginning
+    first.
+    """
     if not shift.any():
-        return step
+        return [step]
     moving = np.isin(assembly.names, step.parts)
     way = step.way.copy()
     way[:, ~moving] += shift[~moving]
-    way[0, moving] += shift[moving]
-    shift[moving] = 0.0
-    return replace(step, way=way)
+    straight, beside = way.copy(), way.copy()
+    straight[0, moving] += shift[moving]
+    beside[:, moving] += shift[moving]
+    back = np.concatenate([straight[:1], way])
+    return [replace(step, way=one) for one in (straight, beside, back)]
 
 
 def _one_by_one(assembly: Assembly, step: Step, free: Callable[[Step], bool]) -> list[Step]:
@@ -129,7 +136,19 @@ def _widened(assembly: Assembly, ground: Survey, step: Step) -> Step:
     if not slide:  # slides lie where they are best; other ways need freedom to bend
         way = finer(way, TURN_PER_PIECE, PIECE_LENGTH * ground.size)
     way = _shortened(problem, widened(problem, way))
-    return replace(step, way=of_parts(assembly, bodies, widened(problem, way)))
+    return replace(step, way=for_parts(assembly, ground, widened(problem, way)))
+
+
+def for_parts(assembly: Assembly, ground: Survey, way: Floats) -> Floats:
+    """Motions (k, n, 3) of the parts from a way of the bodies, with points in between where bodies turn.
+
+    The middles of bodies go straight, so reference points of parts that lie beside them do not quite.
+    """
+    bodies = ground.bodies
+    arm = assembly.rest[:, :2] - bodies.rest[bodies.body_of, :2]
+    bulge, most = STRAY * ground.clearance, float(np.hypot(*arm.T).max())
+    turn = np.sqrt(8 * bulge / most) if most > bulge else TURN_PER_PIECE
+    return of_parts(assembly, bodies, finer(way, turn) if np.abs(np.diff(way[..., 2], axis=0)).max() > STILL else way)
 
 
 def _shortened(problem: ClearanceProblem, way: Floats) -> Floats:

@@ -72,6 +72,11 @@ class Step:
     falling: tuple[str, ...] = ()
 
     @property
+    def all_held(self) -> tuple[str, ...]:
+        """Names of all that must be held, for either reason."""
+        return (*self.held, *(name for name in self.falling if name not in self.held))
+
+    @property
     def as_one(self) -> bool:
         """True where all parts that move do so as one rigid piece."""
         first = self.way - self.way[:1]

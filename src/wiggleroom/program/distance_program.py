@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.geometry.batches import in_batches
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.vertex_edge_pairs import VertexEdgePairs
 from wiggleroom.program import vertex_edge_distances as kernel
-from wiggleroom.program.nonlinear_program import Program, build
+from wiggleroom.program.nonlinear_program import Program, build, row_of
 from wiggleroom.program.objectives import Objective
 
 Floats = NDArray[np.float64]
@@ -20,30 +22,47 @@ Floats = NDArray[np.float64]
 class DistanceProgram(Program):
     """max objective(motion) subject to distances >= 0; fields as of `Program`, which its cells are `VertexEdgePairs` in."""
 
+    @property
+    def _listed(self) -> tuple[Any, ...]:
+        """Kind, edge and corner of every row, and the edges they refer to."""
+        near, shapes = self.cells, self.bodies.shapes
+        return near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length
+
     def row_values(self, g: Floats) -> Floats:
         """Distances (R,) in units of `length` at relative poses g (P, 3)."""
-        near, shapes, h = self.cells, self.bodies.shapes, np.empty(self.rows)
-        kernel.distances(g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, h)
+        near, h = self.cells, np.empty(self.rows)
+
+        def fill(some: slice) -> None:
+            kernel.distances(g[some], row_of(near.row, some), *self._listed, h)
+
+        in_batches(len(g), self.batches, fill)
         h /= self.length
         return h
 
     def row_gradients(self, g: Floats) -> Floats:
         """Derivatives (R, 3) of the distances with respect to (q, psi), in units of `length`."""
-        near, shapes, d = self.cells, self.bodies.shapes, np.empty((self.rows, 3))
-        kernel.distance_gradients(
-            g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, d
-        )
+        near, d = self.cells, np.empty((self.rows, 3))
+
+        def fill(some: slice) -> None:
+            kernel.distance_gradients(g[some], row_of(near.row, some), *self._listed, d)
+
+        in_batches(len(g), self.batches, fill)
         d /= self.length
         return d
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
         """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), made positive semidefinite, and D^T lam (P, 2) by q."""
-        near, shapes, radius = self.cells, self.bodies.shapes, self.bodies.radius
+        near, radius = self.cells, self.bodies.radius
         M, force = np.zeros((len(near.a), 6)), np.zeros((len(near.a), 2))
-        kernel.distance_blocks(
-            g, near.row, near.kind, near.edge, near.corner, shapes.corner, shapes.normal, shapes.length, d, weight, lam,
-            self.length, np.minimum(radius[near.a], radius[near.b]), np.empty((2, 3, 3)), M, force,
-        )  # fmt: skip
+        lever = np.minimum(radius[near.a], radius[near.b])
+
+        def fill(some: slice) -> None:
+            kernel.distance_blocks(
+                g[some], row_of(near.row, some), *self._listed, d, weight, lam, self.length, lever[some], np.empty((2, 3, 3)), M[some],
+                force[some],
+            )  # fmt: skip
+
+        in_batches(len(g), self.batches, fill)
         return M, force
 
 

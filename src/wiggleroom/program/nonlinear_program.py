@@ -9,6 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from wiggleroom.geometry.batches import THREADS, in_batches
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.constraint_rows import Regions, rows_of
@@ -17,6 +18,15 @@ from wiggleroom.program.sparsity_pattern import Pattern, pattern
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+MIN_PARALLEL_ROWS = 20_000
+"""From so many rows on two threads are quicker than one."""
+
+
+def row_of(row: Ints, some: slice) -> Ints:
+    """First rows of some pairs, and the end of the last."""
+    return row[some.start : some.stop + 1]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +74,11 @@ class Program:
         """Number of rows."""
         return len(self.kind)
 
+    @property
+    def batches(self) -> int:
+        """In so many batches its pairs are looked at."""
+        return THREADS if self.rows > MIN_PARALLEL_ROWS else 1
+
     def motion(self, u: Floats) -> Floats:
         """Motions (n, 3) [mm, mm, rad] of all bodies."""
         out = np.zeros((len(self.slot), 3))
@@ -91,14 +106,24 @@ class Program:
     def row_values(self, g: Floats) -> Floats:
         """Rows h (R,) in units of `length` at relative poses g (P, 3)."""
         h = np.empty(self.rows)
-        kernel.wall_values(g, self.cells.row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
+
+        def fill(some: slice) -> None:
+            row = row_of(self.cells.row, some)
+            kernel.wall_values(g[some], row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
+
+        in_batches(len(g), self.batches, fill)
         h /= self.length
         return h
 
     def row_gradients(self, g: Floats) -> Floats:
         """Derivatives (R, 3) of the rows with respect to (q, psi), in units of `length`."""
         d = np.empty((self.rows, 3))
-        kernel.wall_gradients(g, self.cells.row, self.kind, self.normal, self.per_turn, self.corner, d)
+
+        def fill(some: slice) -> None:
+            row = row_of(self.cells.row, some)
+            kernel.wall_gradients(g[some], row, self.kind, self.normal, self.per_turn, self.corner, d)
+
+        in_batches(len(g), self.batches, fill)
         d /= self.length
         return d
 
@@ -107,7 +132,12 @@ class Program:
         M, force = np.zeros((len(self.cells.a), 6)), np.zeros((len(self.cells.a), 2))
         # second derivatives of h share the rows' unit, first derivatives already carry it
         normal = self.normal / self.length
-        kernel.wall_blocks(g, self.cells.row, self.kind, d, normal, self.corner, weight, lam, M, force)
+
+        def fill(some: slice) -> None:
+            row = row_of(self.cells.row, some)
+            kernel.wall_blocks(g[some], row, self.kind, d, normal, self.corner, weight, lam, M[some], force[some])
+
+        in_batches(len(g), self.batches, fill)
         return M, force
 
     def linearise(self, u: Floats) -> Linearised:

@@ -26,6 +26,8 @@ MAX_CONTACTS = 300
 """Contacts that are drawn, those with the largest forces first."""
 MIN_FORCE_SHARE = 1e-3
 """Contacts with less than this share of the largest force are not drawn."""
+_DISC_SHARE, _DISC = 0.07, (9.0, 16.0)
+"""Radius of a numbered disc as a share of the size of a part, and the least and the largest [px]."""
 _SMALL, _SLIGHT = 30.0, 0.1
 """Parts of fewer pixels are too small for all their contacts: those with less than this share of the largest force are left out."""
 
@@ -104,14 +106,19 @@ def _pull(start: Floats, tip: Floats, moved: Floats | None = None) -> Mark:
     return Mark(svg + f'<path d="{head}" fill="{colour}"/>' + ring, tuple(lines))
 
 
-def numbered(mark: Mark, number: int) -> Mark:
-    """The mark with a number in a disc where its first line begins."""
+def numbered(mark: Mark, number: int, room: float) -> Mark:
+    """The mark with a number in a disc where its first line begins; large parts of `room` [px] have larger discs."""
     x, y = mark.lines[0][0]
+    size = min(max(_DISC_SHARE * room, _DISC[0]), _DISC[1])
+    radius = size * (1.0 if number < 10 else 1.2)
     disc = (
-        f'<circle cx="{x:.2f}" cy="{y:.2f}" r="9" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="1.5"/>'
+        f'<circle cx="{x:.2f}" cy="{y:.2f}" r="{radius:.1f}" fill="{palette.PAPER}" stroke="{palette.MOTION}" '
+        'stroke-width="1.5"/>'
     )
-    digit = text(x, y + 4.5, 13, palette.INK, str(number)).replace("<text ", '<text text-anchor="middle" ', 1)
-    return Mark(mark.svg + disc + digit, (*mark.lines, np.array([[x - 6, y], [x + 6, y]])), max(mark.clear, 9.0))
+    letters = 1.4 * size if number < 100 else size
+    digit = text(x, y + 0.36 * letters, letters, palette.INK, str(number), "middle")
+    line = np.array([[x - radius, y], [x + radius, y]])
+    return Mark(mark.svg + disc + digit, (*mark.lines, line), max(mark.clear, radius))
 
 
 def contact_mark(view: View, answer: Answer, rest: Floats, shown: Floats, room: float) -> Mark:

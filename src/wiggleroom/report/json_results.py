@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Container
 from typing import Any
 
 import msgspec
 import numpy as np
-from msgspec import UNSET, Struct
+from msgspec import UNSET, Struct, json
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.plain import plain
@@ -82,29 +81,32 @@ def contact_entry(contact: Contact) -> ContactEntry:
 def to_json(result: Struct | dict[str, Any]) -> str:
     """`result` as JSON text that is easy to read: one line for every part and every contact."""
     content = msgspec.to_builtins(result, enc_hook=plain)
-    lines = [f"  {json.dumps(key)}: {_value(value)}" for key, value in content.items()]
+    lines = [f"  {_line(key)}: {_value(value)}" for key, value in content.items()]
     return "{\n" + ",\n".join(lines) + "\n}\n"
 
 
 def _value(value: Any) -> str:
     """One entry of the record; those that hold many things get one line for each."""
     if isinstance(value, dict) and any(isinstance(v, dict) for v in value.values()):
-        return "{\n" + ",\n".join(f"    {json.dumps(k)}: {_line(v)}" for k, v in value.items()) + "\n  }"
+        return "{\n" + ",\n".join([f"    {_line(k)}: {_line(v)}" for k, v in value.items()]) + "\n  }"
     if isinstance(value, list) and any(isinstance(v, dict) for v in value):
-        return "[\n" + ",\n".join(f"    {_line(v)}" for v in value) + "\n  ]"
+        return "[\n" + ",\n".join([f"    {_line(v)}" for v in value]) + "\n  ]"
     return _line(value)
 
 
 def _line(value: Any) -> str:
-    return json.dumps(_finite(value), allow_nan=False)
+    """The value on one line; null for numbers that JSON cannot say, and no negative zero."""
+    text = json.encode(value)
+    if b"-0.0" in text:
+        text = json.encode(_positive_zeros(value))
+    return json.format(text, indent=0).decode()
 
 
-def _finite(value: Any) -> Any:
-    """Put null for numbers that JSON cannot say, and leave no negative zero."""
+def _positive_zeros(value: Any) -> Any:
     if isinstance(value, float):
-        return value + 0.0 if math.isfinite(value) else None
+        return value + 0.0
     if isinstance(value, dict):
-        return {k: _finite(v) for k, v in value.items()}
+        return {k: _positive_zeros(v) for k, v in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(v) for v in value]
+        return [_positive_zeros(v) for v in value]
     return value

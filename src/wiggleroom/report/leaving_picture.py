@@ -59,7 +59,7 @@ def leaving_picture(
     for k, leaving in enumerate(order):
         for name, direction in zip(leaving.parts, leaving.directions, strict=True):
             pull = Pull(name, direction, inside(assembly, name))
-            marks.append(numbered(goal_mark(view, assembly, pull, rest, rest, room), k + 1))
+            marks.append(numbered(goal_mark(view, assembly, pull, rest, rest, room), k + 1, room))
             gone.add(name)
     kinds = {p.name: _kind(p.name, p.fixed, gone, aside) for p in assembly.parts}
     tints = PartColours({name: _FILLS[kind] for name, kind in kinds.items()}, ())

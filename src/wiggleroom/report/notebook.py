@@ -14,9 +14,11 @@ from wiggleroom.report.pages import assembly_lines, page_of_answer, page_of_asse
 from wiggleroom.report.plan_results import plan_facts, plan_title
 from wiggleroom.report.separability import check_facts, check_title
 from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.spatial_table import check_sentence, spatial_headline, spatial_sentence
 from wiggleroom.report.study_results import lost_sentence
 from wiggleroom.report.tolerance_results import tolerances_facts, tolerances_sentence
-from wiggleroom.report.write_study import Study, page_of_study
+from wiggleroom.report.write_spatial import spatial_page
+from wiggleroom.report.write_study import Study, assembly_of, in_space, page_of_study
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
@@ -24,12 +26,15 @@ from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 HEIGHT = 560
 """Height of the frame [px]."""
 
 
-def mime_bundle(found: Assembly | Answer | Interlock | Study) -> dict[str, str]:
+def mime_bundle(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study) -> dict[str, str]:
     """What a notebook shows: the page in a frame that may run its script and nothing else, and text.
 
     Where there is nothing to put on a page, an empty sweep, the text is alone.
@@ -48,6 +53,8 @@ def mime_bundle(found: Assembly | Answer | Interlock | Study) -> dict[str, str]:
     shown = {"text/plain": "\n".join(said)}
     if isinstance(found, Sweep) and all(step.answer is None for step in found.steps):
         return shown
+    if isinstance(found, Sweep | Sample | AllowableGap) and _is_curve_in_space(found):
+        return shown
     return shown | {"text/html": frame(_page(found), said[0])}
 
 
@@ -59,13 +66,17 @@ def frame(page: str, title: str) -> str:
     )
 
 
-def lines(found: Assembly | Answer | Interlock | Study) -> list[str]:
+def lines(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study) -> list[str]:
     """What was found in a few lines of text, the headline first."""
     match found:
         case Assembly():
             return assembly_lines(found)
         case Answer():
             return [headline(found), f"{found.verdict}: {verdict_sentence(found)}", *facts(found)]
+        case SpatialAnswer():
+            return [spatial_headline(found), f"{found.verdict}: {spatial_sentence(found)}"]
+        case SpatialDisassembly():
+            return [f"{found.verdict} at gap {found.assembly.gap:g} mm: {check_sentence(found)}"]
         case Interlock():
             return [check_title(found), *check_facts(found, None)]
         case Checked():
@@ -86,9 +97,15 @@ def lines(found: Assembly | Answer | Interlock | Study) -> list[str]:
             return [tolerances_sentence(found), *tolerances_facts(found)]
 
 
-def _page(found: Assembly | Answer | Interlock | Study) -> str:
+def _is_curve_in_space(found: Sweep | Sample | AllowableGap) -> bool:
+    return isinstance(assembly_of(found), SpatialAssembly) and in_space(found) is None
+
+
+def _page(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study) -> str:
     if isinstance(found, Assembly):
         return page_of_assembly(found)
     if isinstance(found, Answer):
         return page_of_answer(found)
+    if isinstance(found, SpatialAnswer | SpatialDisassembly):
+        return spatial_page(found)
     return page_of_study(Checked(found) if isinstance(found, Interlock) else found)

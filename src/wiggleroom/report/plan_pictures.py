@@ -104,7 +104,7 @@ def still(found: Plan, k: int, *, command: str = "") -> str:
         0.0, shown, "checked", command=command,
     )  # fmt: skip
     title = f"step {k + 1} of {len(found.steps)}: {step_sentence(step)}"
-    said = [f"holds: {', '.join(step.held)}"] if step.held else []
+    said = [f"hold: {', '.join(step.all_held)}"] if step.all_held else []
     return picture(answer, magnify=1.0, title=title, said=said)
 
 

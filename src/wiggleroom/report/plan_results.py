@@ -155,7 +155,7 @@ def _step(names: tuple[str, ...], step: Step) -> PlanStepEntry:
         room=step.room,
         turn_room_deg=math.degrees(step.turn_room),
         axis=step.axis,
-        held=[*step.held, *(n for n in step.falling if n not in step.held)],
+        held=list(step.all_held),
         falling=list(step.falling),
     )
 

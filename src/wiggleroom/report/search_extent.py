@@ -8,15 +8,13 @@ from wiggleroom.planning.plan import Plan
 
 def extent(found: Interlock | Plan) -> str:
     """States that were visited, those in which parts were turned, and largest motions that were searched."""
-    said = _some(found.states, "state") + " visited"
-    if found.turned:
-        all_ = "in all" if found.turned == found.states and found.whole else f"in {found.turned:,}"
-        said += f", parts turned {all_} of them"
-    if found.questions:
-        said += f", {_some(found.questions, 'largest motion')} searched"
-        said += f" ({found.unanswered:,} without an end that is certain)" if found.unanswered else ""
-    return said
-
-
-def _some(count: int, what: str) -> str:
-    return f"{count:,} {what}{'s' if count != 1 else ''}" if count else f"no {what}s"
+    said = []
+    if found.states > 1:
+        said.append(f"{found.states:,} states visited")
+        if found.turned:
+            all_ = found.turned == found.states and found.whole
+            said.append("parts turned in all of them" if all_ else f"parts turned in {found.turned:,} of them")
+    count = found.questions
+    without = f" ({found.unanswered:,} without an end that is certain)" if found.unanswered else ""
+    said.append(f"{count or 'no'} largest motion{'s' if count > 1 else ''} searched{without}")
+    return ", ".join(said)

@@ -99,7 +99,7 @@ def check_table(found: Interlock, border: LargestGap | None = None) -> Group:
     if border is not None:
         lines.append(Text(border_sentence(border), style="bold"))
     spent = f"{found.seconds:.2f}" + (" without the largest gap" if border is not None else "")
-    searched = f", {extent(found)}" if found.questions or found.states else ""
+    searched = f", {extent(found)}" if found.questions or found.states > 1 else ""
     lines.append(Text(f"seconds: {spent}{searched}", style="dim"))
     return Group(*lines)
 
@@ -129,7 +129,7 @@ def why(found: Interlock) -> str:
         return f"proven, no part gets further than {further(found.at_most)} mm from where it lies"
     if found.certainty is Certainty.PROVEN:
         return "proven, free spaces are closed"
-    if found.turned:
+    if found.states > 1:
         return (
             f"searched, nothing leaves from {found.states:,} states to which slides and turns of single parts lead, nor along "
             f"{found.questions:,} largest motions"

@@ -50,7 +50,7 @@ class _Facet:
 
 
 def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
-    """Write a picture of an answer: moved parts over their outlines at rest, with contacts; .svg, .png or .glb.
+    """Write an answer: a page (.html), or a picture of moved parts over their outlines at rest, with contacts (.svg, .png, .glb).
 
     Raises
     ------

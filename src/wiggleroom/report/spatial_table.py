@@ -45,6 +45,11 @@ def spatial_headline(answer: SpatialAnswer) -> str:
     return f"{number(answer.objective)}: {asked}"
 
 
+def spatial_sentence(answer: SpatialAnswer) -> str:
+    """Say what the verdict means."""
+    return _SENTENCES.get(answer.verdict, answer.verdict.sentence)
+
+
 def spatial_certainty(answer: SpatialAnswer) -> str:
     """Say what was checked about the motion."""
     if not answer.collision_free:
@@ -57,7 +62,7 @@ def spatial_table(answer: SpatialAnswer) -> Group:
     from rich.console import Group
     from rich.text import Text
 
-    sentence = _SENTENCES.get(answer.verdict, answer.verdict.sentence)
+    sentence = spatial_sentence(answer)
     lines = [
         Text(spatial_headline(answer), style="bold"),
         Text.assemble((answer.verdict.value, f"bold {_COLOURS.get(answer.verdict, 'yellow')}"), f": {sentence}"),
@@ -105,7 +110,9 @@ def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = N
     from rich.text import Text
 
     lines = [
-        Text.assemble((found.verdict.value, "bold"), f" at gap {number(found.assembly.gap)} mm: {_rests_on(found)}")
+        Text.assemble(
+            (found.verdict.value, "bold"), f" at gap {number(found.assembly.gap)} mm: {check_sentence(found)}"
+        )
     ]
     for k, escape in enumerate(found.escapes[:_MOST_PARTS]):
         far = escape.path[-1]
@@ -124,7 +131,8 @@ def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = N
     return Group(*lines)
 
 
-def _rests_on(found: SpatialDisassembly) -> str:
+def check_sentence(found: SpatialDisassembly) -> str:
+    """Say what the verdict rests on."""
     if found.verdict is Separability.COMES_APART:
         return "every step of the way checked for overlap"
     if found.verdict is Separability.UNKNOWN:

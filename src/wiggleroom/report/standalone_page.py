@@ -44,12 +44,12 @@ def standalone_page(title: str, **found: Any) -> str:
         Fields of `StandalonePage`.
     """
     data = json_bytes(StandalonePage(**found)).decode().replace("<", "\\u003c")
-    scripts = [_shipped("page.js")]
+    scripts = [shipped("page.js")]
     if "space" in found:
-        scripts.insert(0, _shipped("space-view.js"))
-    style = _shipped("page.css")
+        scripts.insert(0, shipped("space-view.js"))
+    style = shipped("page.css")
     policy = (
-        f"default-src 'none'; img-src data:; style-src {_hashed(style)}; script-src {' '.join(map(_hashed, scripts))}"
+        f"default-src 'none'; img-src data:; style-src {hashed(style)}; script-src {' '.join(map(hashed, scripts))}"
     )
     code = "\n".join(f'<script type="module">{script}</script>' for script in scripts)
     return (
@@ -128,11 +128,12 @@ def section(
     return Piece(title, text, list(columns), cells, list(terms), picture)  # type: ignore[arg-type]
 
 
-def _hashed(text: str) -> str:
+def hashed(text: str) -> str:
     """What allows exactly this script or style."""
     return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
-def _shipped(name: str) -> str:
+def shipped(name: str) -> str:
+    """A bundle of the page's, as it may stand inside a page."""
     text = (resources.files("wiggleroom.report") / "web" / name).read_text(encoding="utf-8")
     return text.replace("</script", "<\\/script")

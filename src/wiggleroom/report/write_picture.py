@@ -11,6 +11,8 @@ from wiggleroom.files import write_whole
 from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, check_ending, ending
 from wiggleroom.report.stills import write_still
 from wiggleroom.search.answer import Answer
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 if TYPE_CHECKING:
     from wiggleroom.disassembly.interlock import Interlock
@@ -18,13 +20,15 @@ if TYPE_CHECKING:
 
 
 def draw(
-    found: Answer | Interlock | Study,
+    found: Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study,
     path: str | PathLike[str],
     *,
     command: str = "",
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
     """Write a picture (.svg, .png) or a report (.html) of an answer or a study; of an answer, and of ways out, a film too.
+
+    Of answers in space there are no films, but models (.glb).
 
     Parameters
     ----------
@@ -41,6 +45,11 @@ def draw(
         If a film needs a library that is not installed.
     """
     path = Path(path)
+    if isinstance(found, SpatialAnswer | SpatialDisassembly):
+        from wiggleroom.report.write_spatial import write_spatial
+
+        write_spatial(found, path, command)
+        return
     if not isinstance(found, Answer):
         from wiggleroom.report.write_study import draw_study
 

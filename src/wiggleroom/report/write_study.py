@@ -7,6 +7,7 @@ from pathlib import Path
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture as blame
@@ -15,9 +16,9 @@ from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, check_
 from wiggleroom.report.gap_limit import picture_of_gap
 from wiggleroom.report.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
 from wiggleroom.report.separability_picture import Checked, film_of_check, picture_of_check
-from wiggleroom.report.spatial_study_picture import draw_spatial_study
 from wiggleroom.report.stills import write_still
 from wiggleroom.report.tolerance_results import picture_of_tolerances
+from wiggleroom.report.write_spatial import SpatialFound, spatial_page, write_spatial
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
@@ -36,9 +37,9 @@ def draw_study(
     """Write what was found, as `wiggleroom.report.write_picture.draw` does."""
     if isinstance(found, Interlock):
         found = Checked(found)
-    solid = isinstance(found, Ranking | Tightening) or (isinstance(found, AllowableGap) and found.question == "holds")
-    if solid and isinstance(assembly_of(found), SpatialAssembly):
-        draw_spatial_study(found, path)  # type: ignore[arg-type]
+    shown = in_space(found)
+    if shown is not None:
+        write_spatial(shown, path, command)
         return
     check_ending(path, ANSWERS if isinstance(found, Checked | Plan) else STUDIES)
     kind = ending(path)
@@ -50,6 +51,18 @@ def draw_study(
         write_whole(path, page_of_study(found, command))
     else:
         write_still(_picture(found, command), path)
+
+
+def in_space(found: Study) -> SpatialFound | None:
+    """What is shown as parts in space; None for curves, and for drawings."""
+    if not isinstance(assembly_of(found), SpatialAssembly):
+        return None
+    match found:
+        case Ranking() | Tightening():
+            return found
+        case AllowableGap():
+            return found.sides[1] or found.sides[0]
+    return None
 
 
 def _picture(found: Study, command: str) -> str:
@@ -74,6 +87,11 @@ def _picture(found: Study, command: str) -> str:
 
 def page_of_study(found: Study, command: str = "") -> str:
     """Study or check as one HTML page."""
+    shown = in_space(found)
+    if shown is not None:
+        return spatial_page(shown, command)
+    if isinstance(assembly_of(found), SpatialAssembly):
+        raise InputError("page: curves in space are not made into a page; name an .svg or .png")
     match found:
         case Checked():
             return pages.page_of_check(found, command=command)

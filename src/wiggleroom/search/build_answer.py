@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import WiggleroomError
+from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.search.answer import Answer, Contact, Period
@@ -19,7 +20,7 @@ from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.search.loop import ESCAPE_DISTANCE, FULL_TURN, LocalSearch, Progress
 from wiggleroom.search.moves import branch_left_open
 from wiggleroom.search.periodic_motion import PeriodicMotion
-from wiggleroom.search.recession import recession_direction
+from wiggleroom.search.recession import recession_direction, turns_for_ever
 from wiggleroom.solve.kkt_conditions import conditions
 from wiggleroom.verdict import SolverStatus, Verdict
 
@@ -87,7 +88,7 @@ def answer_of(
         leaves=leaves,
         turns=turns,
         period=period,
-        warm_start=found,
+        warm_start=found if isinstance(found.program.cells, Cells) else None,  # stopped before there were cells
     )
 
 
@@ -105,8 +106,9 @@ def _verdict(search: LocalSearch, found: Incumbent, sure: bool) -> Verdict:
     if not sure:
         return Verdict.STOPPED
     if search.unlimited:
-        leaves = recession_direction(search.ready, search.objective, found.motion) is not None
-        return Verdict.UNBOUNDED if leaves else Verdict.STOPPED
+        ready, goal, motion = search.ready, search.objective, found.motion
+        endless = recession_direction(ready, goal, motion) is not None or turns_for_ever(ready, goal, motion)
+        return Verdict.UNBOUNDED if endless else Verdict.STOPPED
     if not search.ended or found.solution.status in (SolverStatus.STOPPED, SolverStatus.FAILED):
         return Verdict.STOPPED
     if not conditions(found.program, found.solution.u, found.solution.lam).hold(search.ready.size):

@@ -8,16 +8,15 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.cells.cells import grow_cells, select
 from wiggleroom.freespace.subdivision.largest_motion import MotionBoxes
-from wiggleroom.geometry.neighbours import placed, relative_pose
+from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import about
-from wiggleroom.program.nonlinear_program import build
-from wiggleroom.program.objectives import ZERO_MOTION, PointMotion
-from wiggleroom.search.incumbent import PathSegment, Start
+from wiggleroom.program.objectives import PointMotion
+from wiggleroom.search.incumbent import Start
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import THOROUGH
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.turn_in_place import start_after
 
 Floats = NDArray[np.float64]
 
@@ -73,7 +72,7 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
     first : LocalSearch
         Ended.
     """
-    boxes = _boxes(first)
+    boxes = None if first.stopped else _boxes(first)
     best, at_most, ends = first, None, [first.certain_value()[0]]
     alone = int((~first.ready.bodies.fixed).sum()) == 1
     visits = MAX_VISITS if alone else VISITS_OF_ONE_OF_SEVERAL
@@ -149,17 +148,9 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
 
 def _start(ready: Prepared, boxes: MotionBoxes, way: Floats) -> Start | None:
     """Where a search begins at the end of a path of boxes; None where no cells grow there."""
-    bodies, cells, body = ready.bodies, ready.cells, boxes.body
+    bodies, body = ready.bodies, boxes.body
     spot = ready.assembly.rest[bodies.members[body][0], :2]  # a path is straight about the reference points of parts
     way = boxes.straightened(way, spot)
     motions = np.zeros((len(way), len(bodies.fixed), 3))
     motions[:, body] = about(way[:, None], (bodies.rest[body, :2] - spot)[None])[:, 0]
-    n = len(bodies.fixed)
-    keys = np.union1d(cells.a * n + cells.b, ready.corners)
-    a, b = keys // n, keys % n
-    grown, good = grow_cells(bodies, a, b, relative_pose(bodies, a, b, motions[-1]), np.full(len(a), ready.clearance))
-    if not good.all():
-        return None
-    program = build(bodies, select(cells, np.zeros(0, dtype=np.int64)), ZERO_MOTION, length=ready.clearance)
-    segment = PathSegment(program, tuple(program.variables(motion) for motion in motions))
-    return Start(grown, motions[-1], (segment,))
+    return start_after(ready, motions)

@@ -7,17 +7,19 @@ corners from edges commit to nothing, so this climb ends in a better one; then c
 from __future__ import annotations
 
 import time
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.errors import StoppedError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, replaced, select
 from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.program.distance_program import DistanceProgram, build_distances
-from wiggleroom.search.incumbent import PathSegment, Start
+from wiggleroom.search.active_set import ActiveSet
+from wiggleroom.search.carried_start import carried_start
+from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
 from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
 from wiggleroom.solve import interior_point
 from wiggleroom.solve.interior_point import Solution
@@ -27,8 +29,8 @@ Floats = NDArray[np.float64]
 
 MIN_BODIES = 100
 """In smaller assemblies cells alone come as far."""
-CLIMB_TOLERANCE = 1e-2
-"""Of the climb, which is to show the basin only."""
+CLIMB_TOLERANCE = 1e-3
+"""Of the climb: rounds among cells go on from there."""
 REACH, BESIDE = 5.0, 1.0
 """Of pairs with edges that face each other: corners up to so many clearances in front of an edge, and beside its ends, are listed."""
 CORNER_REACH = 12.0
@@ -39,8 +41,11 @@ MAX_ROWS_PER_PAIR = 40
 """Curves of many short edges list more, most of them about the same place; there the climb takes too many steps."""
 
 
-def climbed(search: LocalSearch, start: Start) -> Start:
-    """Where the search begins after a climb among distances; the start itself where that does not apply or leads nowhere."""
+def climbed(search: LocalSearch, start: Start) -> Start | Incumbent:
+    """Where the search begins after a climb among distances; the start itself where that does not apply or leads nowhere.
+
+    Where it is asked to stop meanwhile, the end of the climb is the best motion there is.
+    """
     if len(search.ready.bodies.fixed) <= MIN_BODIES or search.solve is not interior_point.solve:
         return start
     began = time.perf_counter()
@@ -50,13 +55,19 @@ def climbed(search: LocalSearch, start: Start) -> Start:
     begin = nudged(program, program.variables(start.inner))
     solution = interior_point.solve(
         program, begin, mu=start.mu, tolerance=CLIMB_TOLERANCE, horizon=ESCAPE_DISTANCE * search.ready.size,
-        stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
+        balanced=False, stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
     )  # fmt: skip
     search.iterations += solution.iterations
     search.seconds["solve"] += time.perf_counter() - began
     if solution.status not in (SolverStatus.CONVERGED, SolverStatus.STOPPED) or not solution.way:
         return start
-    return _handed_over(search, start, program, solution)
+    try:
+        return _handed_over(search, start, program, solution)
+    except StoppedError:
+        motion, none = program.motion(solution.u), np.zeros(0)
+        active = ActiveSet(none.astype(np.int64), none.astype(np.int64), none, none)
+        value = search.objective.value(motion)
+        return Incumbent(motion, value, program, solution, active, (), begin, CLIMB_TOLERANCE, start.mu)
 
 
 def _program(search: LocalSearch, start: Start) -> DistanceProgram:
@@ -88,9 +99,11 @@ def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, so
     search.seconds["freespace"] += time.perf_counter() - began
     if cells is None:
         return start
-    mu = solution.inner_mu * program.rows / max(len(cells.kind), 1)
     segment = PathSegment(program, tuple(points[: inner + 1]))
-    return replace(start, cells=cells, inner=program.motion(points[inner]), segments=(segment,), mu=mu)
+    begun = Start(cells, program.motion(points[inner]), (segment,), solution.inner_mu, HANDED_OVER_TOLERANCE)
+    if points[inner] is not solution.inner:
+        return begun
+    return carried_start(begun, program, solution, np.ones(len(cells.a), dtype=bool))
 
 
 def _last_free(search: LocalSearch, motions: list[Floats]) -> int:
@@ -98,6 +111,7 @@ def _last_free(search: LocalSearch, motions: list[Floats]) -> int:
     ready = search.ready
 
     def free(k: int) -> bool:
+        go_on(search.stop)
         return overlaps(ready.bodies, motions[k], ready.ignored).deepest <= OVERLAP_TOLERANCE * ready.size
 
     low, high = 0, len(motions) - 1
@@ -114,10 +128,12 @@ def _cells(search: LocalSearch, program: DistanceProgram, inner: Floats, end: Fl
     bodies, a, b = search.ready.bodies, program.cells.a, program.cells.b
     seed, keep = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, end)
     room = np.full(len(a), search.ready.clearance)
-    cells, grown = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :])
+    cells, grown = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], stop=search.stop)
     rest = np.flatnonzero(~grown)
     if len(rest):
-        others, grown = grow_cells(bodies, a[rest], b[rest], seed[rest], room[rest], target=keep[rest])
+        others, grown = grow_cells(
+            bodies, a[rest], b[rest], seed[rest], room[rest], target=keep[rest], stop=search.stop
+        )
         if not grown.all():
             return None
         cells = replaced(cells, rest, select(others, np.arange(len(rest))))

@@ -15,6 +15,8 @@ from wiggleroom.solve.interior_point import INITIAL_BARRIER, Solution
 
 Floats = NDArray[np.float64]
 
+HANDED_OVER_TOLERANCE = 1e-3
+"""Tolerance of the first round among cells after a climb without; the next one is fine, earlier ones show where everything wants to go."""
 BARRIER_GROWTH = 5.0
 """A round begins with this multiple of the complementarity at the inner point of the one before: its new cells leave more to gain."""
 
@@ -43,6 +45,8 @@ class Start:
         Complementarity to begin with.
     tolerance : float, optional
         Of the round; by default that of the first rounds.
+    multipliers : (R,) float64, optional
+        Of the rows of all cells, to begin with.
     """
 
     cells: Cells
@@ -50,6 +54,7 @@ class Start:
     segments: tuple[PathSegment, ...] = ()
     mu: float = INITIAL_BARRIER
     tolerance: float | None = None
+    multipliers: Floats | None = None
 
 
 def start_at_rest(ready: Prepared) -> Start:

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import Stop
+from wiggleroom.errors import Stop, StoppedError, go_on
 from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells
 from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import Overlaps, overlaps
@@ -21,6 +21,7 @@ from wiggleroom.search.active_set import touching
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import Prepared
+from wiggleroom.solve import interior_point
 from wiggleroom.solve.interior_point import Solution
 from wiggleroom.verdict import SolverStatus
 
@@ -43,6 +44,8 @@ MAX_RESTARTS = 3
 """Most restarts after a pair outside the program was met on the path."""
 LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
+CARRYING_ASSEMBLY = 100
+"""In larger assemblies rounds begin with multipliers."""
 FULL_TURN = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
 
@@ -87,6 +90,8 @@ class Policy:
     mu_may_grow : bool
         Whether a round may begin with more complementarity than the one before.
     most_rounds : int
+    prepares_next : bool
+        Whether the next round is prepared even after a request to stop: a drag goes on from there.
     """
 
     moves: tuple[Move, ...]
@@ -96,6 +101,7 @@ class Policy:
     rough: float = ROUGH_TOLERANCE
     mu_may_grow: bool = True
     most_rounds: int = MAX_ROUNDS
+    prepares_next: bool = False
 
 
 @dataclass(eq=False)
@@ -150,24 +156,31 @@ class LocalSearch:
         most = self.rounds + self.policy.most_rounds
         proposals: Iterator[Start] = iter((start,))
         while self.rounds < most:
-            begin = next(proposals, None)
-            if begin is None:
-                begin = self._with_more_pairs(start)
-                self.ended = begin is None
+            if self.interrupted is not None and self.stopped and self.best is not None:
+                break
+            try:
+                begin = next(proposals, None)
                 if begin is None:
-                    break
+                    begin = self._with_more_pairs(start)
+                    self.ended = begin is None
+                    if begin is None:
+                        break
+            except StoppedError:
+                break
             self.coming = begin
             if self.stopped and self.best is not None:
                 break
             found = self.last = self._round(begin)
             status = found.solution.status
-            if (
-                status is not SolverStatus.STOPPED
-                and found.tolerance > self.fine
-                and (more := self._with_missed(found, start))
-            ):
-                proposals = iter((more,))
-                continue
+            if status is not SolverStatus.STOPPED and found.tolerance > self.fine:
+                try:
+                    more = self._with_missed(found, start)
+                except StoppedError:
+                    self._keep(found)
+                    break
+                if more:
+                    proposals = iter((more,))
+                    continue
             before = self.best
             gained = self._keep(found)
             if status is SolverStatus.STOPPED:
@@ -198,6 +211,11 @@ class LocalSearch:
         return self.stop is not None and self.stop.is_set()
 
     @property
+    def interrupted(self) -> Stop | None:
+        """What stops the preparation of a round; None where nothing does."""
+        return None if self.policy.prepares_next else self.stop
+
+    @property
     def fine(self) -> float:
         """Tolerance of the last rounds."""
         return self.policy.fine(self)
@@ -206,6 +224,11 @@ class LocalSearch:
     def large(self) -> bool:
         """True where the last hundredth of a per cent would cost more than all before."""
         return len(self.ready.bodies.fixed) > LARGE_ASSEMBLY
+
+    @property
+    def carries_multipliers(self) -> bool:
+        """True where a round begins with the multipliers of the one before, and so takes fewer iterations."""
+        return len(self.ready.bodies.fixed) > CARRYING_ASSEMBLY and self.solve is interior_point.solve
 
     @property
     def unlimited(self) -> bool:
@@ -246,10 +269,11 @@ class LocalSearch:
         self.rounds += 1
         number, begin = self.rounds, program.variables(start.inner)
         tolerance = self.policy.rough if start.tolerance is None else start.tolerance
+        carried = {} if start.multipliers is None else {"multipliers": start.multipliers}
         solution = self.solve(
             program, begin if start.segments else nudged(program, begin), mu=start.mu, tolerance=tolerance,
             horizon=ESCAPE_DISTANCE * self.ready.size, stop=self.stop,
-            progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)),
+            progress=lambda iteration, value: self.tell(Progress("solve", number, iteration, value)), **carried,
         )  # fmt: skip
         self.iterations += solution.iterations
         motion = program.motion(solution.u)
@@ -296,9 +320,11 @@ class LocalSearch:
         """The start of a round with the pairs that overlap at its end and were not in its program; None where there are none."""
         began = time.perf_counter()
         self.tell(Progress("check", self.rounds, found.solution.iterations, found.value))
+        go_on(self.interrupted)
         cells, n = found.program.cells, len(found.motion)
         known = cells.a * n + cells.b
         missed, more = self.missed(found.motion, known), None
+        go_on(self.interrupted)
         if len(missed.a):
             corners = self.ready.corners[~np.isin(self.ready.corners, known)]
             key = np.unique(np.concatenate([missed.a * n + missed.b, corners]))
@@ -340,7 +366,8 @@ class LocalSearch:
         """Cells of some pairs where a round begins, with room towards a motion, and which of them lie free there."""
         bodies = self.ready.bodies
         seed, target = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, wanted)
-        return grow_cells(bodies, a, b, seed, np.full(len(a), self.ready.clearance), target=target)
+        room = np.full(len(a), self.ready.clearance)
+        return grow_cells(bodies, a, b, seed, room, target=target, stop=self.interrupted)
 
 
 def nudged(program: Program, u: Floats) -> Floats:

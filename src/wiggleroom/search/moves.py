@@ -13,8 +13,9 @@ from wiggleroom.freespace.cells.cells import grow_cells, replaced, select
 from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.program.nonlinear_program import build
 from wiggleroom.search.active_set import target_poses
+from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.congruent_swap import CongruentSwap, congruent_swaps, exchanged, followed
-from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
+from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
 from wiggleroom.search.loop import (
     FINE_TOLERANCE,
     MAX_TOLERANCE,
@@ -49,12 +50,13 @@ def regrow_stale(search: LocalSearch, incumbent: Incumbent, gained: bool) -> Ite
     pairs = search.policy.stale(search, incumbent) if gained else np.zeros(0, dtype=np.int64)
     if len(pairs):
         failed = incumbent.solution.status is SolverStatus.FAILED  # still on its way: go on in larger steps
-        rough = failed or incumbent.tolerance > 2 * search.fine
+        rough = failed or incumbent.tolerance > max(2 * search.fine, HANDED_OVER_TOLERANCE)
         start = regrown(search, incumbent, pairs)
         yield replace(
             start,
             tolerance=(None if failed else incumbent.tolerance) if rough else search.fine,
             mu=INITIAL_BARRIER if failed else start.mu,
+            multipliers=None if failed else start.multipliers,
         )
 
 
@@ -137,10 +139,16 @@ def regrown(
         excluded_edge=excluded_edge,
         target=target,
         to_the_end=turned_out,
+        stop=search.interrupted,
     )
     cells = replaced(old, pairs[good], select(grown, np.flatnonzero(good)))
+    start = replace(start, cells=cells)
+    if search.carries_multipliers and level == 0:
+        fresh = np.zeros(len(cells.a), dtype=bool)
+        fresh[pairs[good]] = True
+        start = carried_start(start, incumbent.program, incumbent.solution, fresh)
     search.seconds["freespace"] += time.perf_counter() - began
-    return replace(start, cells=cells)
+    return start
 
 
 def _swapped(search: LocalSearch, incumbent: Incumbent, swap: CongruentSwap) -> Start:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.audit_outlines import AuditOutlines
 from wiggleroom.audit.path_audit import PathAudit, audit_path
+from wiggleroom.deadline import GracePeriod
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.rigid_motions import of_parts
@@ -73,18 +74,20 @@ class _Point:
 def whole_way(ready: Prepared, segments: Sequence[PathSegment], stop: Stop | None = None) -> CheckedPath:
     """Check a path that consists of legs, each inside the cells of one program.
 
-    Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help.
+    Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help. Once it is asked to
+    stop, the audit goes on for what is left of a grace period; where it does not get through, only rest is certain.
     """
+    late = stop.end if isinstance(stop, GracePeriod) else stop
     parts = ready.outlines
     points = [_Point(0, 0, segments[0].points[0], 0)]
     points += [_Point(k, i, u, 0) for k, segment in enumerate(segments) for i, u in enumerate(segment.points) if i]
     waypoints = _waypoints(ready, segments, points)
-    audit = audit_path(parts, waypoints)
+    audit = audit_path(parts, waypoints, late)
     free = audit.free
     if not free and audit.certain and not (stop is not None and stop.is_set()):
-        points, free = _refined(ready, segments, parts, points, audit)
+        points, free = _refined(ready, segments, parts, points, audit, stop)
         waypoints = _waypoints(ready, segments, points)
-        audit = audit if free else audit_path(parts, waypoints)  # else every piece has been judged already
+        audit = audit if free else audit_path(parts, waypoints, late)  # else every piece has been judged already
     motions = np.array([segments[p.segment].program.motion(p.u) for p in points])
     if free:
         none = np.zeros(0, dtype=np.int64)
@@ -110,7 +113,12 @@ def _waypoints(ready: Prepared, segments: Sequence[PathSegment], points: Sequenc
 
 
 def _refined(
-    ready: Prepared, segments: Sequence[PathSegment], parts: AuditOutlines, points: list[_Point], audit: PathAudit
+    ready: Prepared,
+    segments: Sequence[PathSegment],
+    parts: AuditOutlines,
+    points: list[_Point],
+    audit: PathAudit,
+    stop: Stop | None,
 ) -> tuple[list[_Point], bool]:
     """The path with more points on the doubtful pieces, one stretch of them after the other; True where all are free now."""
     out: list[_Point] = []
@@ -122,7 +130,7 @@ def _refined(
         while end < len(doubtful) and doubtful[end]:
             end += 1
         if end > begin:
-            stretch, certain = _refined_stretch(ready, segments, parts, points[begin : end + 1], refiner)
+            stretch, certain = _refined_stretch(ready, segments, parts, points[begin : end + 1], refiner, stop)
             out += stretch[1:-1]
             if not certain:  # what comes later is of no use
                 return [*out, *points[end:]], False
@@ -131,7 +139,12 @@ def _refined(
 
 
 def _refined_stretch(
-    ready: Prepared, segments: Sequence[PathSegment], parts: AuditOutlines, points: list[_Point], refiner: _Refiner
+    ready: Prepared,
+    segments: Sequence[PathSegment],
+    parts: AuditOutlines,
+    points: list[_Point],
+    refiner: _Refiner,
+    stop: Stop | None,
 ) -> tuple[list[_Point], bool]:
     """Halve the doubtful pieces of a stretch until none is left, or that does not help; True where none is."""
     doubtful = np.ones(len(points) - 1, dtype=bool)
@@ -143,10 +156,12 @@ def _refined_stretch(
                 finer.append(refiner.middle(points[k], after))
             finer.append(replace(after, depth=after.depth + (k in halved)))
         points = finer
-        audit = audit_path(parts, _waypoints(ready, segments, points))
+        audit = audit_path(parts, _waypoints(ready, segments, points), stop)
         doubtful = audit.doubtful
         if audit.free:
             return points, True
+        if stop is not None and stop.is_set():
+            return points, False
         k = int(doubtful.argmax())
         stranger = len(missed(ready.bodies, audit, segments[points[k + 1].segment].program)[0]) > 0
         if audit.certain == 0 or points[k + 1].depth >= (MAX_UNKNOWN_SPLITS if stranger else MAX_SPLITS):

@@ -1,4 +1,4 @@
-"""Directions in which bodies move without end: they go straight, take along what lies before them, and nothing that stands is among it."""
+"""Motions without end: bodies go straight, or turn as one, take along what is in their way, and nothing that stands is among it."""
 
 from __future__ import annotations
 
@@ -16,6 +16,8 @@ DIRECTIONS = 32
 """Directions evenly round that are tried, besides that of the motion and that of the objective."""
 FAR = 1e4
 """So many drawing sizes along a direction stand for infinity."""
+NEAR = 1e-6
+"""What comes nearer to a circle than this share of its radius is taken along by what turns in it."""
 MIN_SLOPE = 1e-3
 """What grows over so many drawing sizes, and as much again over twice as many, grows without end."""
 
@@ -74,3 +76,26 @@ def _grows(ready: Prepared, objective: Objective, motion: Floats, who: NDArray[n
     here, there, twice = (objective.value(motion + k * away) for k in (0, 1, 2))
     least = MIN_SLOPE * FAR * ready.size * float(np.abs(objective.gradient(motion)[:, :2]).max())
     return there - here > least and twice - there > (1 - MIN_SLOPE) * (there - here)
+
+
+def turns_for_ever(ready: Prepared, objective: Objective, motion: Floats) -> bool:
+    """True where a body that is asked to turn does so without end from a motion (n, 3), together with what is near, clear of all else."""
+    shapes, value = placed(ready.bodies, motion), objective.value(motion)
+    slope = objective.gradient(motion)[:, 2]
+    for body in np.flatnonzero((slope != 0) & ~ready.bodies.fixed):
+        who = np.zeros(len(shapes), dtype=bool)
+        who[body], grows = True, True
+        while grows and not (who & ready.bodies.fixed).any():
+            together = shapely.union_all(shapes[who])
+            middle = shapely.centroid(shapely.minimum_bounding_circle(together))
+            reach = shapely.distance(middle, shapely.points(shapely.get_coordinates(together))).max()
+            near = shapely.distance(middle, shapes) <= reach * (1 + NEAR)
+            grows = bool((near & ~who).any())
+            who |= near
+        if (who & ready.bodies.fixed).any():
+            continue
+        once_more = motion.copy()
+        once_more[who, 2] += 2 * np.pi * np.sign(slope[body])
+        if objective.value(once_more) > value + MIN_SLOPE:
+            return True
+    return False

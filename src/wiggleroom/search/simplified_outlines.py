@@ -13,7 +13,7 @@ from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.errors import InputError, Stop, TouchingError
 from wiggleroom.geometry.outer_simplification import MIN_CORNERS, is_fine, simplified_outward
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.search.prepare import Prepared, prepare, typical_clearance
+from wiggleroom.search.prepare import Prepared, Survey, prepare, typical_clearance
 
 Floats = NDArray[np.float64]
 
@@ -52,6 +52,17 @@ def prepare_simplified(assembly: Assembly, near: Floats = NOWHERE, stop: Stop | 
             continue
         return replace(ready, assembly=assembly, simplified=tolerance * clearance)
     return None
+
+
+def prepare_outlines(assembly: Assembly, ground: Survey | None = None, stop: Stop | None = None) -> Prepared:
+    """The assembly made ready: with fewer corners where its outlines have more than they need, else as it is; raises as `prepare` does."""
+    return prepare_simplified(assembly, stop=stop) or prepare(assembly, ground=ground, stop=stop)
+
+
+def refined_at_contacts(ready: Prepared, answer: Answer) -> Prepared:
+    """The same, simplified outlines as near to what was drawn as they were in the end where an answer has contacts."""
+    places = contact_places(answer) if ready.simplified else NOWHERE
+    return (prepare_simplified(ready.assembly, places) or ready) if len(places) else ready
 
 
 def contact_places(answer: Answer) -> Floats:

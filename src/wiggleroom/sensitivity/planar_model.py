@@ -20,7 +20,8 @@ from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.simplified_outlines import prepare_outlines, refined_at_contacts
 from wiggleroom.sensitivity.dual_face import face, group_gains
 from wiggleroom.sensitivity.parallel import Work
 from wiggleroom.sensitivity.perturbation import (
@@ -57,7 +58,7 @@ class PlanarModel:
     @cached_property
     def ready(self) -> Prepared:
         """Pairs and free spaces."""
-        return prepare(self.question) if isinstance(self.question, Assembly) else self.question
+        return prepare_outlines(self.question) if isinstance(self.question, Assembly) else self.question
 
     @property
     def clearance(self) -> float:
@@ -91,7 +92,8 @@ class PlanarModel:
 
     def draws(self, answer: Answer) -> tuple[Work, Any]:
         """What many such motions need: moved walls of the prepared assembly."""
-        return one_draw, (self.ready, ended(answer).program.objective, answer.goals)
+        ready = refined_at_contacts(self.ready, answer)
+        return one_draw, (ready, ready.objective(answer.goals), answer.goals)
 
     def draws_afresh(self, answer: Answer) -> tuple[Work, Any]:
         """The same, everything worked out anew."""

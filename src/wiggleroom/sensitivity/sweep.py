@@ -29,7 +29,8 @@ from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.incumbent import Start
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import THOROUGH
-from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.search.prepare import Prepared
+from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.sensitivity.perturbation import ended
 from wiggleroom.solve.interior_point import solve
 from wiggleroom.verdict import Verdict
@@ -247,7 +248,7 @@ def _step(
     try:
         answer = None if last is None or ready is None else _from(last, ready, goals, stop)
         if answer is None or ready is None:
-            ready = prepare(made, stop=stop)
+            ready = prepare_outlines(made, stop=stop)
             answer = witness(ready, goals, stop=stop)
     except StoppedError:
         return SweepStep(gap, None, Verdict.STOPPED, False), last
@@ -275,7 +276,7 @@ def _looser(assembly: Assembly, step: SweepStep, gap: float) -> SweepStep:
 
 def _carried(last: _SweepState | None, made: Assembly) -> Prepared | None:
     """A prepared assembly with its outlines moved to a larger gap; None where that is not all that changes."""
-    if last is None or made.drawing.gaps:
+    if last is None or made.drawing.gaps or last.ready.simplified:
         return None
     before, more = last.ready.bodies, made.gap - last.gap
     try:

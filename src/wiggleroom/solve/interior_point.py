@@ -14,9 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
-from wiggleroom.program.nonlinear_program import Program
+from wiggleroom.program.nonlinear_program import Linearised, Program
 from wiggleroom.program.retraction import Retraction
-from wiggleroom.solve.factorisation import MIN_DISSECTION_ROWS, Factor, factor
+from wiggleroom.solve.carried_multipliers import LEAST_CARRIED_SLACK
+from wiggleroom.solve.centrality_correctors import corrected
+from wiggleroom.solve.factorisation import Factor, factor
 from wiggleroom.solve.monotone_barrier import MonotoneBarrier
 from wiggleroom.solve.newton_step import MIN_SHIFT, Iterate, dot, max_step, newton
 from wiggleroom.solve.saddle_escape import ascent_direction, perturbed_start
@@ -30,6 +32,8 @@ WARM_START_GAP = 3e-2
 """The next program starts at the last feasible iterate whose complementarity was still this share of the objective."""
 SLACK_TOLERANCE = 1e-12
 """Slacks that are right to this share of `program.length` are exact."""
+MAX_LIFTS = 8
+"""Most steps that lift rows that are violated at the end."""
 MAX_PULLS = 60
 """Most points tried between a feasible point and an end that violates rows."""
 
@@ -54,21 +58,27 @@ class Settings:
         Share of the horizon that a body may move in one iteration.
     proximal_share : float in (0, 1)
         Share of the tolerance that may be given up to stay near rest, so that bodies that nothing holds do not drift.
-    dual_error_ratio, dual_error_floor : float in (0, 1)
+    dual_error_ratio, dual_error_floor, dual_error_allowance : float in (0, 1)
         Bound on dual residual times displacement since the start, relative to the duality gap; it counts where it exceeds the floor, a
-        share of the objective.
+        share of the objective, as far as it exceeds the allowance. Without allowance it sets in with a jump, which is quick; in large
+        programs such jumps follow each other.
     dual_tolerance : float in (0, 1)
         Largest dual residual at the end, as a share of the objective's largest derivative.
     min_iterations, max_iterations, max_monotone_iterations : int
         Of the predictor-corrector method, and of the monotone barrier method that takes over where it fails.
     max_stalled_iterations : int
         After so many iterations that do not reduce the error the predictor-corrector method has failed.
-    refactorisation_interval, reuse_tolerance : int, float
-        So many of the last steps share a factorisation in large programs, where the tolerance is coarser than this.
     max_saddle_escapes : int
         Most escapes from saddle points, where the first-order conditions hold but the objective curves upwards.
     max_free_shift : float > 0
         A diagonal strengthened by more than this keeps steps short; then longer ones are tried.
+    max_centring : float > 0
+        Where feasibility falls behind, complementarity becomes at most this multiple of what it was.
+    min_restoring_step, lifted_slack : float in (0, 1), float > 0 [program.length]
+        At the end of large programs, where steps that restore feasibility are shorter than the first, violated rows alone are
+        lifted; slacks below the second weigh no more there.
+    corrected_gap : float in (0, 1)
+        Centrality correctors lengthen the steps of large programs from this share of the objective on: before, they lead into worse basins.
     """
 
     fraction_to_boundary: float = 0.99
@@ -80,18 +90,29 @@ class Settings:
     proximal_share: float = 0.01
     dual_error_ratio: float = 0.3
     dual_error_floor: float = 0.05
+    dual_error_allowance: float = 0.0
     dual_tolerance: float = 1e-3
     min_iterations: int = 3
     max_iterations: int = 100
     max_monotone_iterations: int = 200
     max_stalled_iterations: int = 30
-    refactorisation_interval: int = 3
-    reuse_tolerance: float = 1e-3
     max_saddle_escapes: int = 2
     max_free_shift: float = 1e-3
+    max_centring: float = 10.0
+    min_restoring_step: float = 0.7
+    lifted_slack: float = 1e-9
+    corrected_gap: float = 0.0
 
 
 SETTINGS = Settings()
+LARGE_PROGRAM = 300
+"""Programs of more variables are large: they take more iterations, so these are made to count, and roundings add up."""
+LARGE_SETTINGS = replace(SETTINGS, max_centring=1.0, dual_error_allowance=SETTINGS.dual_error_floor, corrected_gap=0.3)
+
+
+def settings_for(variables: int) -> Settings:
+    """Parameters for a program of so many variables."""
+    return LARGE_SETTINGS if variables > LARGE_PROGRAM else SETTINGS
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,6 +135,8 @@ class Solution:
         Points inside all rows on the way from the start.
     error : float
         Largest of complementarity, violation and dual residual, in units of the objective.
+    inner_lam : (R,) float64, optional
+        Multipliers at the inner point, scaled as `lam`.
     """
 
     u: Floats
@@ -124,6 +147,7 @@ class Solution:
     inner_mu: float
     way: tuple[Floats, ...] = ()
     error: float = 0.0
+    inner_lam: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,10 +170,12 @@ def solve(
     start: Floats | None = None,
     *,
     mu: float = INITIAL_BARRIER,
+    multipliers: Floats | None = None,
     tolerance: float = 1e-6,
     horizon: float = np.inf,
     enough: float = np.inf,
     exact: float = SLACK_TOLERANCE,
+    balanced: bool = True,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
 ) -> Solution:
@@ -162,6 +188,8 @@ def solve(
         Strictly inside all rows; by default rest.
     mu : float
         Complementarity to begin with, as a share of the objective's largest derivative.
+    multipliers : (R,) float64, optional
+        To begin with, scaled as those of a `Solution`; by default every row has the same complementarity.
     tolerance : float
         Share of the objective that may be left on the table.
     horizon : float [mm]
@@ -170,6 +198,8 @@ def solve(
         A point inside all rows that is worth so much is good enough.
     exact : float
         A point inside all rows whose slacks are right to this share of `program.length` needs no more steps at the end.
+    balanced : bool
+        Whether the multipliers must be in balance with the objective at the end; without, only the motion is of use.
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
 
@@ -179,14 +209,15 @@ def solve(
     """
     begin = np.zeros(len(program.scale)) if start is None else start.copy()
     matrix, retraction = factor(program.pattern), Retraction(program)
-    unit = float(np.abs(program.linearise(begin).gradient).max()) or 1.0
+    unit = barrier_unit(program.linearise(begin))
     farthest = SETTINGS.max_step_share * horizon / program.length
-    watch = _Monitor(tolerance, horizon, enough, stop, progress, begin, mu)
+    watch = _Monitor(tolerance, horizon, enough, balanced, stop, progress, begin, mu)
 
-    def at_start(u: Floats, mu: float, least: float) -> Iterate:
+    def at_start(u: Floats, mu: float, least: float, lam: Floats | None = None) -> Iterate:
         at = program.linearise(u)
-        s = np.maximum(at.h, least)
-        return Iterate(u, s, mu / s, at, unit, np.zeros_like(u), SETTINGS.proximal_share * tolerance)
+        s = np.maximum(at.h, least if lam is None else LEAST_CARRIED_SLACK)
+        lam = mu / s if lam is None else lam / unit
+        return Iterate(u, s, lam, at, unit, np.zeros_like(u), SETTINGS.proximal_share * tolerance)
 
     def predictor_corrector(state: Iterate, primal: Floats, dual: Floats, least: float) -> bool:
         step = _step(state, matrix, retraction, primal, dual, watch.mu, watch.infeasibility_ratio, least)
@@ -195,10 +226,10 @@ def solve(
         return step is not None
 
     for escapes in range(SETTINGS.max_saddle_escapes + 1):
-        state = at_start(begin, mu, SETTINGS.initial_slack)
+        state = at_start(begin, mu, SETTINGS.initial_slack, None if escapes else multipliers)
         status = watch.follow(state, predictor_corrector, SETTINGS.max_iterations)
         if status is SolverStatus.FAILED and watch.feasible is not None:
-            state = at_start(*watch.feasible, 0.0)
+            state = at_start(*watch.feasible[:2], 0.0)
             status = watch.follow(
                 state,
                 MonotoneBarrier(matrix, retraction, watch.feasible[1], farthest).advance,
@@ -213,18 +244,19 @@ def solve(
             break
         begin, mu = perturbed_start(program, watch.inner[0], up), watch.inner[1]
         watch.rewind_to_inner()
-    shared = (
-        SETTINGS.refactorisation_interval
-        if tolerance > SETTINGS.reuse_tolerance and len(begin) > MIN_DISSECTION_ROWS
-        else 1
-    )
-    settled = (
-        _restore_feasibility(state, matrix, retraction, shared, exact) if status is SolverStatus.CONVERGED else state
-    )
+    settled = _restore_feasibility(state, matrix, retraction, exact) if status is SolverStatus.CONVERGED else state
     if status is SolverStatus.CONVERGED and watch.feasible is not None:
         settled = _pulled_inside(settled, watch.feasible[0])
     inner = watch.feasible if status is SolverStatus.FAILED and watch.feasible else watch.inner
-    return Solution(settled.u, settled.lam * unit, status, watch.iterations, *inner, tuple(watch.way), watch.error)
+    return Solution(
+        settled.u, settled.lam * unit, status, watch.iterations, inner[0], inner[1], tuple(watch.way), watch.error,
+        None if inner[2] is None else inner[2] * unit,
+    )  # fmt: skip
+
+
+def barrier_unit(at: Linearised) -> float:
+    """Largest derivative of the objective, by which multipliers are divided; 1 where there is none."""
+    return float(np.abs(at.gradient).max()) or 1.0
 
 
 @dataclass(eq=False)
@@ -234,6 +266,7 @@ class _Monitor:
     tolerance: float
     horizon: float
     enough: float
+    balanced: bool
     stop: Stop | None
     progress: Callable[[int, float], None] | None
     begin: Floats
@@ -242,13 +275,13 @@ class _Monitor:
     error: float = np.inf
     mu: float = 0.0
     infeasibility_ratio: float = 0.0
-    feasible: tuple[Floats, float] | None = None
+    feasible: tuple[Floats, float, Floats | None] | None = None
     way: list[Floats] = field(default_factory=list)
-    inner: tuple[Floats, float] = field(init=False)
+    inner: tuple[Floats, float, Floats | None] = field(init=False)
 
     def __post_init__(self) -> None:
         """Begin with the start as the inner point."""
-        self.inner = self.begin, self.first_mu
+        self.inner = self.begin, self.first_mu, None
 
     def rewind_to_inner(self) -> None:
         """Forget the iterates past the inner point."""
@@ -283,26 +316,26 @@ class _Monitor:
         infeasible = dot(state.lam, np.abs(primal))
         wrong = dot(np.abs(dual), np.minimum(np.abs(state.move), 1.0)) if k else 0.0
         dual_displacement = dot(np.abs(dual), np.abs(state.u - self.begin))
+        settings, whole = settings_for(len(state.u)), max(abs(value), 1.0)
         dual_error = (
-            SETTINGS.dual_error_ratio * dual_displacement
-            if dual_displacement > SETTINGS.dual_error_floor * max(abs(value), 1.0)
+            settings.dual_error_ratio * (dual_displacement - settings.dual_error_allowance * whole)
+            if dual_displacement > settings.dual_error_floor * whole
             else 0.0
         )
         self.infeasibility_ratio = max(infeasible, wrong, dual_error) / gap if gap > 0 else 0.0
         self.error = max(gap, infeasible, wrong, abs(value - before)) / max(abs(value), 1.0)
         inside = state.at.h.min(initial=np.inf) > 0
         if inside:
-            self.feasible = state.u, self.mu
+            self.feasible = state.u, self.mu, state.lam
             self.way.append(state.u)
             if k == 0 or gap > WARM_START_GAP * max(abs(value), 1.0):
-                self.inner = state.u, self.mu
+                self.inner = state.u, self.mu, state.lam
             if state.at.value >= self.enough:
                 return SolverStatus.ENOUGH
         if (
             k >= SETTINGS.min_iterations
             and self.error < self.tolerance
-            and dual_displacement < np.sqrt(self.tolerance) * max(abs(value), 1.0)
-            and np.abs(dual).max() < max(10 * self.tolerance, SETTINGS.dual_tolerance)
+            and (not self.balanced or self._in_balance(dual, dual_displacement, whole))
         ):
             return SolverStatus.CONVERGED
         if self.stop is not None and self.stop.is_set():
@@ -311,6 +344,13 @@ class _Monitor:
         reached = np.abs(state.u.reshape(-1, 3)[pulled, :2]).max(initial=0.0) * state.at.program.length
         far = reached > self.horizon
         return (SolverStatus.ESCAPING if inside else SolverStatus.FAILED) if far else None
+
+    def _in_balance(self, dual: Floats, displacement: float, whole: float) -> bool:
+        """True where the multipliers balance the objective."""
+        return bool(
+            displacement < np.sqrt(self.tolerance) * whole
+            and np.abs(dual).max() < max(10 * self.tolerance, SETTINGS.dual_tolerance)
+        )
 
 
 def _step(
@@ -328,6 +368,7 @@ def _step(
     The diagonal is strengthened until the matrix is positive definite and the step is not too short.
     """
     s, lam, at = state.s, state.lam, state.at
+    settings = settings_for(len(state.u))
     data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
     shift = MIN_SHIFT if state.shift <= 1e-8 else state.shift / 5
     found = None
@@ -339,13 +380,16 @@ def _step(
         after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
         centring = (after / mu) ** 3 if mu > 0 else 0.0
         if infeasibility_ratio > 0.3:  # feasibility must not fall behind complementarity
-            centring = max(centring, min(10.0, infeasibility_ratio))
+            centring = max(centring, min(settings.max_centring, infeasibility_ratio))
         goal = (
             max(centring * mu, least)
             - s * lam
             - np.clip(ds * dl, -SETTINGS.max_correction * mu, SETTINGS.max_correction * mu)
         )
-        du, ds, dl = newton(state, matrix, primal, dual, goal)
+        direction = newton(state, matrix, primal, dual, goal)
+        if mu * len(s) < settings.corrected_gap * max(abs(at.value) / state.unit, 1.0):
+            direction = corrected(state, matrix, direction, max(centring * mu, least))
+        du, ds, dl = direction
         far, dfar = max_step(s, ds), max_step(lam, dl)
         found = _Step(
             du,
@@ -387,26 +431,27 @@ def _take_step(state: Iterate, step: _Step, retraction: Retraction) -> None:
     state.u, state.s, state.lam, state.at = u, s, lam, at
 
 
-def _restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, shared: int, exact: float) -> Iterate:
+def _restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, exact: float) -> Iterate:
     """A few centred steps that remove the remaining infeasibility; bodies that nothing holds stay where they are.
 
-    Each factorisation serves `shared` steps.
+    In large programs a point inside all rows is good enough: there slacks are as right as the tolerance asks.
     """
+    large = len(state.u) > LARGE_PROGRAM
+    exact = np.inf if large else exact
     mu = dot(state.s, state.lam) / max(len(state.s), 1)
-    shift = 0.0
-    for k in range(6):
+    for _ in range(6):
         primal, dual, _, _ = state.residuals()
         wrong = np.abs(primal).max(initial=0.0)
         if wrong < SLACK_TOLERANCE or (wrong < exact and state.at.h.min(initial=np.inf) > 0):
             break
-        if k % shared == 0:  # the rows are met to first order whatever matrix the step comes from
-            share = state.lam / state.s
-            data = state.at.condensed(share, state.lam, retraction.balance(dual, state.at), 1.0 / state.unit)
-            shift = max(state.shift, 1e-2)
-            while not matrix.update(data, shift):
-                shift *= 10
+        data = state.at.condensed(state.lam / state.s, state.lam, retraction.balance(dual, state.at), 1.0 / state.unit)
+        shift = max(state.shift, 1e-2)
+        while not matrix.update(data, shift):
+            shift *= 10
         du, ds, dl = newton(state, matrix, primal, dual, mu - state.s * state.lam)
         far, dfar = max_step(state.s, ds), max_step(state.lam, dl)
+        if large and far < SETTINGS.min_restoring_step:
+            return _lifted(state, matrix, retraction)
         _take_step(
             state,
             _Step(
@@ -420,6 +465,22 @@ def _restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction,
             retraction,
         )
     return state
+
+
+def _lifted(state: Iterate, matrix: Factor, retraction: Retraction) -> Iterate:
+    """The state, moved as little as can be, in the metric of its slacks, until rows that lie below their slacks have come up to them."""
+    u, at, s = state.u, state.at, state.s
+    weight, none = 1.0 / np.maximum(s, SETTINGS.lifted_slack) ** 2, np.zeros_like(s)
+    for _ in range(MAX_LIFTS):
+        short = np.maximum(s - at.h, 0.0)
+        if at.h.min(initial=np.inf) >= 0.0:
+            break
+        shift = 1e-2
+        while not matrix.update(at.condensed(weight, none, share=0.0), shift):
+            shift *= 100
+        u = retraction.step(u, matrix.solve(at.transposed_jacobian_product(weight * short)), at)
+        at = at.program.linearise(u)
+    return replace(state, u=u, at=at, s=np.maximum(at.h, SETTINGS.min_slack)) if at.h.min() >= 0.0 else state
 
 
 def _pulled_inside(state: Iterate, inside: Floats) -> Iterate:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.program.nonlinear_program import Linearised
 from wiggleroom.solve.factorisation import Factor
+from wiggleroom.solve.row_operations import eliminated, multiplier_change, step_length
 
 Floats = NDArray[np.float64]
 
@@ -48,9 +49,13 @@ class Iterate:
 def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
     """Directions (du, ds, dlam) that change s * lam by `goal` and remove both residuals, to first order."""
     s, lam, at = state.s, state.lam, state.at
-    du = matrix.solve(at.transposed_jacobian_product((lam * primal + goal) / s) - dual)
-    ds = at.jacobian_product(du) - primal
-    return du, ds, (goal - lam * ds) / s
+    change = np.empty_like(s)
+    eliminated(s, lam, primal, goal, change)
+    du = matrix.solve(at.transposed_jacobian_product(change) - dual)
+    ds = at.jacobian_product(du)
+    ds -= primal
+    multiplier_change(s, lam, ds, goal, change)
+    return du, ds, change
 
 
 def dot(x: Floats, y: Floats) -> float:
@@ -60,5 +65,4 @@ def dot(x: Floats, y: Floats) -> float:
 
 def max_step(x: Floats, dx: Floats) -> float:
     """Largest step in [0, 1] that keeps x + step * dx >= 0, for x > 0."""
-    fastest = float((dx / x).min(initial=0.0))
-    return 1.0 if fastest > -1.0 else -1.0 / fastest
+    return step_length(x, dx, dx, 0.0)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.spatial.convex import ConvexPiece, convex_piece
+from wiggleroom.spatial.face_triangulation import triangulated_anew
 from wiggleroom.spatial.solid_boolean import centroid_of, is_sound, solid_of, surface_of
 from wiggleroom.spatial.spatial_model import MadeSolid, Surface
 
@@ -82,22 +83,15 @@ def _moved_inward(drawn: Surface, inward: float) -> tuple[Surface | None, str]:
                 f"the {len(N)} faces at ({x:g}, {y:g}, {z:g}) cannot all move inward and still meet in one corner",
             )
         vertices[v] += shift
-    moved = Surface(vertices, drawn.faces)
+    moved = triangulated_anew(Surface(vertices, drawn.faces), normal, label)
+    if moved is None:
+        return None, "faces are used up and the moved ones cross each other"
     solid, before = solid_of(moved), solid_of(drawn)
     more, less = (solid, before) if inward > 0 else (before, solid)
     outside = (more - less).volume() if is_sound(solid) else np.inf
-    if outside > 1e-9 * before.volume() or not _kept_direction(drawn, moved):
+    if outside > 1e-9 * before.volume():
         return None, "faces are used up and the moved ones cross each other"
     return surface_of(solid), ""
-
-
-def _kept_direction(before: Surface, after: Surface) -> bool:
-    """True where every face still looks the way it did."""
-    normals = []
-    for s in (before, after):
-        a, b, c = (s.vertices[s.faces[:, k]] for k in range(3))
-        normals.append(np.cross(b - a, c - a))
-    return bool((np.einsum("ij,ij->i", *normals) > 0).all())
 
 
 def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surface | None, str]:
@@ -134,13 +128,14 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
             if not len(cuts):
                 found.append(convex_piece(surface_of(hull).vertices))
                 continue
-            best, halves = np.inf, []
+            best, halves, enough = np.inf, [], hull.volume() * (1 - CONVEX)
             for n0, n1, n2, offset in cuts.tolist():
                 both = [
                     h for half in part.split_by_plane((n0, n1, n2), offset) for h in half.decompose() if h.volume() > 0
                 ]
                 hollow = sum(h.hull().volume() for h in both)
-                if len(both) > 1 and hollow < best:
+                useful = len(both) > 1 or hollow < enough  # also where only a film without a volume falls off
+                if useful and both and hollow < best:
                     best, halves = hollow, both
             if not halves:
                 return None

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.newton_step import dot
 from wiggleroom.spatial import separating_plane_constraints as kernel
+from wiggleroom.spatial.graph_retraction import GraphRetraction
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import logarithm
-from wiggleroom.spatial.separating_plane_program import GraphRetraction, LinearisedSeparatingPlanes
+from wiggleroom.spatial.separating_plane_program import LinearisedSeparatingPlanes
 
 Floats = NDArray[np.float64]
 

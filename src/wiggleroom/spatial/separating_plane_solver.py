@@ -19,66 +19,19 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.solve.newton_step import dot, max_step
+from wiggleroom.spatial.graph_retraction import GraphRetraction
 from wiggleroom.spatial.separating_plane_newton import SeparatingPlaneIterate, SeparatingPlaneSystem
 from wiggleroom.spatial.separating_plane_program import (
-    GraphRetraction,
     LinearisedSeparatingPlanes,
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
     beside_rest,
     parted,
 )
+from wiggleroom.spatial.separating_plane_settings import SETTINGS
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
-
-FRACTION = 0.99
-LEAST_SHARE_OF_ROW = 0.005
-"""A row keeps this share of itself in one iteration."""
-BEHIND = 0.3
-"""Rows may fall behind their slacks by this share of the complementarity before that is kept up."""
-LARGEST_CORRECTION = 10.0
-"""Mehrotra's term of second order is kept within this multiple of mu."""
-SHORT = 0.05
-"""A shorter step of the predictor and corrector is tried again with a stronger diagonal."""
-FIRST_MU, FIRST_SLACK, LEAST_SLACK = 0.1, 1e-3, 1e-15
-LONGEST = 0.1
-LARGEST_TURN = 0.5
-"""No body turns further in one iteration [rad]."""
-TINY_SHIFT = 1e-11
-BALANCED = 1e-3
-ROUNDING = 500 * float(np.finfo(float).eps)
-"""mu stays above this, times the size in clearances: rows that are as small as their rounding make multipliers of noise."""
-LEAST_CURVATURE = 1e-3
-"""Curvature upwards [objective's unit per clearance squared] that counts."""
-ANCHORED, LOOSE = 1.0, 1e-3
-"""Weight of the proximal term, in units of the barrier's, where iterates stay inside all rows, and where slacks run ahead."""
-SADDLES = 2
-"""So often the method goes on where the conditions of first order hold and the objective curves upwards."""
-LEAST_ITERATIONS = 3
-ACCEPTABLE, LOST = 1e-6, 1e3
-"""Where rounding spoils the conditions again by the second factor, an iterate at which they held to the first is good enough."""
-PATIENCE, UNHELD, EARLY = 12, 0.3, 0.05
-"""After so many iterations that do not make the error less the mode with slacks has failed."""
-STUCK, RAISED, HIGHEST = 10, 100.0, 1e-3
-"""After so many iterations at one mu the way is narrow: mu grows by this factor, up to a highest value, and the anchor follows."""
-REDUCTION, SOLVED = 0.2, 10.0
-"""mu becomes this share of itself when its problem is solved to this multiple of mu."""
-PROGRESS, MEMORY = 0.99, 4
-"""The predictor and corrector go on while the error is below this share of the largest of the last few."""
-BALANCE_SHARE = 0.03
-"""What an imbalance counts in the error, beside complementarity."""
-DOWNHILL = 1e-4
-"""Share of the foreseen descent that a step must bring."""
-APART = 10.0
-"""At a fixed mu a multiplier may differ from mu / row by this factor."""
-FAR_APART = 1e10
-FREE = 1e-3
-"""A diagonal strengthened by more than this keeps steps short; then longer ones are tried."""
-HEAVIEST = 1e12
-"""Largest weight of a row in the fit of the planes, against the lightest."""
-CORRECTIONS, CORRECTED = 4, 0.05
-"""Corrections of second order per step at most; rows that are behind by less than this share are not corrected."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,19 +122,27 @@ class SeparatingPlaneSolver:
     iterations: int = 0
     way: list[SeparatingPlanePoint] = field(default_factory=list)
 
-    def solve(self, start: SeparatingPlanePoint | None = None, mu: float = FIRST_MU) -> SeparatingPlaneSolution:
+    def solve(
+        self, start: SeparatingPlanePoint | None = None, mu: float = SETTINGS.first_mu
+    ) -> SeparatingPlaneSolution:
         """Run the method from a point inside all rows."""
         P = self.program
         self._retraction = GraphRetraction(P)
         self._system = SeparatingPlaneSystem(factor(P.pattern), self._retraction)
-        self._floor = ROUNDING * P.bodies.size / P.length
+        self._floor = SETTINGS.rounding * P.bodies.size / P.length
         self._fixed: float | None = None
         self._errors: list[float] = []
         at = P.linearise(beside_rest(P, self.seed) if start is None else start)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
-        slack = at.h if self.inside else np.maximum(at.h, FIRST_SLACK)
+        slack = at.h if self.inside else np.maximum(at.h, SETTINGS.first_slack)
         state = SeparatingPlaneIterate(
-            at, slack, mu / slack, unit, TINY_SHIFT, P.start.pose, ANCHORED if self.inside else LOOSE
+            at,
+            slack,
+            mu / slack,
+            unit,
+            SETTINGS.tiny_shift,
+            P.start.pose,
+            SETTINGS.anchored if self.inside else SETTINGS.loose,
         )
         self.way = [P.start]
         status, error, state = self._follow(state)
@@ -203,11 +164,11 @@ class SeparatingPlaneSolver:
         u = state.displacement
         weight = state.proximal(state.complementarity, u)
         self._system.set(state, state.residuals(weight, u)[0], weight)
-        return self._system.factorise(LEAST_CURVATURE)
+        return self._system.factorise(SETTINGS.least_curvature)
 
     def _follow(self, state: SeparatingPlaneIterate) -> tuple[SolverStatus, float, SeparatingPlaneIterate]:
         """Advance the state until it is converged, stopped or escaping; where it gets no further, back to the best iterate."""
-        before, escapes, least, since = np.inf, SADDLES, np.inf, 0
+        before, escapes, least, since = np.inf, SETTINGS.saddles, np.inf, 0
         best = _BestIterate(np.inf, state, 0)
         rows = len(state.lam)
         for k in range(self.most + 1):
@@ -227,14 +188,16 @@ class SeparatingPlaneSolver:
             if legal is not None:
                 self.way.append(legal)
             error = max(gap, infeasible, min(unheld, 1e3)) / size
-            if k >= LEAST_ITERATIONS and wrong < BALANCED and legal is not None:
+            if k >= SETTINGS.least_iterations and wrong < SETTINGS.balanced and legal is not None:
                 enough = max(self.tolerance * size, 5 * rows * self._floor)
                 settled = unheld < 10 * enough or (
                     abs(value - before) < enough and unheld < np.sqrt(self.tolerance) * size
                 )
                 if max(gap, infeasible) < enough and settled:
                     escapes -= 1
-                    aside = None if escapes < 0 or self._curved_down(state) else self._recentred(state, HIGHEST)
+                    aside = (
+                        None if escapes < 0 or self._curved_down(state) else self._recentred(state, SETTINGS.highest)
+                    )
                     if aside is None:
                         return SolverStatus.CONVERGED, error, state
                     state, before, best = aside, value, _BestIterate(np.inf, state, 0)
@@ -247,12 +210,14 @@ class SeparatingPlaneSolver:
             moved = np.abs(state.at.point.pose.T - self.program.bodies.at).max(initial=0.0)
             if moved > self.horizon or abs(state.at.value) > self.most_turn:
                 return (SolverStatus.ESCAPING if legal is not None else SolverStatus.FAILED), error, state
-            lost = best.error < ACCEPTABLE and error > LOST * best.error
+            lost = best.error < SETTINGS.acceptable and error > SETTINGS.lost * best.error
             least, since = (error, 0) if error < 0.9 * least else (least, since + 1)
-            if k == self.most or lost or (not self.inside and since > PATIENCE):
+            if k == self.most or lost or (not self.inside and since > SETTINGS.patience):
                 break
             lowest = max(0.2 * self.tolerance * size / max(rows, 1), self._floor)
-            lag = max(infeasible, UNHELD * unheld if unheld > EARLY * size else 0.0) / max(rows * mu, 1e-300)
+            lag = max(infeasible, SETTINGS.unheld * unheld if unheld > SETTINGS.early * size else 0.0) / max(
+                rows * mu, 1e-300
+            )
             following = (
                 self._advance(state, dual, dual_planes, weight, u, wrong, lowest)
                 if self.inside
@@ -262,7 +227,7 @@ class SeparatingPlaneSolver:
                 break
             state, before = following, value
             self.iterations += 1
-        if best.error < ACCEPTABLE:
+        if best.error < SETTINGS.acceptable:
             del self.way[best.way :]
             return SolverStatus.CONVERGED, best.error, best.state
         return SolverStatus.FAILED, error, state
@@ -294,8 +259,8 @@ class SeparatingPlaneSolver:
         lam = state.lam + step.dual * step.lam
         before = dot(state.lam, np.abs(primal))
         for _ in range(8):
-            ahead = self._moved(state, step, share, LEAST_SLACK)
-            s = np.maximum(np.maximum(state.s + share * step.s, ahead.h), LEAST_SLACK)
+            ahead = self._moved(state, step, share, SETTINGS.least_slack)
+            s = np.maximum(np.maximum(state.s + share * step.s, ahead.h), SETTINGS.least_slack)
             if dot(lam, s - ahead.h) <= max(0.5 * dot(s, lam), 2.0 * before):
                 break
             share /= 2
@@ -316,20 +281,22 @@ class SeparatingPlaneSolver:
         self._system.set(state, dual, weight)
         if self._fixed is not None:
             spread = float(np.abs(state.at.h * state.lam - self._fixed).max(initial=0.0))
-            solved = SOLVED * self._fixed
+            solved = SETTINGS.solved * self._fixed
             if max(wrong, spread) < solved:
                 self._fixed, self._errors = None, [solved]
         if self._fixed is None:
-            self._errors.append(mu + BALANCE_SHARE * wrong)
+            self._errors.append(mu + SETTINGS.balance_share * wrong)
             step = self._predicted(state, np.zeros_like(state.s), dual, dual_planes, weight, u, lowest)
             following = None if step is None else self._taken(state, step)
-            if following is not None and self._error(following) < PROGRESS * max(self._errors[-MEMORY:]):
+            if following is not None and self._error(following) < SETTINGS.progress * max(
+                self._errors[-SETTINGS.memory :]
+            ):
                 return following
-            self._fixed = max(REDUCTION * mu if self._solved_at(mu, wrong) else mu, lowest)
+            self._fixed = max(SETTINGS.reduction * mu if self._solved_at(mu, wrong) else mu, lowest)
             self._since = 0
         self._since += 1
-        if self._since > STUCK and self._fixed < HIGHEST:
-            return self._recentred(state, min(RAISED * self._fixed, HIGHEST))
+        if self._since > SETTINGS.stuck and self._fixed < SETTINGS.highest:
+            return self._recentred(state, min(SETTINGS.raised * self._fixed, SETTINGS.highest))
         return self._descended(state, dual_planes, max(self._fixed, lowest), u)
 
     def _recentred(self, state: SeparatingPlaneIterate, mu: float) -> SeparatingPlaneIterate | None:
@@ -344,13 +311,13 @@ class SeparatingPlaneSolver:
 
     def _solved_at(self, mu: float, wrong: float) -> bool:
         """True where the problem of the present barrier parameter is solved."""
-        return wrong < SOLVED * mu
+        return wrong < SETTINGS.solved * mu
 
     def _error(self, state: SeparatingPlaneIterate) -> float:
         """Complementarity and imbalance of an iterate in one number."""
         u, mu = state.displacement, state.complementarity
         dual, dual_planes = state.residuals(state.proximal(mu, u), u)
-        return mu + BALANCE_SHARE * max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
+        return mu + SETTINGS.balance_share * max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
 
     def _predicted(
         self,
@@ -368,7 +335,7 @@ class SeparatingPlaneSolver:
         Source: Mehrotra 1992.
         """
         s, lam, mu, system = state.s, state.lam, state.complementarity, self._system
-        shift = max(TINY_SHIFT, mu if self.inside else 0.0, state.shift / 5 if state.shift > 1e-8 else 0.0)
+        shift = max(SETTINGS.tiny_shift, mu if self.inside else 0.0, state.shift / 5 if state.shift > 1e-8 else 0.0)
         found = None
         for attempt in range(24):
             if not system.factorise(shift):
@@ -376,9 +343,11 @@ class SeparatingPlaneSolver:
                 continue
             _, _, ds, dl = system.newton(primal, dual, dual_planes, -s * lam)
             after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
-            centring = max((after / mu) ** 3 if mu > 0 else 0.0, min(10.0, lag) if lag > BEHIND else 0.0)
+            centring = max((after / mu) ** 3 if mu > 0 else 0.0, min(10.0, lag) if lag > SETTINGS.behind else 0.0)
             target = max(centring * mu, lowest)
-            goal = target - s * lam - np.clip(ds * dl, -LARGEST_CORRECTION * mu, LARGEST_CORRECTION * mu)
+            goal = (
+                target - s * lam - np.clip(ds * dl, -SETTINGS.largest_correction * mu, SETTINGS.largest_correction * mu)
+            )
             less = (state.proximal(min(target, mu), u) - weight) * u
             du, dy, ds, dl = system.newton(primal, dual + less, dual_planes, goal)
             far, dfar = max_step(s, ds), max_step(lam, dl)
@@ -387,12 +356,12 @@ class SeparatingPlaneSolver:
                 dy,
                 ds,
                 dl,
-                FRACTION * far if far < 1 else 1.0,
-                FRACTION * dfar if dfar < 1 else 1.0,
+                SETTINGS.fraction * far if far < 1 else 1.0,
+                SETTINGS.fraction * dfar if dfar < 1 else 1.0,
                 shift,
                 target,
             )
-            if found.primal > SHORT or attempt >= 5:
+            if found.primal > SETTINGS.short or attempt >= 5:
                 break
             shift = max(10 * shift, 1e-6)
         return found
@@ -402,9 +371,9 @@ class SeparatingPlaneSolver:
         share = min(step.primal, self._longest_share(step.u))
         for _ in range(3):
             ahead = self._moved(state, step, share)
-            if (ahead.h > LEAST_SHARE_OF_ROW * (1 - FRACTION) * state.at.h).all():
+            if (ahead.h > SETTINGS.least_share_of_row * (1 - SETTINGS.fraction) * state.at.h).all():
                 lam = state.lam + min(step.dual, 1.0) * step.lam
-                lam = np.clip(lam, step.mu / (FAR_APART * ahead.h), FAR_APART * step.mu / ahead.h)
+                lam = np.clip(lam, step.mu / (SETTINGS.far_apart * ahead.h), SETTINGS.far_apart * step.mu / ahead.h)
                 return replace(state, at=ahead, s=ahead.h, lam=lam, shift=step.shift)
             share /= 2
         return None
@@ -416,7 +385,7 @@ class SeparatingPlaneSolver:
         h, lam, system, at = state.at.h, state.lam, self._system, state.at
         weight = state.proximal(mu, u)
         dual = state.residuals(weight, u)[0]
-        shift = max(TINY_SHIFT, mu, state.shift / 3 if state.shift > 1e-8 else 0.0)
+        shift = max(SETTINGS.tiny_shift, mu, state.shift / 3 if state.shift > 1e-8 else 0.0)
         while not system.factorise(shift):
             shift = max(8 * shift, 1e-5)
             if shift > 1e12:
@@ -424,21 +393,28 @@ class SeparatingPlaneSolver:
         du, dy, dh, dlam = system.newton(np.zeros_like(h), dual, dual_planes, mu - h * lam)
         far, dfar = max_step(h, dh), max_step(lam, dlam)
         step = _PlaneStep(
-            du, dy, dh, dlam, FRACTION * far if far < 1 else 1.0, FRACTION * dfar if dfar < 1 else 1.0, shift, mu
+            du,
+            dy,
+            dh,
+            dlam,
+            SETTINGS.fraction * far if far < 1 else 1.0,
+            SETTINGS.fraction * dfar if dfar < 1 else 1.0,
+            shift,
+            mu,
         )
         slope = dot(weight * u - at.gradient / state.unit, du) - mu * dot(1 / h, dh)
         now, share = state.barrier(at, mu, weight), min(step.primal, self._longest_share(du))
         for _ in range(40):
             ahead = self._moved(state, step, share)
             value = state.barrier(ahead, mu, weight)
-            if value <= now + DOWNHILL * share * min(slope, 0.0) + 1e-13 * abs(now):
+            if value <= now + SETTINGS.downhill * share * min(slope, 0.0) + 1e-13 * abs(now):
                 break
             share /= 2
         else:
             return None
-        if share == 1.0 and shift > FREE:
+        if share == 1.0 and shift > SETTINGS.free:
             ahead = self._stride(state, ahead, step, weight)
-        lam = np.clip(lam + step.dual * dlam, mu / (APART * ahead.h), APART * mu / ahead.h)
+        lam = np.clip(lam + step.dual * dlam, mu / (SETTINGS.apart * ahead.h), SETTINGS.apart * mu / ahead.h)
         return replace(state, at=ahead, s=ahead.h, lam=lam, shift=shift)
 
     def _moved(
@@ -447,13 +423,13 @@ class SeparatingPlaneSolver:
         """The program after a share of a step, with corrections of second order by the factorisation of the step."""
         P, at = self.program, state.at
         foreseen = at.h + share * at.along(step.u, step.y)
-        goal = np.maximum(foreseen, LEAST_SHARE_OF_ROW * at.h if least is None else least)
+        goal = np.maximum(foreseen, SETTINGS.least_share_of_row * at.h if least is None else least)
         heavy = state.lam / state.s
-        heavy = np.maximum(heavy, heavy.max(initial=1.0) / HEAVIEST)
+        heavy = np.maximum(heavy, heavy.max(initial=1.0) / SETTINGS.heaviest)
         ahead = P.linearise(self._retraction.step(at, step.u, step.y, share, goal, heavy), at.value)
         behind = dot(heavy, np.maximum(goal - ahead.h, 0.0))
-        for _ in range(CORRECTIONS):
-            if behind <= CORRECTED * dot(heavy, goal):
+        for _ in range(SETTINGS.corrections):
+            if behind <= SETTINGS.corrected * dot(heavy, goal):
                 break
             du, dy = self._system.correction(goal - ahead.h)
             if not self._longest_share(du) > 1:
@@ -484,4 +460,4 @@ class SeparatingPlaneSolver:
         change = P.unpacked(u) * P.scale
         turn = float(np.abs(change[:, 3:]).max(initial=0.0))
         move = float(np.abs(change[:, :3]).max(initial=0.0))
-        return min(LARGEST_TURN / max(turn, 1e-300), LONGEST * self.horizon / max(move, 1e-300))
+        return min(SETTINGS.largest_turn / max(turn, 1e-300), SETTINGS.longest * self.horizon / max(move, 1e-300))

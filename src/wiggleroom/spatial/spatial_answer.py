@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.search.drawable import Drawable
 from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.spatial_bodies import Grouping
@@ -44,7 +45,7 @@ class HeldMotion:
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialAnswer:
+class SpatialAnswer(Drawable):
     """The largest safe motion that was found.
 
     Parameters

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.search.drawable import Drawable
 from wiggleroom.spatial.convex import distinct_axes
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
@@ -50,7 +51,7 @@ class SpatialEscape:
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialDisassembly:
+class SpatialDisassembly(Drawable):
     """Whether an assembly in space comes apart, and how sure that is.
 
     Parameters

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.spatial import separating_plane_constraints as kernel
+from wiggleroom.spatial import plane_fitting
+from wiggleroom.spatial.graph_retraction import GraphRetraction
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.separating_plane_newton import SeparatingPlaneSystem
 from wiggleroom.spatial.separating_plane_program import (
-    GraphRetraction,
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
     parted,
@@ -91,7 +91,9 @@ def halfway(
     goal = (P.values(one) + P.values(other)) / 2 * P.length
     q, Psi = P.frames(pose)
     weight = 1 / np.maximum(goal, 1e-14) ** 2
-    kernel.fit_planes(q, Psi, P.plane, P.row, P.own, P.V, P.c, P.lever, goal, weight, 5, np.empty((8, 12, 12)), n, d)
+    plane_fitting.fit_planes(
+        q, Psi, P.plane, P.row, P.own, P.V, P.c, P.lever, goal, weight, 5, np.empty((8, 12, 12)), n, d
+    )
     point = _lifted(retraction, P, SeparatingPlanePoint(pose, n, d), goal / P.length)
     h = P.values(point)
     if h.min(initial=np.inf) <= 0:

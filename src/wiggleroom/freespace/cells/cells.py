@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +11,7 @@ from wiggleroom.errors import Stop, go_on
 from wiggleroom.freespace.cells.grow import grow
 from wiggleroom.freespace.cells.pair_edges import edge_table
 from wiggleroom.freespace.cells.wall_search import SEED
+from wiggleroom.geometry.batches import in_batches
 from wiggleroom.geometry.bodies import Bodies, BodyShapes
 
 Floats = NDArray[np.float64]
@@ -133,17 +132,13 @@ def grow_cells(
     keeps = seed[:, None, :] if keep is None else np.concatenate([seed[:, None, :], keep], axis=1)
     table, corners = edge_table(shapes), np.diff(shapes.first)
     work = int(corners[seeds["a"]].sum() + corners[seeds["b"]].sum())
-    if count < 2 or work < MIN_PARALLEL_CORNERS:
-        walls = grow(table, seeds, keeps)
-    else:
-        cuts = np.linspace(0, count, min(count, max(8, work // STOP_CHECK_CORNERS)) + 1).astype(int)
 
-        def grown(part: slice) -> Ints:
-            go_on(stop)
-            return grow(table, seeds[part], keeps[part])
+    def grown(part: slice) -> Ints:
+        go_on(stop)
+        return grow(table, seeds[part], keeps[part])
 
-        with ThreadPoolExecutor(max_workers=2) as pool:
-            walls = np.concatenate(list(pool.map(grown, [slice(one, other) for one, other in pairwise(cuts)])))
+    batches = 1 if work < MIN_PARALLEL_CORNERS else min(count, max(8, work // STOP_CHECK_CORNERS))
+    walls = np.concatenate(in_batches(count, batches, grown))
     return _packed(a, b, seed, seeds["ends"].copy(), seeds["number"], walls), seeds["grown"] > 0
 
 

@@ -1,0 +1,228 @@
+"""Figures of assemblies in space: closed forms, chains, a box of six panels, a burr of six pieces, interlocking tetrahedra, a round pin.
+
+`python -m benchmarks.spatial_figures` prints them all; names after it choose: pegs, chains, box, burr, tetrahedra, many, pin.
+"""
+
+from __future__ import annotations
+
+import itertools
+import random
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.spatial import ConvexHull, HalfspaceIntersection
+
+import wiggleroom as wr
+from benchmarks.spatial_burrs import STEPS, STICKS, assembled, connected
+from benchmarks.spatial_overlaps import finger_box
+from wiggleroom.drawing.model import Region
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_model import (
+    Boxes,
+    Plate,
+    SpatialAssembly,
+    SpatialDrawing,
+    SpatialGoal,
+    SpatialPart,
+    SpatialPull,
+    SpatialTurn,
+    Surface,
+)
+
+PLANAR = frozenset({"z", "rx", "ry"})
+
+
+def part(name: str, solid: Plate | Boxes | Surface, at=(0.0, 0.0, 0.0), fixed=False, lock=frozenset()) -> SpatialPart:
+    return SpatialPart(name, solid, np.array(at, float), np.eye(3), fixed, lock)
+
+
+def square(side: float) -> np.ndarray:
+    return side / 2 * np.array([[-1.0, -1], [1, -1], [1, 1], [-1, 1]])
+
+
+def polygon(count: int, radius: float) -> np.ndarray:
+    angle = 2 * np.pi * np.arange(count) / count
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def plate(hole: np.ndarray, thick: float) -> SpatialPart:
+    return part("plate", Plate((Region(square(40.0), (hole[::-1],)),), thick), (0, 0, -thick / 2), fixed=True)
+
+
+def timed(assembly: SpatialAssembly, goal: SpatialGoal) -> tuple[SpatialAnswer, float]:
+    began = time.process_time()
+    return flex_spatial(assembly, goal), time.process_time() - began
+
+
+def line(what: str, answer: SpatialAnswer, seconds: float, truth: float | None = None) -> None:
+    value = "" if answer.objective is None else f"{answer.objective:.8f}"
+    off = (
+        ""
+        if truth is None or answer.objective is None
+        else f", off the closed form by {abs(answer.objective - truth):.1e}"
+    )
+    print(f"{what}: {answer.verdict} {value}{off}, {answer.iterations} iterations, path {answer.path}, {seconds:.2f} s")
+
+
+def pegs() -> None:
+    """Square peg of 10 in a hole of 10.4, 12 thick: shift, tilt, twist."""
+    peg = part("peg", Boxes(np.array([[[-5.0, -5, -20], [5, 5, 20]]])))
+    assembly = assemble_spatial(SpatialDrawing((plate(square(10.4), 12.0), peg)))
+    tilt = brentq(lambda a: 10 / np.cos(a) + 12 * np.tan(a) - 10.4, 1e-4, 0.3)
+    twist = brentq(lambda a: 10 * (np.cos(a) + np.sin(a)) - 10.4, 1e-3, 0.3)
+    locked = assemble_spatial(
+        SpatialDrawing(
+            (plate(square(10.4), 12.0), SpatialPart(**(vars(peg) | {"lock": frozenset({"rx", "ry", "rz"})})))
+        )
+    )
+    line("peg, shift", *timed(locked, SpatialPull("peg", (1, 0, 0))), 0.2)
+    line("peg, tilt", *timed(assembly, SpatialTurn("peg", (1, 0, 0))), tilt)
+    line("peg, twist", *timed(assembly, SpatialTurn("peg", (0, 0, 1))), twist)
+
+
+def chains() -> None:
+    """Ten links of every joint family, as plates locked in their plane."""
+    for joint in ("tee", "swallowtail", "dovetail", "finger", "jigsaw", "revolute"):
+        flat = wr.patterns.chain(10, joint=joint, gap=0.01)
+        last = flat.drawing.parts[-1]
+        truth = wr.flex(flat, wr.Pull(last.name, (0, 1)), search=0).objective
+        links = tuple(
+            part(p.name, Plate(p.regions, 0.4), (*p.at[:2], 0.0), p.fixed, PLANAR) for p in flat.drawing.parts
+        )
+        assembly = assemble_spatial(SpatialDrawing(links, 0.01))
+        line(f"chain of ten, {joint}", *timed(assembly, SpatialPull(last.name, (0, 1, 0), (*last.at[:2], 0.2))), truth)
+
+
+def between_plates() -> None:
+    """Ten swallowtails with all six freedoms between two plates."""
+    flat = wr.patterns.chain(10, joint="swallowtail", gap=0.01)
+    last = flat.drawing.parts[-1]
+    links = [part(p.name, Plate(p.regions, 0.4), (*p.at[:2], 0.0), p.fixed) for p in flat.drawing.parts]
+    covers = [
+        part(name, Boxes(np.array([[[-2.0, -8, z], [12, 8, z + 0.4]]])), fixed=True)
+        for name, z in (("below", -0.4), ("above", 0.4))
+    ]
+    assembly = assemble_spatial(SpatialDrawing((*links, *covers), 0.01))
+    line("chain between plates", *timed(assembly, SpatialPull(last.name, (0, 1, 0), (*last.at[:2], 0.2))))
+
+
+def box() -> None:
+    """A box of six panels with fingers: one panel is lifted off, another is pulled along."""
+    drawing, _ = finger_box(np.random.default_rng(1))
+    assembly = assemble_spatial(drawing)
+    for direction in ((1.0, 0, 0), (0, 1.0, 0), (0, 0, 1.0)):
+        line(f"box of six panels, {direction}", *timed(assembly, SpatialPull("s1", direction)))
+
+
+def keyed_burr(seed: int) -> list[set]:
+    """Six crossed sticks of which the first alone can move, by whole cells, and all the others are blocked by it."""
+    rng = random.Random(seed)
+    owners: dict = {}
+    for k, (low, high) in enumerate(STICKS[6]):
+        for v in itertools.product(*[range(a, b) for a, b in zip(low, high, strict=True)]):
+            owners.setdefault(v, []).append(k)
+    while True:
+        parts: list[set] = [set() for _ in range(6)]
+        for v, who in owners.items():
+            parts[0 if 0 in who else rng.choice(who)].add(v)
+        if all(connected(p) for p in parts):
+            free = {frozenset(carried(parts, p, s)) for p in range(6) for s in STEPS}
+            free.discard(frozenset(range(6)))
+            if free and free <= {frozenset([0]), frozenset(range(1, 6))}:
+                return parts
+
+
+def carried(parts: list[set], first: int, step: tuple[int, int, int]) -> set[int]:
+    """Pieces that must move along when one moves by a cell."""
+    own = {v: k for k, cells in enumerate(parts) for v in cells}
+    group, todo = {first}, [first]
+    while todo:
+        k = todo.pop()
+        for v in parts[k]:
+            other = own.get((v[0] + step[0], v[1] + step[1], v[2] + step[2]))
+            if other is not None and other not in group:
+                group.add(other)
+                todo.append(other)
+    return group
+
+
+def burr(gap: float = 0.05) -> None:
+    """Six-piece burr with a key: every piece pulled along all axes. Only the key has a way out on the grid, at its first move along x."""
+    assembly = assemble_spatial(assembled(keyed_burr(1), gap).drawing, fix=("p1",))
+    seen: Counter = Counter()
+    iterations, began = [], time.process_time()
+    for k, step in itertools.product((0, 2, 3, 4, 5), STEPS):
+        answer = flex_spatial(assembly, SpatialPull(f"p{k}", tuple(map(float, step))))
+        seen[f"{'key' if k == 0 else 'others'} {answer.verdict}, path {answer.path}"] += 1
+        iterations.append(answer.iterations)
+    print("six-piece burr, 30 pulls: " + "; ".join(f"{n} {what}" for what, n in sorted(seen.items())))
+    print(
+        f"  iterations: median {np.median(iterations):g}, most {max(iterations)}; {time.process_time() - began:.1f} s"
+    )
+
+
+def tetrahedron(even: bool, lean: float = np.sqrt(0.5)) -> Surface:
+    """Four sides that lean in and out by turns, on a square of 1."""
+    rows = []
+    for sign, axis in itertools.product((1.0, -1.0), (0, 1)):
+        n = np.zeros(3)
+        n[axis], n[2] = sign, -lean if (axis == 0) == even else lean
+        rows.append([*n, -0.5])
+    corners = HalfspaceIntersection(np.array(rows), np.zeros(3)).intersections
+    hull = ConvexHull(corners)
+    faces = []
+    for simplex, equation in zip(hull.simplices, hull.equations, strict=True):
+        a, b, c = corners[simplex]
+        faces.append(simplex if np.cross(b - a, c - a) @ equation[:3] > 0 else simplex[::-1])
+    return Surface(corners, np.array(faces, dtype=np.int64))
+
+
+def plate_of_tetrahedra(count: int, gap: float) -> SpatialAssembly:
+    """Tetrahedra that lean on each other; those of the rim stand."""
+    solids = (tetrahedron(True), tetrahedron(False))
+    rim = (0, count - 1)
+    blocks = tuple(
+        part(f"t{i}-{j}", solids[(i + j) % 2], (i, j, 0), fixed=i in rim or j in rim)
+        for j, i in itertools.product(range(count), repeat=2)
+    )
+    return assemble_spatial(SpatialDrawing(blocks, gap))
+
+
+def tetrahedra() -> None:
+    """Five by five tetrahedra in a frame of others: the one in the middle is pushed out."""
+    line("5 x 5 tetrahedra", *timed(plate_of_tetrahedra(7, 0.01), SpatialPull("t3-3", (0, 0, 1))), 0.35193)
+
+
+def many() -> None:
+    """The same, 32 by 32."""
+    line("32 x 32 tetrahedra", *timed(plate_of_tetrahedra(34, 0.0005), SpatialPull("t17-17", (0, 0, 1))))
+
+
+def pin() -> None:
+    """A pin of 96 sides in a hole of 96, turns locked: along a corner both polygons touch with their sides."""
+    hole, inner = polygon(96, 5.2), polygon(96, 5.0)
+    stuck = part("peg", Plate((Region(inner),), 8.0), (0, 0, -4), lock=frozenset({"z", "rx", "ry", "rz"}))
+    assembly = assemble_spatial(SpatialDrawing((plate(hole, 12.0), stuck)))
+    line("pin of 96 sides", *timed(assembly, SpatialPull("peg", (1, 0, 0))), 0.2)
+
+
+FIGURES: tuple[Callable[[], None], ...] = (pegs, chains, between_plates, box, burr, tetrahedra, pin, many)
+
+
+def main(names: list[str]) -> None:
+    flex_spatial(
+        plate_of_tetrahedra(3, 0.01), SpatialPull("t1-1", (0, 0, 1))
+    )  # kernels are compiled before anything is timed
+    for figure in FIGURES:
+        if not names or figure.__name__ in names:
+            figure()
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,76 @@
+"""Answers in space into files: pictures, models for viewers and pages, by the ending of the name."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wiggleroom.files import write_whole
+from wiggleroom.report import palette
+from wiggleroom.report.file_endings import PAGE, check_ending, ending
+from wiggleroom.report.importance_picture import ranking_facts, shade, tightening_facts
+from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
+from wiggleroom.report.spatial_picture import Colour, draw_separation, draw_spatial, write_moved_parts
+from wiggleroom.report.spatial_table import spatial_headline
+from wiggleroom.sensitivity.rank import Ranking
+from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+
+SPATIAL_PICTURES = (".svg", ".png", ".glb", PAGE)
+
+SpatialFound = SpatialAnswer | SpatialDisassembly | Ranking | Tightening
+"""What is shown as parts in space; rankings and tightenings of assemblies in space."""
+
+
+def write_spatial(found: SpatialFound, path: Path, command: str = "") -> None:
+    """Write a picture (.svg, .png), a model of the moved parts (.glb) or a page (.html).
+
+    Raises
+    ------
+    InputError
+        If the name has another ending.
+    """
+    check_ending(path, SPATIAL_PICTURES)
+    if ending(path) == PAGE:
+        write_whole(path, spatial_page(found, command))
+        return
+    match found:
+        case SpatialAnswer():
+            draw_spatial(found, path)
+        case SpatialDisassembly():
+            draw_separation(found, path)
+        case _:
+            answer, facts, fill = _coloured(found)
+            lines = [spatial_headline(answer), ", ".join(facts)]
+            write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts, fill)
+
+
+def spatial_page(found: SpatialFound, command: str = "") -> str:
+    """The same as one HTML page."""
+    match found:
+        case SpatialAnswer():
+            return page_of_spatial_answer(found, command or found.command)
+        case SpatialDisassembly():
+            return page_of_separation(found, command)
+    answer, facts, fill = _coloured(found)
+    return page_of_spatial_answer(answer, command, fill, facts)
+
+
+def _coloured(found: Ranking | Tightening) -> tuple[SpatialAnswer, list[str], list[Colour]]:
+    """Answer, facts, and colours of the parts: by what their gap is worth, or by whether they were made tighter."""
+    if isinstance(found, Ranking):
+        value = found.importance.clip(min=0)
+        most = float(value.max(initial=0.0)) or 1.0
+        return found.answer, ranking_facts(found), [_rgb(shade(float(v) / most)) for v in value]
+    chosen, other = _rgb(palette.CHOSEN), _rgb(palette.NEUTRAL[0])
+    fill = [chosen if name in found.chosen else other for name in found.after.assembly.names]
+    return found.after, tightening_facts(found), fill
+
+
+def _rgb(colour: str) -> Colour:
+    """Red, green and blue of "#rrggbb".
+
+    >>> _rgb("#0a10ff")
+    (10, 16, 255)
+    """
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)

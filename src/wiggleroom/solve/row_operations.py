@@ -1,0 +1,93 @@
+"""Compiled operations on all rows of a program at once, without arrays in between: large programs are as quick as memory is."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
+
+MOST_CHANGE, REPETITIONS = 10.0, 3
+"""A multiplier that is fitted becomes at most this many times larger or smaller, in so many steps."""
+
+
+@njit(**NO_ALLOCATION)
+def step_length(x, dx, more, share):
+    """Largest step in [0, 1] that keeps x + step * (dx + share * more) >= 0, for x > 0."""
+    fastest = 1.0
+    for k in range(len(x)):
+        change = dx[k] + share * more[k]
+        if -change > fastest * x[k]:
+            fastest = -change / x[k]
+    return 1.0 / fastest
+
+
+@njit(**NO_ALLOCATION)
+def eliminated(s, lam, primal, goal, out):
+    """Fill `out` with what rows ask of the variables once slacks and multipliers are eliminated: (lam * primal + goal) / s."""
+    for k in range(len(s)):
+        out[k] = (lam[k] * primal[k] + goal[k]) / s[k]
+
+
+@njit(**NO_ALLOCATION)
+def multiplier_change(s, lam, ds, goal, out):
+    """Fill `out` with the change of the multipliers that belongs to one of the slacks: (goal - lam * ds) / s."""
+    for k in range(len(s)):
+        out[k] = (goal[k] - lam[k] * ds[k]) / s[k]
+
+
+@njit(**NO_ALLOCATION)
+def centring_goal(s, ds, lam, dlam, step, dual_step, least, most, goal):
+    """Fill `goal` with the changes that bring products after some steps between `least` and `most`; none is less than -`most`."""
+    for k in range(len(s)):
+        product = (s[k] + step * ds[k]) * (lam[k] + dual_step * dlam[k])
+        goal[k] = max(min(max(product, least), most) - product, -most)
+
+
+@njit(**NO_ALLOCATION)
+def add_share(x, more, share):
+    """Add a share of `more` to x."""
+    for k in range(len(x)):
+        x[k] += share * more[k]
+
+
+@njit(**NO_ALLOCATION)
+def fit_wrenches(row, d, fresh, wrench, lever, room, lam):
+    """Change the multipliers of pairs that are `fresh` so that their wrenches come near `wrench`; `room` (3, 4) is worked in."""
+    for p in range(len(row) - 1):
+        if not fresh[p]:
+            continue
+        share = 1.0 / lever[p]  # a torque becomes a force
+        for _ in range(REPETITIONS):
+            for i in range(3):
+                room[i, 3] = wrench[p, i] * (share if i == 2 else 1.0)
+                for j in range(3):
+                    room[i, j] = 0.0
+            for k in range(row[p], row[p + 1]):
+                x, y, z, f = d[k, 0], d[k, 1], d[k, 2] * share, lam[k]
+                room[0, 3] -= f * x
+                room[1, 3] -= f * y
+                room[2, 3] -= f * z
+                room[0, 0] += f * f * x * x
+                room[0, 1] += f * f * x * y
+                room[0, 2] += f * f * x * z
+                room[1, 1] += f * f * y * y
+                room[1, 2] += f * f * y * z
+                room[2, 2] += f * f * z * z
+            small = 1e-9 * (room[0, 0] + room[1, 1] + room[2, 2]) + 1e-300
+            # Cholesky of the 3 x 3 matrix
+            l00 = np.sqrt(room[0, 0] + small)
+            l10, l20 = room[0, 1] / l00, room[0, 2] / l00
+            l11 = np.sqrt(max(room[1, 1] + small - l10 * l10, small))
+            l21 = (room[1, 2] - l20 * l10) / l11
+            l22 = np.sqrt(max(room[2, 2] + small - l20 * l20 - l21 * l21, small))
+            b0 = room[0, 3] / l00
+            b1 = (room[1, 3] - l10 * b0) / l11
+            b2 = (room[2, 3] - l20 * b0 - l21 * b1) / l22
+            y2 = b2 / l22
+            y1 = (b1 - l21 * y2) / l11
+            y0 = (b0 - l10 * y1 - l20 * y2) / l00
+            limit = MOST_CHANGE ** (1.0 / REPETITIONS)
+            for k in range(row[p], row[p + 1]):
+                f = lam[k]
+                change = f * (d[k, 0] * y0 + d[k, 1] * y1 + d[k, 2] * share * y2)
+                lam[k] = f * min(max(1.0 + change, 1.0 / limit), limit)

@@ -1,0 +1,69 @@
+"""The page of an assembly in space: what it carries, and that names are only ever data."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import wiggleroom as wr
+from tests.test_spatial import PEG, PLATE, spatial
+from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
+
+NASTY = "</script><img src=x onerror=alert(1)>"
+
+
+def scene(page: str) -> dict:
+    return json.loads(re.search(r'id="solid">(.*?)</script>', page, re.DOTALL)[1])
+
+
+def unpacked(text: str, kind: str) -> np.ndarray:
+    return np.frombuffer(base64.b64decode(text), dtype=kind)
+
+
+def test_the_page_carries_parts_way_and_contacts() -> None:
+    answer = wr.flex(spatial(PLATE, PEG), wr.Turn("peg", (0, 0, 1)))
+    page = page_of_spatial_answer(answer, "wiggleroom flex peg.json")
+    data = scene(page)
+    assert [p["name"] for p in data["parts"]] == ["plate", "peg"]
+    motions = unpacked(data["motions"], "<f4").reshape(*answer.waypoints.shape[:2], 7)
+    turn = Rotation.from_quat(motions[-1, 1, 3:]).as_rotvec()
+    assert turn == pytest.approx(answer.motion[1, 3:], abs=1e-6)
+    assert motions[-1, 1, :3] == pytest.approx(answer.motion[1, :3], abs=1e-6)
+    peg = answer.assembly.made[1].surface
+    corners = unpacked(data["parts"][1]["vertices"], "<f4").reshape(-1, 3) + data["parts"][1]["reference"]
+    assert corners == pytest.approx(peg.vertices, abs=1e-5)
+    assert len(data["contacts"]) == len(answer.contacts) > 0
+    assert data["times"][0] == 0
+    assert data["times"][-1] == 1
+    assert "optimal" in page
+
+
+def test_names_are_data_and_only_the_bundle_may_run() -> None:
+    answer = wr.flex(spatial(PLATE, PEG | {"name": NASTY}), wr.Turn(NASTY, (0, 0, 1)))
+    page = page_of_spatial_answer(answer, f"wiggleroom flex '{NASTY}'")
+    assert NASTY not in page
+    assert scene(page)["parts"][1]["name"] == NASTY
+    script = re.search(r'<script type="module">(.*)</script>', page, re.DOTALL)[1]
+    allowed = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    policy = re.search(r'Content-Security-Policy" content="([^"]*)"', page)[1]
+    assert policy.startswith("default-src 'none'")
+    assert f"script-src 'sha256-{allowed}'" in policy
+    assert "unsafe" not in policy
+
+
+def test_a_way_apart_is_a_page_too_and_answers_draw_themselves(tmp_path: Path) -> None:
+    found = wr.check(spatial(PLATE, PEG))
+    data = scene(page_of_separation(found))
+    assert len(data["times"]) == sum(len(e.path) for e in found.escapes)
+    for name in ("a.html", "a.svg", "a.glb"):
+        found.draw(tmp_path / name)
+        assert (tmp_path / name).stat().st_size > 500
+    with pytest.raises(wr.InputError, match="must end in"):
+        found.draw(tmp_path / "a.gif")
