@@ -218,6 +218,38 @@ def test_congruence_sees_one_small_hole_on_the_other_side() -> None:
     assert not congruent(known, [base, (2, up, beside)], [turned, (2, up, beside)], 0.3)
 
 
+def test_an_outline_that_almost_closes_is_a_panel(tmp_path: Path) -> None:
+    """Cutting programs leave outlines open by a tenth of a millimetre; that is joined, and said."""
+    head, leg, rest = stool("stool", 60, 50, 3).svg().partition('<path id="leg a" d="M')
+    points, _, rest = rest.partition(" Z")
+    x, y = points.split(" ", 1)[0].split(",")
+    sheet = sheet_of(tmp_path, f"{head}{leg}{points} L{float(x) + 0.1:.3f},{y}{rest}")
+    assert len(sheet.panels) == 3
+    assert any("open ends were joined" in note for note in sheet.notes)
+
+
+def test_a_hair_on_an_outline_is_no_flank(tmp_path: Path) -> None:
+    """A spike without width, as long as the plate is thick, goes on from an edge: it holds nothing."""
+    design = stool("stool", 60, 50, 3)
+    before = {plate.name: len(plate.length) for plate in assemble_sheet(sheet_of(tmp_path, design.svg()), 3).plates}
+    leg = design.panels["leg a"]
+    x, y, *_ = leg.bounds
+    hair = shapely.Polygon([(x, y), (x, y + 0.001), (x - 3, y)])
+    design.panels["leg a"] = leg.union(hair)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
+    assert {plate.name: len(plate.length) for plate in found.plates} == before
+    assert len(found.joints) == 3
+
+
+def test_options_of_reading_are_those_of_all_commands(command: Callable[..., int], tmp_path: Path) -> None:
+    design = stool("stool", 60, 50, 3)
+    design.panels["plain"] = shapely.box(0, 0, 50, 40)
+    sheet, out = tmp_path / "sheet.svg", tmp_path / "out.json"
+    sheet.write_text(design.svg())
+    assert command("assemble", sheet, "--thickness", 3, "--skip", "plain", "-o", out) == 0
+    assert command("assemble", sheet, "--thickness", 3, "--join", "-1", "-o", out) == 2
+
+
 def test_panels_that_differ_by_a_small_hole_are_not_the_same_kind(tmp_path: Path) -> None:
     """Two sides of a box, each with a 2 mm hole in another place: exchanging them makes another box."""
     design = box("box", 75, 52, 38, 3, 8)

@@ -683,3 +683,33 @@ def test_damaged(tmp_path, seed):
         assert parts or findings
         assert all("\n" not in line for line in findings)
         assert all(np.isfinite(region.outer).all() for part in parts for region in part.regions)
+
+
+def _with_centre_line(tmp_path, **line):
+    document = ezdxf.new("R2000", units=4, setup=True)
+    space = document.modelspace()
+    document.layers.add("axes", linetype="CENTER")
+    space.add_lwpolyline([(0, 0), (60, 0), (60, 40), (0, 40)], close=True)
+    space.add_line((-5, 20), (65, 20), dxfattribs=line)
+    path = tmp_path / "part.dxf"
+    document.saveas(path)
+    return path
+
+
+@pytest.mark.parametrize("line", [{"linetype": "CENTER"}, {"linetype": "HIDDEN2"}, {"layer": "axes"}])
+def test_centre_lines_and_hidden_edges_cut_nothing(tmp_path, line):
+    drawing = read_drawing(_with_centre_line(tmp_path, **line))
+    assert len(drawing.parts) == 1
+    assert any("drawn with line type" in note for note in drawing.notes)
+
+
+def test_lines_without_gaps_cut(tmp_path):
+    assert len(read_drawing(_with_centre_line(tmp_path)).parts) == 2
+
+
+def test_a_drawing_of_centre_lines_alone_is_read(tmp_path):
+    document = ezdxf.new("R2000", units=4, setup=True)
+    square = [(0, 0), (60, 0), (60, 40), (0, 40)]
+    document.modelspace().add_lwpolyline(square, close=True, dxfattribs={"linetype": "CENTER"})
+    document.saveas(tmp_path / "part.dxf")
+    assert len(read_drawing(tmp_path / "part.dxf").parts) == 1

@@ -188,3 +188,25 @@ def test_pieces_of_one_part_come_back(tmp_path):
         write_drawing(wr.Drawing((part,)), tmp_path / name)
         again = read_drawing(tmp_path / name)
         assert [(p.name, len(p.regions)) for p in again.parts] == [("two", 2)]
+
+
+def test_an_id_is_another_name_of_a_part_that_has_a_label(run, tmp_path):
+    label = 'xmlns:inkscape="http://www.inkscape.org/namespaces/inkscape" inkscape:label'
+    body = box(0, 0, 10, 10, f'id="path12" {label}="frame" {LINE}') + box(
+        11, 0, 10, 10, f'id="path34" {label}="lid" {LINE}'
+    )
+    path = file_of(tmp_path, body)
+    assert [(p.name, p.aliases) for p in read_drawing(path).parts] == [("frame", ("path12",)), ("lid", ("path34",))]
+    code, _, said = run(f"flex {path} --gap 0.1 --fix path12 --pull path34:-x")
+    assert code == 0, said
+    code, _, said = run(f"flex {path} --gap 0.1 --fix path13 --pull path34:-x")
+    assert code == 2
+    assert 'there is no part "path13"' in said
+
+
+def test_an_id_that_two_parts_share_names_neither(tmp_path):
+    """One path of two pieces whose texts name them: the path's id is no name of either."""
+    data = "M0 0H10V10H0Z M20 0H30V10H20Z"
+    body = f'<path id="path9" d="{data}" {LINE}/><text x="5" y="5">a</text><text x="25" y="5">b</text>'
+    parts = read_drawing(file_of(tmp_path, body)).parts
+    assert [(part.name, part.aliases) for part in parts] == [("a", ()), ("b", ())]

@@ -20,7 +20,7 @@ def statement_findings(drawing: Drawing) -> list[str]:
 
 
 class PartNames:
-    """Names of parts as people give them: a name, or a point of the part as "@12,30" [mm].
+    """Names of parts as people give them: a name, an id beside it, or a point of the part as "@12,30" [mm].
 
     Calling it gives the name of the part; what no part is at is kept in `wrong`, one line each.
 
@@ -36,13 +36,14 @@ class PartNames:
     def __init__(self, drawing: Drawing) -> None:
         self._drawing = drawing
         self._names = {p.name for p in drawing.parts}
+        self._aliases = {alias: p.name for p in drawing.parts for alias in p.aliases}
         self.wrong: list[str] = []
 
     def __call__(self, name: str) -> str:
         """Name of the part."""
         point = None if name in self._names else place_of(name)
         if point is None:
-            return name
+            return name if name in self._names else self._aliases.get(name, name)
         shapes, owner = placed_regions(self._drawing.parts)
         inside = np.flatnonzero(shapely.intersects_xy(shapes, *point))
         area = shapely.area(shapes)

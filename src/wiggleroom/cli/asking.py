@@ -57,7 +57,7 @@ def direction(option: str, text: str) -> tuple[float, float]:
 def split_words(texts: Iterable[str]) -> list[str]:
     """Words from lists such as "A,B"; a point "@12,30" is one word, and so is a colour such as "rgb(1,2,3)".
 
-    >>> listed(["a,@12,30,b", "rgb(255,0,0)"])
+    >>> split_words(["a,@12,30,b", "rgb(255,0,0)"])
     ['a', '@12,30', 'b', 'rgb(255,0,0)']
     """
     found = [word for text in texts for word in re.findall(r"@[^,]*,[^,]*|(?:\([^)]*\)|[^,])+", text)]

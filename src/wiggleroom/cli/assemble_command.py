@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from cyclopts import Parameter
 
+from wiggleroom.cli.options import Many
 from wiggleroom.cli.outputs import check, write_picture, write_result
 from wiggleroom.cli.sheet_options import SheetOptions, assembled_sheet
 from wiggleroom.report.file_endings import STILLS
@@ -31,6 +32,10 @@ def assemble(
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
     sheet: SheetOptions = _NO_SHEET,
     unit: Literal["mm", "cm", "m", "in", "px"] | None = None,
+    only: Many = (),
+    skip: Many = (),
+    join: float | None = None,
+    solid: Many = (),
     time: float = 60.0,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     picture: Path | None = None,
@@ -52,6 +57,14 @@ def assemble(
         The assembly file to write (.json): plates as cut, in space.
     unit
         Unit of the drawing, in place of the file's.
+    only
+        Read these alone of a drawing: layers, colours or names, A,B. May repeat.
+    skip
+        Leave these out: layers, colours or names, A,B. May repeat.
+    join
+        Open ends nearer than this are joined [mm]. By default 0.2.
+    solid
+        Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
     time
         Processor time [s] after which no wider search for plates is begun.
     json
@@ -59,9 +72,12 @@ def assemble(
     picture
         The sheet with its joints coloured and named, beside the result: .svg or .png.
     """
+    import math
     import shlex
 
+    from wiggleroom.cli.asking import split_words
     from wiggleroom.cli.say import note, show
+    from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.errors import InputError
     from wiggleroom.files import write_whole
 
@@ -71,12 +87,16 @@ def assemble(
         message = f"--time {time:g}: it must be more than 0 s"
         raise InputError(message)
     command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    if join is not None and not 0 <= join < math.inf:
+        message = f"--join {join:g}: it must be 0 or more"
+        raise InputError(message)
+    options = ReadOptions(tuple(split_words(only)), tuple(split_words(skip)), join, tuple(split_words(solid)))
     if sheet.given:
-        done = _in_space(assembled_sheet(file, sheet, unit=unit, seconds=time), command)
+        done = _in_space(assembled_sheet(file, sheet, unit=unit, options=options, seconds=time), command)
     else:
         from wiggleroom.mating.cutting_sheet import read_sheet
 
-        done = _in_plane(read_sheet(Path(file), unit=unit), sheet.burn, command)
+        done = _in_plane(read_sheet(Path(file), unit=unit, options=options), sheet.burn, command)
     if json is not None:
         write_result(done.record, json)
     if json != "-":

@@ -26,6 +26,8 @@ _AXES = {
     for sign in "+-"
 }
 _HOW = "write NAME:+x, -x, +y, -y, +z or -z, or a direction of three numbers as NAME:0,0.6,0.8"
+_OF_DRAWINGS = ("unit", "only", "skip", "join", "solid")
+"""Options that say how a drawing is read, a cutting sheet too."""
 
 
 def spatial_questions(
@@ -101,7 +103,7 @@ def read_in_space(
         wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
     drawn = sheet is not None and sheet.given
     for option in ("unit", "flatten", "objective", "only", "skip", "join", "solid", "ignore", "glue", "gap_of"):
-        if getattr(asked, option) not in (None, ()) and not (drawn and option == "unit"):
+        if getattr(asked, option) not in (None, ()) and not (drawn and option in _OF_DRAWINGS):
             wrong.append(
                 f"--{option.replace('_', '-')} is for parts in the plane; {file} is asked in space: leave it out"
             )
@@ -111,9 +113,10 @@ def read_in_space(
     from wiggleroom.spatial.spatial_file import read_spatial
 
     if sheet is not None and sheet.given:
+        from wiggleroom.cli.options import read_options
         from wiggleroom.cli.sheet_options import assembled_sheet, sure_text
 
-        found = assembled_sheet(file, sheet, unit=asked.unit, stop=stop)
+        found = assembled_sheet(file, sheet, unit=asked.unit, options=read_options(asked), stop=stop)
         drawing = replace(read_spatial(sure_text(file, found)), source=found.source, notes=found.notes)
     else:
         with at_once(stop):

@@ -12,6 +12,7 @@ from cyclopts import Group, Parameter
 from wiggleroom.cli.options import Many
 
 if TYPE_CHECKING:
+    from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.errors import Stop
     from wiggleroom.mating.assembled_sheet import AssembledSheet
     from wiggleroom.mating.hints import Hints
@@ -92,7 +93,13 @@ class SheetOptions:
 
 
 def assembled_sheet(
-    file: str, sheet: SheetOptions, *, unit: str | None, seconds: float = 60.0, stop: Stop | None = None
+    file: str,
+    sheet: SheetOptions,
+    *,
+    unit: str | None,
+    options: ReadOptions,
+    seconds: float = 60.0,
+    stop: Stop | None = None,
 ) -> AssembledSheet:
     """Panels of a drawing put together in space.
 
@@ -105,7 +112,7 @@ def assembled_sheet(
     from wiggleroom.mating.cutting_sheet import read_sheet
 
     thickness, hints = sheet.known(file)
-    read = read_sheet(Path(file), unit=unit)
+    read = read_sheet(Path(file), unit=unit, options=options)
     return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, hints=hints, seconds=seconds, stop=stop)
 
 

@@ -143,6 +143,7 @@ class DxfWalk:
                 groups=groups,
                 layer=state.layer,
                 colour=self._colour(entity, state),
+                line_type=self._line_type(entity, state),
                 fixed=any(group.name.lower() == "fixed" for group in groups),
                 even_odd=True,
                 hole=is_hole_layer(state.layer),
@@ -168,6 +169,13 @@ class DxfWalk:
         if not 0 < code < 256 or code == 7:
             return "#000000"  # white on a black screen, black on paper
         return _hex(aci2rgb(code))
+
+    def _line_type(self, entity: Any, state: _DxfState) -> str:
+        """Line type of an entity or of its layer by name; nothing where it has no gaps."""
+        name = str(entity.dxf.get("linetype", "BYLAYER"))
+        if name.upper() == "BYLAYER" and state.layer in self.document.layers:
+            name = str(self.document.layers.get(state.layer).dxf.get("linetype", ""))
+        return "" if name.upper() in ("BYLAYER", "BYBLOCK", "CONTINUOUS", "") else name
 
     def _groups_of(self, entity: Any, state: _DxfState) -> tuple[Group, ...]:
         key = state.layer.lower()

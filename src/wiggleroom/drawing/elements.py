@@ -53,6 +53,8 @@ class Stroke:
         Of the line, as `#rrggbb`, or nothing.
     fill : str
         Of the inside, likewise.
+    line_type : str
+        Pattern of the line by name, such as "CENTER"; nothing for a line without gaps.
     styled : bool
         Whether the file says a colour of the line or the inside; else it is black by default, which means little.
     fixed, even_odd : bool
@@ -77,6 +79,7 @@ class Stroke:
     marks: tuple[str, ...] = ()
     colour: str = ""
     fill: str = ""
+    line_type: str = ""
     styled: bool = True
     fixed: bool = False
     even_odd: bool = False

@@ -56,6 +56,10 @@ HOLE_WORDS = (
     "孔",
     "穴",
 )
+REFERENCE_LINE_TYPES = (
+    "center", "centre", "hidden", "phantom", "dashdot", "divide", "axis", "axes", "mitte", "achse", "verdeckt", "strichpunkt",
+)  # fmt: skip
+"""How names of line types for centre lines and hidden edges begin in CAD programs."""
 LABELS = "labels"
 """Names for people to read stand in a layer of this name; nothing is said about it."""
 CUT_WORDS = ("inner", "outer", "cut", "through")
@@ -104,6 +108,7 @@ def cut_strokes(artwork: Artwork, options: ReadOptions) -> tuple[Artwork, tuple[
         reasons = [reason if reason == _SILENT else "" for reason in reasons]
         notes.append(f"{artwork.file}: everything stands in layers that are usually not cut; all of it is read")
     if not options.only:
+        _reference_lines(artwork, reasons)
         _sheet(artwork, reasons)
         _reference_bar(artwork, reasons)
         _filled(artwork, reasons, options)
@@ -174,7 +179,9 @@ def _words(stroke: Stroke) -> set[str]:
     marks = [mark for group in stroke.groups for mark in (group.name, *group.marks)]
     colours = [c for colour in (stroke.colour, stroke.fill) if colour for c in (colour, name_of(colour))]
     return {
-        word.casefold() for word in (stroke.layer, stroke.name, stroke.label, *stroke.marks, *marks, *colours) if word
+        word.casefold()
+        for word in (stroke.layer, stroke.name, stroke.label, stroke.line_type, *stroke.marks, *marks, *colours)
+        if word
     }
 
 
@@ -225,6 +232,17 @@ def _usual(artwork: Artwork, stroke: Stroke, visible: bool) -> str:
 
 _BOXES = {"#ff0000": "annotations", "#00ff00": "etching", "#00ffff": "deep etching"}
 """What boxes.py draws in these colours."""
+
+
+def _reference_lines(artwork: Artwork, reasons: list[str]) -> None:
+    """Leave out centre lines and hidden edges by their line type, where lines without gaps are there to be cut."""
+    rows = [i for i, reason in enumerate(reasons) if not reason]
+    if all(artwork.strokes[i].line_type for i in rows):
+        return
+    for i in rows:
+        name = artwork.strokes[i].line_type
+        if name and _tokens(name) and _tokens(name)[0].startswith(REFERENCE_LINE_TYPES):
+            reasons[i] = f'drawn with line type "{name}", not cut; --only "{name}" reads it'
 
 
 def _sheet(artwork: Artwork, reasons: list[str]) -> None:

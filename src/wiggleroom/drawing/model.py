@@ -42,6 +42,8 @@ class Part:
         True where the part does not move.
     offset : float [mm]
         Extra outward displacement of this part's boundary (negative: smaller, looser).
+    aliases : tuple of str
+        What else a drawing calls it, such as its id beside a label; a question may use these too.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Part:
     at: tuple[float, float, float] = (0.0, 0.0, 0.0)
     fixed: bool = False
     offset: float = 0.0
+    aliases: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

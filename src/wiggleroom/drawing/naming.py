@@ -79,6 +79,28 @@ def unique_names(given: Sequence[str]) -> list[str]:
     return names
 
 
+def aliases_of(names: Sequence[str], said: Sequence[Sequence[str]]) -> list[tuple[str, ...]]:
+    """What else parts are called, where that means one part alone.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Of the parts.
+    said : sequence of sequences of str
+        Everything that the file calls each of them.
+
+    Examples
+    --------
+    >>> aliases_of(["lid", "box"], [["path7", "lid"], ["g1", "path7", "box"]])
+    [(), ('g1',)]
+    """
+    owners: Counter[str] = Counter(word for words in said for word in set(words))
+    return [
+        tuple(dict.fromkeys(word for word in words if word and owners[word] == 1 and word not in set(names)))
+        for words in said
+    ]
+
+
 def rows_at(points: Sequence[tuple[float, float]], polygons: Polygons) -> list[int | None]:
     """The smallest outline around each point [mm], or None.
 

@@ -67,7 +67,8 @@ def _net(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     faces = np.array(net.faces, dtype=object)
     neighbours, _ = shapely.STRtree(faces).query(faces, predicate="intersects")
     shared = np.bincount(neighbours, minlength=len(net.faces)) > 1
-    nearest = tree.nearest([net.faces[f].exterior for f in outside]).tolist() if outside else []
+    edges = [np.mean(net.faces[f].exterior.coords[:2], axis=0) for f in outside]
+    nearest = tree.nearest(shapely.points(edges)).tolist() if outside else []
     for f, line in zip(outside, nearest, strict=True):
         row = lines[line]
         if shared[f]:

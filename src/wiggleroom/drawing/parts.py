@@ -15,7 +15,7 @@ from wiggleroom.drawing.elements import Artwork, Stroke
 from wiggleroom.drawing.flatten import Curved
 from wiggleroom.drawing.layers import ReadOptions, cut_strokes, has_own_name
 from wiggleroom.drawing.model import Drawing, Region
-from wiggleroom.drawing.naming import given_names, rows_at, texts_inside, unique_names
+from wiggleroom.drawing.naming import aliases_of, given_names, rows_at, texts_inside, unique_names
 from wiggleroom.drawing.nesting import cut_nested, direct_parents, hole_rows, meets_hole
 from wiggleroom.drawing.outlines import traced
 from wiggleroom.drawing.rings import part_about_centroid
@@ -121,9 +121,12 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
     found.notes += [
         f"{artwork.file}: {count} {tag} elements are left out; only outlines are parts" for tag, count in kinds
     ]
+    said = [("" if outlines[row].face else strokes[row].name, inside[row], given[row]) for row in first]
     parts = tuple(
-        part_about_centroid(name, [piece for row in rows for piece in material[row]], fixed=strokes[rows[0]].fixed)
-        for name, rows in zip(names, groups, strict=True)
+        part_about_centroid(
+            name, [piece for row in rows for piece in material[row]], fixed=strokes[rows[0]].fixed, aliases=others
+        )
+        for name, rows, others in zip(names, groups, aliases_of(names, said), strict=True)
     )
     drawing = Drawing(
         parts=parts,

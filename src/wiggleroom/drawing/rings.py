@@ -71,6 +71,8 @@ def clean_ring(ring: Points, *, clockwise: bool = False) -> Points:
     """
     if not len(ring):
         return ring
+    if len(ring) > 1 and (ring[0] == ring[-1]).all():
+        ring = ring[:-1]
     low, high = ring.min(axis=0), ring.max(axis=0)
     size, farthest = float((high - low).max()), max(*(-low).tolist(), *high.tolist())
     height = COLLINEAR_TOLERANCE * size + ROUNDING * farthest
@@ -142,9 +144,11 @@ def centroid(outers: list[Points]) -> tuple[float, float]:
     return float(centre[0]), float(centre[1])
 
 
-def part_about_centroid(name: str, regions: list[Region], *, fixed: bool = False) -> Part:
+def part_about_centroid(
+    name: str, regions: list[Region], *, fixed: bool = False, aliases: tuple[str, ...] = ()
+) -> Part:
     """Part whose reference point is the area centroid of its outer outlines `regions` [mm]."""
     x, y = centroid([region.outer for region in regions])
     here = np.array([x, y])
     moved = tuple(Region(region.outer - here, tuple(hole - here for hole in region.holes)) for region in regions)
-    return Part(name=name, regions=moved, at=(x, y, 0.0), fixed=fixed)
+    return Part(name=name, regions=moved, at=(x, y, 0.0), fixed=fixed, aliases=aliases)

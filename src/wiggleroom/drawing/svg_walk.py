@@ -11,6 +11,7 @@ from wiggleroom.drawing.colours import RED, colour_of
 from wiggleroom.drawing.css import Rules, parse_rules, properties
 from wiggleroom.drawing.elements import MAX_ELEMENTS, Group, Lettering, Stroke
 from wiggleroom.drawing.layers import LABELS, is_hole_layer
+from wiggleroom.drawing.pathdata import Subpath
 from wiggleroom.drawing.shapes import SHAPES, subpaths_of
 from wiggleroom.drawing.strokes import mapped
 from wiggleroom.drawing.transforms import Affine, Box, fit, parse_length, parse_transform, parse_view_box
@@ -88,8 +89,9 @@ class Walk:
         if state.depth > MAX_NESTING:
             message = f"{self.file}: line {element.line}: groups are nested deeper than {MAX_NESTING}; ungroup them"
             raise InputError(message)
+        inner = replace(state, depth=state.depth + 1)
         for child in element.children:
-            self._visit(child, replace(state, depth=state.depth + 1))
+            self._visit(child, inner)
 
     def _visit(self, element: Element, outer: _SvgState) -> None:
         tag = element.tag
@@ -136,10 +138,11 @@ class Walk:
             return
         fill = self._colour("fill", state, "black")
         copied = bool(state.copies)
+        paths, problem = self._paths(element, state)
         stroke = Stroke(
             tag=element.tag,
             place=f"line {element.line}",
-            paths=(),
+            paths=paths,
             name="" if copied else _id(element),
             label="" if copied else _label(element),
             groups=state.groups,
@@ -154,12 +157,18 @@ class Walk:
             whole="data-pieces" in element.attributes,
             pool=(state.layer, *(id(copy) for copy in state.copies)),
         )
+        if problem:
+            self.findings.append(f"{self.file}: {stroke}: {problem}")
+        else:
+            self.strokes.append(stroke)
+
+    def _paths(self, element: Element, state: _SvgState) -> tuple[tuple[Subpath, ...], str]:
+        """Subpaths of a shape on the page, and what is wrong with them."""
         try:
             subpaths = subpaths_of(element.tag, element.attributes, state.port)
         except ValueError as error:
-            self.findings.append(f"{self.file}: {stroke}: {error}")
-            return
-        self.strokes.append(replace(stroke, paths=tuple(mapped(path, state.matrix) for path in subpaths)))
+            return (), str(error) or "cannot be read"
+        return tuple(mapped(path, state.matrix) for path in subpaths), ""
 
     def _colour(self, key: str, state: _SvgState, otherwise: str) -> str:
         """Colour of the fill or the line, or nothing where it does not show."""

@@ -44,7 +44,7 @@ class SheetSettings:
     min_met_share: float = 0.5
     max_relief: float = 0.12
     body_distance: float = 20.0
-    exhaustive_seconds: float = 6.0
+    exhaustive_seconds: float = 5.0
 
 
 SETTINGS = SheetSettings()
@@ -239,32 +239,37 @@ def _body(
     root = max(left, key=lambda row: (len(bench.flanks[row]), bench.plates[row].polygon.area))
     start = joined_start(bench, hints, left) or bench.start(root)
     closed = closed_placements(bench, start, left, table, seconds=SETTINGS.exhaustive_seconds, stop=stop)
-    if closed.placements:
-        body = min(closed.placements, key=lambda placed: extent(bench, placed))
+    name = bench.plates[root].name
+    if closed.placements and not closed.open_lines:
         doubts = []
-        if closed.open_lines:
-            doubts.append(
-                f"no way was found to put panels round {bench.plates[root].name} so that every flank meets another"
-            )
-        elif len(closed.placements) > 1:
-            doubts.append(f"panels fit together in more than one way, round {bench.plates[root].name}")
+        if len(closed.placements) > 1:
+            doubts.append(f"panels fit together in more than one way, round {name}")
         elif not closed.exhausted:
-            doubts.append(f"not every other way to put panels round {bench.plates[root].name} was tried")
-        return body, doubts
-    best: tuple[float, Placement] | None = None
+            doubts.append(f"not every other way to put panels round {name} was tried")
+        return min(closed.placements, key=lambda placed: extent(bench, placed)), doubts
+    best = max(((_met(bench, placed), placed) for placed in closed.placements), default=None, key=lambda item: item[0])
+    grown = False
     for effort in SETTINGS.efforts:  # the first one is always brought to its end: half a body helps nobody
-        until = np.inf if best is None else deadline
+        until = deadline if grown else np.inf
         found = grow(bench, start, left, effort, deadline=until, stop=stop, progress=progress)[0]
-        met = sum(len(pairs) for *_, pairs in bench.met(found)[0])
-        if best is None or met > best[0]:
-            best = met, found
+        if len(found.rows) > 2:
+            found = _trimmed(bench, found)
+        grown = True
+        if best is None or _met(bench, found) > best[0]:
+            best = _met(bench, found), found
         still = sum(len(rows) for rows in bench.open(best[1]).values())
         if time.process_time() > deadline or (len(best[1].rows) == len(left) and still == 0):
             break
     if best is None:
         return start, []
-    body = _trimmed(bench, best[1]) if len(best[1].rows) > 2 else best[1]
-    return body, ["found by a search that does not look at every way"] if len(body.rows) > 1 else []
+    return best[1], [f"no way was found to put panels round {name} so that every flank meets another"] * (
+        len(best[1].rows) > 1
+    )
+
+
+def _met(bench: BeamState, placed: Placement) -> int:
+    """How many pairs of flanks meet."""
+    return sum(len(pairs) for *_, pairs in bench.met(placed)[0])
 
 
 def _trimmed(bench: BeamState, body: Placement) -> Placement:
@@ -326,10 +331,10 @@ def _upright(bench: BeamState, body: Placement) -> Placement:
     said = [k for k, row in enumerate(body.rows) if bench.plates[row].name.lower().startswith(calling)]
     points = np.vstack(bench.places(Placement(body.rows, turns, moves, 0.0, {})))
 
-    def tilted(i: int) -> tuple[int, float]:
-        """How many panels stand askew in the frame of one, then the size of the box round everything."""
+    def tilted(i: int) -> tuple[float, int]:
+        """Size of the box round everything in the frame of one panel, then how many panels stand askew in it."""
         askew = (np.abs(turns[:, :, 2] @ turns[i]).max(axis=1) < 0.999).sum()
-        return int(askew), round(float(np.prod(np.ptp(points @ turns[i], axis=0) + 1.0)), 3)
+        return round(float(np.prod(np.ptp(points @ turns[i], axis=0) + 1.0)), -1), int(askew)
 
     k = said[0] if said else min(range(len(body.rows)), key=tilted)
     frame, origin = turns[k], moves[k]

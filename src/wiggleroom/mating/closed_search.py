@@ -38,12 +38,15 @@ class ExhaustiveSettings:
         Different assemblies after which the search stops: more only say again that there is a choice.
     max_open_lines : int
         Lines of flanks that may stay open.
+    open_share : float in (0, 1)
+        Share of the time that each number of open lines may take.
     """
 
     branching_lines: int = 5
     moment_tolerance: float = 1e-3
     max_assemblies: int = 2
-    max_open_lines: int = 6
+    max_open_lines: int = 3
+    open_share: float = 0.2
 
 
 SETTINGS = ExhaustiveSettings()
@@ -102,7 +105,8 @@ def closed_placements(
     deadline = time.process_time() + seconds
     found = Closed()
     for spare in range(SETTINGS.max_open_lines + 1):
-        search = _ExhaustiveSearch(bench, frozenset(free), table, deadline, stop, spare)
+        until = deadline if spare == 0 else min(deadline, time.process_time() + SETTINGS.open_share * seconds)
+        search = _ExhaustiveSearch(bench, frozenset(free), table, until, stop, spare)
         search.descend(search.root(start), spare)
         found = search.result
         if found.placements or not found.exhausted:

@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import shapely
 from shapely import affinity
 
+from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.read import reading
 from wiggleroom.errors import InputError
 
 CHORD_ERROR = 0.01
 """Chord error of curves on a sheet [mm]."""
+OPEN_ENDS = 0.2
+"""Open ends of an outline nearer than this [mm] are joined: panels on a sheet lie further apart."""
 MIN_PANEL_AREA = 1.0
 """Outlines that enclose less than this [mm2] are no panels."""
 BURN_TEXT = re.compile(r"burn: *(\d+(?:\.\d+)?) ?mm")
@@ -55,7 +58,7 @@ class CuttingSheet:
     source: str = ""
 
 
-def read_sheet(path: str | Path, *, unit: str | None = None) -> CuttingSheet:
+def read_sheet(path: str | Path, *, unit: str | None = None, options: ReadOptions | None = None) -> CuttingSheet:
     """Panels of a cutting sheet; what is wrong with a drawing as an assembly, such as touching parts, does not matter here.
 
     Parameters
@@ -64,6 +67,8 @@ def read_sheet(path: str | Path, *, unit: str | None = None) -> CuttingSheet:
         A drawing, or an assembly file in the plane.
     unit : str, optional
         What one user unit is (mm, cm, m, in, px), whatever the file says.
+    options : ReadOptions, optional
+        What is read of a drawing, and how far open ends are joined: by default up to `OPEN_ENDS`.
 
     Raises
     ------
@@ -71,7 +76,11 @@ def read_sheet(path: str | Path, *, unit: str | None = None) -> CuttingSheet:
         With one line per finding.
     """
     path = Path(path)
-    read = reading(path, unit=unit, flatten=None if path.suffix.lower() == ".json" else CHORD_ERROR)
+    drawn = path.suffix.lower() != ".json"
+    options = options or ReadOptions()
+    if drawn and options.join is None:
+        options = replace(options, join=OPEN_ENDS)
+    read = reading(path, unit=unit, flatten=CHORD_ERROR if drawn else None, options=options)
     notes = [*read.drawing.notes, *read.findings]
     panels, specks = [], 0
     for part in read.drawing.parts:
