@@ -170,7 +170,7 @@ def prisms(polygon, low, high, gap, R, at):
 
 def extruded(polygon, low, high):
     """Closed surface of an extruded polygon."""
-    mesh = trimesh.creation.extrude_polygon(polygon, high - low, engine="earcut")
+    mesh = trimesh.creation.extrude_polygon(polygon, high - low, engine="manifold")
     return Surface(np.array(mesh.vertices) + np.array([0, 0, low]), np.array(mesh.faces, dtype=np.int64))
 
 

@@ -887,8 +887,8 @@ WINDOWS: dict[str, Forgery] = {
 
 
 def test_a_certificate_with_windows_is_verified(windowed: Content) -> None:
-    assert len(windowed["windows"]) >= 4
-    assert all(len(w["placements"]) == 4 for w in windowed["windows"][:4])
+    assert len(windowed["windows"]) >= 2
+    assert all(len(w["placements"]) == 4 for w in windowed["windows"][:2])
     assert verify(windowed).proven
 
 

@@ -205,7 +205,7 @@ def test_a_mesh_of_a_plate_is_made_as_the_plate_is(joint: str, turned: bool) -> 
     from wiggleroom.spatial.spatial_model import Plate, SpatialPart, Surface
 
     ring = wr.patterns.chain(3, joint=joint, gap=0.04).drawing.parts[1].regions[0].outer
-    mesh = trimesh.creation.extrude_polygon(shapely.Polygon(ring), 0.5, engine="earcut")
+    mesh = trimesh.creation.extrude_polygon(shapely.Polygon(ring), 0.5, engine="manifold")
     R = Rotation.from_euler("xyz", [20, 50, 70], degrees=True).as_matrix() if turned else np.eye(3)
     surface = Surface(np.array(mesh.vertices) @ R.T, np.array(mesh.faces, dtype=np.int64))
     plate, wrong = made_solid(SpatialPart("a", Plate((Region(ring),), 0.5), np.zeros(3), np.eye(3)), 0.04)
