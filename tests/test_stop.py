@@ -156,7 +156,7 @@ def test_stop_is_honoured_at_any_time(what: str, seed: int, jigsaw: wr.Assembly)
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), delay) < 1.0
 
 
-COMMANDS = ("flex", "check", "gap", "plan", "rank", "sample --spread 0.05", "sweep", "tighten", "tolerances")
+COMMANDS = ("flex", "check", "gap --holds", "plan", "rank", "sample --spread 0.05", "sweep", "tighten", "tolerances")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a file that is never read to its end")

@@ -95,7 +95,7 @@ def split_ring(ring: Points, inward: float, stretches: list[Stretch]) -> tuple[P
     Examples
     --------
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    >>> split(square, 0.1, [Stretch(0, 1.0, 4.0, 0.5)])[1].tolist()
+    >>> split_ring(square, 0.1, [Stretch(0, 1.0, 4.0, 0.5)])[1].tolist()
     [0.1, 0.5, 0.1, 0.1, 0.1]
     """
     points, amounts = [], []

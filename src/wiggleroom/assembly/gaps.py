@@ -80,7 +80,7 @@ def apply_gap(drawing: Drawing) -> tuple[tuple[Part, ...], tuple[str, ...]]:
     Examples
     --------
     >>> square = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]])
-    >>> parts, _ = make(Drawing((Part("a", (Region(square),)),), gap=0.5))
+    >>> parts, _ = apply_gap(Drawing((Part("a", (Region(square),)),), gap=0.5))
     >>> parts[0].regions[0].outer.tolist()
     [[0.25, 0.25], [1.75, 0.25], [1.75, 1.75], [0.25, 1.75]]
     """

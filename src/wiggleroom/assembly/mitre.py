@@ -49,7 +49,7 @@ def offset_ring(loops: Loops, inward: NDArray[np.float64]) -> tuple[Loops, NDArr
     --------
     >>> from wiggleroom.assembly.loops import chained
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
-    >>> moved(chained([square]), np.array([1.0, 0.5, 0.5, 0.5]))[0].points.tolist()
+    >>> offset_ring(chained([square]), np.array([1.0, 0.5, 0.5, 0.5]))[0].points.tolist()
     [[0.5, 1.0], [3.5, 1.0], [3.5, 3.5], [0.5, 3.5]]
     """
     corner = _corners(loops, inward)

@@ -23,7 +23,7 @@ def overlaps_at_rest(parts: Sequence[Part]) -> list[tuple[int, int, float]]:
     --------
     >>> from wiggleroom.drawing.model import Region
     >>> square = Region(np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]))
-    >>> overlaps([Part("a", (square,)), Part("b", (square,), at=(1.5, 0.0, 0.0))])
+    >>> overlaps_at_rest([Part("a", (square,)), Part("b", (square,), at=(1.5, 0.0, 0.0))])
     [(0, 1, 0.5)]
     """
     if not parts:

@@ -123,7 +123,7 @@ def decode_json(source: Source) -> Any:
 
     Examples
     --------
-    >>> decode(Source("a.json", "[1]"))
+    >>> decode_json(Source("a.json", "[1]"))
     [1]
     """
     try:

@@ -235,7 +235,7 @@ def decoded_text(value: str) -> str:
 
     Examples
     --------
-    >>> text_of("\\U+00E4")
+    >>> decoded_text("\\U+00E4")
     'ä'
     """
     value = _SPELLED.sub(lambda match: chr(int(match.group(1), 16)), value)

@@ -102,7 +102,7 @@ def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bo
     --------
     >>> square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1], [0, 0]])
     >>> ends = join_ends([square[:3], square[2:]], 0.1, 1.0)
-    >>> loops(ends, ["a", "a"]), loops(ends, ["a", "b"])
+    >>> closed_loops(ends, ["a", "a"]), closed_loops(ends, ["a", "b"])
     ([[(0, False), (1, False)]], [])
     """
     node = ends.node

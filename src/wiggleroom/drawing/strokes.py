@@ -109,7 +109,7 @@ def longer_side(path: Subpath) -> float:
 
     Examples
     --------
-    >>> extent(Subpath(0j, [Line(3 - 4j)], False))
+    >>> longer_side(Subpath(0j, [Line(3 - 4j)], False))
     4.0
     """
     points = trace(path, 4)
@@ -122,7 +122,7 @@ def largest_coordinate(path: Subpath) -> float:
 
     Examples
     --------
-    >>> reach(Subpath(0j, [Line(3 - 4j)], False))
+    >>> largest_coordinate(Subpath(0j, [Line(3 - 4j)], False))
     4.0
     """
     points = [path.start]

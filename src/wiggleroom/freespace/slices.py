@@ -257,7 +257,7 @@ def slice_sequence(pair: PairOutlines, reach: float, stop: Stop | None = None) -
     Examples
     --------
     >>> pair = pair_outlines(shapely.box(-3, -3, 3, 3) - shapely.box(-1, -1, 1, 1), shapely.box(-0.9, -0.9, 0.9, 0.9))
-    >>> round(march(pair, reach=1.0).ends[1], 6)  # 0.9 (cos + sin) = 1
+    >>> round(slice_sequence(pair, reach=1.0).ends[1], 6)  # 0.9 (cos + sin) = 1
     0.118387
     """
     for limit in (np.inf, reach):

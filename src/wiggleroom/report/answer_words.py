@@ -98,7 +98,7 @@ def ask(goal: Goal | SpatialGoal) -> str:
 def goals_text(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
     """Goals in a row; of several the first ones.
 
-    >>> asked((Pull("a", (0, 1)), Pull("b", (0, 1))))
+    >>> goals_text((Pull("a", (0, 1)), Pull("b", (0, 1))))
     'a in +y and 1 more'
     """
     more = f" and {len(goals) - most} more" if len(goals) > most else ""

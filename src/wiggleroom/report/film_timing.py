@@ -81,7 +81,7 @@ def checked_waypoints(assembly: Assembly, points: Floats) -> Floats:
 def ease_in_out(count: int) -> Floats:
     """Shares (count,) of a path that begins and ends gently.
 
-    >>> eased(3).round(9).tolist()
+    >>> ease_in_out(3).round(9).tolist()
     [0.0, 0.5, 1.0]
     """
     return (1.0 - np.cos(np.linspace(0.0, np.pi, count))) / 2

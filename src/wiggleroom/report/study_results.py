@@ -65,7 +65,7 @@ def _finite(value: float) -> float | None:
 def reduction_text(share: float, places: int) -> str:
     """Say by how much the motion gets less.
 
-    >>> less(12.34, 0), less(float("nan"), 1)
+    >>> reduction_text(12.34, 0), reduction_text(float("nan"), 1)
     ('12 % less', 'no less')
     """
     return f"{share:.{places}f} % less" if math.isfinite(share) else "no less"
