@@ -214,7 +214,6 @@ def witness(
     its = assembly if isinstance(assembly, Assembly) else assembly.assembly
     asked = asked_goals(its.drawing, goals)
     wanted = assembly.model if model is None and not isinstance(assembly, Assembly) else model_named(model or "walls")
-    solver_named(solver)  # says so where there is no such one
     solve = solver_named(solver)
     tell(Progress("pairs"))
     try:

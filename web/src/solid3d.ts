@@ -2,9 +2,10 @@
 
 import {
   AmbientLight, ArrowHelper, BufferAttribute, BufferGeometry, Color, DirectionalLight, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
-  MeshStandardMaterial, PerspectiveCamera, Quaternion, Scene, SphereGeometry, Vector3, WebGLRenderer,
+  MeshStandardMaterial, Quaternion, Scene, SphereGeometry, Vector3,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { canvas3d } from "./canvas3d.ts";
 import { fromBase64 } from "./protocol.ts";
 
 interface SolidPart {
@@ -48,15 +49,10 @@ function start(data: SolidScene): void {
   const slider = document.getElementById("way") as HTMLInputElement;
   const explode = document.getElementById("explode") as HTMLInputElement;
   const play = document.getElementById("play") as HTMLButtonElement;
-  const renderer = new WebGLRenderer({ antialias: true, alpha: true });
-  renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  const { renderer, camera } = canvas3d("parts in 3D: drag or arrow keys turn them, the wheel comes nearer");
   box.append(renderer.domElement);
-  renderer.domElement.tabIndex = 0;
-  renderer.domElement.setAttribute("role", "application");
-  renderer.domElement.setAttribute("aria-label", "parts in 3D: drag or arrow keys turn them, the wheel comes nearer");
   const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-  const camera = new PerspectiveCamera(30, 1, data.size / 500, data.size * 60);
-  camera.up.set(0, 0, 1);
+  [camera.near, camera.far] = [data.size / 500, data.size * 60];
   const centre = new Vector3(...data.centre);
   camera.position.copy(centre).add(new Vector3(1.25, -1.35, 0.98).multiplyScalar(1.35 * data.size));
   const world = new Scene();

@@ -1,11 +1,12 @@
-/** The free space of a pair in 3D. This file is the only one that knows three.js; it is loaded when it is first wanted. */
+/** The free space of a pair in 3D; loaded, and three.js with it, when it is first wanted. */
 
 import {
   AmbientLight, BufferAttribute, BufferGeometry, CanvasTexture, DirectionalLight, DoubleSide, Group, LineBasicMaterial, LineSegments, Mesh,
-  MeshStandardMaterial, type Object3D, PerspectiveCamera, Raycaster, Scene, SphereGeometry, Sprite, SpriteMaterial, Vector2, WebGLRenderer,
+  MeshStandardMaterial, type Object3D, Raycaster, Scene, SphereGeometry, Sprite, SpriteMaterial, Vector2,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { toCreasedNormals } from "three/examples/jsm/utils/BufferGeometryUtils.js";
+import { canvas3d } from "./canvas3d.ts";
 import { fromBase64, type SpaceReply } from "./protocol.ts";
 import { nearestBy, number, ticks } from "./words.ts";
 
@@ -55,14 +56,8 @@ function label(words: string, high: number, colour: string): Sprite {
 
 /** Draws the region into `box`; turns are drawn upwards, times the scale of the reply. `onAngle` is told the turn under the pointer. */
 export function show(box: HTMLElement, reply: SpaceReply, dark: boolean, onAngle: (angle: number) => void = () => {}): SpaceView {
-  const renderer = new WebGLRenderer({ antialias: true, alpha: true });
-  renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+  const { renderer, camera } = canvas3d("free space in 3D: arrow keys turn it");
   box.replaceChildren(renderer.domElement);
-  renderer.domElement.tabIndex = 0;
-  renderer.domElement.setAttribute("aria-label", "free space in 3D: arrow keys turn it");
-  renderer.domElement.setAttribute("role", "application");
-  const camera = new PerspectiveCamera(30, 1, 0.001, 1000);
-  camera.up.set(0, 0, 1);
   const [ink, quiet, accent] = dark ? [0xe8edf2, 0x6d7987, 0xffb04d] : [0x1f2933, 0xa9b3bd, 0xa85800];
 
   const tall = (angle: number): number => angle * reply.scale; // degrees as mm

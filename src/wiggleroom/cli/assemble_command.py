@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import Many
-from wiggleroom.cli.outputs import check, write_picture, write_result
+from wiggleroom.cli.outputs import check, command_line, write_picture, write_result
 from wiggleroom.cli.sheet_options import SheetOptions, assembled_sheet
 from wiggleroom.report.file_endings import STILLS
 
@@ -73,7 +72,6 @@ def assemble(
         The sheet with its joints coloured and named, beside the result: .svg or .png.
     """
     import math
-    import shlex
 
     from wiggleroom.cli.asking import split_words
     from wiggleroom.cli.say import note, show
@@ -86,7 +84,7 @@ def assemble(
     if not time > 0:
         message = f"--time {time:g}: it must be more than 0 s"
         raise InputError(message)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     if join is not None and not 0 <= join < math.inf:
         message = f"--join {join:g}: it must be 0 or more"
         raise InputError(message)

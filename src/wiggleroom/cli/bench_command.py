@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 from cyclopts import Parameter
 
-from wiggleroom.cli.outputs import Force, check, write_picture, write_result
+from wiggleroom.cli.outputs import Force, check, command_line, write_picture, write_result
 from wiggleroom.report.file_endings import STILLS
 
 if TYPE_CHECKING:
@@ -58,8 +57,6 @@ def bench(
     force
         Write over a picture that was not made by this program, or was changed since.
     """
-    import shlex
-
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
@@ -89,7 +86,7 @@ def bench(
 
         see_engine()
     page = _page(markdown, names)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     found: list[Bench] = []
     with interruptible() as stop:
         for name in names:

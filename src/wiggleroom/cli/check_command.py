@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import QuestionOptions, read
-from wiggleroom.cli.outputs import Outputs, tell, write_moved
+from wiggleroom.cli.outputs import Outputs, command_line, tell, write_moved
 from wiggleroom.cli.running import TimeLimit
 from wiggleroom.cli.sheet_options import SheetOptions
 from wiggleroom.verdict import Separability
@@ -43,8 +42,6 @@ def check(
         Also find the gap at which it comes apart, to 0.1 %, with a verified state on both sides; wiggleroom gap --holds
         asks that alone.
     """
-    import shlex
-
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.questions import is_spatial_file
@@ -55,7 +52,7 @@ def check(
 
         return check_in_space(file, asked, outputs, largest_gap, limit.time, sheet)
     outputs.check(file)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked, stop)
 

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions, look
-from wiggleroom.cli.outputs import Force, Text, check, write_picture, write_result
+from wiggleroom.cli.outputs import Force, Text, check, command_line, write_picture, write_result
 from wiggleroom.report.file_endings import STILLS
 
 if TYPE_CHECKING:
@@ -35,13 +34,11 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     force
         Write over a file that was not made by this program, or was changed since.
     """
-    import shlex
-
     from wiggleroom.cli.say import note, show
     from wiggleroom.report.read_picture import picture_of_reading
 
     check(file, {"OUT": (out, STILLS)}, force)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     seen = look(file, asked)
     for line in (*seen.assembly.drawing.notes, *seen.findings):
         note(line)
@@ -64,8 +61,6 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     force
         Write over a file that was not made by this program, or was changed since.
     """
-    import shlex
-
     from wiggleroom.cli.say import note, show
     from wiggleroom.report.listing import parts_result
 
@@ -74,7 +69,7 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     for line in (*seen.assembly.drawing.notes, *seen.findings):
         note(line)
     if json is not None:
-        command = shlex.join(["wiggleroom", *sys.argv[1:]])
+        command = command_line()
         write_result(parts_result(seen.rows, seen.assembly.drawing.notes, seen.findings, command), json)
     if json != "-":
         show(_table(seen.rows))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from wiggleroom.cli.options import QuestionOptions, read
-from wiggleroom.cli.outputs import Outputs, tell, write_moved
+from wiggleroom.cli.outputs import Outputs, command_line, tell, write_moved
 from wiggleroom.cli.running import TimeLimit
 from wiggleroom.cli.sheet_options import SheetOptions
 
@@ -74,7 +73,6 @@ def flex(
     arrays
         Write motions, way-points and contacts as numpy arrays to this file: .npz. Of drawings only.
     """
-    import shlex
     from dataclasses import replace
 
     from wiggleroom.errors import InputError
@@ -109,7 +107,7 @@ def flex(
 
         check_proof(prove, model)
     outputs.check(file, **{"--certificate": (certificate, ()), "--arrays": (arrays, (".npz",))})
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     wanted = Hull(**settings) if model == "hull" else model
     answer = replace(
         _answer(file, asked, wanted, solver, search, prove, limit.time, certificate is not None), command=command

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import QuestionOptions, read
-from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.outputs import StudyOutputs, command_line, tell
 from wiggleroom.cli.running import TimeLimit
 
 _NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
@@ -52,7 +51,6 @@ def gap(
         Width of the cut [mm]: the answer is also given as the offset to set at the cutter.
     """
     import math
-    import shlex
 
     from wiggleroom.cli.in_space import read_in_space, see_no_page, with_dimension
     from wiggleroom.cli.running import unless_stopped
@@ -66,7 +64,7 @@ def gap(
         raise InputError(wrong)
     if sum((at_most is not None, holds, fits is not None)) != 1:
         raise InputError("gap: ask one question: --at-most 0.5, --holds or --fits 0.1")
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         from wiggleroom.questions import allowable_gap, is_spatial_file
 

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from collections.abc import Iterable
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.outputs import Outputs, Places
+from wiggleroom.cli.outputs import Outputs, Places, command_line
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.cli.sheet_options import SheetOptions
     from wiggleroom.deadline import Deadline
@@ -120,17 +118,11 @@ def read_in_space(
         drawing = replace(read_spatial(sure_text(file, found)), source=found.source, notes=found.notes)
     else:
         with at_once(stop):
-            drawing = read_spatial(file if "\n" in file else _path(file))
+            drawing = read_spatial(file if "\n" in file else Path(file))
     for line in drawing.notes:
         note(line)
     fixed = names(asked.fix, {p.name for p in drawing.parts})
     return assemble_spatial(drawing, gap=asked.gap, fix=fixed, goals=goals)
-
-
-def _path(file: str) -> Any:
-    from pathlib import Path
-
-    return Path(file)
 
 
 def read_question(
@@ -217,7 +209,6 @@ def flex_in_space(
     file: str, asked: QuestionOptions, outputs: Outputs, solver: str, limit: float | None, sheet: SheetOptions
 ) -> int:
     """`wiggleroom flex` of an assembly in space."""
-    import shlex
     import time
 
     from wiggleroom.cli.outputs import check, write_result, write_table
@@ -232,7 +223,7 @@ def flex_in_space(
         spent = time.perf_counter() - begin
         answer = flex(assembly, solver=solver, stop=stop)
     seconds = {"read": spent} | answer.seconds | {"total": time.perf_counter() - begin}
-    answer = replace(answer, seconds=seconds, command=shlex.join(["wiggleroom", *sys.argv[1:]]))
+    answer = replace(answer, seconds=seconds, command=command_line())
     from wiggleroom.report.spatial_records import spatial_flex_record
     from wiggleroom.report.spatial_table import spatial_table
 
@@ -256,8 +247,6 @@ def check_in_space(
     file: str, asked: QuestionOptions, outputs: Outputs, largest_gap: bool, seconds: float | None, sheet: SheetOptions
 ) -> int:
     """`wiggleroom check` of an assembly in space."""
-    import shlex
-
     from wiggleroom.cli.outputs import check, write_result, write_table
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note, show
@@ -274,7 +263,7 @@ def check_in_space(
     from wiggleroom.report.spatial_table import spatial_check_table
 
     if outputs.json is not None:
-        write_result(spatial_check_record(found, border, shlex.join(["wiggleroom", *sys.argv[1:]])), outputs.json)
+        write_result(spatial_check_record(found, border, command_line()), outputs.json)
     if outputs.json != "-":
         show(spatial_check_table(found, border))
     if outputs.csv is not None:
@@ -284,6 +273,6 @@ def check_in_space(
     if outputs.picture is not None:
         from wiggleroom.report.write_spatial import write_spatial
 
-        write_spatial(found, outputs.picture, shlex.join(["wiggleroom", *sys.argv[1:]]))
+        write_spatial(found, outputs.picture, command_line())
         note(f"picture: {outputs.picture}")
     return {"interlocked": 0, "comes apart": 1, "unknown": 3}[found.verdict]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -31,6 +32,11 @@ Force = Annotated[bool, Parameter(negative="", group=RESULTS)]
 MOVED = (".dxf", ".svg", ".json")
 TABLE = (".csv",)
 PIXELS = (".png", ".gif", ".mp4")
+
+
+def command_line() -> str:
+    """The command as it was typed, for results that say where they come from."""
+    return shlex.join(["wiggleroom", *sys.argv[1:]])
 
 
 @Parameter(name="*", group=RESULTS)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import RESULTS, QuestionOptions, read
-from wiggleroom.cli.outputs import FilmOutputs, tell
+from wiggleroom.cli.outputs import FilmOutputs, command_line, tell
 from wiggleroom.cli.running import TimeLimit
 
 _NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), FilmOutputs(), TimeLimit()
@@ -61,8 +60,6 @@ def plan(
     stills
         A folder for numbered pictures, one of every step: step_01.svg and so on.
     """
-    import shlex
-
     from wiggleroom.cli.asking import direction
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
@@ -79,7 +76,7 @@ def plan(
     if draws < 1 or seed < 0:
         finding = f"--draws {draws} --seed {seed}: at least 1 and 0"
         raise InputError(finding)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     names = tuple(name for some in target for name in some.split(",") if name)
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
         assembly = read(file, asked, stop)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.outputs import StudyOutputs, command_line, tell
 from wiggleroom.cli.running import Running, TimeLimit, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
@@ -40,13 +39,11 @@ def rank(
     exact
         Solve again for the parts whose importance the forces leave open.
     """
-    import shlex
-
     from wiggleroom.cli.in_space import read_question, with_dimension
     from wiggleroom.cli.watch import bar, interruptible
 
     outputs.check(file)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("differences") as show:
         assembly = read_question(file, asked, stop=stop)

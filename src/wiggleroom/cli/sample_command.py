@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Literal
 
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.outputs import StudyOutputs, command_line, tell
 from wiggleroom.cli.running import Running, TimeLimit, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
@@ -54,8 +53,6 @@ def sample(
     limit
         Largest motion that is wanted [mm, turns in rad].
     """
-    import shlex
-
     from wiggleroom.cli.in_space import read_question, see_no_page, with_dimension
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
@@ -65,7 +62,7 @@ def sample(
     if seed < 0:
         wrong = f"--seed {seed}: it must be 0 or more"
         raise InputError(wrong)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("draws") as show:
         from wiggleroom.sensitivity.gap_distribution import Spread

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from typing import TYPE_CHECKING
 
 from wiggleroom.cli.options import QuestionOptions, read
-from wiggleroom.cli.outputs import PictureOutputs
+from wiggleroom.cli.outputs import PictureOutputs, command_line
 from wiggleroom.report.file_endings import PAGE, ending
 
 if TYPE_CHECKING:
@@ -45,8 +44,6 @@ def space(
     seed
         Of these random motions.
     """
-    import shlex
-
     from wiggleroom.errors import InputError
 
     if samples < 0 or seed < 0:
@@ -68,7 +65,7 @@ def space(
         from wiggleroom.report.space_report import space_table
 
         show(space_table(found, judged))
-    _write(found, assembly, judged, outputs, shlex.join(["wiggleroom", *sys.argv[1:]]))
+    _write(found, assembly, judged, outputs, command_line())
     return 0
 
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.outputs import StudyOutputs, command_line, tell
 from wiggleroom.cli.running import TimeLimit
 from wiggleroom.cli.sheet_options import SheetOptions
 
@@ -42,7 +41,6 @@ def sweep(
     html
         Make the page too, where the picture is to be something else: the answer at every gap, with its film: .html.
     """
-    import shlex
     from dataclasses import replace
 
     from wiggleroom.cli.in_space import read_question, see_no_page, with_dimension
@@ -62,7 +60,7 @@ def sweep(
             wrong = f"--prove is for drawings; {file} is an assembly in space: leave it out"
             raise InputError(wrong)
         check_proof(prove, "walls")
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("gaps") as show:
         from wiggleroom.questions import sweep as work_out
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
 from typing import Annotated
 
 from cyclopts import Parameter
 
 from wiggleroom.cli.options import QuestionOptions
-from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.outputs import StudyOutputs, command_line, tell
 from wiggleroom.cli.running import Running, TimeLimit, unless_stopped
 
 _NONE_ASKED, _NO_OUTPUTS, _HERE, _ENDLESS = QuestionOptions(), StudyOutputs(), Running(), TimeLimit()
@@ -48,8 +47,6 @@ def tighten(
     seed
         Same seed, same choices at random.
     """
-    import shlex
-
     from wiggleroom.cli.in_space import read_question, with_dimension
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
@@ -58,7 +55,7 @@ def tighten(
     if draws < 0 or seed < 0:
         wrong = f"--draws {draws} --seed {seed}: both must be 0 or more"
         raise InputError(wrong)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     options = running.options()
     with interruptible(time.time) as stop, unless_stopped(stop), bar("choices at random") as show:
         assembly = read_question(file, asked, stop=stop)

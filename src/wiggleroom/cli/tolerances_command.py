@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import replace
 from pathlib import Path
 
 from wiggleroom.cli.options import QuestionOptions, read
-from wiggleroom.cli.outputs import StudyOutputs, tell
+from wiggleroom.cli.outputs import StudyOutputs, command_line, tell
 from wiggleroom.cli.running import TimeLimit, require_question
 
 _NONE_ASKED, _NO_OUTPUTS, _ENDLESS = QuestionOptions(), StudyOutputs(), TimeLimit()
@@ -40,13 +39,11 @@ def tolerances(
     limit
         Largest motion that is wanted [mm, turns in rad].
     """
-    import shlex
-
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
 
     outputs.check(file)
-    command = shlex.join(["wiggleroom", *sys.argv[1:]])
+    command = command_line()
     with interruptible(time.time) as stop, unless_stopped(stop), progress() as show:
         assembly = require_question(read(file, asked, stop))
         if tolerances is not None:

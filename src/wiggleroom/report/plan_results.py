@@ -14,7 +14,7 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.answer_words import few, number, towards
-from wiggleroom.report.search_extent import extent
+from wiggleroom.report.search_extent import extent, search_entry
 from wiggleroom.schema.fields import PartMotion
 from wiggleroom.schema.results import (
     PlanAssemblyEntry,
@@ -23,7 +23,6 @@ from wiggleroom.schema.results import (
     PlanResult,
     PlanSampleEntry,
     PlanStepEntry,
-    StateSearchEntry,
 )  # fmt: skip
 from wiggleroom.verdict import Certainty, Separability
 
@@ -71,13 +70,7 @@ def plan_result(found: Plan, command: str = "", told: PlanTolerances | None = No
         rest=found.rest,
         rest_certainty=found.rest_certainty,
         gravity=found.gravity,
-        search=StateSearchEntry(
-            states=found.states,
-            turned=found.turned,
-            whole=found.whole,
-            questions=found.questions,
-            unanswered=found.unanswered,
-        ),
+        search=search_entry(found),
         sample=UNSET if told.sample is None else _sample(told.sample),
         rank=UNSET if told.rank is None else _rank(told.rank),
         smallest_gap=UNSET if told.gap is None else _gap(names, told.gap),

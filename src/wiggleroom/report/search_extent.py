@@ -1,9 +1,10 @@
-"""How far a search for ways out went, in words."""
+"""How far a search for ways out went, in words and as JSON."""
 
 from __future__ import annotations
 
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.planning.plan import Plan
+from wiggleroom.schema.results import StateSearchEntry
 
 
 def extent(found: Interlock | Plan) -> str:
@@ -18,3 +19,14 @@ def extent(found: Interlock | Plan) -> str:
     without = f" ({found.unanswered:,} without an end that is certain)" if found.unanswered else ""
     said.append(f"{count or 'no'} largest motion{'s' if count > 1 else ''} searched{without}")
     return ", ".join(said)
+
+
+def search_entry(found: Interlock | Plan) -> StateSearchEntry:
+    """The same as JSON."""
+    return StateSearchEntry(
+        states=found.states,
+        turned=found.turned,
+        whole=found.whole,
+        questions=found.questions,
+        unanswered=found.unanswered,
+    )

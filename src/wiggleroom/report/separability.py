@@ -14,9 +14,9 @@ from wiggleroom.disassembly.largest_gap import RELATIVE_TOLERANCE, LargestGap
 from wiggleroom.drawing.model import Pull
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.report.leaving_picture import inside
-from wiggleroom.report.search_extent import extent
+from wiggleroom.report.search_extent import extent, search_entry
 from wiggleroom.schema.fields import PartMotion
-from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry, StateSearchEntry
+from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
@@ -62,13 +62,7 @@ def _separability(found: Interlock) -> SeparabilityEntry:
         escapes=[EscapeEntry(list(e.parts), _waypoints(names, e)) for e in found.escapes],
         spins=list(found.spins),
         remains=list(found.remains),
-        search=StateSearchEntry(
-            states=found.states,
-            turned=found.turned,
-            whole=found.whole,
-            questions=found.questions,
-            unanswered=found.unanswered,
-        ),
+        search=search_entry(found),
     )
 
 

@@ -78,6 +78,12 @@ class _PlaneStep:
     mu: float
 
 
+def _to_boundary(at: Floats, direction: Floats) -> float:
+    """Share of a step that goes a fraction of the way to where something positive ends; all of it where nothing does."""
+    far = max_step(at, direction)
+    return SETTINGS.fraction * far if far < 1 else 1.0
+
+
 @dataclass(frozen=True, eq=False)
 class _BestIterate:
     """The iterate at which the conditions held best, and how many way-points there were."""
@@ -350,17 +356,7 @@ class SeparatingPlaneSolver:
             )
             less = (state.proximal(min(target, mu), u) - weight) * u
             du, dy, ds, dl = system.newton(primal, dual + less, dual_planes, goal)
-            far, dfar = max_step(s, ds), max_step(lam, dl)
-            found = _PlaneStep(
-                du,
-                dy,
-                ds,
-                dl,
-                SETTINGS.fraction * far if far < 1 else 1.0,
-                SETTINGS.fraction * dfar if dfar < 1 else 1.0,
-                shift,
-                target,
-            )
+            found = _PlaneStep(du, dy, ds, dl, _to_boundary(s, ds), _to_boundary(lam, dl), shift, target)
             if found.primal > SETTINGS.short or attempt >= 5:
                 break
             shift = max(10 * shift, 1e-6)
@@ -391,17 +387,7 @@ class SeparatingPlaneSolver:
             if shift > 1e12:
                 return None
         du, dy, dh, dlam = system.newton(np.zeros_like(h), dual, dual_planes, mu - h * lam)
-        far, dfar = max_step(h, dh), max_step(lam, dlam)
-        step = _PlaneStep(
-            du,
-            dy,
-            dh,
-            dlam,
-            SETTINGS.fraction * far if far < 1 else 1.0,
-            SETTINGS.fraction * dfar if dfar < 1 else 1.0,
-            shift,
-            mu,
-        )
+        step = _PlaneStep(du, dy, dh, dlam, _to_boundary(h, dh), _to_boundary(lam, dlam), shift, mu)
         slope = dot(weight * u - at.gradient / state.unit, du) - mu * dot(1 / h, dh)
         now, share = state.barrier(at, mu, weight), min(step.primal, self._longest_share(du))
         for _ in range(40):

@@ -6,7 +6,7 @@ import { Button } from "../chrome/Button.tsx";
 import { along, end, factor, place } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { indexOf, names } from "../state.ts";
-import { panBy, size, view, zoomBy } from "./camera.ts";
+import { panBy, pointIn, size, view, zoomByWheel } from "./camera.ts";
 import { colours } from "./colours.ts";
 import { difference, type Kept, kept, swap } from "./kept.ts";
 import { paintMarks } from "./marks.ts";
@@ -60,22 +60,18 @@ function Pane({ of }: { of: Kept }) {
     const gone = new AbortController();
     const { signal } = gone;
     let held: Point | null = null;
-    const here = ({ clientX, clientY }: MouseEvent): Point => [clientX - own.getBoundingClientRect().left, clientY - own.getBoundingClientRect().top];
     own.addEventListener("pointerdown", (event) => {
       own.setPointerCapture(event.pointerId);
-      held = here(event);
+      held = pointIn(own, event);
     }, { signal });
     own.addEventListener("pointermove", (event) => {
       if (!held) return;
-      const at = here(event);
+      const at = pointIn(own, event);
       panBy(at[0] - held[0], at[1] - held[1]);
       held = at;
     }, { signal });
     for (const kind of ["pointerup", "pointercancel"] as const) own.addEventListener(kind, () => (held = null), { signal });
-    own.addEventListener("wheel", (event) => {
-      event.preventDefault();
-      zoomBy(Math.exp(-event.deltaY * (event.deltaMode === 1 ? 16 : 1) * (event.ctrlKey ? 0.01 : 0.0016)), here(event));
-    }, { passive: false, signal });
+    own.addEventListener("wheel", (event) => zoomByWheel(own, event), { passive: false, signal });
     const watch = new ResizeObserver(([entry]) => {
       const ratio = window.devicePixelRatio || 1;
       const { width, height } = entry!.contentRect;

@@ -7,7 +7,7 @@ import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { askDrag, askReach, release } from "../session.ts";
 import * as state from "../state.ts";
-import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, size, view, zoomBy } from "./camera.ts";
+import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, pointIn, size, view, zoomBy, zoomByWheel } from "./camera.ts";
 import { colours } from "./colours.ts";
 import { type Lead, lead } from "./lead.ts";
 import { chooseMany, chooseToo, close, draw, lassoing } from "./lasso.ts";
@@ -168,10 +168,7 @@ interface Held { at: Point; moved: boolean; part: string | null; grip: Point }
 function pointers(canvas: HTMLCanvasElement): () => void {
   const down = new Map<number, Held>();
   let lassoPointer = -1;
-  const here = (event: PointerEvent | WheelEvent): Point => {
-    const box = canvas.getBoundingClientRect();
-    return [event.clientX - box.left, event.clientY - box.top];
-  };
+  const here = (event: PointerEvent): Point => pointIn(canvas, event);
   const press = (event: PointerEvent): void => {
     if (event.button > 1 || !state.drawing.peek()) return;
     canvas.setPointerCapture(event.pointerId);
@@ -244,11 +241,7 @@ function pointers(canvas: HTMLCanvasElement): () => void {
       }
     }
   };
-  const wheel = (event: WheelEvent): void => {
-    event.preventDefault();
-    const lines = event.deltaMode === 1 ? 16 : 1;
-    zoomBy(Math.exp(-event.deltaY * lines * (event.ctrlKey ? 0.01 : 0.0016)), here(event));
-  };
+  const wheel = (event: WheelEvent): void => zoomByWheel(canvas, event);
   const leave = (): void => void (state.hovered.value = null);
   const gone = new AbortController();
   const { signal } = gone;

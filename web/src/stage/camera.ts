@@ -41,6 +41,19 @@ export function zoomBy(factor: number, at?: [number, number]): void {
   view.value = kept(next);
 }
 
+/** Place of a pointer in a canvas [px]. */
+export function pointIn(canvas: HTMLCanvasElement, { clientX, clientY }: MouseEvent): [number, number] {
+  const box = canvas.getBoundingClientRect();
+  return [clientX - box.left, clientY - box.top];
+}
+
+/** Zooms about the pointer as its wheel turns. */
+export function zoomByWheel(canvas: HTMLCanvasElement, event: WheelEvent): void {
+  event.preventDefault();
+  const lines = event.deltaMode === 1 ? 16 : 1;
+  zoomBy(Math.exp(-event.deltaY * lines * (event.ctrlKey ? 0.01 : 0.0016)), pointIn(canvas, event));
+}
+
 export function panBy(dx: number, dy: number): void {
   fitted.value = false;
   view.value = kept(panned(view.value, dx, dy));
