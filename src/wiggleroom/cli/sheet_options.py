@@ -98,7 +98,6 @@ def assembled_sheet(
     *,
     unit: str | None,
     options: ReadOptions,
-    seconds: float = 60.0,
     stop: Stop | None = None,
 ) -> AssembledSheet:
     """Panels of a drawing put together in space.
@@ -113,7 +112,7 @@ def assembled_sheet(
 
     thickness, hints = sheet.known(file)
     read = read_sheet(Path(file), unit=unit, options=options)
-    return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, hints=hints, seconds=seconds, stop=stop)
+    return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, hints=hints, stop=stop)
 
 
 def sure_text(file: str, found: AssembledSheet) -> str:

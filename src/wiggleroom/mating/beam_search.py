@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.candidates import VOTING, fits
 from wiggleroom.mating.congruence import PanelIsometries
-from wiggleroom.mating.contact import MET_TOLERANCE, crossing_volume, masks, meeting, scores
+from wiggleroom.mating.contact import MET_TOLERANCE, crossing_volume, masks, meeting, met_flags, scores
 from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
@@ -103,6 +102,7 @@ class BeamState:
         self._fits: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self.flanks = [np.column_stack([p.middle, p.inward, p.along, p.length]).reshape(-1, 7) for p in plates]
         self._flat: dict[tuple[int, ...], float] = {}
+        self.scored = 0
         self.size = max(self.radius) * 2.0
         self.shape = _weights(plates)
         self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
@@ -119,6 +119,7 @@ class BeamState:
         """Flanks of panels `a` and `b` that meet less those that can meet nothing any more, for many poses of b in a's frame."""
         one, other = self.plates[a].thickness, self.plates[b].thickness
         turns, moves = np.ascontiguousarray(turns), np.ascontiguousarray(moves)
+        self.scored += len(moves)
         return scores(
             self.flanks[a],
             one,
@@ -131,6 +132,12 @@ class BeamState:
             self.tolerance,
             power,
         )
+
+    def met_flags(self, a: int, b: int, turns: Floats, moves: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Flanks of panels `a` and `b` that meet, for many poses of b in a's frame."""
+        thick = self.plates[a].thickness, self.plates[b].thickness
+        met_a, met_b = met_flags(self.flanks[a], thick[0], self.flanks[b], thick[1], turns, moves, self.tolerance)
+        return met_a, met_b
 
     def masks(
         self, a: int, b: int, turns: Floats, moves: Floats
@@ -336,7 +343,6 @@ def grow(
     free: frozenset[int],
     effort: Effort,
     *,
-    deadline: float,
     stop: Stop | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Placement]:
@@ -349,8 +355,6 @@ def grow(
     free : frozenset of int
         Panels that may be used, those placed included.
     effort : Effort
-    deadline : float
-        Processor time [s] at which the search stops where it is.
     """
     beam = [state]
     while True:
@@ -365,8 +369,6 @@ def grow(
         beam = ranked[: effort.width]
         if progress:
             progress(len(beam[0].rows))
-        if time.process_time() > deadline:
-            return beam
 
 
 def _children(bench: BeamState, state: Placement, free: frozenset[int], effort: Effort) -> list[Placement]:

@@ -52,6 +52,24 @@ def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
 
 
 @njit(cache=True)
+def met_flags(fa, ta, fb, tb, turns, moves, tolerance):
+    """Which flanks of A and B meet, for many poses of B in A's frame; arguments as in `scores`.
+
+    Returns
+    -------
+    met_a, met_b : (k, n) bool
+    """
+    met_a = np.zeros((len(turns), len(fa)), dtype=np.bool_)
+    met_b = np.zeros((len(turns), len(fb)), dtype=np.bool_)
+    pairs = np.empty((len(fb) + 1, 2), dtype=np.int64)
+    for k in range(len(turns)):
+        for i in range(meeting(fa, ta, fb, tb, turns[k], moves[k], MET_TOLERANCE * tolerance, pairs)):
+            met_a[k, pairs[i, 0]] = True
+            met_b[k, pairs[i, 1]] = True
+    return met_a, met_b
+
+
+@njit(cache=True)
 def masks(fa, ta, oa, na, fb, tb, ob, nb, turns, moves, tolerance):
     """Which flanks of A and B meet, and which needed ones the other's material leaves no partner for; arguments as in `scores`.
 
@@ -65,18 +83,12 @@ def masks(fa, ta, oa, na, fb, tb, ob, nb, turns, moves, tolerance):
     met_a, met_b, blocked_a, blocked_b : (k, n) bool
     """
     count = len(turns)
-    met_a = np.zeros((count, len(fa)), dtype=np.bool_)
-    met_b = np.zeros((count, len(fb)), dtype=np.bool_)
+    met_a, met_b = met_flags(fa, ta, fb, tb, turns, moves, tolerance)
     blocked_a = np.zeros((count, len(fa)), dtype=np.bool_)
     blocked_b = np.zeros((count, len(fb)), dtype=np.bool_)
-    pairs = np.empty((len(fb) + 1, 2), dtype=np.int64)
     for k in range(count):
         if abs(turns[k, 2, 2]) > 0.1:
             continue
-        met = meeting(fa, ta, fb, tb, turns[k], moves[k], MET_TOLERANCE * tolerance, pairs)
-        for i in range(met):
-            met_a[k, pairs[i, 0]] = True
-            met_b[k, pairs[i, 1]] = True
         back, shift = turns[k].T.copy(), -turns[k].T @ moves[k]
         for j in range(len(fb)):
             if nb[j] and not met_b[k, j]:
@@ -201,8 +213,18 @@ def meeting(fa, ta, fb, tb, turn, move, tolerance, pairs):
     """Write the pairs (flank of A, flank of B) that meet into `pairs`, and return how many there are."""
     if abs(turn[2, 2]) > 0.1:
         return 0
+    # Only flanks of A in the plane of B can meet one.
+    near = np.empty(len(fa), dtype=np.int64)
+    count = 0
+    height = turn[0, 2] * move[0] + turn[1, 2] * move[1] + turn[2, 2] * move[2]
+    for i in range(len(fa)):
+        if abs(fa[i, 0] * turn[0, 2] + fa[i, 1] * turn[1, 2] - height) <= tolerance:
+            near[count] = i
+            count += 1
     found = 0
     for j in range(len(fb)):
+        if count == 0:
+            break
         if abs(fb[j, 6] - ta) > LENGTH_TOLERANCE * ta:
             continue
         x, y = fb[j, 0], fb[j, 1]
@@ -216,7 +238,7 @@ def meeting(fa, ta, fb, tb, turn, move, tolerance, pairs):
         dx = turn[0, 0] * fb[j, 2] + turn[0, 1] * fb[j, 3]
         dy = turn[1, 0] * fb[j, 2] + turn[1, 1] * fb[j, 3]
         best, nearest = -1, tolerance * tolerance
-        for i in range(len(fa)):
+        for i in near[:count]:
             ax, ay = fa[i, 0] - px, fa[i, 1] - py
             apart = ax * ax + ay * ay + pz * pz
             if apart >= nearest or abs(fa[i, 6] - tb) > LENGTH_TOLERANCE * tb:

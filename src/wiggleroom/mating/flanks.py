@@ -34,6 +34,10 @@ class FlankSettings:
         An edge that goes on almost straight, the cosine of the angle above this, is a piece of a longer one and no flank.
     relief_width : float in (0, 1)
         Reliefs at corners (dog bones) up to twice this share of the thickness wide are filled before flanks are sought.
+    even_stretch : float > 1
+        A tab or gap longer than this many times the usual one of its line separates two rows of fingers.
+    long_stretch : float > 1
+        And so does a tab as many times longer than the usual gap, or a gap than the usual tab.
     """
 
     length_tolerance: float = 0.15
@@ -42,6 +46,8 @@ class FlankSettings:
     max_square_cosine: float = 0.1
     max_straight_cosine: float = 0.97
     relief_width: float = 0.3
+    even_stretch: float = 1.25
+    long_stretch: float = 3.0
 
 
 FLANKS = FlankSettings()
@@ -98,6 +104,8 @@ class SheetPlate:
     needed : (n,) bool
         Whether a flank should meet another: a lone step of an outline need not.
     lines : tuple of FlankLine
+    joint_rows : (n,) int
+        Which row of fingers, or of holes for them, every flank belongs to.
     kind : int
         The same for congruent panels.
     """
@@ -113,6 +121,7 @@ class SheetPlate:
     neighbours: NDArray[np.int64]
     needed: NDArray[np.bool_]
     lines: tuple[FlankLine, ...]
+    joint_rows: NDArray[np.int64]
     kind: int
 
     @property
@@ -242,15 +251,35 @@ def same_outline(a: shapely.Polygon, b: shapely.Polygon) -> bool:
 
 def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> SheetPlate:
     smooth = _without_reliefs(cut, FLANKS.relief_width * float(wanted.min()))
-    middle, inward, along, length, neighbours, bottom = _flanks(smooth, wanted)
+    middle, inward, along, length, neighbours, bottom, jointed = _flanks(smooth, wanted)
     lines = _lines(middle, inward, length, 0.12 * float(wanted.min()))
     needed = bottom.copy()
     for line in lines:  # a line's direction and place are known better than those of one flank
         needed[line.rows] |= len(line.rows) > 1
         inward[line.rows] = line.sense[:, None] * line.along
         middle[line.rows] = line.at[:, None] * line.along + line.offset * line.across
+    needed &= jointed
     along = np.column_stack([inward[:, 1], -inward[:, 0]])
-    return SheetPlate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, kind)
+    rows = _joint_rows(lines, len(length), 0.1 * thick)
+    return SheetPlate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, rows, kind)
+
+
+def _joint_rows(lines: tuple[FlankLine, ...], count: int, tolerance: float) -> NDArray[np.int64]:
+    """Number of the row (count,) to which every flank belongs: a line's flanks as far as they follow each other evenly."""
+    found: NDArray[np.int64] = np.zeros(count, dtype=np.int64)
+    first = 0
+    for line in lines:
+        stretch, material = np.diff(line.at), line.sense[:-1] > 0
+        uneven: NDArray[np.bool_] = np.zeros(len(stretch), dtype=np.bool_)
+        for kind in (material, ~material):
+            if kind.any():
+                uneven |= kind & (stretch > FLANKS.even_stretch * np.median(stretch[kind]) + tolerance)
+            if not kind.all():
+                uneven |= kind & (stretch > FLANKS.long_stretch * np.median(stretch[~kind]))
+        number = first + np.append(0, np.cumsum(uneven))
+        found[line.rows] = number
+        first = int(number[-1]) + 1
+    return found
 
 
 def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon:
@@ -262,29 +291,35 @@ def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon
 
 def _flanks(
     polygon: shapely.Polygon, wanted: Floats
-) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
-    """Midpoints, inward and own directions, lengths, which flanks meet at corners, and which are bottoms of slots or holes."""
+) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_], NDArray[np.bool_]]:
+    """Midpoints, inward and own directions, lengths, corner neighbours; which are bottoms of slots or holes, and no window's.
+
+    A hole that is no rectangle is a window, for a switch or a lamp: a tab cannot fill it.
+    """
     middle: list[Floats] = []
     inward: list[Floats] = []
     along: list[Floats] = []
     length: list[float] = []
     neighbours: list[NDArray[np.int64]] = []
     bottom: list[bool] = []
-    for ring in (polygon.exterior, *polygon.interiors):
+    jointed: list[bool] = []
+    for place, ring in enumerate((polygon.exterior, *polygon.interiors)):
         here = shapely.get_coordinates(ring)[:-1]
         there = np.roll(here, -1, axis=0)
         size = np.hypot(*(there - here).T)
         unit = (there - here) / np.maximum(size, 1e-9)[:, None]
-        square = np.abs((unit * np.roll(unit, 1, axis=0)).sum(1)) < FLANKS.max_square_cosine
+        cosine = (unit * np.roll(unit, 1, axis=0)).sum(1)
+        square = np.abs(cosine) < FLANKS.max_square_cosine
         square |= np.roll(square, -1)
-        bend = (unit * np.roll(unit, 1, axis=0)).sum(1) < FLANKS.max_straight_cosine
-        bend &= np.roll(bend, -1)
+        corner = cosine < FLANKS.max_straight_cosine
+        bend = corner & np.roll(corner, -1)
         turn = np.roll(unit[:, 0], 1) * unit[:, 1] - np.roll(unit[:, 1], 1) * unit[:, 0]
         convex = turn > 0
         reflex_end = ~convex | ~np.roll(convex, -1)  # the tip of a tab, convex at both ends, holds nothing
         fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1) & square & bend & reflex_end
         number: NDArray[np.int64] = np.full(len(here), -1, dtype=np.int64)
         number[fits] = np.arange(fits.sum()) + len(middle)
+        window = place > 0 and np.count_nonzero(corner) != 4
         before, after = np.roll(number, 1)[fits], np.roll(number, -1)[fits]
         middle += list((here[fits] + there[fits]) / 2)
         inward += list(np.column_stack([-unit[fits, 1], unit[fits, 0]]))
@@ -292,10 +327,12 @@ def _flanks(
         length += list(size[fits])
         neighbours += list(np.column_stack([before, after]))
         bottom += list(~convex[fits] & ~np.roll(convex, -1)[fits])
+        jointed += [not window] * int(fits.sum())
     rows = len(middle)
     two = [np.array(values, dtype=float).reshape(rows, 2) for values in (middle, inward, along)]
     corners = np.array(neighbours, dtype=np.int64).reshape(rows, 2)
-    return two[0], two[1], two[2], np.array(length, dtype=float), corners, np.array(bottom, dtype=bool)
+    flags = np.array(bottom, dtype=bool), np.array(jointed, dtype=bool)
+    return two[0], two[1], two[2], np.array(length, dtype=float), corners, *flags
 
 
 def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> tuple[FlankLine, ...]:
