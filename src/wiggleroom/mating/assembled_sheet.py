@@ -38,7 +38,7 @@ class SheetSettings:
     body_distance : float > 0 [mm]
         Free room between two bodies in the file that is written.
     max_scored : int
-        No wider beam is tried after as many poses were scored.
+        No other beam is begun after as many poses were scored for the sheet.
     """
 
     efforts: tuple[Effort, ...] = (Effort(8, 0.5), Effort(6, 1.0), Effort(20, 0.5))
@@ -245,7 +245,7 @@ def _bodies(
     for group in [*groups, rest]:
         left = {row for row in group if len(bench.flanks[row])}
         while len(left) > 1:
-            body, doubt = _body(bench, hints, frozenset(left), tables, stop, progress)
+            body, doubt = _body(bench, hints, frozenset(left), tables, 1.0 / (1 + len(bodies)), stop, progress)
             doubts += doubt
             if len(body.rows) < 2:
                 left -= set(body.rows)
@@ -260,33 +260,29 @@ def _body(
     hints: Hints,
     left: frozenset[int],
     tables: tuple[PairPoseTable, ...],
+    share: float,
     stop: Stop | None,
     progress: Callable[[int], None] | None,
 ) -> tuple[Placement, list[str]]:
-    """One body of some of the panels, and why it may be wrong."""
+    """One body of some of the panels, and why it may be wrong; with a share of the work that the first body may take."""
     root = max(left, key=lambda row: (len(bench.flanks[row]), bench.plates[row].polygon.area))
     start = joined_start(bench, hints, left) or bench.start(root)
     name = bench.plates[root].name
     best: tuple[int, Placement] | None = None
     doubts: list[str] = []
     for table in tables:
-        closed = closed_placements(bench, start, left, table, stop=stop)
+        closed = closed_placements(bench, start, left, table, share=share, stop=stop)
         if not closed.placements:
             continue
         placed = _best(bench, closed.placements)
         if best is None or _met(bench, placed) > best[0]:
             best, doubts = (_met(bench, placed), placed), _rivals(closed, name)
-        if not closed.open_lines and _open_share(bench, best[1]) <= SETTINGS.max_open_share:
+        if _open_share(bench, best[1]) <= SETTINGS.max_open_share:
             return best[1], doubts
-    grown = 0
     for effort in SETTINGS.efforts:
-        if best is not None and _complete(bench, best[1], left):
+        if bench.scored > SETTINGS.max_scored or (best is not None and _complete(bench, best[1], left)):
             break
-        if grown > SETTINGS.max_scored:
-            break
-        before = bench.scored
         found = grow(bench, start, left, effort, stop=stop, progress=progress)[0]
-        grown += bench.scored - before
         if len(found.rows) > 2:
             found = _trimmed(bench, found)
         if best is None or _met(bench, found) > best[0]:

@@ -50,8 +50,8 @@ class ExhaustiveSettings:
     moment_tolerance: float = 1e-3
     max_assemblies: int = 2
     max_open_lines: int = 3
-    max_poses: int = 8000
-    open_share: float = 0.2
+    max_poses: int = 4000
+    open_share: float = 0.4
 
 
 SETTINGS = ExhaustiveSettings()
@@ -77,7 +77,13 @@ class Closed:
 
 
 def closed_placements(
-    bench: BeamState, start: Placement, free: Iterable[int], table: PairPoseTable, *, stop: Stop | None = None
+    bench: BeamState,
+    start: Placement,
+    free: Iterable[int],
+    table: PairPoseTable,
+    *,
+    share: float = 1.0,
+    stop: Stop | None = None,
 ) -> Closed:
     """Assemblies that hold the panels of `start` and leave as few lines of needed flanks open as possible.
 
@@ -88,6 +94,8 @@ def closed_placements(
     free : iterable of int
         Panels that may be used.
     table : PairPoseTable
+    share : float in (0, 1)
+        Of the poses that are tried at most.
 
     Notes
     -----
@@ -99,14 +107,13 @@ def closed_placements(
         for b in kinds.values():
             go_on(stop)
             table.between(a, b)
-    found = Closed()
-    for spare in range(SETTINGS.max_open_lines + 1):
-        most = SETTINGS.max_poses * (1.0 if spare == 0 else SETTINGS.open_share)
-        search = _ExhaustiveSearch(bench, frozenset(free), table, int(most), stop, spare)
-        search.descend(search.root(start), spare)
-        found = search.result
-        if found.placements or not found.exhausted:
+    search = _ExhaustiveSearch(bench, frozenset(free), table, stop)
+    most = share * SETTINGS.max_poses
+    found = search.closed(start, 0, int(most))
+    for spare in range(1, SETTINGS.max_open_lines + 1):
+        if found.placements:
             break
+        found = search.closed(start, spare, int(SETTINGS.open_share * most))
     return found
 
 
@@ -128,13 +135,9 @@ class _ExhaustiveSearch:
         bench: BeamState,
         free: frozenset[int],
         table: PairPoseTable,
-        max_poses: int,
         stop: Stop | None,
-        spare: int,
     ) -> None:
-        self.bench, self.free, self.table, self.left, self.stop = bench, free, table, max_poses, stop
-        self.result = Closed(open_lines=spare)
-        self._seen: dict[int, tuple[list[Floats], list[Placement]]] = {}
+        self.bench, self.free, self.table, self.stop = bench, free, table, stop
         plates = bench.plates
         self._needed = [bits(plate.needed[None])[0] if len(plate.needed) else 0 for plate in plates]
         self._lines = [
@@ -152,11 +155,15 @@ class _ExhaustiveSearch:
                 matchable |= met
         return matchable
 
-    def root(self, start: Placement) -> _Partial:
-        """Where the search begins."""
+    def closed(self, start: Placement, spare: int, max_poses: int) -> Closed:
+        """Assemblies that leave as many lines open; what failed before is looked at first."""
+        self.left = max_poses
+        self.result = Closed(open_lines=spare)
+        self._seen: dict[int, tuple[list[Floats], list[Placement]]] = {}
         _, flags = self.bench.met(start)
         met = tuple(bits(flags[row][None])[0] if len(flags[row]) else 0 for row in start.rows)
-        return _Partial(start, met, tuple(self._hopeless.get(row, 0) for row in start.rows))
+        self.descend(_Partial(start, met, tuple(self._hopeless.get(row, 0) for row in start.rows)), spare)
+        return self.result
 
     def descend(self, node: _Partial, spare: int) -> None:
         """Depth first; every placement once. `spare` more lines may stay open."""

@@ -253,15 +253,25 @@ def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted
     smooth = _without_reliefs(cut, FLANKS.relief_width * float(wanted.min()))
     middle, inward, along, length, neighbours, bottom, jointed = _flanks(smooth, wanted)
     lines = _lines(middle, inward, length, 0.12 * float(wanted.min()))
-    needed = bottom.copy()
     for line in lines:  # a line's direction and place are known better than those of one flank
-        needed[line.rows] |= len(line.rows) > 1
         inward[line.rows] = line.sense[:, None] * line.along
         middle[line.rows] = line.at[:, None] * line.along + line.offset * line.across
-    needed &= jointed
     along = np.column_stack([inward[:, 1], -inward[:, 0]])
     rows = _joint_rows(lines, len(length), 0.1 * thick)
+    needed = (bottom | _within_rows(lines, rows)) & jointed
     return SheetPlate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, rows, kind)
+
+
+def _within_rows(lines: tuple[FlankLine, ...], rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Flanks that belong to a row of fingers for certain: of an odd number the first or last may be a step of the outline."""
+    found: NDArray[np.bool_] = np.zeros(len(rows), dtype=np.bool_)
+    for line in lines:
+        for row in np.unique(rows[line.rows]):
+            flanks = line.rows[rows[line.rows] == row]
+            found[flanks] = len(flanks) > 1
+            if len(flanks) % 2:
+                found[flanks[[0, -1]]] = False
+    return found
 
 
 def _joint_rows(lines: tuple[FlankLine, ...], count: int, tolerance: float) -> NDArray[np.int64]:
