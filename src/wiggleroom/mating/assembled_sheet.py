@@ -35,6 +35,8 @@ class SheetSettings:
         No other way is tried where a smaller share of the flanks meets nothing, and none of them could meet any.
     max_relief : float in (0, 0.5)
         Outlines are relieved by at most this share of the thickness; what still overlaps then is taken out again.
+    sure_relief : float in (0, 0.5)
+        An assembly that needs more than this share is not sure.
     body_distance : float > 0 [mm]
         Free room between two bodies in the file that is written.
     max_scored : int
@@ -44,7 +46,8 @@ class SheetSettings:
     efforts: tuple[Effort, ...] = (Effort(8, 0.5), Effort(6, 1.0), Effort(20, 0.5))
     min_met_share: float = 0.5
     max_open_share: float = 0.05
-    max_relief: float = 0.12
+    max_relief: float = 0.2
+    sure_relief: float = 0.12
     body_distance: float = 20.0
     max_scored: int = 400_000
 
@@ -164,6 +167,8 @@ def assemble_sheet(
         notes.append(
             f"{sheet.source}: outlines pressed on each other at rest and are moved inward by {relief:.3g} mm more"
         )
+    if relief > SETTINGS.sure_relief * thickness:
+        doubts.append(f"panels press on each other by up to {2 * relief:.2g} mm")
     joints: list[FoundJoint] = []
     left: dict[int, NDArray[np.int64]] = {}
     for body in bodies:

@@ -12,7 +12,15 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.candidates import VOTING, fits
 from wiggleroom.mating.congruence import PanelIsometries
-from wiggleroom.mating.contact import MET_TOLERANCE, crossing_volume, masks, meeting, met_flags, scores
+from wiggleroom.mating.contact import (
+    MAX_SQUARE_COSINE,
+    MET_TOLERANCE,
+    crossing_volume,
+    masks,
+    meeting,
+    met_flags,
+    scores,
+)
 from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
@@ -240,12 +248,14 @@ class BeamState:
         asked = []
         for k, a in enumerate(state.rows):
             inner, shift = state.turns[k].T @ turn, state.turns[k].T @ (move - state.moves[k])
+            if abs(inner[2, 2]) > MAX_SQUARE_COSINE:  # fingers at other angles do not meet in their middles
+                continue
             found = self.pairs(a, row, inner, shift)
             apart = np.zeros((len(found), 3))
             apart[:, :2] = self.flanks[a][found[:, 0], :2]
             apart -= self.flanks[row][found[:, 1], :2] @ inner[:, :2].T + shift
             asked.append(apart @ state.turns[k].T)
-        every = np.vstack(asked)
+        every = np.vstack(asked) if asked else np.zeros((0, 3))
         return move + every.mean(axis=0) if len(every) else move
 
     def start(self, row: int) -> Placement:

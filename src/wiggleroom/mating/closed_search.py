@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.congruence import congruent
-from wiggleroom.mating.contact import MET_TOLERANCE
+from wiggleroom.mating.contact import MAX_ASKEW_COSINE, MET_TOLERANCE
 from wiggleroom.mating.pair_poses import PairPoseTable, bits, flank_rows
 
 Floats = NDArray[np.float64]
@@ -297,7 +297,7 @@ class _ExhaustiveSearch:
                 continue
             if bench.volume(a, other, inner, shift) > bench.most:
                 return None
-            if abs(inner[2, 2]) > 0.1:
+            if abs(inner[2, 2]) > MAX_ASKEW_COSINE:
                 continue
             flags = bench.masks(a, other, inner[None], shift[None])
             met_a, met_b, blocked_a, blocked_b = (bits(each)[0] if each.size else 0 for each in flags)

@@ -6,12 +6,17 @@ that stands square on the plane of its partner. So finger edges, rows of holes a
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry.polygon import orient
+
+from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE
 
 Floats = NDArray[np.float64]
 
@@ -38,6 +43,12 @@ class FlankSettings:
         A tab or gap longer than this many times the usual one of its line separates two rows of fingers.
     long_stretch : float > 1
         And so does a tab as many times longer than the usual gap, or a gap than the usual tab.
+    angle_flanks : int
+        Rows of at least as many flanks say at which angles panels meet.
+    least_angle, square_angle : float [degrees]
+        Angles below the one, and nearer to a right angle than the other, are not looked for.
+    max_angles : int
+        How many of them, the most frequent ones.
     """
 
     length_tolerance: float = 0.15
@@ -48,6 +59,10 @@ class FlankSettings:
     relief_width: float = 0.3
     even_stretch: float = 1.25
     long_stretch: float = 3.0
+    angle_flanks: int = 4
+    least_angle: float = 20.0
+    square_angle: float = 4.0
+    max_angles: int = 3
 
 
 FLANKS = FlankSettings()
@@ -63,6 +78,8 @@ class FlankLine:
     ----------
     along, across : (2,) float64
         Unit direction of the line and its left normal.
+    outward : float
+        1 where the panel lies right of the line, along its edge, -1 where it lies left, 0 where it lies on both sides.
     offset : float [mm]
         Of the line along `across`.
     at : (n,) float64 [mm]
@@ -76,6 +93,7 @@ class FlankLine:
 
     along: Floats
     across: Floats
+    outward: float
     offset: float
     at: Floats
     sense: Floats
@@ -218,6 +236,31 @@ def plates_of(
     burn : float [mm]
         By how much outlines were drawn larger.
     """
+    plates = _plates(names, polygons, thickness, burn, np.zeros(0))
+    angles = joint_angles(plates)
+    return _plates(names, polygons, thickness, burn, angles) if len(angles) else plates
+
+
+def joint_angles(plates: Sequence[SheetPlate]) -> Floats:
+    """Angles [rad] other than right ones by which plates may turn at a joint: between rows of fingers of one panel.
+
+    Walls that stand on two edges of a panel meet at the angle between these edges.
+    """
+    found: Counter[float] = Counter()
+    for plate in plates:
+        ways = [line.along for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
+        for a, b in combinations(ways, 2):
+            sine, cosine = abs(a[0] * b[1] - a[1] * b[0]), abs(a @ b)
+            angle = round(float(np.degrees(np.arctan2(sine, cosine))), 1)
+            if FLANKS.least_angle < angle < 90.0 - FLANKS.square_angle:
+                found[angle] += 1
+    usual = [angle for angle, _ in found.most_common(FLANKS.max_angles)]
+    return np.radians(sorted({*usual, *(180.0 - angle for angle in usual)}))
+
+
+def _plates(
+    names: list[str], polygons: list[shapely.Polygon], thickness: list[float], burn: float, angles: Floats
+) -> tuple[SheetPlate, ...]:
     wanted = np.unique(thickness)
     kinds: list[SheetPlate] = []
     plates: list[SheetPlate] = []
@@ -228,7 +271,7 @@ def plates_of(
         cut = shapely.transform(cut, lambda points, centre=centre: points - centre)
         alike = next((first for first in kinds if first.thickness == thick and same_outline(cut, first.polygon)), None)
         if alike is None:
-            plates.append(_plate(name, cut, thick, centre, wanted, len(kinds)))
+            plates.append(_plate(name, cut, thick, centre, wanted, angles, len(kinds)))
             kinds.append(plates[-1])
         else:
             plates.append(replace(alike, name=name, centre=centre))
@@ -249,10 +292,12 @@ def same_outline(a: shapely.Polygon, b: shapely.Polygon) -> bool:
     return bool(a.symmetric_difference(b).buffer(-SAME_OUTLINE, quad_segs=1).is_empty)
 
 
-def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> SheetPlate:
+def _plate(
+    name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, angles: Floats, kind: int
+) -> SheetPlate:
     smooth = _without_reliefs(cut, FLANKS.relief_width * float(wanted.min()))
-    middle, inward, along, length, neighbours, bottom, jointed = _flanks(smooth, wanted)
-    lines = _lines(middle, inward, length, 0.12 * float(wanted.min()))
+    middle, inward, along, length, neighbours, bottom, jointed = _flanks(smooth, wanted, thick * np.sin(angles))
+    lines = _lines(cut, middle, inward, length, thick)
     for line in lines:  # a line's direction and place are known better than those of one flank
         inward[line.rows] = line.sense[:, None] * line.along
         middle[line.rows] = line.at[:, None] * line.along + line.offset * line.across
@@ -300,7 +345,7 @@ def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon
 
 
 def _flanks(
-    polygon: shapely.Polygon, wanted: Floats
+    polygon: shapely.Polygon, wanted: Floats, askew: Floats
 ) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_], NDArray[np.bool_]]:
     """Midpoints, inward and own directions, lengths, corner neighbours; which are bottoms of slots or holes, and no window's.
 
@@ -326,7 +371,9 @@ def _flanks(
         turn = np.roll(unit[:, 0], 1) * unit[:, 1] - np.roll(unit[:, 1], 1) * unit[:, 0]
         convex = turn > 0
         reflex_end = ~convex | ~np.roll(convex, -1)  # the tip of a tab, convex at both ends, holds nothing
-        fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1) & square & bend & reflex_end
+        fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1)
+        fits |= (np.abs(size[:, None] - askew) < ASKEW_LENGTH_TOLERANCE * wanted.min()).any(1)
+        fits &= square & bend & reflex_end
         number: NDArray[np.int64] = np.full(len(here), -1, dtype=np.int64)
         number[fits] = np.arange(fits.sum()) + len(middle)
         window = place > 0 and np.count_nonzero(corner) != 4
@@ -345,8 +392,11 @@ def _flanks(
     return two[0], two[1], two[2], np.array(length, dtype=float), corners, *flags
 
 
-def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> tuple[FlankLine, ...]:
+def _lines(
+    cut: shapely.Polygon, middle: Floats, inward: Floats, length: Floats, thickness: float
+) -> tuple[FlankLine, ...]:
     """Group flanks by the line on which their midpoints and inward directions lie."""
+    corners, tolerance = shapely.get_coordinates(cut.exterior), 0.12 * thickness
     left: list[int] = list(range(len(middle)))
     found = []
     while left:
@@ -364,7 +414,10 @@ def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> 
         order = np.argsort(at)
         rows = rows[order]
         offset = float((middle[rows] @ across).mean())
-        found.append(FlankLine(along, across, offset, at[order], np.sign(inward[rows] @ along), length[rows], rows))
+        beyond = corners @ across - offset
+        outward = float(beyond.max() < 0.75 * thickness) - float(beyond.min() > -0.75 * thickness)
+        sense = np.sign(inward[rows] @ along)
+        found.append(FlankLine(along, across, outward, offset, at[order], sense, length[rows], rows))
         left = [row for row in left if row not in set(rows.tolist())]
     return tuple(found)
 

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.mating.beam_search import BeamState
 from wiggleroom.mating.candidates import VOTING
-from wiggleroom.mating.contact import line_shifts
-from wiggleroom.mating.flanks import FlankLine, SheetPlate
+from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE, finger_length, finger_setback, line_shifts
+from wiggleroom.mating.flanks import FlankLine, SheetPlate, joint_angles
 
 Floats = NDArray[np.float64]
 LONG_ROW = 4
@@ -62,6 +62,7 @@ class PairPoseTable:
     def __init__(self, bench: BeamState, *, whole: bool) -> None:
         self.bench = bench
         self.whole = whole
+        self.angles = joint_angles(bench.plates)
         self._known: dict[tuple[int, int], PairPoses] = {}
 
     def between(self, a: int, b: int) -> PairPoses:
@@ -77,6 +78,8 @@ class PairPoseTable:
     def _worked_out(self, a: int, b: int) -> PairPoses:
         bench = self.bench
         found = list(_line_poses(bench.plates[a], bench.plates[b], bench.tolerance))
+        for angle in self.angles:
+            found += _askew_poses(bench.plates[a], bench.plates[b], bench.tolerance, float(np.cos(angle)))
         if not found:
             return PairPoses(np.zeros((0, 3, 3)), np.zeros((0, 3)), (), ())
         turns, moves = (np.concatenate(values) for values in zip(*found, strict=True))
@@ -153,6 +156,40 @@ def _line_poses(a: SheetPlate, b: SheetPlate, tolerance: float) -> Iterator[tupl
                 if len(shifts):
                     for fold in (1.0, -1.0):
                         yield _poses(line, other, sign, shifts, fold)
+
+
+def _askew_poses(a: SheetPlate, b: SheetPlate, tolerance: float, cosine: float) -> Iterator[tuple[Floats, Floats]]:
+    """Poses that join edges of two plates which turn by an angle at the joint; its cosine."""
+    if abs(a.thickness - b.thickness) > 0.01 * a.thickness:
+        return
+    length, back = finger_length(cosine, a.thickness), finger_setback(cosine, a.thickness)
+    sine, reach = np.sqrt(1.0 - cosine * cosine), ASKEW_LENGTH_TOLERANCE * a.thickness
+    edges = [
+        [line for line in plate.lines if line.outward and (np.abs(line.length - length) < reach).all()]
+        for plate in (a, b)
+    ]
+    for line in edges[0]:
+        for other in edges[1]:
+            for sign in (1.0, -1.0):
+                order = np.argsort(sign * other.at)
+                shifts = line_shifts(
+                    line.at, line.sense, a.needed[line.rows],
+                    (sign * other.at)[order], (sign * other.sense)[order], b.needed[other.rows][order], tolerance,
+                )  # fmt: skip
+                if not len(shifts):
+                    continue
+                for fold in (sine, -sine):
+                    out = line.outward * line.across
+                    along, into = np.append(sign * line.along, 0.0), np.append(cosine * out, fold)
+                    space = np.column_stack([along, into, np.cross(along, into)])
+                    flat = np.zeros((3, 3))
+                    flat[:2, 0], flat[:2, 1] = other.along, -other.outward * other.across
+                    flat[:, 2] = np.cross(flat[:, 0], flat[:, 1])
+                    turn = space @ flat.T
+                    axis = np.append((line.offset + line.outward * back) * line.across, 0.0)
+                    own = np.append((other.offset + other.outward * back) * other.across, 0.0)
+                    moves = axis - turn @ own + shifts[:, None] * np.append(line.along, 0.0)
+                    yield np.repeat(turn[None], len(shifts), axis=0), moves
 
 
 def _shifts(a: FlankLine, b: FlankLine, sign: float, one: SheetPlate, other: SheetPlate, tolerance: float) -> Floats:
