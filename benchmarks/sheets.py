@@ -125,7 +125,7 @@ def _boxes(drawn: DrawnSheet, folder: Path, most: int, table: bool) -> tuple[boo
         loose = {names[row] for row in found.loose}
         right = judged.overlap < OVERLAP and joints.closed == joints.asked and joints.joined <= set(poses)
         right &= set(panels) - set(poses) <= loose
-        right &= joints.asked > 0
+        right &= joints.asked > 0 and not judged.unfilled & (set(poses) - joints.joined)
         if right or len(plates) == most:
             break
         hint = next_hint(drawn, panels, poses, joints, {plate.panel for plate in plates}, 3.0)

@@ -281,7 +281,7 @@ def _body(
             continue
         placed = _best(bench, closed.placements)
         if best is None or _met(bench, placed) > best[0]:
-            best, doubts = (_met(bench, placed), placed), _rivals(closed, name)
+            best, doubts = (_met(bench, placed), placed), _rivals(bench, closed, name)
         if _open_share(bench, best[1]) <= SETTINGS.max_open_share:
             return best[1], doubts
     for effort in SETTINGS.efforts:
@@ -321,13 +321,36 @@ def _best(bench: BeamState, placements: list[Placement]) -> Placement:
     return equal[min(range(len(equal)), key=lambda k: (round(pressing[k], 2), extent(bench, equal[k])))]
 
 
-def _rivals(closed: Closed, name: str) -> list[str]:
+def _rivals(bench: BeamState, closed: Closed, name: str) -> list[str]:
     """Why the best of the placements that were found may be wrong."""
     if closed.open_lines:
         return [f"no way was found to put panels round {name} so that every flank meets another"]
     if len(closed.placements) > 1:
-        return [f"panels fit together in more than one way, round {name}"]
+        moved = _moved(bench, *closed.placements[:2])
+        which = (
+            f": {_listed([plate.name for plate in bench.plates], moved)} can be elsewhere or otherwise" if moved else ""
+        )
+        return [f"panels fit together in more than one way, round {name}{which}"]
     return [] if closed.exhausted else [f"not every other way to put panels round {name} was tried"]
+
+
+def _moved(bench: BeamState, one: Placement, other: Placement) -> list[int]:
+    """Panels of the one placement where the other has no panel of their kind in their place, or its mirror image has none."""
+    flip = np.diag([1.0, 1.0, -1.0])
+    found: list[int] | None = None
+    for turns, moves in ((other.turns, other.moves), (flip @ other.turns @ flip, other.moves @ flip)):
+        taken: set[tuple[float, ...]] = set()
+        for row, turn, move in zip(other.rows, turns, moves, strict=True):
+            kind = bench.plates[row].kind
+            taken.add((kind, *np.round(bench.trace(kind, turn[None], move[None])[0], 1).tolist()))
+        moved = []
+        for row, turn, move in zip(one.rows, one.turns, one.moves, strict=True):
+            kind = bench.plates[row].kind
+            if (kind, *np.round(bench.trace(kind, turn[None], move[None])[0], 1).tolist()) not in taken:
+                moved.append(row)
+        if found is None or len(moved) < len(found):
+            found = moved
+    return found or []
 
 
 def _met(bench: BeamState, placed: Placement) -> int:
