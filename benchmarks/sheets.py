@@ -120,7 +120,8 @@ def _boxes(drawn: DrawnSheet, folder: Path, most: int, table: bool) -> tuple[boo
             break
         spent = max(spent, time.process_time() - begin)
         poses = _poses(found)
-        judged, joints = _judged(found, folder), judge_joints(drawn, panels, poses)
+        joints = judge_joints(drawn, panels, poses)
+        judged = _judged(found, folder, joints.joined)
         names = [plate.name for plate in found.plates]
         loose = {names[row] for row in found.loose}
         right = judged.overlap < OVERLAP and joints.closed == joints.asked and joints.joined <= set(poses)
@@ -147,10 +148,10 @@ def _poses(found: AssembledSheet) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     return poses
 
 
-def _judged(found: AssembledSheet, folder: Path) -> Judged:
+def _judged(found: AssembledSheet, folder: Path, without: frozenset[str] = frozenset()) -> Judged:
     out = folder / "out.json"
     out.write_text(write_plates(found))
-    return judge(out)
+    return judge(out, without=without)
 
 
 def _told(
