@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.closed_pairs import enclosed_links
 from wiggleroom.disassembly.enclosure import Enclosed, enclosed
 from wiggleroom.disassembly.escape import NO_BODIES, EscapeEffort, Stage, next_stage
+from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without
 from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.geometry.rigid_motions import of_parts
@@ -120,6 +121,7 @@ def disassemble(
     wanted = set(targets)
     n = len(names)
     so_far = _Progress(assembly, np.arange(n), np.zeros((n, 3)))
+    effort = effort or EscapeEffort()
     while True:
         left, alive = so_far.left, so_far.alive
         around = None
@@ -131,7 +133,7 @@ def disassemble(
                 stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
                 return _ended(so_far, stage, around)
             aims = np.unique([ground.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
-            stage = next_stage(left, ground, begin, effort or EscapeEffort(), aims.astype(np.int64), stop, tell)
+            stage = next_stage(left, ground, begin, effort, aims.astype(np.int64), stop, tell)
         except StoppedError:
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
         so_far.questions += stage.questions
@@ -148,6 +150,7 @@ def disassemble(
         there[alive] = True
         so_far.departures.append(Departure(np.sort(alive[who]), way, there, stage.moves))
         so_far.motion = way[-1]
+        effort = replace(effort, passages=PassagesByGap())  # the others lie elsewhere now
         stay = np.setdiff1d(np.arange(len(alive)), who)
         so_far.left = without(displaced(left, of_parts(left, bodies, stage.way)[-1]), who)
         so_far.alive = alive[stay]
