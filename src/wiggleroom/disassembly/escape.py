@@ -120,6 +120,7 @@ def next_stage(
     targets: Ints,
     stop: Stop | None,
     tell: Callable[[Progress], None],
+    burden: Callable[[Ints], int] | None = None,
 ) -> Stage:
     """The next parts that leave, the cheapest ways of finding them first.
 
@@ -136,6 +137,8 @@ def next_stage(
         Bodies that are to leave, rather than others; none where all are to.
     stop, tell
         As for `flex`.
+    burden : callable, optional
+        How much trouble it makes that some bodies leave; the least comes first.
     """
     bodies, n = ground.bodies, len(ground.bodies.fixed)
     stands = int(np.flatnonzero(bodies.fixed)[0])
@@ -143,7 +146,7 @@ def next_stage(
     still = MoveSequence(rest, NO_BODIES)
     tell(Progress("straight ways"))
     found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
-    first = _roomiest(ground, found, targets)
+    first = _roomiest(ground, found, targets, burden)
     if first is not None and _wanted(first.who, targets):
         return _leave(assembly, ground, still, first)
     tell(Progress("slides"))
@@ -160,9 +163,14 @@ def next_stage(
     return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
 
 
-def _roomiest(ground: Survey, found: list[TranslationEscape], targets: Ints) -> TranslationEscape | None:
-    """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not."""
-    order = [(not _wanted(e.who, targets), len(e.who)) for e in found]
+def _roomiest(
+    ground: Survey, found: list[TranslationEscape], targets: Ints, burden: Callable[[Ints], int] | None
+) -> TranslationEscape | None:
+    """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not.
+
+    Those of the least burden come first, where that is asked.
+    """
+    order = [(not _wanted(e.who, targets), 0 if burden is None else burden(e.who), len(e.who)) for e in found]
     best = [e for e, place in zip(found, order, strict=True) if place == min(order)]
     if len(best) < 2:
         return best[0] if best else None
