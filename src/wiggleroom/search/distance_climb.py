@@ -66,8 +66,8 @@ def climbed(search: LocalSearch, start: Start) -> Start | Incumbent:
     except StoppedError:
         motion, none = program.motion(solution.u), np.zeros(0)
         active = ActiveSet(none.astype(np.int64), none.astype(np.int64), none, none)
-        value = search.objective.value(motion)
-        return Incumbent(motion, value, program, solution, active, (), begin, CLIMB_TOLERANCE, start.mu)
+        value, rest = search.objective.value(motion), program.variables(start.inner)
+        return Incumbent(motion, value, program, solution, active, (), rest, CLIMB_TOLERANCE, start.mu)
 
 
 def _program(search: LocalSearch, start: Start) -> DistanceProgram:
