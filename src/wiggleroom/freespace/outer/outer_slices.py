@@ -67,8 +67,8 @@ class PairMaterial:
 @lru_cache(maxsize=256)
 def _near(material: PairMaterial, reach: float) -> PairMaterial:
     try:
-        a = _areas(shapely.intersection(material.a, shapely.buffer(material.b, reach, join_style="mitre")))
-        b = _areas(shapely.intersection(material.b, shapely.buffer(material.a, reach, join_style="mitre")))
+        a = areas(shapely.intersection(material.a, shapely.buffer(material.b, reach, join_style="mitre")))
+        b = areas(shapely.intersection(material.b, shapely.buffer(material.a, reach, join_style="mitre")))
     except shapely.errors.GEOSException:
         return material
     return PairMaterial(a, b, material.clearance)
@@ -87,7 +87,7 @@ def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shap
     points = (six + margin * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])).reshape(-1, 24, 2)
     swept = shapely.convex_hull(shapely.linestrings(points))
     try:
-        left = _areas(shapely.difference(b, shapely.union_all(swept)))
+        left = areas(shapely.difference(b, shapely.union_all(swept)))
         left = shapely.remove_repeated_points(left, 1e-3 * margin)
     except shapely.errors.GEOSException:
         left = shapely.multipolygons([])  # no core covers nothing: too little, never too much
@@ -189,7 +189,7 @@ def loops(geometry: shapely.Geometry) -> tuple[Floats, NDArray[np.int64]]:
     return points[keep], after
 
 
-def _areas(geometry: shapely.Geometry) -> shapely.Geometry:
+def areas(geometry: shapely.Geometry) -> shapely.Geometry:
     """Only the polygons of a geometry."""
     parts = shapely.get_parts(geometry)
     parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
