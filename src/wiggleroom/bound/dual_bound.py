@@ -22,9 +22,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.bound.congruent_joints import congruent_joints
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.limited_tightening import tightened
-from wiggleroom.bound.outer_regions import links_about, material_of
+from wiggleroom.bound.outer_regions import Placement, links_about, material_of, placement
 from wiggleroom.bound.trigonometric_envelopes import support
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
@@ -83,31 +84,36 @@ def quick_bound(
     work = _work_of_search(iterations, found.program.rows)
     if drawn is not None:
         work += _work_of_corners(them, cells.a, cells.b)
-    pivots, near = np.zeros((len(first), 2)), []
+    materials, pivots = [], np.zeros((len(first), 2))
     for c in wanted:
         if stop is not None and stop.is_set():
             return None
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
         material, pivots[c], _ = material_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))
-        near.append(NearSides(material))
-        work -= near[-1].work
-        if work < 0:
-            return None
-    pockets: list[LocalOuterRegion] = []
+        materials.append(material)
+    joints, held = congruent_joints(materials)
+    near = [NearSides(joint.strips) for joint in joints]
+    work -= sum(sides.work for sides in near)
+    if work < 0:
+        return None
+    made = [local_outer_region(sides) for sides in near]
+    pockets = [m for m in made if m is not None]
+    number = np.cumsum([m is not None for m in made]) - 1
     kind = np.full(len(first), -1, dtype=np.int64)
-    for c, sides in zip(wanted, near, strict=True):
-        made = local_outer_region(sides)
-        if made is not None:
-            kind[c] = len(pockets)
-            pockets.append(made)
+    places: dict[int, Placement] = {}
+    for c, one in zip(wanted.tolist(), held, strict=True):
+        if made[one.joint] is not None:
+            kind[c] = number[one.joint]
+            places[c] = placement(them, int(cells.a[first[c]]), int(cells.b[first[c]]), pivots[c], one)
         elif by_class[c] > MAX_OMITTED_FORCE * by_class.sum():
             return None
     known = np.flatnonzero(kind[label] >= 0)
     label = label[known]
-    links = links_about(them, cells.a[known], cells.b[known], kind[label], pivots[label])
+    links = links_about(them, cells.a[known], cells.b[known], kind[label], [places[c] for c in label.tolist()])
     ranges = first_ranges(them.fixed, links, pockets)
-    most = _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
+    forces = _forces_of(them, links, cells.a[known], cells.b[known], wrench[known], found.motion)
+    most = _value(them, goal, links, pockets, ranges, forces, found.motion)
     if most is None or found.value <= 0 or find_spec("highspy") is None:
         return most
     return min(most, tightened(them, goal, links, pockets, found.value, work))
@@ -122,23 +128,32 @@ def _wrenches(found: Incumbent) -> Floats:
     return out
 
 
+def _forces_of(them: Bodies, links: JointConstraints, a: Ints, b: Ints, wrench: Floats, motion: Floats) -> Floats:
+    """Forces and moments (P, 3) about the pivots of links, in the world's axes, from wrenches (P, 3) of pairs `a` and `b` (P,)."""
+    pose = them.rest + motion
+    point = pose[links.b, :2] + turn(links.arm_b, motion[links.b, 2])
+    w = turn(-wrench[:, :2], pose[a, 2])
+    moment = -wrench[:, 2] + _cross(pose[b, :2] - point, w)
+    sign = np.where(links.a == a, 1.0, -1.0)
+    return sign[:, None] * np.column_stack([w, moment])
+
+
 def _value(
     them: Bodies,
     goal: PointMotion,
     links: JointConstraints,
     pockets: Sequence[LocalOuterRegion],
     ranges: AngleRanges,
-    wrench: Floats,
+    forces: Floats,
     motion: Floats,
 ) -> float | None:
-    """What follows from forces (P, 3) of the links, about a motion (n, 3) [mm, mm, rad]; None where something counts that nothing holds."""
+    """What follows from forces and moments (P, 3) of the links, about a motion (n, 3) [mm, mm, rad]; None where something counts that nothing holds."""
     a, b = links.a, links.b
     pose, turned = them.rest + motion, motion[:, 2]
     arm = turn(links.arm_b, turned[b])
     tau = turn(pose[b, :2] + arm - pose[a, :2], -turned[a]) - links.arm_a  # in the world's axes at rest
-    force = -wrench[:, :2]
-    moment = -wrench[:, 2] - _cross(turn(arm, -pose[a, 2]), force)
-    w = turn(force, pose[a, 2])
+    w, moment = forces[:, :2], forces[:, 2]
+    force = turn(w, -links.axes - turned[a])
     parts = _Parts(len(motion))
     parts.add(goal.body, goal.direction, goal.arm, goal.turn)
     parts.add(b, -w, links.arm_b, -moment)
