@@ -58,7 +58,7 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
         return answer
     # where outlines were searched with fewer corners, the bound is about those that were drawn
     drawn = None if answer.bound is None else bodies(answer.assembly)
-    most = quick_bound(found, found.program.objective, answer.iterations, drawn, stop)
+    most = quick_bound(found, found.program.objective, (answer.rounds, answer.iterations), drawn, stop)
     spent = time.perf_counter() - began
     seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
     seconds["total"] = answer.seconds["total"] + spent
@@ -69,19 +69,21 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
 
 
 def quick_bound(
-    found: Incumbent, goal: PointMotion, iterations: int, drawn: Bodies | None = None, stop: Stop | None = None
+    found: Incumbent, goal: PointMotion, effort: tuple[int, int], drawn: Bodies | None = None, stop: Stop | None = None
 ) -> float | None:
     """Value that no motion exceeds, from the end of a search; None where it would take too long, joints do not close or it is to stop.
 
-    It is about the bodies that were searched, or about others, `drawn`, that lie at the same places.
+    It is about the bodies that were searched, or about others, `drawn`, that lie at the same places. `effort` is how many rounds and
+    iterations the search took, which is what the bound may cost.
     """
+    rounds, iterations = effort
     them, cells = drawn or found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
     first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
-    work = _work_of_search(iterations, found.program.rows)
+    work = _work_of_search(rounds, iterations, found.program.rows, len(cells.a))
     if drawn is not None:
         work += _work_of_corners(them, cells.a, cells.b)
     materials, pivots = [], np.zeros((len(first), 2))
@@ -97,7 +99,14 @@ def quick_bound(
     work -= sum(sides.work for sides in near)
     if work < 0:
         return None
-    made = [local_outer_region(sides) for sides in near]
+    carried = np.bincount([one.joint for one in held], by_class[wanted], len(joints)) / by_class.sum()
+    made: list[LocalOuterRegion | None] = []
+    for sides, share in zip(near, carried, strict=True):
+        if stop is not None and stop.is_set():
+            return None
+        made.append(local_outer_region(sides))
+        if made[-1] is None and share > MAX_OMITTED_FORCE:
+            return None
     pockets = [m for m in made if m is not None]
     number = np.cumsum([m is not None for m in made]) - 1
     kind = np.full(len(first), -1, dtype=np.int64)
@@ -106,8 +115,6 @@ def quick_bound(
         if made[one.joint] is not None:
             kind[c] = number[one.joint]
             places[c] = placement(them, int(cells.a[first[c]]), int(cells.b[first[c]]), pivots[c], one)
-        elif by_class[c] > MAX_OMITTED_FORCE * by_class.sum():
-            return None
     known = np.flatnonzero(kind[label] >= 0)
     label = label[known]
     links = links_about(them, cells.a[known], cells.b[known], kind[label], [places[c] for c in label.tolist()])
@@ -218,9 +225,9 @@ def _cross(p: Floats, q: Floats) -> Floats:
 # Work is counted, not timed, so that every machine gives the same answer; one unit is about a millisecond.
 
 
-def _work_of_search(iterations: int, rows: int) -> float:
-    """Rather less than the search took."""
-    return 14 + iterations * (0.8 + 3.5e-4 * rows)
+def _work_of_search(rounds: int, iterations: int, rows: int, pairs: int) -> float:
+    """Rather less than the search took: cells of pairs with many rows are grown slowly, in every round."""
+    return 14 + iterations * (0.8 + 3.5e-4 * rows) + 1.3e-4 * rounds * rows * rows / max(pairs, 1)
 
 
 def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:
