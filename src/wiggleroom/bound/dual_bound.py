@@ -27,6 +27,7 @@ from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, fi
 from wiggleroom.bound.limited_tightening import tightened
 from wiggleroom.bound.outer_regions import Placement, links_about, material_of, placement
 from wiggleroom.bound.trigonometric_envelopes import support
+from wiggleroom.deadline import Deadline
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
 from wiggleroom.geometry.bodies import Bodies, bodies
@@ -58,7 +59,10 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
         return answer
     # where outlines were searched with fewer corners, the bound is about those that were drawn
     drawn = None if answer.bound is None else bodies(answer.assembly)
-    most = quick_bound(found, found.program.objective, (answer.rounds, answer.iterations), drawn, stop)
+    work = _work_of_search(answer.rounds, answer.iterations, found.program.rows, len(found.program.cells.a))
+    if drawn is not None:
+        work += _work_of_corners(drawn, found.program.cells.a, found.program.cells.b)
+    most = quick_bound(found, found.program.objective, work, drawn, stop)
     spent = time.perf_counter() - began
     seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
     seconds["total"] = answer.seconds["total"] + spent
@@ -68,24 +72,41 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
     return with_bound(replace(answer, seconds=seconds), bound)
 
 
+def with_bound_in_time(answer: Answer, seconds: float, stop: Stop | None = None) -> Answer:
+    """The answer with the best bound that is found in some time, or until one is near enough; the same where there is none or one already.
+
+    Of large assemblies small windows are looked at first, which takes seconds.
+    """
+    clock = Deadline(seconds, stop)
+    found = answer.warm_start
+    known = answer.bound is not None and answer.bound.at_most is not None
+    if known or not answer.objective or not answer.verdict.ends or found is None:
+        return answer
+    if not isinstance(found.program.objective, PointMotion):
+        return answer
+    drawn = None if answer.bound is None else bodies(answer.assembly)
+    most = quick_bound(found, found.program.objective, np.inf, drawn, clock)
+    if stop is not None and stop.is_set():
+        return answer
+    if most is None or not answer.objective <= most <= MAX_BOUND_RATIO * answer.objective:
+        return answer
+    return with_bound(answer, Bound(most, most / answer.objective - 1, clock.spent, kind="quick"))
+
+
 def quick_bound(
-    found: Incumbent, goal: PointMotion, effort: tuple[int, int], drawn: Bodies | None = None, stop: Stop | None = None
+    found: Incumbent, goal: PointMotion, work: float, drawn: Bodies | None = None, stop: Stop | None = None
 ) -> float | None:
     """Value that no motion exceeds, from the end of a search; None where it would take too long, joints do not close or it is to stop.
 
-    It is about the bodies that were searched, or about others, `drawn`, that lie at the same places. `effort` is how many rounds and
-    iterations the search took, which is what the bound may cost.
+    It is about the bodies that were searched, or about others, `drawn`, that lie at the same places. It may cost some `work`, about as
+    many milliseconds; infinite where only `stop` ends it.
     """
-    rounds, iterations = effort
     them, cells = drawn or found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
     first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
-    work = _work_of_search(rounds, iterations, found.program.rows, len(cells.a))
-    if drawn is not None:
-        work += _work_of_corners(them, cells.a, cells.b)
     materials, pivots = [], np.zeros((len(first), 2))
     for c in wanted:
         if stop is not None and stop.is_set():
@@ -123,7 +144,8 @@ def quick_bound(
     most = _value(them, goal, links, pockets, ranges, forces, found.motion)
     if most is None or found.value <= 0 or find_spec("highspy") is None:
         return most
-    return min(most, tightened(them, goal, links, pockets, found.value, work))
+    over = (lambda: False) if stop is None else stop.is_set
+    return min(most, tightened(them, goal, links, pockets, found.value, work, over))
 
 
 def _wrenches(found: Incumbent) -> Floats:
