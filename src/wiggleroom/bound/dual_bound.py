@@ -176,7 +176,10 @@ def _value(
     forces: Floats,
     motion: Floats,
 ) -> float | None:
-    """What follows from forces and moments (P, 3) of the links, about a motion (n, 3) [mm, mm, rad]; None where something counts that nothing holds."""
+    """What follows from forces and moments (P, 3) of the links, about a motion (n, 3) [mm, mm, rad].
+
+    None where something counts that nothing holds.
+    """
     a, b = links.a, links.b
     pose, turned = them.rest + motion, motion[:, 2]
     arm = turn(links.arm_b, turned[b])

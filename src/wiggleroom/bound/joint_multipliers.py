@@ -182,5 +182,5 @@ class LagrangianBound:
 def _highest(slope: Floats, curvature: Floats, half: float) -> Floats:
     """Largest slope v - curvature v^2 / 2 over 0 <= v <= half, for slopes (c, K) of at least nought and curvatures (K,)."""
     at_end = slope * half - curvature * half * half / 2
-    steep = np.maximum(curvature, 1e-300)
-    return np.where((curvature > 0) & (slope < curvature * half), slope * np.minimum(slope / steep, half) / 2, at_end)
+    inside = (curvature > 0) & (slope < curvature * half)
+    return np.where(inside, slope * slope / np.where(inside, 2 * curvature, 1.0), at_end)

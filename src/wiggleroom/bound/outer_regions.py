@@ -76,8 +76,16 @@ def outer_regions(
 
 @dataclass(frozen=True, eq=False)
 class Placement:
-    """Where a joint lies in a pair of bodies: whether its first body is the pair's second, and, in the frame of its first body,
-    its pivot (2,) [mm] and the angle of its axes [rad]."""
+    """Where a joint lies in a pair of bodies.
+
+    Parameters
+    ----------
+    swapped : bool
+        Whether its first body is the pair's second.
+    pivot : (2,) float64 [mm]
+    angle : float [rad]
+        Its pivot and the angle of its axes in the frame of its first body.
+    """
 
     swapped: bool
     pivot: Floats
@@ -87,7 +95,7 @@ class Placement:
 def placement(them: Bodies, a: int, b: int, pivot: Floats, held: Congruence) -> Placement:
     """Placement of a joint in bodies `a` and `b`, of which `pivot` (2,) [mm] in the frame of `a` is the origin of the pair's material."""
     x, y, angle = them.rest[a]
-    at = turn(pivot + held.shift, float(angle)) + (x, y)
+    at = turn(pivot + held.shift, float(angle)) + np.array([x, y])
     one = b if held.swapped else a
     axes = float(angle + held.angle - them.rest[one, 2])
     return Placement(held.swapped, turn(at - them.rest[one, :2], -float(them.rest[one, 2])), axes)

@@ -22,7 +22,8 @@ and in u but for remainders (d = tau less its middle, all absolute values at the
     2 cos u sin(phi / 2) = c phi + at most e |phi|, where c - e and c + e are cos u sin(phi / 2) / (phi / 2) at the ends and 1,
     2 sin u sin(phi / 2) = u phi + at most |u phi| (u^2 / 6 + phi^2 / 24).
 
-What is linear in (tau, phi) and u, or convex, is largest at corners; in v the largest value of a parabola over [-h, h] is taken. Bad numbers give a bad bound, never a wrong one.
+What is linear in (tau, phi) and u, or convex, is largest at corners; in v the largest value of a parabola over [-h, h] is taken. Bad
+numbers give a bad bound, never a wrong one.
 """
 
 from __future__ import annotations
@@ -35,7 +36,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from wiggleroom.verify.ball_arithmetic import Point, exact, less, need, size
+from wiggleroom.verify.ball_arithmetic import Point, Refused, exact, less, need, size
 from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
 ROUNDED = 1e-12
@@ -230,7 +231,8 @@ class RangedCase:
         long = size(force)
         total += long * (self.case.doubt + shape.slip)
         if not (r == 0 and s == 0):
-            need(shape.coupling is not None, "turns are coupled that are not known well enough")
+            if shape.coupling is None:
+                raise Refused("turns are coupled that are not known well enough")
             chord, sag, skew = shape.coupling
             total += abs(r) * sag + abs(s) * skew
             k = k - r * chord
@@ -364,7 +366,8 @@ def _parabola(slope: np.ndarray, curvature: float, half: float) -> np.ndarray:
     end = slope * half - curvature * half * half / 2
     if curvature <= 0:
         return end
-    return np.where(slope < curvature * half, slope * np.minimum(slope / curvature, half) / 2, end)
+    inside = slope < curvature * half
+    return np.where(inside, slope * slope / np.where(inside, 2 * curvature, 1.0), end)
 
 
 def _up(value: arb) -> float:

@@ -110,12 +110,12 @@ class _StructureCheck:
         self.numbers += 1
         fits = type(value) is float or (type(value) is int and abs(value) <= 2**53)
         if not (fits and math.isfinite(value) and abs(value) <= most):
-            raise Refused(f"{where}: {_shown(value)} is no number that can be used")
+            _refuse(where, value, "is no number that can be used")
 
     def index(self, value: Any, count: int, where: str) -> None:
         self.numbers += 1
         if not (type(value) is int and 0 <= value < count):
-            raise Refused(f"{where}: {_shown(value)} names nothing")
+            _refuse(where, value, "names nothing")
 
     def lengths(self, values: list, where: str) -> None:
         for value in values:
@@ -282,6 +282,11 @@ def _rows(value: Any, where: str, wide: int | None = None) -> list:
     if wide is not None:
         need(all(isinstance(row, list) and len(row) == wide for row in value), f"{where}: a row has not {wide} entries")
     return value
+
+
+def _refuse(where: str, value: Any, why: str) -> None:
+    """Refuse a value; its words are made only here, as there are many values."""
+    need(False, f"{where}: {_shown(value)} {why}")
 
 
 def _shown(value: Any) -> str:

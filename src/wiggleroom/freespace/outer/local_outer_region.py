@@ -136,7 +136,9 @@ def _sharpened(sides: NearSides, found: LocalOuterRegion | None) -> LocalOuterRe
     """The same with the boxes halved that reach furthest: in smaller ones more walls hold, along curves above all."""
     if found is None:
         return None
-    every = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]) / np.ptp(found.corner, axis=0)
+    every = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]) / np.ptp(
+        found.corner, axis=0
+    )
     reach: list[float] = []
     for _ in range(SHARPENING_ROUNDS):
         along = found.corner @ every.T
