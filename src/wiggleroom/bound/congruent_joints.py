@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.outer.outer_slices import SAFETY_MARGIN, PairMaterial, areas, corners_of, loops
+from wiggleroom.freespace.outer.outer_slices import SAFETY_MARGIN, PairMaterial, corners_of, loops
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -59,14 +59,8 @@ class Joint:
 
     @cached_property
     def strips(self) -> PairMaterial:
-        """What of both bodies lies near the other one; all of both where that fails."""
-        whole, width = self.material, STRIP_WIDTH * self.material.clearance
-        try:
-            a = areas(shapely.intersection(whole.a, shapely.buffer(whole.b, width, join_style="mitre")))
-            b = areas(shapely.intersection(whole.b, shapely.buffer(whole.a, width, join_style="mitre")))
-        except shapely.errors.GEOSException:
-            return whole
-        return PairMaterial(a, b, whole.clearance)
+        """What of both bodies lies near the other one."""
+        return self.material.strips(STRIP_WIDTH * self.material.clearance)
 
     @cached_property
     def _inner(self) -> tuple[shapely.Geometry, shapely.Geometry]:

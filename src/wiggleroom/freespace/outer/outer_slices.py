@@ -63,15 +63,25 @@ class PairMaterial:
         steps = int(np.ceil(2 * np.log2(reach / self.clearance)))
         return _near(self, self.clearance * 2 ** (steps / 2))
 
+    def strips(self, width: float) -> PairMaterial:
+        """What of either part lies within `width` [mm] of the other one; all of both where that fails."""
+        cut = []
+        try:
+            for one, other in ((self.a, self.b), (self.b, self.a)):
+                # a mitred buffer may cross itself; edges shorter than rounding have no direction
+                around = shapely.make_valid(shapely.buffer(other, width, join_style="mitre"))
+                strip = shapely.remove_repeated_points(shapely.intersection(one, around), 1e-3 * self.margin)
+                cut.append(_areas(strip))
+        except shapely.errors.GEOSException:
+            return self
+        if not all(g.is_valid for g in cut):
+            return self
+        return PairMaterial(cut[0], cut[1], self.clearance)
+
 
 @lru_cache(maxsize=256)
 def _near(material: PairMaterial, reach: float) -> PairMaterial:
-    try:
-        a = areas(shapely.intersection(material.a, shapely.buffer(material.b, reach, join_style="mitre")))
-        b = areas(shapely.intersection(material.b, shapely.buffer(material.a, reach, join_style="mitre")))
-    except shapely.errors.GEOSException:
-        return material
-    return PairMaterial(a, b, material.clearance)
+    return material.strips(reach)
 
 
 def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shapely.Geometry:
@@ -87,7 +97,7 @@ def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shap
     points = (six + margin * np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]])).reshape(-1, 24, 2)
     swept = shapely.convex_hull(shapely.linestrings(points))
     try:
-        left = areas(shapely.difference(b, shapely.union_all(swept)))
+        left = _areas(shapely.difference(b, shapely.union_all(swept)))
         left = shapely.remove_repeated_points(left, 1e-3 * margin)
     except shapely.errors.GEOSException:
         left = shapely.multipolygons([])  # no core covers nothing: too little, never too much
@@ -189,7 +199,7 @@ def loops(geometry: shapely.Geometry) -> tuple[Floats, NDArray[np.int64]]:
     return points[keep], after
 
 
-def areas(geometry: shapely.Geometry) -> shapely.Geometry:
+def _areas(geometry: shapely.Geometry) -> shapely.Geometry:
     """Only the polygons of a geometry."""
     parts = shapely.get_parts(geometry)
     parts = parts[shapely.get_type_id(parts) == shapely.GeometryType.POLYGON]
