@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.answer_words import few, number, short, spatial_towards
 from wiggleroom.report.spatial_picture import Colour, part_colours
-from wiggleroom.report.spatial_table import check_sentence, spatial_certainty, spatial_headline, spatial_sentence
+from wiggleroom.report.spatial_table import check_sentence, last_direction, spatial_certainty, spatial_headline, spatial_sentence
 from wiggleroom.report.standalone_page import hashed, shipped
 from wiggleroom.report.table import fixed
 from wiggleroom.report.text import escape
@@ -86,11 +86,7 @@ def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
     """Way apart as a page: which parts leave, in which order, along which way."""
     body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(check_sentence(found))}</p>'
     body += f"<p>gap {number(found.assembly.gap)} mm</p>"
-    rows = []
-    for k, e in enumerate(found.escapes):
-        who = [found.assembly.names.index(n) for n in e.parts]
-        along = tuple((e.path[-1, who, :3] - e.path[-2, who, :3]).mean(axis=0).tolist())
-        rows.append([f"{k + 1}. {few(e.parts)}", spatial_towards(along)])
+    rows = [[f"{k + 1}. {few(e.parts)}", spatial_towards(last_direction(found, e))] for k, e in enumerate(found.escapes)]
     if rows:
         body += _table("Leaves", ("parts", "last in"), rows)
     way = (
@@ -168,8 +164,8 @@ def _scene(
             {
                 "name": part.name,
                 "colour": list(colour),
-                "vertices": _packed(world - at, "<f4"),
-                "triangles": _packed(made.surface.faces, "<u4"),
+                "vertices": packed(world - at, "<f4"),
+                "triangles": packed(made.surface.faces, "<u4"),
                 "reference": at.tolist(),
             }
         )
@@ -180,8 +176,8 @@ def _scene(
     strongest = max((c.force for c in contacts), default=1.0)
     return {
         "parts": parts,
-        "times": _times(assembly, waypoints, size).tolist(),
-        "motions": _packed(motions, "<f4"),
+        "times": way_times(assembly, waypoints, size).tolist(),
+        "motions": packed(motions, "<f4"),
         "contacts": [
             {"point": list(c.point), "normal": list(c.normal), "share": c.force / strongest} for c in contacts
         ],
@@ -190,7 +186,7 @@ def _scene(
     }
 
 
-def _times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
+def way_times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
     """When each way-point (k,) is reached, from 0 to 1, by how far corners move."""
     reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made])
     step = np.linalg.norm(np.diff(waypoints[:, :, :3], axis=0), axis=2)
@@ -200,5 +196,6 @@ def _times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
     return passed / passed[-1] if passed[-1] > 0 else np.linspace(0, 1, len(passed))
 
 
-def _packed(values: NDArray[np.generic], kind: str) -> str:
+def packed(values: NDArray[np.generic], kind: str) -> str:
+    """Base64 of numbers as little-endian bytes of a kind such as "<f4"."""
     return base64.b64encode(np.ascontiguousarray(values.astype(kind)).tobytes()).decode()
