@@ -168,7 +168,7 @@ export interface SaveRequest {
   kind: "save";
   id: number;
   design: Design;
-  what: "assembly" | "cut-dxf" | "cut-svg" | "film.svg" | "gif" | "glb" | "html" | "json" | "mp4" | "png" | "stills" | "svg";
+  what: "assembly" | "cut-dxf" | "cut-svg" | "gif" | "glb" | "html" | "json" | "mp4" | "png" | "stills" | "svg";
   of?: "check" | "flex" | "plan";
 }
 

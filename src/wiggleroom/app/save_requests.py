@@ -33,7 +33,6 @@ FILE_KINDS = {
     "png": ("-moved.png", "image/png"),
     "gif": ("-moved.gif", "image/gif"),
     "mp4": ("-moved.mp4", "video/mp4"),
-    "film.svg": ("-moved.film.svg", "image/svg+xml"),
     "glb": ("-moved.glb", "model/gltf-binary"),
     "html": ("-report.html", "text/html"),
     "json": (".answer.json", "application/json"),

@@ -10,7 +10,7 @@ from msgspec import Meta, Struct
 Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Length = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Vector = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=3)]
-WHAT = Literal["svg", "png", "gif", "mp4", "film.svg", "glb", "html", "json", "stills", "assembly", "cut-svg", "cut-dxf"]
+WHAT = Literal["svg", "png", "gif", "mp4", "glb", "html", "json", "stills", "assembly", "cut-svg", "cut-dxf"]
 
 
 class GoalEntry(Struct, forbid_unknown_fields=True, omit_defaults=True):
