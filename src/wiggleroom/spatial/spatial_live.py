@@ -36,6 +36,8 @@ MAX_ROUNDS = 12
 """So often the program is built anew where the hand led the part among others."""
 MIN_GAIN = 1e-3
 """A round that comes nearer by less than this share of the distance is the last one."""
+MAX_DOUBLINGS = 7
+"""So often the time is doubled that the same drag may take."""
 ITERATIONS, TOLERANCE = 60, 1e-5
 """A drag is solved with at most so many iterations, to this share of the distance."""
 
@@ -87,6 +89,8 @@ class SpatialLive:
         self._ready: OrderedDict[int, SpatialPrepared] = OrderedDict()
         self._now: SpatialPrepared | None = None
         self._motion: Floats | None = None
+        self._asked: object = None
+        self._times = 0
         self._end: tuple[SpatialPrepared, tuple[SpatialGoal, ...], Floats] | None = None
 
     def take(self, assembly: SpatialAssembly) -> None:
@@ -171,7 +175,7 @@ class SpatialLive:
         within : int, optional
             So many bodies may move, those nearest to the part; all others stand. By default all.
         seconds : float
-            After that time the best motion so far is returned, not settled.
+            After that time the best motion so far is returned, not settled; asked the same again it takes twice as long.
         stop : optional
             Anything with `is_set()`.
 
@@ -191,12 +195,15 @@ class SpatialLive:
         if not group.bodies.moves[body]:
             message = f'"{part}" is fixed: let it go before you drag it'
             raise InputError(message)
-        until = Deadline(seconds, stop)
+        asked = (part, tuple(grip), tuple(target))
+        self._times = self._times + 1 if asked == self._asked else 0  # a large program needs longer than the first look
+        self._asked = asked
+        until = Deadline(seconds * 2 ** min(self._times, MAX_DOUBLINGS), stop)
         arm = np.array(grip, dtype=float) - group.bodies.at[body]
         away = np.subtract(target, grip)
         far, most = float(np.linalg.norm(away)), MAX_TARGET_DISTANCE * ready.size
         aim = np.add(grip, away * min(1.0, most / far) if far > 0 else away)
-        motion, settled, contacts = self._begun(start, goals), False, ()
+        motion = self._begun(start, goals)
         search = _Drag(ready, body, arm, aim, self._loose(body, motion, within), until)
         motion, settled, contacts = search.run(motion)
         self._motion = motion
