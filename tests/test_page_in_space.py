@@ -145,10 +145,11 @@ def test_check_plays_the_way_out_and_the_largest_gap_is_said(browser: Any, lid: 
         page.locator(".verdict").wait_for(timeout=60_000)
         assert page.locator(".verdict").inner_text().lower() == "comes apart"
         assert page.locator("#answer").inner_text().startswith("block leaves straight in")
-        first = picture(page)
-        page.wait_for_timeout(400)
-        assert picture(page) != first  # it plays
-        page.get_by_role("button", name="Find the largest gap that holds it together").click()
+        way = page.get_by_label("place on the way from rest")
+        first = way.input_value()
+        page.wait_for_timeout(200)
+        assert way.input_value() != first  # it plays
+        page.get_by_role("button", name="Find it").click()
         page.locator(".strong", has_text="largest gap").wait_for(timeout=60_000)
         assert "no gap holds it together" in page.locator(".strong", has_text="largest gap").inner_text()
 

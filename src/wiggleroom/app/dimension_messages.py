@@ -19,8 +19,8 @@ from wiggleroom.report.spatial_messages import (
     spatial_check_message,
     spatial_contacts_message,
     spatial_frames,
-    with_quaternions,
 )
+from wiggleroom.report.spatial_way import with_quaternions
 from wiggleroom.report.study_messages import check_message
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import CheckReply, DragReply, FlexReply, Outline, ShapeReply, Solids

@@ -11,20 +11,18 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.answer_words import few, number, short, spatial_towards
-from wiggleroom.report.spatial_picture import Colour, part_colours
+from wiggleroom.report.solid_colours import Colour, part_colours
 from wiggleroom.report.spatial_table import check_sentence, last_direction, spatial_certainty, spatial_headline, spatial_sentence
+from wiggleroom.report.spatial_way import way_times, with_quaternions
 from wiggleroom.report.standalone_page import hashed, shipped
 from wiggleroom.report.table import fixed
 from wiggleroom.report.text import escape
-from wiggleroom.spatial.rotations import exponential, quaternion
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
-MAX_SHARE = 0.5
-"""A piece of the way counts no longer than this share of the size, so that parts that fly off do not use up the time."""
 MAX_ROWS = 200
 STYLE = """
 :root { color-scheme: light dark; --ink: #1f2933; --quiet: #5b6774; --paper: #fbfaf7; --line: #d9d5cc; --accent: #a85800; }
@@ -171,29 +169,17 @@ def _scene(
         )
     everything = np.vstack(corners)
     size = float(np.ptp(everything, axis=0).max())
-    q = quaternion(exponential(waypoints[:, :, 3:]))
-    motions = np.concatenate([waypoints[:, :, :3], q[:, :, 1:], q[:, :, :1]], axis=2)
     strongest = max((c.force for c in contacts), default=1.0)
     return {
         "parts": parts,
         "times": way_times(assembly, waypoints, size).tolist(),
-        "motions": packed(motions, "<f4"),
+        "motions": packed(with_quaternions(waypoints), "<f4"),
         "contacts": [
             {"point": list(c.point), "normal": list(c.normal), "share": c.force / strongest} for c in contacts
         ],
         "centre": ((everything.min(axis=0) + everything.max(axis=0)) / 2).tolist(),
         "size": size,
     }
-
-
-def way_times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
-    """When each way-point (k,) is reached, from 0 to 1, by how far corners move."""
-    reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made])
-    step = np.linalg.norm(np.diff(waypoints[:, :, :3], axis=0), axis=2)
-    turn = np.linalg.norm(np.diff(waypoints[:, :, 3:], axis=0), axis=2) * reach
-    length = np.minimum((step + turn).max(axis=1, initial=0.0), MAX_SHARE * size)
-    passed = np.concatenate([[0.0], np.cumsum(length)])
-    return passed / passed[-1] if passed[-1] > 0 else np.linspace(0, 1, len(passed))
 
 
 def packed(values: NDArray[np.generic], kind: str) -> str:

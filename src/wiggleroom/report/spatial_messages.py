@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.report.answer_words import few, number, unit
-from wiggleroom.report.solid_page import packed, way_times
+from wiggleroom.report.solid_page import packed
 from wiggleroom.report.spatial_table import (
     check_sentence,
     departure_words,
@@ -17,10 +17,10 @@ from wiggleroom.report.spatial_table import (
     spatial_headline,
     spatial_sentence,
 )
+from wiggleroom.report.spatial_way import along_way, with_quaternions
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import CheckReply, FlexReply, LeavingEntry, Opened, PartShape, Solids, SolidShape
 from wiggleroom.schema.requests import Design, GoalEntry, Goals
-from wiggleroom.spatial.rotations import exponential, logarithm, quaternion
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialDrawing, SpatialGoal, SpatialPull, SpatialTurn
@@ -179,27 +179,4 @@ def spatial_frames(assembly: SpatialAssembly, points: Floats) -> Floats:
     if len(points) == 1:
         return with_quaternions(points)
     most = max(2, min(MAX_FRAMES, MAX_FRAME_MOTIONS // max(1, len(assembly.parts))))
-    times = way_times(assembly, points, assembly.size)
-    found = np.empty((most, *points.shape[1:]))
-    for k, t in enumerate(np.linspace(0.0, 1.0, most)):
-        i = int(np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2))
-        span = times[i + 1] - times[i]
-        found[k] = between_motions(points[i], points[i + 1], float((t - times[i]) / span) if span > 0 else 1.0)
-    found[0], found[-1] = points[0], points[-1]
-    return with_quaternions(found)
-
-
-def between_motions(one: Floats, other: Floats, share: float) -> Floats:
-    """Motions (n, 6) between two: positions go straight, turns about one constant axis."""
-    R0, R1 = exponential(one[:, 3:]), exponential(other[:, 3:])
-    turn = logarithm(np.einsum("nji,njk->nik", R0, R1))
-    out = np.empty_like(one)
-    out[:, :3] = one[:, :3] + share * (other[:, :3] - one[:, :3])
-    out[:, 3:] = logarithm(np.einsum("nij,njk->nik", R0, exponential(share * turn)))
-    return out
-
-
-def with_quaternions(motions: Floats) -> Floats:
-    """Motions (..., 7) with quaternions x, y, z, w in place of the rotation vectors of (..., 6)."""
-    q = quaternion(exponential(motions[..., 3:]))
-    return np.concatenate([motions[..., :3], q[..., 1:], q[..., :1]], axis=-1)
+    return with_quaternions(along_way(assembly, points, np.linspace(0.0, 1.0, most)))
