@@ -36,7 +36,7 @@ LID = {
     ],
     "pull": [{"part": "block", "direction": [1, 0, 0]}],
 }
-"""A block that stands out of a frame of its size: with a gap g it moves by g in x and in y, turned about z alone it moves no further, and nothing stops it in z."""
+"""A block that stands out of a frame of its size: with a gap g it moves by g in x and in y, and nothing stops it in z."""
 
 
 @pytest.fixture(scope="module")

@@ -48,7 +48,9 @@ def test_the_approach_has_the_derivatives_it_says() -> None:
         for k in range(6):
             step = np.zeros((3, 6))
             step[body, k] = h
-            assert (term.value(at(step)) - term.value(at(-step))) / (2 * h) == pytest.approx(gradient[body, k], abs=1e-7)
+            assert (term.value(at(step)) - term.value(at(-step))) / (2 * h) == pytest.approx(
+                gradient[body, k], abs=1e-7
+            )
             for m in range(6):  # along two directions at once, about the same pose
                 other = np.zeros((3, 6))
                 other[body, m] = h
@@ -82,7 +84,10 @@ def test_a_part_goes_where_the_hand_leads_it_and_back_again() -> None:
 
 def test_what_is_in_the_way_is_pushed_and_what_is_not_stays() -> None:
     floor = {"name": "floor", "boxes": [[-50, -20, -2, 50, 20, 0]], "fixed": True}
-    blocks = [{"name": n, "boxes": [[0, 0, 0, 6, 6, 6]], "at": [x, 0, 0.1], "lock": ["rx", "ry"]} for n, x in (("a", 0), ("b", 8), ("c", 30))]
+    blocks = [
+        {"name": n, "boxes": [[0, 0, 0, 6, 6, 6]], "at": [x, 0, 0.1], "lock": ["rx", "ry"]}
+        for n, x in (("a", 0), ("b", 8), ("c", 30))
+    ]
     pushed = live(spatial(floor, *blocks, gap=0.05)).drag("a", (3, 3, 3.1), (9, 3, 3.1))
     names = ["floor", "a", "b", "c"]
     assert pushed.distance < 0.05

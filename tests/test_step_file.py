@@ -16,7 +16,13 @@ from wiggleroom.spatial.solid_boolean import centroid_of
 from wiggleroom.spatial.spatial_file import read_spatial
 
 LID = [[0, 0, 30, 60, 40, 33], [3, 3, 27, 57, 37, 30]]
-CASE = [[0, 0, 0, 60, 40, 3], [0, 0, 0, 3, 40, 30], [57, 0, 0, 60, 40, 30], [0, 0, 0, 60, 3, 30], [0, 37, 0, 60, 40, 30]]
+CASE = [
+    [0, 0, 0, 60, 40, 3],
+    [0, 0, 0, 3, 40, 30],
+    [57, 0, 0, 60, 40, 30],
+    [0, 0, 0, 60, 3, 30],
+    [0, 37, 0, 60, 40, 30],
+]
 
 
 def box(low: list[float], high: list[float]) -> Any:
@@ -66,10 +72,14 @@ def test_the_same_parts_as_boxes_and_as_step_give_the_same_answer(tmp_path: Path
     write(tmp_path / "box.step", {"case": union(CASE), "lid": union(LID)}, unit)
     lock = {"lock": ["z", "rx", "ry"]}
     made = assembly(
-        tmp_path, {"name": "case", "mesh": "box.step#case", "fixed": True}, {"name": "lid", "mesh": "box.step#lid", **lock}
+        tmp_path,
+        {"name": "case", "mesh": "box.step#case", "fixed": True},
+        {"name": "lid", "mesh": "box.step#lid", **lock},
     )
     step = wr.read(made)
-    plain = wr.read(assembly(tmp_path, {"name": "case", "boxes": CASE, "fixed": True}, {"name": "lid", "boxes": LID, **lock}))
+    plain = wr.read(
+        assembly(tmp_path, {"name": "case", "boxes": CASE, "fixed": True}, {"name": "lid", "boxes": LID, **lock})
+    )
     for pull in (wr.Pull("lid", (1, 0, 0)), wr.Pull("lid", (0.3, 0.7, 0), (0, 40, 33)), wr.Turn("lid", (0, 0, 1))):
         one, other = wr.flex(step, pull), wr.flex(plain, pull)
         assert one.verdict == other.verdict == "optimal"
@@ -103,7 +113,10 @@ def test_curved_faces_are_said_and_near(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("reference", "says"),
-    [("two.step", "name one as"), ("two.step#c", 'no body "c"'), ("bad.step", "cannot be read as STEP"), ("empty.step", "is empty"), ("none.step", "no such file")],
+    [
+        ("two.step", "name one as"), ("two.step#c", 'no body "c"'), ("bad.step", "cannot be read as STEP"),
+        ("empty.step", "is empty"), ("none.step", "no such file"),
+    ],
 )  # fmt: skip
 def test_what_is_wrong_with_a_step_file_is_one_line(
     tmp_path: Path, reference: str, says: str, capfd: pytest.CaptureFixture[str]

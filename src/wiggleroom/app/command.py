@@ -63,7 +63,9 @@ def _goals(file: File, design: Design) -> list[str] | None:
         if entry.weight != 1 or entry.w is not None:
             return None
         if entry.turn is not None:
-            found += _option("--turn", f"{entry.part}:{entry.turn if isinstance(entry.turn, str) else _axis(entry.turn)}")
+            found += _option(
+                "--turn", f"{entry.part}:{entry.turn if isinstance(entry.turn, str) else _axis(entry.turn)}"
+            )
         else:
             found += _option("--pull", f"{entry.part}:{_way(entry)}")
     return found if found else None

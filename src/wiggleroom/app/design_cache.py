@@ -137,9 +137,9 @@ def _goal(k: int, entry: GoalEntry) -> Goal:
     if len(asked) != 1:
         finding = f'goals[{k}]: must have one of "direction", "turn" or "w"; it has {len(asked)}'
         raise InputError(finding)
-    if not all(isinstance(x, str) or len(x) == 2 for x in (entry.direction, entry.point, entry.turn) if x is not None) or (
-        entry.turn is not None and not isinstance(entry.turn, str)
-    ):
+    if not all(
+        isinstance(x, str) or len(x) == 2 for x in (entry.direction, entry.point, entry.turn) if x is not None
+    ) or (entry.turn is not None and not isinstance(entry.turn, str)):
         finding = f"goals[{k}]: directions and points of drawings have two numbers, and turns are cw or ccw"
         raise InputError(finding)
     if isinstance(entry.turn, str):

@@ -63,9 +63,7 @@ class Document:
         """What the page is told when it is opened; with a design that one stands in place of what the file asks."""
         if isinstance(self.designs, DesignCache):
             assert isinstance(self.file.drawing, Drawing)
-            content = opened_reply(
-                self.file, self.file.drawing if design is None else self.designs.drawing(design)
-            )
+            content = opened_reply(self.file, self.file.drawing if design is None else self.designs.drawing(design))
         else:
             from wiggleroom.app.spatial_designs import spatial_opened_reply
 
@@ -109,16 +107,23 @@ class Document:
         """Parts as made for a design."""
         return self.designs.assembly(design)
 
+    def flat(self, design: Design) -> Assembly:
+        """The same of a drawing, for what is asked of drawings alone."""
+        assert isinstance(self.designs, DesignCache)  # see `Dispatcher`
+        return self.designs.assembly(design)
+
     def asked(self, design: Design) -> tuple[Any, ...]:
         """What a design asks; raises InputError where a question about motion lacks something."""
         if isinstance(self.designs, DesignCache):
             drawing = self.designs.drawing(design)
-            wrong, goals = question_findings(drawing), drawing.goals
-        else:
-            from wiggleroom.spatial.spatial_flex import lacking
+            wrong = list(question_findings(drawing))
+            if wrong:
+                raise InputError(wrong)
+            return drawing.goals
+        from wiggleroom.spatial.spatial_flex import lacking
 
-            goals = self.designs.drawing(design).goals
-            wrong = lacking(self.designs.assembly(design), goals)
+        goals = self.designs.drawing(design).goals
+        wrong = lacking(self.designs.assembly(design), goals)
         if wrong:
             raise InputError(wrong)
         return goals
@@ -171,7 +176,7 @@ class Document:
         """How a design is taken apart."""
         from wiggleroom.planning.plan import plan
 
-        found = plan(self.designs.assembly(design), targets, gravity=gravity, stop=out.stop, progress=out.progress)
+        found = plan(self.flat(design), targets, gravity=gravity, stop=out.stop, progress=out.progress)
         out.check()
         self._plans.keep(self.designs.body(design), found)
         return found

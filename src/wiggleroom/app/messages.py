@@ -86,4 +86,7 @@ def frame(number: int, motions: NDArray[np.float64]) -> bytes:
     '07000000 01000000 02000000 00000000'
     """
     k, n, columns = motions.shape
-    return struct.pack("<4I", number, k, n, 0 if columns == 3 else columns) + np.ascontiguousarray(motions, dtype="<f4").tobytes()
+    return (
+        struct.pack("<4I", number, k, n, 0 if columns == 3 else columns)
+        + np.ascontiguousarray(motions, dtype="<f4").tobytes()
+    )

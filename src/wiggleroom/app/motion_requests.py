@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from msgspec import UNSET
 
@@ -12,6 +13,7 @@ from wiggleroom.app.document import Document
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError
 from wiggleroom.live.live_result import LiveResult
 from wiggleroom.live.live_session import Live
 from wiggleroom.report.stacked_slices import rings
@@ -26,6 +28,9 @@ from wiggleroom.schema.requests import (
 )
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_live import SpatialLive
 
 QUICK_SECONDS = 0.1
 """A quick answer takes about so long [s]."""
@@ -82,6 +87,7 @@ def settled(document: Document, request: FlexRequest, out: Reporter) -> bool:
 def drag(document: Document, request: DragRequest, out: Reporter) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
     live = document.live(request.design)
+    grip, target = (_spot(place, live) for place in (request.grip, request.target))
     shapes = document.display.new_shapes(document.designs.shape(request.design), live.assembly, out.stop)
     goals = document.asked(request.design) if request.from_ == "answer" else None
     start, shown, last = request.from_, math.inf, math.inf
@@ -89,7 +95,7 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
     for times in range(MAX_DRAG_STEPS):
         within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)]
         result = live.drag(
-            request.part, request.grip, request.target,
+            request.part, grip, target,
             start=start, goals=goals, within=within, stop=out.stop,
         )  # fmt: skip
         out.check()
@@ -116,6 +122,15 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
         if settled:
             return
         shapes, shown = UNSET, min(shown, result.distance)
+
+
+def _spot(place: tuple[float, ...], live: Live | SpatialLive) -> Any:
+    """A point of a request, of as many numbers as there are axes; raises InputError else."""
+    axes = 2 if isinstance(live, Live) else 3
+    if len(place) != axes:
+        message = f"drag: grip and target have {axes} numbers here; one has {len(place)}"
+        raise InputError(message)
+    return place
 
 
 def wiggle(document: Document, request: WiggleRequest, out: Reporter) -> None:

@@ -62,4 +62,3 @@ def _meeting(problem: TouchingError, gap: float, size: float, design: Design) ->
     )
     mends = [Mend(f"Use a gap of {number(wanted)} mm", gap=wanted)] if wanted < size / 20 else []
     return Finding("gap", words, [a, b], mends=[*mends, Mend("Glue them", glue=[*design.glue, [a, b]])])
-

@@ -84,8 +84,8 @@ def _gaps(request: SweepRequest) -> tuple[str, ...]:
 
 def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
     """Which parts to make tighter."""
-    from wiggleroom.report.study_tabs import tightening_message
     from wiggleroom.questions import tighten as work_out
+    from wiggleroom.report.study_tabs import tightening_message
 
     goals = document.asked(request.design)
     found = work_out(
@@ -99,8 +99,8 @@ def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
 
 def sample(document: Document, request: SampleRequest, out: Reporter) -> None:
     """How far it moves where gaps vary at random."""
-    from wiggleroom.report.study_tabs import sample_message
     from wiggleroom.questions import sample as work_out
+    from wiggleroom.report.study_tabs import sample_message
 
     goals = document.asked(request.design)
     found = work_out(

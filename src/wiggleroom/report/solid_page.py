@@ -12,7 +12,13 @@ from numpy.typing import NDArray
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.answer_words import few, number, short, spatial_towards
 from wiggleroom.report.solid_colours import Colour, part_colours
-from wiggleroom.report.spatial_table import check_sentence, last_direction, spatial_certainty, spatial_headline, spatial_sentence
+from wiggleroom.report.spatial_table import (
+    check_sentence,
+    last_direction,
+    spatial_certainty,
+    spatial_headline,
+    spatial_sentence,
+)
 from wiggleroom.report.spatial_way import way_times, with_quaternions
 from wiggleroom.report.standalone_page import hashed, shipped
 from wiggleroom.report.table import fixed
@@ -84,7 +90,9 @@ def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
     """Way apart as a page: which parts leave, in which order, along which way."""
     body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(check_sentence(found))}</p>'
     body += f"<p>gap {number(found.assembly.gap)} mm</p>"
-    rows = [[f"{k + 1}. {few(e.parts)}", spatial_towards(last_direction(found, e))] for k, e in enumerate(found.escapes)]
+    rows = [
+        [f"{k + 1}. {few(e.parts)}", spatial_towards(last_direction(found, e))] for k, e in enumerate(found.escapes)
+    ]
     if rows:
         body += _table("Leaves", ("parts", "last in"), rows)
     way = (

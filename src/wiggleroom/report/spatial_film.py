@@ -41,10 +41,8 @@ PIXELS = 680
 """Width of films of pixels."""
 
 
-def film_of_spatial(
-    found: SpatialAnswer | SpatialDisassembly, path: Path, *, progress: Progress | None = None
-) -> None:
-    """Write a film of an answer, from rest along its way and, where something holds it, back again; or of the ways out, one after the other.
+def film_of_spatial(found: SpatialAnswer | SpatialDisassembly, path: Path, *, progress: Progress | None = None) -> None:
+    """Write a film of an answer, from rest along its way and back where something holds it, or of all ways out.
 
     Raises
     ------
@@ -77,7 +75,9 @@ def film_of_spatial(
     write_whole(path, _played(drawn, kind, back))
 
 
-def drawn_frame(shared: tuple[tuple[SpatialAssembly, tuple[Floats, Floats], Sequence[Colour] | None], list], k: int) -> str:
+def drawn_frame(
+    shared: tuple[tuple[SpatialAssembly, tuple[Floats, Floats], Sequence[Colour] | None], list], k: int
+) -> str:
     """One frame as an SVG."""
     (assembly, frame, colours), scenes = shared
     motion, lines = scenes[k]
@@ -94,7 +94,7 @@ def _who(found: SpatialDisassembly, k: int) -> str:
 def _frame(assembly: SpatialAssembly, motions: Sequence[Floats]) -> tuple[Floats, Floats]:
     """What of the picture's plane is in sight: the parts at all times, as far as they stay near."""
     size, corners = assembly.size, []
-    for motion in motions[:: max(1, len(motions) // 12)] + [motions[-1]]:
+    for motion in [*motions[:: max(1, len(motions) // 12)], motions[-1]]:
         near = motion.copy()
         far = np.linalg.norm(near[:, :3], axis=1, keepdims=True)
         near[:, :3] *= np.minimum(1.0, IN_SIGHT * size / np.maximum(far, 1e-300))

@@ -38,9 +38,7 @@ DOWN = (0.0, 0.0, -1.0)
 def spatial_opened(drawing: SpatialDrawing, assembly: SpatialAssembly, name: str) -> Opened:
     """An assembly in space and what it asks; solids as they are in `assembly`."""
     reference = assembly.reference
-    corners = np.vstack(
-        [m.surface.vertices @ p.R.T + p.at for p, m in zip(assembly.parts, assembly.made, strict=True)]
-    )
+    corners = np.vstack([m.surface.vertices @ p.R.T + p.at for p, m in zip(assembly.parts, assembly.made, strict=True)])
     (x0, y0, _), (x1, y1, _) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
     return Opened(
         name=name,
@@ -91,7 +89,9 @@ def _goals(goals: tuple[SpatialGoal, ...]) -> Goals:
 
 def solids_message(assembly: SpatialAssembly) -> Solids:
     """Surfaces about their reference points; parts that are alike share theirs."""
-    reference, shapes, of = assembly.reference, [], []
+    reference = assembly.reference
+    shapes: list[SolidShape] = []
+    of: list[int] = []
     known: dict[tuple[int, bytes], int] = {}
     for part, made, at in zip(assembly.parts, assembly.made, reference, strict=True):
         key = (id(made), part.R.tobytes())

@@ -9,8 +9,8 @@ from wiggleroom.files import write_whole
 from wiggleroom.report import palette
 from wiggleroom.report.file_endings import FILMS, PAGE, check_ending, ending
 from wiggleroom.report.importance_picture import ranking_facts, shade, tightening_facts
-from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
 from wiggleroom.report.solid_colours import Colour
+from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
 from wiggleroom.report.spatial_picture import draw_separation, draw_spatial, write_moved_parts
 from wiggleroom.report.spatial_table import spatial_headline
 from wiggleroom.sensitivity.rank import Ranking

@@ -392,6 +392,6 @@ class Failed(Reply, kw_only=True):
 
 
 AnyReply = (
-    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | LimitReply | PlanReply | StepReply
-    | SweepReply | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
+    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | LimitReply
+    | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
 )  # fmt: skip

@@ -6,7 +6,6 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-
 Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Length = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Vector = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=3)]
@@ -200,6 +199,6 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 
 AnyRequest = (
-    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest
-    | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | SaveRequest | CancelRequest
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
+    | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | SaveRequest | CancelRequest
 )  # fmt: skip

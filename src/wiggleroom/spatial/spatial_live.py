@@ -187,7 +187,8 @@ class SpatialLive:
         ready = self.ready
         names = ready.assembly.names
         if part not in names:
-            raise InputError(f"drag: {unknown(part, dict.fromkeys(names))}")
+            message = f"drag: {unknown(part, dict.fromkeys(names))}"
+            raise InputError(message)
         if len(grip) != 3 or len(target) != 3:
             raise InputError("drag: in space grip and target have three numbers each")
         group = ready.grouping
@@ -275,7 +276,7 @@ class _Drag:
         return motion, True, ()
 
     def _straight(self, motion: Floats, left: Floats) -> Floats | None:
-        """Motion after the body alone has gone straight as far as its locks let it; None where it meets something, or would not come nearer."""
+        """Motion after the body alone has gone straight, as its locks let it; None where it meets something or comes no nearer."""
         step = left * self.bodies.free[self.body, :3]
         if np.linalg.norm(left - step) >= np.linalg.norm(left) * (1 - MIN_GAIN):
             return None

@@ -143,4 +143,3 @@ def _triangles(solid: Any) -> tuple[Floats, Ints, float]:
     if not triangles:
         return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64), 0.0
     return np.vstack(corners), np.vstack(triangles), sagitta if curved else 0.0
-
