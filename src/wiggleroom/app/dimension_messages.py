@@ -60,7 +60,7 @@ def frames_of(assembly: Assembly | SpatialAssembly, points: Floats) -> Floats:
     return path_frames(assembly, points)
 
 
-def frame_of(motion: Floats) -> Floats:
+def still_frame(motion: Floats) -> Floats:
     """The frame of one motion (n, 3) or (n, 6)."""
     return motion[None] if motion.shape[1] == 3 else with_quaternions(motion[None])
 

@@ -38,7 +38,7 @@ class Display:
         self._shown = (assembly, motion) if isinstance(assembly, Assembly) else None
 
     def new_shapes(self, key: Hashable, assembly: Assembly | SpatialAssembly, stop: threading.Event) -> Shapes:
-        """Outlines or solids of the shape `key`, where the page may not have them: a page drops replies that a newer request has overtaken."""
+        """Outlines or solids of the shape `key` where the page may lack them: it drops replies that a newer request has overtaken."""
         now = time.monotonic()
         if key != self._outlines:
             self._outlines, self._since, self._shapes = key, now, shapes_of(assembly)

@@ -8,7 +8,14 @@ from typing import TYPE_CHECKING, Any
 from msgspec import UNSET
 
 from wiggleroom.app.command import command
-from wiggleroom.app.dimension_messages import answer_reply, contact_entries, frame_of, frames_of, shapes_of, tell_shapes
+from wiggleroom.app.dimension_messages import (
+    answer_reply,
+    contact_entries,
+    frames_of,
+    shapes_of,
+    still_frame,
+    tell_shapes,
+)
 from wiggleroom.app.document import Document
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.assembly import Assembly
@@ -118,7 +125,7 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
             settled=settled,
         )
         tell_shapes(content, shapes)
-        out.reply(content, [frame_of(result.motion)])
+        out.reply(content, [still_frame(result.motion)])
         if settled:
             return
         shapes, shown = UNSET, min(shown, result.distance)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.app.command import command
-from wiggleroom.app.dimension_messages import check_reply, frame_of, frames_of
+from wiggleroom.app.dimension_messages import check_reply, frames_of, still_frame
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.report.answer_words import bound_sentence
 from wiggleroom.report.separability import border_sentence
@@ -69,7 +69,7 @@ def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:
 
     def tell(step: SweepStep, motion: np.ndarray | None) -> None:
         out.check()
-        out.reply(step_message(step), [] if motion is None else [frame_of(motion)])
+        out.reply(step_message(step), [] if motion is None else [still_frame(motion)])
 
     goals = document.asked(request.design)
     found = work_out(document.assembly(request.design), request.gaps, goals, stop=out.stop, each=tell)
