@@ -54,27 +54,33 @@ export function scene3d(box: HTMLElement, label: string, before: (now: number) =
     if (!wanted) wanted = requestAnimationFrame(draw);
   };
   controls.addEventListener("change", ask);
+  /** What is looked at, until the hand turns the view: then it stays so when the box changes its size. */
+  let looked: { centre: Triple; radius: number } | null = null;
+  controls.addEventListener("start", () => (looked = null));
   const watch = new ResizeObserver(([entry]) => {
     const { width, height } = entry!.contentRect;
     if (!width || !height) return;
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
+    if (looked) look(looked.centre, looked.radius);
     ask();
   });
   watch.observe(box);
+  function look(centre: Triple, radius: number): void {
+    looked = { centre, radius };
+    [camera.near, camera.far] = [radius / 300, radius * 100];
+    camera.updateProjectionMatrix();
+    controls.target.set(...centre);
+    const far = (ROOM * radius * Math.max(1, 1 / camera.aspect)) / Math.sin((camera.fov * Math.PI) / 360);
+    camera.position.copy(controls.target).addScaledVector(EYE, far);
+    controls.update();
+    ask();
+  }
   return {
-    renderer, camera, world, controls, ask,
-    look(centre, radius) {
-      [camera.near, camera.far] = [radius / 300, radius * 100];
-      camera.updateProjectionMatrix();
-      controls.target.set(...centre);
-      const far = (ROOM * radius * Math.max(1, 1 / camera.aspect)) / Math.sin((camera.fov * Math.PI) / 360);
-      camera.position.copy(controls.target).addScaledVector(EYE, far);
-      controls.update();
-      ask();
-    },
+    renderer, camera, world, controls, ask, look,
     turn(sideways, upwards) {
+      looked = null;
       const arm = camera.position.clone().sub(controls.target);
       const across = new Vector3().crossVectors(arm, camera.up).normalize();
       const steep = arm.angleTo(camera.up);
@@ -85,6 +91,7 @@ export function scene3d(box: HTMLElement, label: string, before: (now: number) =
       ask();
     },
     zoom(factor) {
+      looked = null;
       const arm = camera.position.clone().sub(controls.target).divideScalar(factor);
       if (arm.length() < 4 * camera.near || arm.length() > camera.far / 4) return;
       camera.position.copy(controls.target).add(arm);

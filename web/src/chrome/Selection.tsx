@@ -61,8 +61,10 @@ function InSpace({ name }: { name: string }) {
   const twisted = goals.value.some((goal) => goal.part === name && isTwist(goal));
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
-      <span class="name" title={name}>{short(name, 18)}</span>
-      <span class="quiet note" role="status">{far > tiny || turned > 1e-4 ? `moved ${far > tiny ? number(far, 3) : 0} mm${turned > 1e-4 ? `, turned ${number(turned, 3)}°` : ""}` : "at rest"}</span>
+      <span class="who">
+        <span class="name" title={name}>{short(name, 18)}</span>
+        <span class="quiet note" role="status">{far > tiny || turned > 1e-4 ? `moved ${far > tiny ? number(far, 3) : 0} mm${turned > 1e-4 ? `, turned ${number(turned, 3)}°` : ""}` : "at rest"}</span>
+      </span>
       <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
       <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name) && !twisted}>Pull</Button>
       <Button icon="twist" label="Twist this part" keyName="T" onClick={() => toggleTwist(name)} pressed={twisted}>Twist</Button>
