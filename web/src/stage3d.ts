@@ -153,7 +153,10 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   }
   function press(event: PointerEvent): void {
     if (held || event.button !== 0 || !event.isPrimary) {
-      if (held && !held.moved) held = null;
+      if (held && !held.moved) { // a second finger: it was to move the view
+        held = null;
+        controls.enabled = true;
+      }
       return;
     }
     const found = under(event);
