@@ -6,6 +6,7 @@ import base64
 import json
 import re
 import struct
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -229,6 +230,52 @@ def test_a_page_cannot_send_files_beside_a_drawing(lid: Served) -> None:
         number = page.send("open", name="a.json", data=text, beside={"../x.stl": ""})
         said = page.until(number, "failed")
         assert "command line only" in said["findings"][0]
+
+
+def test_long_work_in_space_stops_within_a_second(lid: Served) -> None:
+    text = (EXAMPLES / "44_six_piece_burr" / "burr.json").read_bytes()
+    with lid.visit() as page:
+        page.until(page.send("open", name="burr.json", data=base64.b64encode(text).decode()), "opened")
+        page.design = {"fixed": ["stick1"], "goals": [{"part": "stick2", "direction": [1, 0, 0]}]}
+        page.ask("flex")  # kernels are there
+        for kind, more in (("check", {}), ("limit", {}), ("sample", {"spread": 0.01, "draws": 2000})):
+            page.send(kind, **more)
+            time.sleep(0.5)
+            began = time.perf_counter()
+            page.send("cancel", of=kind)
+            page.ask("release")
+            assert time.perf_counter() - began < 1.5
+
+
+def test_questions_of_drawings_are_refused_in_space_in_one_line(lid: Served) -> None:
+    with lid.visit() as page:
+        page.until(
+            page.send("open", name="lid.json", data=base64.b64encode(json.dumps(LID).encode()).decode()), "opened"
+        )
+        for kind, more in (
+            ("reach", {"part": "block", "grip": [0, 0]}), ("wiggle", {}), ("plan", {}), ("prove", {}), ("space", {"a": "case", "b": "block"}),
+            ("drag", {"part": "block", "grip": [0, 0], "target": [1, 0]}), ("save", {"what": "cut-svg"}),
+        ):  # fmt: skip
+            said = page.until(page.send(kind, **more), "failed")
+            assert said["kind"] == "failed"
+            assert len(said["findings"]) == 1
+        page.design = {"fixed": ["case"], "goals": [{"part": "block", "turn": "cw"}]}
+        assert "three numbers" in page.until(page.send("flex"), "failed")["findings"][0]
+
+
+def test_axe_finds_nothing_in_light_dark_and_on_a_phone(browser: Any, lid: Served) -> None:
+    axe = Path(__file__).parents[1] / "web" / "node_modules" / "axe-core" / "axe.min.js"
+    if not axe.is_file():
+        pytest.skip("axe-core comes with the page's own packages: cd web && npm ci")
+    for width, height, scheme in ((1280, 720, "light"), (1440, 900, "dark"), (390, 844, "light")):
+        with visiting(browser, lid, bypass_csp=True, color_scheme=scheme) as page:
+            page.set_viewport_size({"width": width, "height": height})
+            answered(page, "block moves 0.4 mm in +x")
+            page.locator(".stage canvas").focus()
+            page.keyboard.press(".")
+            page.evaluate(axe.read_text())
+            assert page.evaluate("axe.run().then(r => r.violations.map(v => v.id))") == []
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
 
 
 def test_the_samples_in_space_open(browser: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Hashable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from msgspec import UNSET
@@ -16,7 +17,9 @@ from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.freespace.free_space import FreeSlices
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.schema.replies import Outline, Pose, Solids
-from wiggleroom.spatial.spatial_model import SpatialAssembly
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 

@@ -19,7 +19,6 @@ from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
-from wiggleroom.questions import is_spatial_file
 from wiggleroom.report.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
 from wiggleroom.schema.requests import GoalEntry, OpenRequest
@@ -76,7 +75,7 @@ def opened(request: OpenRequest) -> File:
         try:
             if path.suffix.lower() in READERS:
                 path.write_bytes(request.data)
-            if is_spatial_file(path):
+            if b"wiggleroom/2" in request.data and _is_in_space(path):
                 return _in_space(path, request)
             drawing, flatten = _read(path, request)
         except InputError as problem:
@@ -131,6 +130,12 @@ def plain_name(name: str) -> str:
         return "drawing"
     stem, suffix = PurePosixPath(kept).stem, PurePosixPath(kept).suffix
     return stem[:80] + suffix[:8]
+
+
+def _is_in_space(path: Path) -> bool:
+    from wiggleroom.questions import is_spatial_file  # slow to import, and of no use to drawings
+
+    return is_spatial_file(path)
 
 
 def _in_space(path: Path, request: OpenRequest) -> File:
