@@ -144,6 +144,8 @@ class _Stage:
             for way in places[asked:]:
                 for axis in axes:
                     for direction in (axis, -axis):
+                        if self.cut_short():
+                            return None
                         departure = StraightDeparture(self.ready, way[-1], direction)
                         group = departure.first()
                         if group:
@@ -167,6 +169,8 @@ class _Stage:
         for b in np.flatnonzero(moves.any(axis=1)):
             mine = np.flatnonzero(body_of == b)
             for direction in (*axes, *-axes):
+                if self.cut_short():
+                    return
                 if not moves[b][np.abs(direction) > 1e-12].all():
                     continue
                 far = self._room(way[-1], mine, direction)
