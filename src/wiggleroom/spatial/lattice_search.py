@@ -1,7 +1,8 @@
 """Does an assembly of boxes come apart by moves of whole steps: an exhaustive search on the lattice of its coordinates.
 
-Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every way by whole steps is a way of the parts as made,
-which are smaller. Where the search ends without a way out, none exists by whole steps; turns, and what the gaps allow besides, are not seen.
+Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every way by whole steps is a way of the parts as
+made, which are smaller. Where the search ends without a way out, none exists by whole steps; turns, and what the gaps allow besides,
+are not seen.
 """
 
 from __future__ import annotations
@@ -49,7 +50,10 @@ class Lattice:
 
 
 def lattice(ready: SpatialPrepared) -> Lattice | None:
-    """The lattice of an assembly; None where parts are no boxes along the axes of the world, overlap as drawn, or there are too many cells."""
+    """The lattice of an assembly.
+
+    None where parts are not boxes along the axes of the world, where they overlap as drawn, and where there are too many cells.
+    """
     from scipy.signal import fftconvolve
 
     assembly, grouping = ready.assembly, ready.grouping
@@ -88,8 +92,9 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
             # entry k of the convolution: cells of j moved by d meet cells of i, d = k - (shape of j - 1) - (low j - low i)
             common = fftconvolve(solid[i].astype(float), solid[j][::-1, ::-1, ::-1].astype(float)) > 0.5
             first = low[i] - low[j] - (np.array(solid[j].shape) - 1) + reach
-            blocked[(i, j, *(slice(a, a + n) for a, n in zip(first, common.shape, strict=True)))] = common
-            if blocked[(i, j, *reach)]:
+            table = blocked[i, j]
+            table[tuple(slice(a, a + n) for a, n in zip(first, common.shape, strict=True))] = common
+            if table[tuple(reach)]:
                 return None
     free = grouping.bodies.free[:, :3]
     return Lattice(unit * ROUNDING, blocked, ~free)

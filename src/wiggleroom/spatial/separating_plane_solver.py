@@ -106,7 +106,8 @@ class SeparatingPlaneSolver:
     inside : bool
         True: every iterate stays inside all rows, so that nothing can pass through anything.
     damped : bool
-        True: where the matrix is not positive definite the rows are damped, not the diagonal alone. What many bodies do together stays free.
+        True: where the matrix is not positive definite the rows are damped, not the diagonal alone, so that what many bodies do
+        together stays free.
     tolerance : float
         Share of the objective that may be left on the table.
     most : int

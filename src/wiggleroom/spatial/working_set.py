@@ -1,7 +1,7 @@
 """The working set of planes: pairs of pieces that do not face each other stay out of the program until they are about to meet.
 
-A plane between pieces that lie beside each other, corner at corner, has room to turn by much of a radian, and its rows are then far from linear
-in one step: such planes make every step short. They join where the pieces come near.
+A plane between pieces that lie beside each other, corner at corner, has room to turn by much of a radian, and its rows are then far
+from linear in one step: such planes make every step short. They join where the pieces come near.
 
 Source: working sets, Gill, Murray and Wright 1981, section 5.2.
 """
