@@ -75,6 +75,7 @@ class SpatialSearch:
     stop: Stop | None
     tell: Callable[[int, float], None] | None
     begin: SpatialPose | None = None
+    solver: str = "interior-point"
     iterations: int = 0
     rounds: int = 0
     pieces: Ints = field(init=False)
@@ -89,7 +90,8 @@ class SpatialSearch:
         )
         best = self._attempt(None)
         starts = range(INSIDE_STARTS if best.program.rows <= MOST_ROWS_OF_STARTS else 1)
-        for seed, damped in ((None, True), *((seed, False) for seed in starts)):
+        damped_first = () if self.solver == "ipopt" else ((None, True),)
+        for seed, damped in (*damped_first, *((seed, False) for seed in starts)):
             if best.good or self._asked_to_stop():
                 break
             done = self._attempt(seed, damped)
@@ -113,24 +115,7 @@ class SpatialSearch:
         limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
         ready = self.ready
         for _ in range(MOST_ROUNDS):
-            pieces, watched = self._working_set() if damped else (self.pieces, NOTHING)
-            program = build_planes(
-                ready.grouping.bodies, self.objective, pieces, length=ready.clearance, rest=self.begin
-            )
-            solve = SeparatingPlaneSolver(
-                program,
-                inside=seed is not None,
-                damped=damped,
-                most=200 if seed is None else INSIDE_ITERATIONS,
-                seed=seed or 0,
-                horizon=HORIZON * ready.size,
-                most_turn=limit,
-                watched=watched,
-                stop=self.stop,
-                progress=self.tell,
-            )
-            found = solve.solve()
-            program = solve.program
+            program, found = self._solved(seed, damped, limit)
             self.iterations += found.iterations
             self.rounds += 1
             if found.status is SolverStatus.FAILED:
@@ -142,6 +127,34 @@ class SpatialSearch:
                 break
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
         return self._checked(program, found)
+
+    def _solved(
+        self, seed: int | None, damped: bool, limit: float
+    ) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
+        """The program, and its solution from beside rest, twists up to a limit [rad]."""
+        ready, horizon = self.ready, HORIZON * self.ready.size
+        pieces, watched = self._working_set() if damped else (self.pieces, NOTHING)
+        program = build_planes(ready.grouping.bodies, self.objective, pieces, length=ready.clearance, rest=self.begin)
+        if self.solver == "ipopt":
+            from wiggleroom.spatial.separating_plane_ipopt import solve_with_ipopt
+
+            return program, solve_with_ipopt(
+                program, seed=seed or 0, horizon=horizon, most_turn=limit, stop=self.stop, progress=self.tell
+            )
+        solver = SeparatingPlaneSolver(
+            program,
+            inside=seed is not None,
+            damped=damped,
+            most=200 if seed is None else INSIDE_ITERATIONS,
+            seed=seed or 0,
+            horizon=horizon,
+            most_turn=limit,
+            watched=watched,
+            stop=self.stop,
+            progress=self.tell,
+        )
+        found = solver.solve()
+        return solver.program, found
 
     def _working_set(self) -> tuple[Ints, Ints]:
         """Pairs of pieces that face each other at the begin, and the others, which are watched."""
