@@ -29,7 +29,7 @@ from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.canonical_frame import canonical_frame
 from wiggleroom.search.carried_incumbent import carried_incumbent
-from wiggleroom.search.distance_climb import climbed
+from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
@@ -298,7 +298,8 @@ def _climbed(
     if turned is not None and ready.simplified:  # from rest, corners of simplified curves would be climbed one by one
         begin: Start | Incumbent = turned
     else:
-        begin = climbed(climb, start_at_rest(ready)) if start is None else _incumbent(start, ready).start()
+        further = FURTHER_CLIMBS if search is None else 0
+        begin = climbed(climb, start_at_rest(ready), further) if start is None else _incumbent(start, ready).start()
     if isinstance(begin, Incumbent):
         climb.best = begin
     else:
