@@ -223,3 +223,19 @@ def hull_volume(corners: np.ndarray) -> float:
     from scipy.spatial import ConvexHull
 
     return float(ConvexHull(corners).volume)
+
+
+def test_draw_and_parts_take_assemblies_in_space(tmp_path, command_output):
+    source = "examples/48_dovetail_box/box.json"
+    code, out, _ = command_output("parts", source, "--json", "-")
+    assert code == 0
+    listed = json.loads(out)
+    assert listed["dimension"] == 3
+    left = next(p for p in listed["parts"] if p["name"] == "left")
+    drawn = next(p for p in json.loads(Path(source).read_text())["parts"] if p["name"] == "left")
+    ((x0, y0, z0, x1, y1, z1),) = drawn["boxes"]
+    assert left["fixed"]
+    assert left["size"] == [x1 - x0, y1 - y0, z1 - z0]  # as drawn: the gap is not taken off
+    assert command_output("draw", source, tmp_path / "drawn.svg")[0] == 0
+    drawn = (tmp_path / "drawn.svg").read_text()
+    assert all(f">{p['name']}<" in drawn for p in listed["parts"])

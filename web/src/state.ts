@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { design } from "./design.ts";
 import type {
-  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
+  BoundReply, CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
 
@@ -42,6 +42,8 @@ export const space = signal<About<SpaceReply> | null>(null);
 /** What studies found, by kind. */
 export const studies = signal<{ tighten: About<StudyReply> | null; sample: About<StudyReply> | null }>({ tighten: null, sample: null });
 export const proof = signal<About<ProveReply> | null>(null);
+/** A quick bound of the answer, worked out after it. */
+export const bound = signal<About<BoundReply> | null>(null);
 
 /** Answers at several gaps to the present question, by gap. */
 export interface Solved { gap: number; objective: number | null; verdict: string; end: Float32Array | null; atMost?: number | null }

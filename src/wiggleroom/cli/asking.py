@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 
 from wiggleroom.drawing.model import Goal, JointGap, Pull, Turn
 from wiggleroom.errors import InputError
@@ -86,6 +86,22 @@ def joint_gaps(
         else:
             found.append(JointGap((resolve(parts[0]), resolve(parts[1])), gap))
     return found, wrong
+
+
+def group_findings(
+    glue: Sequence[str], glued: Sequence[Sequence[str]], ignore: Sequence[str], ignored: Sequence[Sequence[str]]
+) -> list[str]:
+    """One line for each text of `--glue` or `--ignore` that does not name enough parts.
+
+    >>> group_findings(["a"], [("a",)], ["a,b"], [("a", "b")])
+    ['--glue a: name at least two parts, as A,B']
+    """
+    few = [f"--glue {t}: name at least two parts, as A,B" for t, g in zip(glue, glued, strict=True) if len(set(g)) < 2]
+    return few + [
+        f"--ignore {t}: name two parts, as A,B"
+        for t, g in zip(ignore, ignored, strict=True)
+        if len(g) != 2 or len(set(g)) != 2
+    ]
 
 
 def names(texts: Iterable[str], known: set[str]) -> list[str]:

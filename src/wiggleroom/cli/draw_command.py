@@ -28,15 +28,26 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), of parts in the plane or in space.
     out
-        The picture: .svg or .png.
+        The picture: .svg or .png; in space also .glb.
     force
         Write over a file that was not made by this program, or was changed since.
     """
+    from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.cli.say import note, show
+    from wiggleroom.questions import is_spatial_file
     from wiggleroom.report.read_picture import picture_of_reading
 
+    if is_spatial_file(file):
+        from wiggleroom.report.spatial_listing import draw_spatial_parts, spatial_parts_table
+
+        check(file, {"OUT": (out, (*STILLS, ".glb"))}, force)
+        assembly = read_in_space(file, asked)
+        draw_spatial_parts(assembly, out)
+        note(f"picture: {out}")
+        show(spatial_parts_table(assembly))
+        return 0
     check(file, {"OUT": (out, STILLS)}, force)
     command = command_line()
     seen = look(file, asked)
@@ -61,10 +72,21 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     force
         Write over a file that was not made by this program, or was changed since.
     """
+    from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.cli.say import note, show
+    from wiggleroom.questions import is_spatial_file
     from wiggleroom.report.listing import parts_result
 
     check(file, {"--json": (json, ())}, force)
+    if is_spatial_file(file):
+        from wiggleroom.report.spatial_listing import spatial_parts_record, spatial_parts_table
+
+        assembly = read_in_space(file, asked)
+        if json is not None:
+            write_result(spatial_parts_record(assembly, command_line()), json)
+        if json != "-":
+            show(spatial_parts_table(assembly))
+        return 0
     seen = look(file, asked)
     for line in (*seen.assembly.drawing.notes, *seen.findings):
         note(line)

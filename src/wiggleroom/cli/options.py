@@ -210,7 +210,8 @@ def _said(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[G
     from wiggleroom.questions import is_spatial_file
 
     if is_spatial_file(file):
-        message = f"{file}: is an assembly in space, which flex, check and sweep answer; this command is for drawings"
+        answering = "flex, check, rank, tighten, sweep, sample, gap, draw and parts"
+        message = f"{file}: is an assembly in space, which {answering} take; this command is for drawings"
         raise InputError(message)
     wanted = goals_of_options(asked)
     drawing = read_drawing(file, unit=asked.unit, flatten=asked.flatten, gap=asked.gap, options=read_options(asked))
@@ -257,7 +258,7 @@ def with_roles(drawing: Drawing, asked: QuestionOptions, wanted: list[Goal]) -> 
     from dataclasses import replace
 
     from wiggleroom.assembly.statements import PartNames
-    from wiggleroom.cli.asking import joint_gaps, names
+    from wiggleroom.cli.asking import group_findings, joint_gaps, names
     from wiggleroom.drawing.model import Closer, Translation
     from wiggleroom.errors import InputError
 
@@ -270,14 +271,7 @@ def with_roles(drawing: Drawing, asked: QuestionOptions, wanted: list[Goal]) -> 
     goals = [
         goal if isinstance(goal, Translation | Closer) else replace(goal, part=known(goal.part)) for goal in wanted
     ]
-    wrong += [
-        f"--glue {t}: name at least two parts, as A,B"
-        for t, g in zip(asked.glue, glued, strict=True)
-        if len(set(g)) < 2
-    ]
-    wrong += [
-        f"--ignore {t}: name two parts, as A,B" for t, g in zip(asked.ignore, ignored, strict=True) if len(set(g)) != 2
-    ]
+    wrong += group_findings(asked.glue, glued, asked.ignore, ignored)
     if wrong or known.wrong:
         raise InputError([*wrong, *known.wrong])
     asked_pairs = {frozenset(gap.parts) for gap in gaps}

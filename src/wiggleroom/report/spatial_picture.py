@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
 
@@ -41,12 +41,13 @@ EXPLODED = 0.7
 
 @dataclass(frozen=True, eq=False)
 class _Facet:
-    """A flat convex polygon: corners (k, 3), which sides are drawn, its normal, and its colour."""
+    """A flat convex polygon: corners (k, 3), which sides are drawn, its normal, its colour, and its part."""
 
     corners: Floats
     drawn: tuple[bool, ...]
     normal: Floats
     colour: str
+    part: int
 
 
 def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
@@ -83,8 +84,9 @@ def write_moved_parts(
     lines: Sequence[str],
     contacts: Sequence[SpatialContact] = (),
     colours: Sequence[Colour] | None = None,
+    names: Sequence[str] = (),
 ) -> None:
-    """Write parts at a motion (n, 6) with lines of text above them; .svg, .png or .glb.
+    """Write parts at a motion (n, 6) with lines of text above them, and names upon them; .svg, .png or .glb.
 
     Raises
     ------
@@ -95,7 +97,7 @@ def write_moved_parts(
     if kind == ".glb":
         write_whole(path, glb(assembly, motion, colours))
     elif kind in (".svg", ".png"):
-        svg = spatial_svg(assembly, motion, lines, contacts, colours)
+        svg = spatial_svg(assembly, motion, lines, contacts, colours, names)
         if kind == ".svg":
             write_whole(path, svg)
         else:
@@ -132,8 +134,9 @@ def spatial_svg(
     lines: Sequence[str],
     contacts: Sequence[SpatialContact] = (),
     colours: Sequence[Colour] | None = None,
+    names: Sequence[str] = (),
 ) -> str:
-    """Picture of parts at a motion (n, 6), seen from the front, right and above."""
+    """Picture of parts at a motion (n, 6), seen from the front, right and above; `names` are written upon them."""
     depth, across, up = _camera()
     rest, moved = _moved(assembly, np.zeros_like(motion)), _moved(assembly, motion)
     everything = np.vstack([s.vertices for s in (*rest, *moved)])
@@ -150,8 +153,9 @@ def spatial_svg(
         )
 
     facets = []
-    for surface, colour in zip(moved, colours or part_colours(assembly), strict=True):
-        facets += _facets(surface, colour, depth)
+    for part, (surface, colour) in enumerate(zip(moved, colours or part_colours(assembly), strict=True)):
+        facets += _facets(part, surface, colour, depth)
+    facets = _sorted(facets)
     out = [
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:g}" height="{HEIGHT:g}" viewBox="0 0 {WIDTH:g} {HEIGHT:g}">',
         f'<rect width="{WIDTH:g}" height="{HEIGHT:g}" fill="{PAPER}"/>',
@@ -161,7 +165,7 @@ def spatial_svg(
         out.append(
             f'<text x="20" y="{28 + 22 * k}" font-family="{FONT}" font-size="{size}" fill="{shade}">{escape(line)}</text>'
         )
-    for facet in _sorted(facets):
+    for facet in facets:
         p = place(facet.corners)
         points = " ".join(f"{x:.2f},{y:.2f}" for x, y in p)
         out.append(f'<polygon points="{points}" fill="{facet.colour}" stroke="{facet.colour}" stroke-width="0.8"/>')
@@ -183,7 +187,32 @@ def spatial_svg(
         (x, y), (u, v) = place(np.array([at, at + 14 / scale * np.array(contact.normal)]))
         out.append(f'<path d="M{x:.2f} {y:.2f}L{u:.2f} {v:.2f}" stroke="#c1272d" stroke-width="2"/>')
         out.append(f'<circle cx="{x:.2f}" cy="{y:.2f}" r="3.5" fill="#c1272d"/>')
+    seen = _visible_places([(f.part, place(f.corners)) for f in facets]) if names else {}
+    out += [
+        f'<text x="{x:.2f}" y="{y:.2f}" text-anchor="middle" font-family="{FONT}" font-size="13" fill="{INK}" stroke="{PAPER}" '
+        f'stroke-width="3" paint-order="stroke">{escape(names[k])}</text>'
+        for k, (x, y) in seen.items()
+    ]
     return "\n".join([*out, "</svg>", ""])
+
+
+def _visible_places(drawn: list[tuple[int, Floats]]) -> dict[int, tuple[float, float]]:
+    """A point well inside the largest region in which each part is seen, of polygons (k, 2) from back to front."""
+    import shapely
+
+    covered: shapely.Geometry = shapely.Polygon()
+    seen: dict[int, list[shapely.Geometry]] = {}
+    for part, corners in reversed(drawn):
+        polygon = shapely.Polygon(corners).buffer(0)
+        seen.setdefault(part, []).append(polygon.difference(covered))
+        covered = covered.union(polygon)
+    found = {}
+    for part, regions in seen.items():
+        largest = max(shapely.get_parts(shapely.union_all(regions, grid_size=1e-3)), key=shapely.area, default=None)
+        if largest is not None and largest.area > 1.0:
+            middle = shapely.get_point(shapely.maximum_inscribed_circle(largest, tolerance=1.0), 0)
+            found[part] = (float(middle.x), float(middle.y) + 4.0)
+    return found
 
 
 def _camera() -> tuple[Floats, Floats, Floats]:
@@ -248,7 +277,7 @@ def _creases(surface: Surface) -> list[tuple[Floats, Floats]]:
     return list(found.values())
 
 
-def _facets(surface: Surface, colour: Colour, depth: Floats) -> list[_Facet]:
+def _facets(part: int, surface: Surface, colour: Colour, depth: Floats) -> list[_Facet]:
     """Triangles of a surface that face the eye."""
     normal = _normals(surface)
     sharp = _sharp(surface, normal)
@@ -258,7 +287,7 @@ def _facets(surface: Surface, colour: Colour, depth: Floats) -> list[_Facet]:
         if n @ depth < -1e-9:
             shade = 0.62 + 0.38 * max(0.0, float(n @ light))
             fill = "#" + "".join(f"{min(255, round(c * shade)):02x}" for c in colour)
-            found.append(_Facet(surface.vertices[face], tuple(drawn), n, fill))
+            found.append(_Facet(surface.vertices[face], tuple(drawn), n, fill, part))
     return found
 
 
@@ -308,4 +337,4 @@ def _cut(facet: _Facet, side: Floats) -> _Facet:
             share = side[i] / (side[i] - side[j])
             corners.append(facet.corners[i] + share * (facet.corners[j] - facet.corners[i]))
             drawn.append(False if side[i] >= 0 else facet.drawn[i])
-    return _Facet(np.array(corners), tuple(drawn), facet.normal, facet.colour)
+    return replace(facet, corners=np.array(corners), drawn=tuple(drawn))

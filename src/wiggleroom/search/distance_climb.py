@@ -75,8 +75,8 @@ def climbed(search: LocalSearch, start: Start, further: int = 0) -> Start | Incu
     except StoppedError:
         motion, none = program.motion(solution.u), np.zeros(0)
         active = ActiveSet(none.astype(np.int64), none.astype(np.int64), none, none)
-        value = search.objective.value(motion)
-        return Incumbent(motion, value, program, solution, active, (), begin, CLIMB_TOLERANCE, start.mu)
+        value, rest = search.objective.value(motion), program.variables(start.inner)
+        return Incumbent(motion, value, program, solution, active, (), rest, CLIMB_TOLERANCE, start.mu)
 
 
 def _climb(search: LocalSearch, start: Start, program: DistanceProgram, begin: Floats) -> Solution:

@@ -16,20 +16,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, Stop, see_extra
+from wiggleroom.errors import InputError, Stop
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
+from wiggleroom.solve.casadi_ipopt import import_casadi, ipopt_options, iteration_listener
 from wiggleroom.solve.interior_point import INITIAL_BARRIER, WARM_START_GAP, Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-TOLERANCE_SHARE = 1e-2
-"""IPOPT bounds each complementarity, ours their sum: its tolerance is this share of ours."""
-MAX_ITERATIONS = 1000
-"""Of one program."""
 
 
 def solve(
@@ -76,15 +72,15 @@ def solve(
     >>> round(answer.objective, 4)
     0.0261
     """
-    casadi = _casadi()
+    casadi = import_casadi()
     u = np.zeros(len(program.scale)) if start is None else start
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
     watch = _IpoptMonitor(program, unit, u, horizon, stop, progress)
     variables, value, rows = _expressions(casadi, program)
     nlp = {"x": variables, "f": -value / unit, "g": rows}
-    listener = _listener(casadi, watch)
-    solver = casadi.nlpsol("flex", "ipopt", nlp, _options(listener, mu, tolerance))
+    listener = iteration_listener(casadi, watch, len(program.scale), program.rows)
+    solver = casadi.nlpsol("flex", "ipopt", nlp, ipopt_options(listener, mu, tolerance))
     out = solver(x0=u, lbg=0.0, lam_g0=-mu / np.maximum(at.h, 1e-9))
     if watch.error is not None:
         raise watch.error
@@ -98,41 +94,15 @@ def solve(
     return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_mu, tuple(watch.way), left)
 
 
-def _casadi() -> Any:
-    """CasADi, imported when it is needed."""
-    see_extra("ipopt", 'solver "ipopt" needs CasADi', "casadi")
-    import casadi
-
-    return casadi
-
-
 def described() -> str:
     """The linear solver and the options that IPOPT is given, for whoever quotes its times."""
     options = {
-        k.removeprefix("ipopt."): v for k, v in _options(None, INITIAL_BARRIER, 1e-6).items() if k.startswith("ipopt.")
+        k.removeprefix("ipopt."): v
+        for k, v in ipopt_options(None, INITIAL_BARRIER, 1e-6).items()
+        if k.startswith("ipopt.")
     }
     told = ("linear_solver", "nlp_scaling_method", "tol", "acceptable_tol", "mu_init", "bound_relax_factor", "max_iter")
     return "through CasADi, exact derivatives; " + ", ".join(f"{name} {options[name]}" for name in told)
-
-
-def _options(listener: object | None, mu: float, tolerance: float) -> dict[str, object]:
-    """Options of CasADi and IPOPT: quiet, sharp, rows never relaxed, and the start left where it is."""
-    push = dict.fromkeys(("slack_bound_push", "slack_bound_frac", "mult_bound_push"), 1e-9)
-    return {
-        "iteration_callback": listener,
-        "print_time": False,
-        "ipopt.print_level": 0,
-        "ipopt.sb": "yes",
-        "ipopt.linear_solver": "mumps",
-        "ipopt.nlp_scaling_method": "none",
-        "ipopt.bound_relax_factor": 0.0,
-        "ipopt.tol": TOLERANCE_SHARE * tolerance,
-        "ipopt.acceptable_tol": 10 * TOLERANCE_SHARE * tolerance,
-        "ipopt.max_iter": MAX_ITERATIONS,
-        "ipopt.mu_init": mu,
-        "ipopt.warm_start_init_point": "yes",
-        **{f"ipopt.warm_start_{k}": v for k, v in push.items()},
-    }
 
 
 def _expressions(casadi: Any, program: Program) -> tuple[Any, Any, Any]:
@@ -247,38 +217,6 @@ class _IpoptMonitor:
         elif inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon:
             self.status = SolverStatus.ESCAPING
         return self.status is None
-
-
-def _listener(casadi: Any, watch: _IpoptMonitor) -> object:
-    """CasADi's iteration callback, which hands every iterate to `watch`."""
-    sizes = {"x": len(watch.program.scale), "f": 1, "g": watch.program.rows}
-    sizes |= {"lam_x": sizes["x"], "lam_g": sizes["g"], "lam_p": 0}
-
-    class Listener(casadi.Callback):
-        """Input: what `nlpsol` puts out; output: other than 0 to end."""
-
-        def __init__(self) -> None:
-            casadi.Callback.__init__(self)
-            self.construct("listener", {})
-
-        def get_n_in(self) -> int:
-            return casadi.nlpsol_n_out()
-
-        def get_n_out(self) -> int:
-            return 1
-
-        def get_sparsity_in(self, i: int) -> object:
-            return casadi.Sparsity.dense(sizes[casadi.nlpsol_out(i)], 1)
-
-        def eval(self, arguments: list) -> list[int]:
-            x, f, g, _, lam, _ = (np.array(a).ravel() for a in arguments)
-            try:
-                return [0 if watch.see(x, -float(f[0]), g, np.maximum(-lam, 0.0)) else 1]
-            except BaseException as error:  # raised again once IPOPT has let go
-                watch.error = error
-                return [1]
-
-    return Listener()
 
 
 def _error(program: Program, u: Floats, lam: Floats, unit: float) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
+from wiggleroom.solve import solver_named
 from wiggleroom.spatial.overlap_check import deepest_overlap
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
@@ -47,9 +48,7 @@ def flex_spatial(
         If two parts touch at rest.
     """
     began = time.perf_counter()
-    if solver != "interior-point":
-        message = f'solver "{solver}" is for drawings; in space leave it out'
-        raise InputError(message)
+    solver_named(solver)
     its = assembly.assembly if isinstance(assembly, SpatialPrepared) else assembly
     asked = its.goals if goals is None else tuple(goals) if isinstance(goals, Sequence) else (goals,)
     wrong = goal_findings(its.drawing, asked) + lacking(its, asked)
@@ -57,7 +56,7 @@ def flex_spatial(
         raise InputError([f"{its.drawing.source}: {line}" if its.drawing.source else line for line in wrong])
     ready = assembly if isinstance(assembly, SpatialPrepared) else prepare_spatial(assembly)
     prepared = time.perf_counter()
-    search = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress)
+    search = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
     done = search.run()
     solved = time.perf_counter()
     found, way, whole = done.found, done.way, done.whole

@@ -73,6 +73,7 @@ class SpatialSearch:
     stop: Stop | None
     tell: Callable[[int, float], None] | None
     begin: SpatialPose | None = None
+    solver: str = "interior-point"
     iterations: int = 0
     rounds: int = 0
     pieces: Ints = field(init=False)
@@ -112,17 +113,7 @@ class SpatialSearch:
             program = build_planes(
                 ready.grouping.bodies, self.objective, self.pieces, length=ready.clearance, rest=self.begin
             )
-            solve = SeparatingPlaneSolver(
-                program,
-                inside=seed is not None,
-                most=200 if seed is None else INSIDE_ITERATIONS,
-                seed=seed or 0,
-                horizon=HORIZON * ready.size,
-                most_turn=limit,
-                stop=self.stop,
-                progress=self.tell,
-            )
-            found = solve.solve()
+            found = self._solved(program, seed, limit)
             self.iterations += found.iterations
             self.rounds += 1
             if found.status is SolverStatus.FAILED:
@@ -134,6 +125,26 @@ class SpatialSearch:
                 break
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
         return self._checked(program, found)
+
+    def _solved(self, program: SeparatingPlaneProgram, seed: int | None, limit: float) -> SeparatingPlaneSolution:
+        """The program solved from beside rest, twists up to a limit [rad]."""
+        horizon = HORIZON * self.ready.size
+        if self.solver == "ipopt":
+            from wiggleroom.spatial.separating_plane_ipopt import solve_with_ipopt
+
+            return solve_with_ipopt(
+                program, seed=seed or 0, horizon=horizon, most_turn=limit, stop=self.stop, progress=self.tell
+            )
+        return SeparatingPlaneSolver(
+            program,
+            inside=seed is not None,
+            most=200 if seed is None else INSIDE_ITERATIONS,
+            seed=seed or 0,
+            horizon=horizon,
+            most_turn=limit,
+            stop=self.stop,
+            progress=self.tell,
+        ).solve()
 
     def _checked(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> SearchEnd:
         """The end with its way, as far as that is free."""

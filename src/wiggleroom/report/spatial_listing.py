@@ -1,0 +1,78 @@
+"""Parts in space as they are read: table, JSON and an exploded picture with names."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.model import Drawing
+from wiggleroom.report.spatial_picture import write_moved_parts
+from wiggleroom.report.table import columns
+from wiggleroom.spatial.spatial_assembly import assemble_spatial
+from wiggleroom.spatial.spatial_model import Boxes, Plate, SpatialAssembly
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+SPREAD = 1.2
+"""Parts are drawn further from the middle by this share of their distance from it."""
+
+
+def spatial_parts_record(assembly: SpatialAssembly, command: str = "") -> dict[str, Any]:
+    """Everything `parts --json` says; lengths in mm, volumes in mm3."""
+    return {
+        "format": "wiggleroom.parts/1",
+        "dimension": 3,
+        "parts": _entries(assembly),
+        "notes": list(assembly.drawing.notes),
+        "findings": [],
+        "command": command,
+    }
+
+
+def spatial_parts_table(assembly: SpatialAssembly) -> Table:
+    """Page that `parts` prints: size of the box round each part at rest, place, volume, and kind of solid."""
+    found = columns("part", "dx mm", "dy mm", "dz mm", "x mm", "y mm", "z mm", "volume mm3", "solid")
+    for entry in _entries(assembly):
+        numbers = (f"{value:.2f}" for value in (*entry["size"], *entry["at"], entry["volume"]))
+        found.add_row(entry["name"] + (" (fixed)" if entry["fixed"] else ""), *numbers, entry["solid"])
+    return found
+
+
+def draw_spatial_parts(assembly: SpatialAssembly, path: Path) -> None:
+    """Write an exploded picture with the names of the parts; .svg, .png or .glb.
+
+    Raises
+    ------
+    InputError
+        If the name has another ending.
+    """
+    motion = np.zeros((len(assembly.parts), 6))
+    glued = glue_groups(Drawing((), glue=assembly.drawing.glue))
+    body = np.unique([str(glued.get(name, name)) for name in assembly.names], return_inverse=True)[1]
+    centre = np.array([assembly.reference[body == b].mean(axis=0) for b in range(body.max() + 1)])
+    motion[:, :3] = (SPREAD * (centre - centre.mean(axis=0)))[body]
+    lines = [f"{len(assembly.parts)} parts, gap {assembly.gap:g} mm", "drawn apart; dashed: where they belong"]
+    write_moved_parts(assembly, motion, path, lines, names=assembly.names)
+
+
+def _entries(assembly: SpatialAssembly) -> list[dict[str, Any]]:
+    """All parts as drawn: the gap is not taken off."""
+    found = []
+    drawn = assemble_spatial(assembly.drawing, gap=0.0).made
+    for part, made, at in zip(assembly.parts, drawn, assembly.reference, strict=True):
+        solid = "plate" if isinstance(part.solid, Plate) else "boxes" if isinstance(part.solid, Boxes) else "mesh"
+        found.append({
+            "name": part.name,
+            "solid": solid,
+            "at": at.tolist(),
+            "size": np.ptp(made.surface.vertices @ part.R.T, axis=0).round(9).tolist(),
+            "volume": float(made.volume),
+            "pieces": len(made.pieces),
+            "fixed": part.fixed,
+            "lock": sorted(part.lock),
+        })  # fmt: skip
+    return found
