@@ -1,10 +1,10 @@
 """Proven bounds of random small assemblies against their true optima: `python -m benchmarks.never_below [COUNT [FIRST [KIND ..]]]`.
 
 Every bound is asked for far too little on purpose: to leave nothing above 50 %, then above 98 % of the truth, and to tighten for
-0.4 seconds of processor time each, the latter once more with local windows, which otherwise only many parts have. What it says has to stay above the
-truth all the same; so has the quick bound of the answer, where there is one. Truths share nothing with the proof: a dynamic
-programme over exact slices for chains, a dense search through the turns of exact slices for pairs, and else the best of a motion
-that was found and checked and of a climb from it that tests every step for overlap. Seeds begin at FIRST.
+0.4 seconds of processor time each, the latter once more with local windows, which otherwise only many parts have. What it says has to
+stay above the truth all the same; so has the quick bound of the answer, where there is one. Truths share nothing with the proof: a
+dynamic programme over exact slices for chains, a dense search through the turns of exact slices for pairs, and else the best of a
+motion that was found and checked and of a climb from it that tests every step for overlap. Seeds begin at FIRST.
 """
 
 from __future__ import annotations

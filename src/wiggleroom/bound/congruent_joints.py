@@ -26,6 +26,8 @@ CORNER_REACH = 4.0
 """Corners that lie within so many clearances of the other body tell joints from each other."""
 CONGRUENCE_TOLERANCE = 2e-10
 """Bodies hold a strip but for this share of its size, a fiftieth of what regions are too large by."""
+MAX_REFERENCES, MIN_COMMON_CORNERS = 6, 0.5
+"""So many corners are tried as the one that is carried to its like; where at least this share finds its like, strips are compared."""
 ANGLE_TOLERANCE = 1e-7
 """Corners are alike where their angles differ by less [rad]."""
 
@@ -81,15 +83,16 @@ class Joint:
         mine = self._corners
         if abs(other.clearance - self.material.clearance) > 1e-6 * self.material.clearance or len(mine.at) < 2:
             return None
-        first = int(mine.long.argmax())
-        second = int(np.hypot(*(mine.at - mine.at[first]).T).argmax())
         close = 1e-7 * self.strips.radius
-        alike = np.abs(corners.angle - mine.angle[first]) < ANGLE_TOLERANCE
-        for k in np.flatnonzero(alike):
-            angle = float(corners.way[k] - mine.way[first])
-            shift = corners.at[k] - turn(mine.at[first], angle)
-            there = turn(mine.at[second], angle) + shift
-            if np.hypot(*(corners.at - there).T).min() > close:
+        # the longest sides may be those that end where the bodies do, elsewhere in another pair
+        first = np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]
+        alike = np.abs(corners.angle - mine.angle[first, None]) < ANGLE_TOLERANCE
+        for j, k in zip(*np.nonzero(alike), strict=True):
+            angle = float(corners.way[k] - mine.way[first[j]])
+            shift = corners.at[k] - turn(mine.at[first[j]], angle)
+            there = turn(mine.at, angle) + shift
+            away = np.hypot(*(corners.at[:, None] - there).transpose(2, 0, 1)).min(0)
+            if np.count_nonzero(away < close) < MIN_COMMON_CORNERS * len(there):
                 continue
             moved = [shapely.transform(g, lambda p, a=angle, s=shift: turn(p, a) + s) for g in self._inner]
             if shapely.covers(other.a, moved[0]) and shapely.covers(other.b, moved[1]):
