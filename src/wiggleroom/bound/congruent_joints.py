@@ -75,6 +75,12 @@ class Joint:
     def _corners(self) -> Corners:
         return near_corners(self.material.a, self.material.b, CORNER_REACH * self.material.clearance)
 
+    @property
+    def reference_angles(self) -> Floats:
+        """By which the boundary turns at the corners that are looked for in other pairs [rad]."""
+        mine = self._corners
+        return mine.angle[np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]]
+
     def motion_onto(self, other: PairMaterial, corners: Corners) -> tuple[float, Floats] | None:
         """Turn [rad] and shift (2,) [mm] that carry the strips into the two bodies of another pair, None where none does.
 
@@ -131,28 +137,42 @@ class Congruence:
     shift: Floats
 
 
+class KnownJoints:
+    """Joints that were met so far, found again by the angles of their corners."""
+
+    def __init__(self) -> None:
+        self.joints: list[Joint] = []
+        self._by_angle: dict[int, set[int]] = {}
+
+    def congruence(self, material: PairMaterial) -> Congruence:
+        """Which joint a pair holds, a new one where it holds none of those."""
+        shapely.prepare([material.a, material.b])
+        reach = CORNER_REACH * material.clearance
+        for swapped in (False, True):
+            pair = PairMaterial(material.b, material.a, material.clearance) if swapped else material
+            corners = near_corners(pair.a, pair.b, reach)
+            keys = {k + side for k in _angle_keys(corners.angle) for side in (-1, 0, 1)}
+            alike = set().union(*(self._by_angle.get(k, set()) for k in keys))
+            for number in sorted(alike):
+                motion = self.joints[number].motion_onto(pair, corners)
+                if motion is not None:
+                    return Congruence(number, swapped, *motion)
+        return self._added(Joint(material))
+
+    def _added(self, joint: Joint) -> Congruence:
+        number = len(self.joints)
+        self.joints.append(joint)
+        for key in _angle_keys(joint.reference_angles):
+            self._by_angle.setdefault(key, set()).add(number)
+        return Congruence(number, False, 0.0, np.zeros(2))
+
+
+def _angle_keys(angles: Floats) -> list[int]:
+    return np.round(angles / (10 * ANGLE_TOLERANCE)).astype(np.int64).tolist()
+
+
 def congruent_joints(materials: Sequence[PairMaterial]) -> tuple[list[Joint], list[Congruence]]:
     """Joints that differ, and which of them each pair holds."""
-    joints: list[Joint] = []
-    found: list[Congruence] = []
-    for material in materials:
-        shapely.prepare([material.a, material.b])
-        known = _known(joints, material)
-        if known is None:
-            known = Congruence(len(joints), False, 0.0, np.zeros(2))
-            joints.append(Joint(material))
-        found.append(known)
-    return joints, found
-
-
-def _known(joints: list[Joint], material: PairMaterial) -> Congruence | None:
-    """Which of some joints a pair holds; None where it holds none."""
-    reach = CORNER_REACH * material.clearance
-    for swapped in (False, True):
-        pair = PairMaterial(material.b, material.a, material.clearance) if swapped else material
-        corners = near_corners(pair.a, pair.b, reach)
-        for k, joint in enumerate(joints):
-            motion = joint.motion_onto(pair, corners)
-            if motion is not None:
-                return Congruence(k, swapped, *motion)
-    return None
+    known = KnownJoints()
+    found = [known.congruence(material) for material in materials]
+    return known.joints, found
