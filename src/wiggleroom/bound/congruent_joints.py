@@ -26,6 +26,8 @@ CORNER_REACH = 4.0
 """Corners that lie within so many clearances of the other body tell joints from each other."""
 CONGRUENCE_TOLERANCE = 2e-10
 """Bodies hold a strip but for this share of its size, a fiftieth of what regions are too large by."""
+MAX_REFERENCES, MIN_COMMON_CORNERS = 6, 0.5
+"""So many corners are tried as the one that is carried to its like; where at least this share finds its like, strips are compared."""
 ANGLE_TOLERANCE = 1e-7
 """Corners are alike where their angles differ by less [rad]."""
 
@@ -73,6 +75,12 @@ class Joint:
     def _corners(self) -> Corners:
         return near_corners(self.material.a, self.material.b, CORNER_REACH * self.material.clearance)
 
+    @property
+    def reference_angles(self) -> Floats:
+        """By which the boundary turns at the corners that are looked for in other pairs [rad]."""
+        mine = self._corners
+        return mine.angle[np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]]
+
     def motion_onto(self, other: PairMaterial, corners: Corners) -> tuple[float, Floats] | None:
         """Turn [rad] and shift (2,) [mm] that carry the strips into the two bodies of another pair, None where none does.
 
@@ -81,15 +89,16 @@ class Joint:
         mine = self._corners
         if abs(other.clearance - self.material.clearance) > 1e-6 * self.material.clearance or len(mine.at) < 2:
             return None
-        first = int(mine.long.argmax())
-        second = int(np.hypot(*(mine.at - mine.at[first]).T).argmax())
         close = 1e-7 * self.strips.radius
-        alike = np.abs(corners.angle - mine.angle[first]) < ANGLE_TOLERANCE
-        for k in np.flatnonzero(alike):
-            angle = float(corners.way[k] - mine.way[first])
-            shift = corners.at[k] - turn(mine.at[first], angle)
-            there = turn(mine.at[second], angle) + shift
-            if np.hypot(*(corners.at - there).T).min() > close:
+        # the longest sides may be those that end where the bodies do, elsewhere in another pair
+        first = np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]
+        alike = np.abs(corners.angle - mine.angle[first, None]) < ANGLE_TOLERANCE
+        for j, k in zip(*np.nonzero(alike), strict=True):
+            angle = float(corners.way[k] - mine.way[first[j]])
+            shift = corners.at[k] - turn(mine.at[first[j]], angle)
+            there = turn(mine.at, angle) + shift
+            away = np.hypot(*(corners.at[:, None] - there).transpose(2, 0, 1)).min(0)
+            if np.count_nonzero(away < close) < MIN_COMMON_CORNERS * len(there):
                 continue
             moved = [shapely.transform(g, lambda p, a=angle, s=shift: turn(p, a) + s) for g in self._inner]
             if shapely.covers(other.a, moved[0]) and shapely.covers(other.b, moved[1]):
@@ -128,28 +137,42 @@ class Congruence:
     shift: Floats
 
 
+class KnownJoints:
+    """Joints that were met so far, found again by the angles of their corners."""
+
+    def __init__(self) -> None:
+        self.joints: list[Joint] = []
+        self._by_angle: dict[int, set[int]] = {}
+
+    def congruence(self, material: PairMaterial) -> Congruence:
+        """Which joint a pair holds, a new one where it holds none of those."""
+        shapely.prepare([material.a, material.b])
+        reach = CORNER_REACH * material.clearance
+        for swapped in (False, True):
+            pair = PairMaterial(material.b, material.a, material.clearance) if swapped else material
+            corners = near_corners(pair.a, pair.b, reach)
+            keys = {k + side for k in _angle_keys(corners.angle) for side in (-1, 0, 1)}
+            alike = set().union(*(self._by_angle.get(k, set()) for k in keys))
+            for number in sorted(alike):
+                motion = self.joints[number].motion_onto(pair, corners)
+                if motion is not None:
+                    return Congruence(number, swapped, *motion)
+        return self._added(Joint(material))
+
+    def _added(self, joint: Joint) -> Congruence:
+        number = len(self.joints)
+        self.joints.append(joint)
+        for key in _angle_keys(joint.reference_angles):
+            self._by_angle.setdefault(key, set()).add(number)
+        return Congruence(number, False, 0.0, np.zeros(2))
+
+
+def _angle_keys(angles: Floats) -> list[int]:
+    return np.round(angles / (10 * ANGLE_TOLERANCE)).astype(np.int64).tolist()
+
+
 def congruent_joints(materials: Sequence[PairMaterial]) -> tuple[list[Joint], list[Congruence]]:
     """Joints that differ, and which of them each pair holds."""
-    joints: list[Joint] = []
-    found: list[Congruence] = []
-    for material in materials:
-        shapely.prepare([material.a, material.b])
-        known = _known(joints, material)
-        if known is None:
-            known = Congruence(len(joints), False, 0.0, np.zeros(2))
-            joints.append(Joint(material))
-        found.append(known)
-    return joints, found
-
-
-def _known(joints: list[Joint], material: PairMaterial) -> Congruence | None:
-    """Which of some joints a pair holds; None where it holds none."""
-    reach = CORNER_REACH * material.clearance
-    for swapped in (False, True):
-        pair = PairMaterial(material.b, material.a, material.clearance) if swapped else material
-        corners = near_corners(pair.a, pair.b, reach)
-        for k, joint in enumerate(joints):
-            motion = joint.motion_onto(pair, corners)
-            if motion is not None:
-                return Congruence(k, swapped, *motion)
-    return None
+    known = KnownJoints()
+    found = [known.congruence(material) for material in materials]
+    return known.joints, found

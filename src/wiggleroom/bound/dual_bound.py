@@ -22,7 +22,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.congruent_joints import congruent_joints
+from wiggleroom.bound.congruent_joints import Congruence, KnownJoints
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.limited_tightening import tightened
 from wiggleroom.bound.outer_regions import Placement, links_about, material_of, placement
@@ -44,6 +44,8 @@ MAX_BOUND_RATIO = 2.0
 """A bound of more than so many times the motion found says too little to be stated."""
 ACTIVE_MULTIPLIER, MAX_OMITTED_FORCE = 1e-7, 0.01
 """Pairs count with at least this share of the largest force; with that share of all forces they must have a pocket."""
+CONGRUENCE_WORK = 3.0
+"""Work of looking for the joint of a pair among those that are known."""
 ROUNDING_MARGIN = 1e-11
 """The bound is larger by this share of all that it is summed up from."""
 
@@ -107,19 +109,23 @@ def quick_bound(
     first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
-    materials, pivots = [], np.zeros((len(first), 2))
+    known_joints, pivots = KnownJoints(), np.zeros((len(first), 2))
+    held: list[Congruence] = []
+    near: list[NearSides] = []
     for c in wanted:
         if stop is not None and stop.is_set():
             return None
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
         material, pivots[c], _ = material_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))
-        materials.append(material)
-    joints, held = congruent_joints(materials)
-    near = [NearSides(joint.strips) for joint in joints]
-    work -= sum(sides.work for sides in near)
-    if work < 0:
-        return None
+        held.append(known_joints.congruence(material))
+        work -= CONGRUENCE_WORK
+        if held[-1].joint == len(near):
+            near.append(NearSides(known_joints.joints[-1].strips))
+            work -= near[-1].work
+        if work < 0:
+            return None
+    joints = known_joints.joints
     carried = np.bincount([one.joint for one in held], by_class[wanted], len(joints)) / by_class.sum()
     made: list[LocalOuterRegion | None] = []
     for sides, share in zip(near, carried, strict=True):
