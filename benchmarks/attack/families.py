@@ -8,6 +8,7 @@ import numpy as np
 
 from benchmarks.attack import families_fitted as fitted
 from benchmarks.attack import families_mechanisms as mechanisms
+from benchmarks.attack import families_puzzles as puzzles
 from benchmarks.attack.drawing import Json, Random, lie_apart, turned
 
 Family = Callable[[Random], Json]
@@ -45,6 +46,12 @@ FAMILIES: tuple[Family, ...] = (
     fitted.glued_packings,
     fitted.rods_in_rooms,
     fitted.rings_in_rings,
+    puzzles.combination_dials,
+    puzzles.tongued_tiles,
+    puzzles.nested_hooks,
+    puzzles.telescopes,
+    puzzles.tangrams,
+    puzzles.pegs_in_slots,
 )
 LEAST = 2e-3
 """Parts lie apart by at least so much [mm]: what touches is another question."""
