@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:
-    """Command of this name: with options where they can say the design, else about the assembly file that `save` makes; empty where neither can.
+    """Command of this name: with options that say the design, else about the assembly file that `save` makes, else none.
 
     Parameters
     ----------
