@@ -1,4 +1,4 @@
-"""Pictures of the live page in docs/pictures: a jigsaw piece and the lid of a box in space are dragged; what holds them lights up.
+"""Pictures of the live page in docs/pictures: a piece of a jigsaw, and the lid of a box in space, are dragged.
 
 Needs Chromium and the extras `browser` and `page`:  python examples/pictures/draw_page.py
 """

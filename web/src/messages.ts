@@ -163,6 +163,13 @@ export interface ProveRequest {
   seconds?: number;
 }
 
+/** A quick bound of a full answer, worked out while nothing else is asked. */
+export interface BoundRequest {
+  kind: "bound";
+  id: number;
+  design: Design;
+}
+
 /** What is on screen, as a file. */
 export interface SaveRequest {
   kind: "save";
@@ -490,6 +497,15 @@ export interface ProveReply {
   command: string; // the command that answers the same
 }
 
+/** A quick bound of a full answer. */
+export interface BoundReply {
+  kind: "bound";
+  id: number;
+  at_most: number | null; // a value that no motion exceeds, proven; null where none was worked out
+  within: number | null;
+  words: string; // such as "at most 0.84 mm"; empty where there is none
+}
+
 /** A file. */
 export interface Saved {
   kind: "saved";
@@ -611,8 +627,8 @@ export interface StandalonePage {
 export type Reply =
   | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
   | Released | Modes | RankReply | CheckReply | LimitReply | PlanReply
-  | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | Saved
-  | ProgressReply | WorkerState | Failed;
+  | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply
+  | Saved | ProgressReply | WorkerState | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -632,6 +648,7 @@ export interface Requests {
   tighten: Omit<TightenRequest, "kind" | "id">;
   sample: Omit<SampleRequest, "kind" | "id">;
   prove: Omit<ProveRequest, "kind" | "id">;
+  bound: Omit<BoundRequest, "kind" | "id">;
   save: Omit<SaveRequest, "kind" | "id">;
   cancel: Omit<CancelRequest, "kind" | "id">;
 }

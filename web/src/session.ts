@@ -229,6 +229,7 @@ function take(reply: Reply, ways: Frames[]): void {
     case "space": state.space.value = about(reply); return;
     case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.coloured.value = true; return;
     case "prove": return proved(about(reply));
+    case "bound": return bounded(about(reply));
     case "saved": return download(reply);
     case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
   }
@@ -251,6 +252,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   if (about.design === design.peek()) {
     state.waiting.value = false;
     state.answer.value = about;
+    if (reply.settled && reply.objective && reply.at_most === null && state.can("prove")) ask("bound", { design: about.design });
     if (trouble === "flex") state.findings.value = [];
     if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       magnify(reachOf(ways[0]));
@@ -275,6 +277,14 @@ function proved(about: state.About<Extract<Reply, { kind: "prove" }>>): void {
   state.proof.value = about;
   const known = state.solved.peek().find((one) => Math.abs(one.gap - about.design.gap) < 1e-9);
   if (known && questionOf(about.design) === question.peek()) remember({ ...known, atMost: about.reply.at_most });
+}
+
+/** What stands beside the answer, as long as it is the answer of this design. */
+function bounded(about: state.About<Extract<Reply, { kind: "bound" }>>): void {
+  if (about.design !== design.peek()) return;
+  state.bound.value = about;
+  const known = state.solved.peek().find((one) => Math.abs(one.gap - about.design.gap) < 1e-9);
+  if (known && known.atMost == null && about.reply.at_most !== null) remember({ ...known, atMost: about.reply.at_most });
 }
 
 function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
@@ -338,7 +348,7 @@ function opened(reply: Opened): void {
   state.findings.value = [];
   state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
-  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.reach]) one.value = null;
+  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
   state.selected.value = null;
   state.many.value = new Set();

@@ -3,7 +3,7 @@
 import { computed, signal } from "@preact/signals";
 import { design, inSpace } from "./design.ts";
 import type {
-  CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, LimitReply, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, Solids, SpaceReply, StudyReply, StudyTab,
+  BoundReply, CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, LimitReply, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, Solids, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
 import { boxOf, reachOfSolids } from "./solids.ts";
@@ -46,6 +46,8 @@ export const space = signal<About<SpaceReply> | null>(null);
 /** What studies found, by kind. */
 export const studies = signal<{ tighten: About<StudyReply> | null; sample: About<StudyReply> | null }>({ tighten: null, sample: null });
 export const proof = signal<About<ProveReply> | null>(null);
+/** A quick bound of the answer, worked out after it. */
+export const bound = signal<About<BoundReply> | null>(null);
 
 /** Answers at several gaps to the present question, by gap. */
 export interface Solved { gap: number; objective: number | null; verdict: string; end: Float32Array | null; atMost?: number | null }

@@ -28,6 +28,7 @@ ANSWERS = {
     "plan": "study_requests",
     "sweep": "study_requests",
     "prove": "study_requests",
+    "bound": "study_requests",
     "tighten": "study_requests",
     "sample": "study_requests",
     "space": "space_requests",

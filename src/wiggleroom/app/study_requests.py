@@ -11,11 +11,12 @@ import numpy as np
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import check_reply, frames_of, still_frame
 from wiggleroom.app.reporter import Reporter
-from wiggleroom.report.answer_words import bound_sentence
+from wiggleroom.report.answer_words import bound_sentence, proven
 from wiggleroom.report.separability import border_sentence
 from wiggleroom.report.study_messages import ranking_message, step_message
-from wiggleroom.schema.replies import LimitReply, ProveReply, SweepReply
+from wiggleroom.schema.replies import BoundReply, LimitReply, ProveReply, SweepReply
 from wiggleroom.schema.requests import (
+    BoundRequest,
     CheckRequest,
     LimitRequest,
     PlanRequest,
@@ -29,6 +30,9 @@ from wiggleroom.schema.requests import (
 if TYPE_CHECKING:
     from wiggleroom.app.document import Document
     from wiggleroom.sensitivity.sweep import SweepStep
+
+BOUND_SECONDS = 20.0
+"""So long a bound is looked for that nobody asked for [s]."""
 
 
 def rank(document: Document, request: RankRequest, out: Reporter) -> None:
@@ -130,3 +134,16 @@ def prove(document: Document, request: ProveRequest, out: Reporter) -> None:
     out.reply(ProveReply(at_most=done.at_most, within=within, words=bound_sentence(done), command=said))
     if done.at_most is not None:
         document.know(request.design, replace(answer, at_most=done.at_most, bound=bound))
+
+
+def bound(document: Document, request: BoundRequest, out: Reporter) -> None:
+    """A quick bound of the full answer, in the time that nobody needs."""
+    from wiggleroom.bound.dual_bound import with_bound_in_time
+
+    answer = document.answer(request.design, out)
+    done = with_bound_in_time(answer, BOUND_SECONDS, out.stop)
+    out.check()
+    within = None if done.bound is None else done.bound.within
+    out.reply(BoundReply(at_most=done.at_most, within=within, words=proven(done)))
+    if done.at_most is not None:
+        document.know(request.design, done)

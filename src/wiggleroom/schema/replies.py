@@ -296,6 +296,14 @@ class ProveReply(Reply, tag="prove", kw_only=True):
     command: Command
 
 
+class BoundReply(Reply, tag="bound", kw_only=True):
+    """A quick bound of a full answer."""
+
+    at_most: AtMost
+    within: float | None
+    words: Annotated[str, Meta(description='such as "at most 0.84 mm"; empty where there is none')]
+
+
 class Saved(Reply, kw_only=True):
     """A file."""
 
@@ -393,5 +401,5 @@ class Failed(Reply, kw_only=True):
 
 AnyReply = (
     Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | LimitReply
-    | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | Saved | ProgressReply | WorkerState | Failed
+    | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState | Failed
 )  # fmt: skip

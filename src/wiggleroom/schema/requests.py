@@ -185,6 +185,10 @@ class ProveRequest(DesignRequest, tag="prove", kw_only=True):
     seconds: Annotated[float, Meta(gt=0, le=3600)] = 60.0
 
 
+class BoundRequest(DesignRequest, tag="bound", kw_only=True):
+    """A quick bound of a full answer, worked out while nothing else is asked."""
+
+
 class SaveRequest(DesignRequest, tag="save", kw_only=True):
     """What is on screen, as a file."""
 
@@ -199,6 +203,7 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 
 AnyRequest = (
-    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest | CheckRequest
-    | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | SaveRequest | CancelRequest
+    OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest
+    | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | BoundRequest
+    | SaveRequest | CancelRequest
 )  # fmt: skip

@@ -2,7 +2,7 @@
 
 import { asks, design, goals, inSpace } from "../design.ts";
 import { factor, shown } from "../motion.ts";
-import { answer, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
+import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
@@ -62,7 +62,8 @@ function said(): Said {
     return { title: asked, line: [`solving at gap ${number(gap)} mm`, ...least].join(" · "), tone: "guess" };
   }
   const { headline, facts } = about.reply;
-  return { title: headline, line: [...facts, ...enlarged()].join(" · "), tone: about.reply.objective === null ? "warn" : "" };
+  const most = about.reply.at_most === null && bound.value?.design === design.value ? bound.value.reply.words : "";
+  return { title: headline, line: [...facts, ...(most ? [most] : []), ...enlarged()].join(" · "), tone: about.reply.objective === null ? "warn" : "" };
 }
 
 /** What a dragged part does: while the hand leads nothing is claimed. */
