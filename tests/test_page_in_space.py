@@ -259,6 +259,11 @@ def test_questions_of_drawings_are_refused_in_space_in_one_line(lid: Served) -> 
             said = page.until(page.send(kind, **more), "failed")
             assert said["kind"] == "failed"
             assert len(said["findings"]) == 1
+        page.design = {"fixed": ["case"], "goals": [{"part": "block", "direction": [1, 0, 0]}], "extra": {"block": 0.2}}
+        wider = page.ask("flex")
+        assert wider["objective"] == pytest.approx(0.5, abs=1e-6)  # half of it on either side
+        assert wider["command"] == ""  # no command says that
+        assert "cannot be written" in page.until(page.send("save", what="assembly"), "failed")["findings"][0]
         page.design = {"fixed": ["case"], "goals": [{"part": "block", "turn": "cw"}]}
         assert "three numbers" in page.until(page.send("flex"), "failed")["findings"][0]
 

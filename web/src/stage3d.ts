@@ -59,6 +59,9 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
   let ghost: Line | Group | null = null;
   const marks = new Group();
   world.add(marks);
+  /** What the marks were made of, and whether the parts moved in the frame before: turning the view makes none anew. */
+  let marked: unknown[] = [];
+  let wasMoving = false;
   const axes = axesIn(box);
 
   /** Places the parts for a frame. */
@@ -72,7 +75,11 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
       part.quaternion.copy(turn);
       part.position.copy(shift).add(home(p)).add(aside(p, apart));
     });
-    renewMarks(motion, factor, apart);
+    const told = hand.marks();
+    const of = [told?.contacts, told?.goals, told?.highlit, factor, apart, colours, given, names];
+    if (moving || wasMoving || of.some((one, k) => one !== marked[k])) renewMarks(told, motion, factor, apart);
+    marked = of;
+    wasMoving = moving;
     axes.draw(camera.quaternion, colours.axes);
     if (held?.moved) showGhost(held);
     return moving;
@@ -96,9 +103,8 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     return middle.sub(new Vector3(...centre)).multiplyScalar(apart);
   }
 
-  function renewMarks(motion: Float32Array, factor: number, apart: number): void {
+  function renewMarks(told: Marks | null, motion: Float32Array, factor: number, apart: number): void {
     drop(marks);
-    const told = hand.marks();
     if (!told || apart > 0.01) return;
     const strongest = Math.max(...told.contacts.map((one) => one.force), 1e-300);
     for (const { parts: names, point, normal, force } of told.contacts.slice(0, 60)) {

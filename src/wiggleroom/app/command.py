@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:
-    """Command of this name: with options where they can say the design, else about the assembly file that `save` makes.
+    """Command of this name: with options that say the design, else about the assembly file that `save` makes, else none.
 
     Parameters
     ----------
@@ -27,6 +27,8 @@ def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *
         False: it does not matter what is pulled.
     """
     said = options(file, design, pulled=pulled)
+    if said is None and design.extra and not isinstance(file.drawing, Drawing):
+        return ""  # neither options nor files say extra gaps of single parts in space
     if said is None:
         return shlex.join(["wiggleroom", name, saved_name(file.name), *more])
     return shlex.join(["wiggleroom", name, file.path, *more, *said])

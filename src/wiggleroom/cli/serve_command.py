@@ -27,7 +27,7 @@ def serve(
     Parameters
     ----------
     file
-        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json).
+        A drawing (.svg, .dxf, .lbrn2) or an assembly file (.json), also one in space.
     port
         Port on this machine. By default the usual one, so that the page knows its recent files, or else one that is free.
     browser
@@ -69,9 +69,12 @@ def first_request(file: str, asked: QuestionOptions) -> bytes:
     """The request that opens a file; raises InputError where it cannot be read or the options do not fit it."""
     from wiggleroom.app.open_requests import first_open, first_open_in_space
     from wiggleroom.cli.in_space import read_in_space
+    from wiggleroom.errors import InputError
     from wiggleroom.questions import is_spatial_file
 
     if is_spatial_file(file):
+        if asked.ignore:
+            raise InputError('serve: --ignore is not taken in space; write "ignore" in the file')
         return first_open_in_space(Path(file), read_in_space(file, asked).drawing)
     drawing = asked_drawing(file, asked)
     return first_open(Path(file), drawing, asked.unit, asked.flatten, asked.gap, read_options(asked))

@@ -5,6 +5,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { design, fixedNames, goals, groupOf } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import { askDrag, release } from "../session.ts";
+import type { ContactEntry } from "../protocol.ts";
 import type { SolidView } from "../stage3d.ts";
 import * as state from "../state.ts";
 import { solidView } from "./camera.ts";
@@ -38,14 +39,16 @@ const looks = computed(() => {
   });
 });
 
+const NONE: ContactEntry[] = [];
+
 /** Contacts where a motion ends, and what is asked. */
 function marks() {
   const { what } = shown.peek();
   if (what === "escape") return null;
   const about = what === "drag" ? state.dragged.peek() : state.answer.peek();
   const there = what === "drag" || (what === "answer" && place.peek() >= 0.999);
-  const contacts = there && about ? ("held" in about.reply ? about.reply.held : about.reply.contacts) : [];
-  return { contacts: blame.peek() ? [] : contacts, goals: goals.peek(), highlit: state.highlit.peek() };
+  const contacts = there && about && !blame.peek() ? ("held" in about.reply ? about.reply.held : about.reply.contacts) : NONE;
+  return { contacts, goals: goals.peek(), highlit: state.highlit.peek() };
 }
 
 function connected(box: HTMLElement, open: Open): () => void {
