@@ -113,7 +113,6 @@ class SpatialSearch:
         damped, and pairs of pieces that do not face each other join only where they meet.
         """
         limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
-        ready = self.ready
         for _ in range(MOST_ROUNDS):
             program, found = self._solved(seed, damped, limit)
             self.iterations += found.iterations
