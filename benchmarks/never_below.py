@@ -163,7 +163,7 @@ def _quick(answer: Answer) -> float:
     found = answer.warm_start
     if found is None or not isinstance(found.program.objective, PointMotion):
         return np.inf
-    most = quick_bound(found, found.program.objective, 10**9)
+    most = quick_bound(found, found.program.objective, 1e9)
     return np.inf if most is None else most
 
 

@@ -25,6 +25,8 @@ class Judged:
         Plates whose solids meet when each grows by a twentieth of a millimetre along its normal and in its plane.
     voids, filled : int
         Notches, slots and holes as wide as a plate is thick, and how many of them other plates fill.
+    unfilled : set of str
+        Panels of whose voids less than 97 % are filled.
     size : (3,) [mm]
         Of the box round everything, ascending.
     """
@@ -34,6 +36,7 @@ class Judged:
     touching: set[frozenset[str]]
     voids: int
     filled: int
+    unfilled: set[str]
     size: tuple[float, ...]
 
 
@@ -61,18 +64,20 @@ def judge(path: Path) -> Judged:
         if (grown[a] ^ grown[b]).volume() > 1e-6:
             touching.add(frozenset({a, b}))
     voids = filled = 0
+    unfilled = set()
     for part in parts:
         others = [solid for name, solid in solids.items() if name != part["name"]]
         everything = manifold3d.Manifold.batch_boolean(others, manifold3d.OpType.Add) if others else None
-        for void in _voids(bodies[part["name"]], part["thickness"]):
-            voids += 1
-            body = _solid(part, void, 0.0)
-            filled += bool(everything) and (body ^ everything).volume() > 0.75 * body.volume()
+        own = [_solid(part, void, 0.0) for void in _voids(bodies[part["name"]], part["thickness"])]
+        full = sum(bool(everything) and (body ^ everything).volume() > 0.75 * body.volume() for body in own)
+        if full < 0.97 * len(own):
+            unfilled.add(part["name"])
+        voids, filled = voids + len(own), filled + full
     bounds = np.array([solid.bounding_box() for solid in solids.values()])
     size = (
         tuple(sorted((bounds[:, 3:].max(axis=0) - bounds[:, :3].min(axis=0)).tolist())) if len(bounds) else (0.0,) * 3
     )
-    return Judged(tuple(solids), overlap, touching, voids, filled, size)
+    return Judged(tuple(solids), overlap, touching, voids, filled, unfilled, size)
 
 
 def _solid(part: dict, polygon: shapely.Polygon, more: float) -> manifold3d.Manifold:

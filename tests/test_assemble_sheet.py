@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import shapely
+from shapely import affinity
 
 pytest.importorskip("manifold3d")
 
@@ -268,3 +269,69 @@ def test_no_wrong_assembly_is_sure(tmp_path: Path, design: Design) -> None:
         found = assemble_sheet(sheet_of(tmp_path, design.svg(seed)), design.thickness)
         if found.sure:
             assert len(found.joints) == len(design.joined)
+
+
+def pentagon_box(t: float) -> dict[str, shapely.Polygon]:
+    """Five walls on a base; fingers between walls are made for 72 degrees, as long as needed to end on the outer face."""
+    turn = np.radians(72.0)
+    apothem, height = 45.0, 54.0
+    long, half = t * np.sin(turn), apothem * np.tan(turn / 2)
+    middle = half - 0.5 * t * np.tan(turn / 2) * np.cos(
+        turn
+    )  # of the fingers: a little behind where middle planes cross
+    wall = shapely.box(-middle - long / 2, 0, middle + long / 2, height)
+    for k in range(9):
+        side = 1 if k % 2 else -1
+        x = side * (middle + long / 2)
+        wall = wall.difference(shapely.box(x - long, 6 * k, x + long, 6 * k + 6))
+    tabs = [shapely.box(x - 4, -t, x + 4, 0.0) for x in (-14, 14)]
+    wall = shapely.union_all([wall, *tabs])
+    corners = [((apothem + 9) / np.cos(turn / 2) * np.exp(1j * (turn * k + turn / 2))) for k in range(5)]
+    base = shapely.Polygon([(z.real, z.imag) for z in corners])
+    for k in range(5):
+        for x in (-14, 14):
+            hole = shapely.box(apothem - t / 2, x - 4, apothem + t / 2, x + 4)
+            base = base.difference(affinity.rotate(hole, turn * k, origin=(0, 0), use_radians=True))
+    return {"base": base} | {f"wall {k}": wall for k in range(5)}
+
+
+def test_walls_meet_at_the_angle_of_the_base_below_them(tmp_path: Path) -> None:
+    design = Design("pentagon", 3.0, pentagon_box(3.0), set(), (0.0, 0.0, 0.0))
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
+    assert not found.unplaced
+    assert len(found.joints) == 10  # five walls in the base, and every wall with the next
+    (body,) = found.bodies
+    walls = [turn[:, 2] for row, turn in zip(body.rows, body.turns, strict=True) if found.plates[row].name != "base"]
+    beside = sorted(abs(round(float(np.degrees(np.arccos(walls[0] @ other))))) for other in walls[1:])
+    assert {min(angle, 180 - angle) for angle in beside} == {72, 36}
+
+
+def test_a_panel_that_fits_nothing_lies_loose(command: Callable[..., int], tmp_path: Path) -> None:
+    design = stool("stool", 60, 50, 3)
+    design.panels["plain"] = shapely.box(0, 0, 50, 40)
+    sheet, out, answer = tmp_path / "sheet.svg", tmp_path / "out.json", tmp_path / "answer.json"
+    sheet.write_text(design.svg())
+    assert command("assemble", sheet, "--thickness", 3, "-o", out, "--json", answer) == 3
+    said = json.loads(answer.read_text())
+    assert said["unplaced"] == said["loose"] == ["plain"]
+    assert any("it lies loose" in doubt for doubt in said["doubts"])
+
+
+def test_a_window_is_no_joint(tmp_path: Path) -> None:
+    """An opening for a switch has steps as long as the plate is thick; nothing is missing there."""
+    design = box("box", 75, 52, 38, 3, 8)
+    window = shapely.union_all([shapely.box(20, 12, 32, 24), shapely.box(17, 15, 35, 18)])
+    design.panels["front"] = design.panels["front"].difference(window)
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
+    assert len(found.joints) == 12
+    assert not found.open
+
+
+def test_what_is_sure_does_not_hang_on_the_clock(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import time
+
+    sheet = sheet_of(tmp_path, box("box", 75, 52, 38, 3, 8).svg(1))
+    ticks = iter(range(0, 10**9, 1000))
+    monkeypatch.setattr(time, "process_time", lambda: float(next(ticks)))
+    monkeypatch.setattr(time, "perf_counter", lambda: float(next(ticks)))
+    assert assemble_sheet(sheet, 3).sure

@@ -14,6 +14,7 @@ from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.drawing.assembly_file import read_assembly
 from wiggleroom.drawing.assembly_writer import degrees, write_assembly
 from wiggleroom.drawing.model import Drawing, JointGap, Part, Pull, Region, Turn, W
+from wiggleroom.drawing.rings import are_clean, clean_ring
 from wiggleroom.errors import InputError
 
 CONTRACT = """
@@ -174,3 +175,41 @@ def test_numbers_of_numpy_are_written(tmp_path):
     assert again.parts[0].offset == 0.125
     assert again.gap == 0.25
     assert again.goals == (Pull("a", (0.0, 1.0), (2.0, 0.0), 2.0),)
+
+
+def test_outlines_looked_at_together_are_cleaned_as_each_alone():
+    random = np.random.default_rng(0)
+    rings, clockwise = [], []
+    for _ in range(3000):
+        angle = np.sort(random.random(random.integers(1, 12))) * 2 * np.pi
+        ring = (np.column_stack([np.cos(angle), np.sin(angle)]) * random.random((len(angle), 1))).round(1)
+        ring = ring * 10.0 ** random.integers(-3, 4) + random.choice([0.0, 1e6])
+        rings.append(ring[:: random.choice([1, -1])])
+        clockwise.append(bool(random.random() < 0.5))
+    clean = are_clean(rings, np.array(clockwise), 1e7)
+    kept = [np.array_equal(clean_ring(r, clockwise=c), r) for r, c in zip(rings, clockwise, strict=True)]
+    assert clean.sum() > 300
+    assert not (clean & ~np.array(kept)).any()
+    large = [len(ring) >= 3 and abs(np.ptp(ring, axis=0).prod()) > 0 for ring in rings]
+    assert clean.sum() > 0.8 * (np.array(kept) & large).sum()
+
+
+def test_what_is_wrong_with_outlines_is_said_in_the_order_of_the_file():
+    parts = [
+        {"name": "a", "outline": [[0, 0], [1, 0]]},
+        {"name": "b", "outline": [[0, 0], [2, 0], [2, 1]], "holes": [[[0, 0], [1, 1], [0, 0]]], "colour": 1},
+        {"name": "c", "shape": "nothing"},
+        {"name": "d", "outlines": [{"outline": [[0, 0], [2, 0], [2, 1]]}, {"outline": [[0, 0], [1e300, 0], [2, 1]]}]},
+    ]
+    with pytest.raises(InputError) as wrong:
+        read_assembly(json.dumps({"format": "wiggleroom/1", "parts": parts}))
+    said = [line.partition('part "')[2][:1] for line in wrong.value.findings]
+    assert said == ["a", "b", "c", "d"]
+
+
+def test_a_shape_that_needs_cleaning_stays_one():
+    shape = {"outline": [[0, 0], [0, 1], [0.5, 1], [1, 1], [1, 0], [0, 0]]}
+    parts = [{"name": name, "shape": "s"} for name in "ab"]
+    a, b = read_assembly(json.dumps({"format": "wiggleroom/1", "shapes": {"s": shape}, "parts": parts})).parts
+    assert a.regions[0] is b.regions[0]
+    assert len(a.regions[0].outer) == 4

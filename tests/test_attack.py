@@ -37,6 +37,16 @@ def test_the_judge_finds_an_overlap_between_way_points_and_measures_it() -> None
     assert ground.overlap_on(turned) is not None
 
 
+def test_the_judge_sees_blocks_that_lie_on_each_other_in_line() -> None:
+    blocks = [part("long", box(0, 0, 2, 1), fixed=True), part("short", box(3, 0, 4, 1))]
+    ground = Ground(assembly(blocks, [pull("short", (-1, 0))]))
+    away = np.zeros((2, 2, 3))
+    away[1, 1, 0] = -2.0  # no corner of either is inside the other
+    found = ground.overlap_on(away)
+    assert found is not None
+    assert found.depth > 0.1
+
+
 def test_the_search_of_the_judge_finds_the_end_of_a_peg() -> None:
     assert Climber(peg_in_a_hole(), 0, 40).search().value == pytest.approx(0.5, abs=1e-4)
 

@@ -128,3 +128,14 @@ def test_command(command, tmp_path, capsys):
     assert "low" in told["steps"][0]["held"]
     assert command("plan", source, "--gravity", "down") == 2
     assert "--gravity down" in capsys.readouterr().err
+
+
+def test_what_rests_on_others_leaves_before_them():
+    cabinet = shapely.box(0, 0, 30, 40) - shapely.box(4, 4, 40, 36)
+    drawers = {"shelf": shapely.box(4, 14, 28, 18), "low": shapely.box(4, 4, 26, 14), "up": shapely.box(4, 18, 26, 36)}
+    assembly = assembled({"cabinet": cabinet, **drawers}, "cabinet", 0.4)
+    blind, found = wr.plan(assembly), wr.plan(assembly, gravity=DOWN)
+    weight = Gravity(assembly, survey(assembly), DOWN)
+    assert any(weight.to_hold(step) for step in blind.steps)
+    assert found.order == (("up",), ("shelf",), ("low",))
+    assert not any(step.falling for step in found.steps)

@@ -102,7 +102,7 @@ def test_parts_that_catch_on_both_shoulders_have_a_pocket():
 def bound_at_any_cost(answer):
     """The quick bound without regard to its work; inf where there is none."""
     found = answer.warm_start
-    most = quick_bound(found, found.program.objective, 10**9)
+    most = quick_bound(found, found.program.objective, 1e9)
     return math.inf if most is None else most
 
 
@@ -134,7 +134,7 @@ def look(seed):
     if not isinstance(found.program.objective, PointMotion):
         return
     wrong = replace(found.solution, lam=found.solution.lam * rng.uniform(0.5, 1.5, len(found.solution.lam)))
-    most = quick_bound(replace(found, solution=wrong), found.program.objective, 10**9)
+    most = quick_bound(replace(found, solution=wrong), found.program.objective, 1e9)
     assert most is None or most >= answer.objective * (1 - ROUNDING)
 
 

@@ -21,6 +21,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.cli.running import unless_stopped
 from wiggleroom.cli.watch import at_once, interruptible
+from wiggleroom.drawing import write_drawing
 from wiggleroom.search.loop import Progress
 
 DRAWINGS = Path(__file__).parents[1] / "examples" / "drawings"
@@ -80,6 +81,28 @@ def lateness(work: Callable[[threading.Event], Any], delay: float) -> float:
 @pytest.mark.parametrize("what", ASKED)
 def test_stop_is_honoured_within_a_second(what: str, jigsaw: wr.Assembly) -> None:
     assert lateness(lambda stop: ASKED[what](jigsaw, stop), 0.4) < 1.0
+
+
+@pytest.mark.parametrize("extension", ["svg", "dxf"])
+def test_reading_a_large_drawing_stops(extension: str, tmp_path: Path) -> None:
+    pieces = wr.patterns.grid(30, 30, joint="revolute", gap=0.01).drawing
+    file = tmp_path / f"large.{extension}"
+    write_drawing(pieces, file)
+    wr.read(DRAWINGS / "pyjigsaw_4x5.svg", gap=1.0)
+    stop = AfterSeconds(0.2)
+    with pytest.raises(wr.StoppedError):
+        wr.read(file, gap=0.01, stop=stop)
+    assert time.process_time() - stop.seen < 0.5
+
+
+def test_a_climb_that_is_stopped_still_begins_at_rest() -> None:
+    tees = wr.patterns.grid(30, 30, joint="tee", gap=0.01)
+    goal = wr.Pull(tees.names[-1], (1, 0))
+    wr.flex(wr.patterns.grid(11, 11, joint="tee", gap=0.01), goals=wr.Pull("b11-11", (1, 0)))
+    for seconds in (0.1, 0.15, 0.2, 0.25):
+        answer = wr.flex(tees, goal, stop=AfterSeconds(seconds))
+        assert not answer.waypoints[0].any()
+        assert answer.objective >= 0
 
 
 class AfterSeconds:

@@ -87,7 +87,10 @@ class Ground:
         return solids[0] if len(solids) == 1 else shapely.union_all(np.stack(solids, axis=1), axis=1)
 
     def depth(self, one: NDArray[np.object_], other: NDArray[np.object_]) -> Floats:
-        """How deep two rows of shapes (k,) overlap [mm]."""
+        """How deep two rows of shapes (k,) overlap [mm]: a corner of their common material from either rim, or the disc that fits in it.
+
+        Equal blocks that lie on each other in line have no corner off both rims. A disc of area over perimeter fits into any region.
+        """
         out = np.zeros(len(one))
         hit = np.flatnonzero(shapely.intersects(one, other))
         common = shapely.intersection(one[hit], other[hit])
@@ -95,7 +98,8 @@ class Ground:
         for k, shape in zip(hit[solid], common[solid], strict=True):
             spots = shapely.points(shapely.get_coordinates(shape))
             rims = [shapely.boundary(x) for x in (one[k], other[k])]
-            out[k] = max(shapely.distance(rim, spots).max() for rim in rims)
+            width = shapely.area(shape) / shapely.length(shape)
+            out[k] = max(width, *(shapely.distance(rim, spots).max() for rim in rims))
         return out
 
     def overlap(self, motion: Floats) -> Overlap | None:

@@ -17,8 +17,6 @@ from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.dual_bound import with_quick_bound
 from wiggleroom.compare.approximate import Approximation, answer_from, approximate
-from wiggleroom.compare.flex_halfplane import flex_half_planes
-from wiggleroom.compare.flex_hull import flex_hull
 from wiggleroom.deadline import GracePeriod
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
@@ -31,8 +29,7 @@ from wiggleroom.search.answer import Answer, Bound, with_bound, witnessed
 from wiggleroom.search.build_answer import answer_of
 from wiggleroom.search.canonical_frame import canonical_frame
 from wiggleroom.search.carried_incumbent import carried_incumbent
-from wiggleroom.search.complete_search import complete_search
-from wiggleroom.search.distance_climb import climbed
+from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
 from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch, Progress, silent
@@ -44,7 +41,6 @@ from wiggleroom.search.simplified_outlines import contact_places, prepare_outlin
 from wiggleroom.search.turn_in_place import better_climb, turned_in_place
 from wiggleroom.solve import solver_named
 from wiggleroom.solve.interior_point import Solution
-from wiggleroom.solve.linear_programming import linear_solver
 from wiggleroom.verdict import Verdict
 
 MAX_REFINEMENTS, MIN_REFINEMENT = 4, 1e-4
@@ -302,7 +298,8 @@ def _climbed(
     if turned is not None and ready.simplified:  # from rest, corners of simplified curves would be climbed one by one
         begin: Start | Incumbent = turned
     else:
-        begin = climbed(climb, start_at_rest(ready)) if start is None else _incumbent(start, ready).start()
+        further = FURTHER_CLIMBS if search is None else 0
+        begin = climbed(climb, start_at_rest(ready), further) if start is None else _incumbent(start, ready).start()
     if isinstance(begin, Incumbent):
         climb.best = begin
     else:
@@ -380,6 +377,8 @@ def _searched(
         if answer.verdict is Verdict.PROVEN:
             return replace(answer, search=effort(ends, ends[-1]))
     if alone or (exact and search is None):
+        from wiggleroom.search.complete_search import complete_search
+
         found = complete_search(climb)
         at_most = found.at_most
         if search is None:
@@ -443,9 +442,14 @@ def _approximately(
         if solver != "interior-point":
             finding = f'solver "{solver}": half-planes make linear programs; leave the solver out'
             raise InputError(finding)
+        from wiggleroom.compare.flex_halfplane import flex_half_planes
+        from wiggleroom.solve.linear_programming import linear_solver
+
         solver = linear_solver()
         end = flex_half_planes(ready, goal, ready.model.iterated, stop, tell)
     else:
+        from wiggleroom.compare.flex_hull import flex_hull
+
         end = flex_hull(ready, goal, solver_named(solver), stop, tell)
     seconds = {"freespace": spent, "solve": time.perf_counter() - began}
     return answer_from(ready, asked, solver, end, seconds)

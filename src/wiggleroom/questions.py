@@ -50,12 +50,14 @@ def read(
     goals : sequence of Pull or Turn
         In place of the file's, where there are any.
     **options
-        Of drawings alone: see `wiggleroom.assembly.build.read`.
+        Of drawings alone, `stop` among them: see `wiggleroom.assembly.build.read`.
 
     Raises
     ------
     InputError
         With everything that is wrong, one line each.
+    StoppedError
+        If it was asked to stop.
     """
     if is_spatial_file(path):
         from wiggleroom.spatial.spatial_assembly import read_spatial_assembly

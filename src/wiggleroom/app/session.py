@@ -1,7 +1,7 @@
 """One page: which of its requests is worked on next, which are dropped, and what happens when a process dies.
 
 The newest request of a kind counts. `open`, `drag`, `flex` and `shape` are for the hand that moves and go first;
-everything else gives way to them and begins again when the hand rests.
+everything else gives way to them and begins again when the hand rests. A `bound`, which nobody waits for, gives way to all.
 """
 
 from __future__ import annotations
@@ -25,6 +25,8 @@ Send = Callable[[list[bytes], bytes], Awaitable[None]]
 
 PRIORITY = {"open": 0, "drag": 1, "flex": 2, "shape": 3}
 """Kinds that are served first, in this order; all others are interrupted for them."""
+LAST = "bound"
+"""The kind that is served last and interrupted for all others."""
 GRACE_SECONDS = 0.6
 """A drag or flex that a newer one replaces may still end within this time [s]: else a hand that never rests would see nothing."""
 IDLE_SECONDS = 0.25
@@ -69,7 +71,7 @@ class Job:
     @property
     def rank(self) -> tuple[int, int]:
         """Who is served first."""
-        return PRIORITY.get(self.kind, len(PRIORITY)), self.born
+        return PRIORITY.get(self.kind, len(PRIORITY) + (self.kind == LAST)), self.born
 
 
 class Session:
@@ -120,14 +122,15 @@ class Session:
             self._pending.clear()
             self._halt(running)
         elif job.of == "flex":
-            self._pending.pop("settle", None)
-            if running is not None and running.kind == "settle":
-                self._halt(running)
+            for kind in ("settle", LAST):  # these were about the design before
+                self._pending.pop(kind, None)
+                if running is not None and running.kind == kind:
+                    self._halt(running)
         self._pending[job.kind] = job
         if running is not None and not running.stopped:
             if running.kind == job.kind:
                 self._supersede(running)
-            elif job.kind in PRIORITY and running.kind not in PRIORITY:
+            elif (job.kind in PRIORITY and running.kind not in PRIORITY) or running.kind == LAST:
                 running.again = True
                 self._halt(running)
         self._news.set()
@@ -286,6 +289,9 @@ def _allowed(text: bytes) -> AnyRequest:
         message = f"message: {len(text) / 1e6:.1f} MB; a message that is no drawing may have {DESIGN_MB} MB"
         raise InputError(message)
     request = decode(text)
+    if isinstance(request, OpenRequest) and request.beside:
+        message = "open: files beside a drawing are opened from the command line only; start wiggleroom serve with it"
+        raise InputError(message)
     if isinstance(request, OpenRequest) and len(request.data) > UPLOAD_MB * 1_000_000:
         message = f"{len(request.data) / 1e6:.1f} MB: a drawing may have {UPLOAD_MB} MB here; use the command line"
         raise InputError(message)

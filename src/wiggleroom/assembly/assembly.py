@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ class Assembly(Displayable):
     parts: tuple[Part, ...]
     drawing: Drawing
 
-    @property
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Names of the parts, in order."""
         return tuple(p.name for p in self.parts)
@@ -46,7 +47,7 @@ class Assembly(Displayable):
         """Rest poses (n, 3) [mm, mm, rad]."""
         return np.array([p.at for p in self.parts], dtype=float).reshape(-1, 3)
 
-    @property
+    @cached_property
     def size(self) -> float:
         """Longer side of the box round all parts at rest [mm]."""
         points = np.vstack([place(r.outer, p.at) for p in self.parts for r in p.regions])

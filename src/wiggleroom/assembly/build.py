@@ -13,7 +13,7 @@ from wiggleroom.assembly.plausibility import doubts
 from wiggleroom.assembly.statements import PartNames, unknown
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Goal, part_of
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop, go_on
 
 
 def assemble(
@@ -95,6 +95,7 @@ def read(
     skip: Sequence[str] = (),
     join: float | None = None,
     solid: Sequence[str] = (),
+    stop: Stop | None = None,
 ) -> Assembly:
     """Assembly from a file: `wiggleroom.drawing.read_drawing`, then `assemble`.
 
@@ -116,17 +117,22 @@ def read(
         Open ends nearer than this are joined.
     solid : sequence of str
         Outlines inside others that are parts, not holes: names, points or "all".
+    stop : optional
+        Anything with `is_set()`, asked after every element and every outline of a drawing.
 
     Raises
     ------
     InputError
         With everything that is wrong, one line each.
+    StoppedError
+        If it was asked to stop.
     """
     from wiggleroom.drawing import read_drawing
 
     named = [name for goal in goals if (name := part_of(goal)) is not None]
-    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named))
+    options = ReadOptions(tuple(only), tuple(skip), join, (*solid, *fix, *named), stop)
     drawing = read_drawing(Path(path), unit=unit, flatten=flatten, gap=gap, options=options)
+    go_on(stop)
     known = PartNames(drawing)
     fixed = [known(name) for name in fix]
     if known.wrong:

@@ -22,10 +22,12 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.bound.congruent_joints import congruent_joints
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.limited_tightening import tightened
-from wiggleroom.bound.outer_regions import links_about, material_of
+from wiggleroom.bound.outer_regions import Placement, links_about, material_of, placement
 from wiggleroom.bound.trigonometric_envelopes import support
+from wiggleroom.deadline import Deadline
 from wiggleroom.errors import Stop
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion, NearSides, local_outer_region
 from wiggleroom.geometry.bodies import Bodies, bodies
@@ -57,7 +59,10 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
         return answer
     # where outlines were searched with fewer corners, the bound is about those that were drawn
     drawn = None if answer.bound is None else bodies(answer.assembly)
-    most = quick_bound(found, found.program.objective, answer.iterations, drawn, stop)
+    work = _work_of_search(answer.rounds, answer.iterations, found.program.rows, len(found.program.cells.a))
+    if drawn is not None:
+        work += _work_of_corners(drawn, found.program.cells.a, found.program.cells.b)
+    most = quick_bound(found, found.program.objective, work, drawn, stop)
     spent = time.perf_counter() - began
     seconds = {k: v for k, v in answer.seconds.items() if k != "total"} | {"bound": spent}
     seconds["total"] = answer.seconds["total"] + spent
@@ -67,12 +72,34 @@ def with_quick_bound(answer: Answer, stop: Stop | None = None) -> Answer:
     return with_bound(replace(answer, seconds=seconds), bound)
 
 
+def with_bound_in_time(answer: Answer, seconds: float, stop: Stop | None = None) -> Answer:
+    """The answer with the best bound that is found in some time, or until one is near enough; the same where there is none or one already.
+
+    Of large assemblies small windows are looked at first, which takes seconds.
+    """
+    clock = Deadline(seconds, stop)
+    found = answer.warm_start
+    known = answer.bound is not None and answer.bound.at_most is not None
+    if known or not answer.objective or not answer.verdict.ends or found is None:
+        return answer
+    if not isinstance(found.program.objective, PointMotion):
+        return answer
+    drawn = None if answer.bound is None else bodies(answer.assembly)
+    most = quick_bound(found, found.program.objective, np.inf, drawn, clock)
+    if stop is not None and stop.is_set():
+        return answer
+    if most is None or not answer.objective <= most <= MAX_BOUND_RATIO * answer.objective:
+        return answer
+    return with_bound(answer, Bound(most, most / answer.objective - 1, clock.spent, kind="quick"))
+
+
 def quick_bound(
-    found: Incumbent, goal: PointMotion, iterations: int, drawn: Bodies | None = None, stop: Stop | None = None
+    found: Incumbent, goal: PointMotion, work: float, drawn: Bodies | None = None, stop: Stop | None = None
 ) -> float | None:
     """Value that no motion exceeds, from the end of a search; None where it would take too long, joints do not close or it is to stop.
 
-    It is about the bodies that were searched, or about others, `drawn`, that lie at the same places.
+    It is about the bodies that were searched, or about others, `drawn`, that lie at the same places. It may cost some `work`, about as
+    many milliseconds; infinite where only `stop` ends it.
     """
     them, cells = drawn or found.program.bodies, found.program.cells
     wrench = _wrenches(found)
@@ -80,37 +107,45 @@ def quick_bound(
     first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
-    work = _work_of_search(iterations, found.program.rows)
-    if drawn is not None:
-        work += _work_of_corners(them, cells.a, cells.b)
-    pivots, near = np.zeros((len(first), 2)), []
+    materials, pivots = [], np.zeros((len(first), 2))
     for c in wanted:
         if stop is not None and stop.is_set():
             return None
         a, b = int(cells.a[first[c]]), int(cells.b[first[c]])
         geometry = placed(them, only=np.array([a, b]))
         material, pivots[c], _ = material_of(them, geometry, a, b, float(shapely.distance(geometry[a], geometry[b])))
-        near.append(NearSides(material))
-        work -= near[-1].work
-        if work < 0:
+        materials.append(material)
+    joints, held = congruent_joints(materials)
+    near = [NearSides(joint.strips) for joint in joints]
+    work -= sum(sides.work for sides in near)
+    if work < 0:
+        return None
+    carried = np.bincount([one.joint for one in held], by_class[wanted], len(joints)) / by_class.sum()
+    made: list[LocalOuterRegion | None] = []
+    for sides, share in zip(near, carried, strict=True):
+        if stop is not None and stop.is_set():
             return None
-    pockets: list[LocalOuterRegion] = []
+        made.append(local_outer_region(sides))
+        if made[-1] is None and share > MAX_OMITTED_FORCE:
+            return None
+    pockets = [m for m in made if m is not None]
+    number = np.cumsum([m is not None for m in made]) - 1
     kind = np.full(len(first), -1, dtype=np.int64)
-    for c, sides in zip(wanted, near, strict=True):
-        made = local_outer_region(sides)
-        if made is not None:
-            kind[c] = len(pockets)
-            pockets.append(made)
-        elif by_class[c] > MAX_OMITTED_FORCE * by_class.sum():
-            return None
+    places: dict[int, Placement] = {}
+    for c, one in zip(wanted.tolist(), held, strict=True):
+        if made[one.joint] is not None:
+            kind[c] = number[one.joint]
+            places[c] = placement(them, int(cells.a[first[c]]), int(cells.b[first[c]]), pivots[c], one)
     known = np.flatnonzero(kind[label] >= 0)
     label = label[known]
-    links = links_about(them, cells.a[known], cells.b[known], kind[label], pivots[label])
+    links = links_about(them, cells.a[known], cells.b[known], kind[label], [places[c] for c in label.tolist()])
     ranges = first_ranges(them.fixed, links, pockets)
-    most = _value(them, goal, links, pockets, ranges, wrench[known], found.motion)
+    forces = _forces_of(them, links, cells.a[known], cells.b[known], wrench[known], found.motion)
+    most = _value(them, goal, links, pockets, ranges, forces, found.motion)
     if most is None or found.value <= 0 or find_spec("highspy") is None:
         return most
-    return min(most, tightened(them, goal, links, pockets, found.value, work))
+    over = (lambda: False) if stop is None else stop.is_set
+    return min(most, tightened(them, goal, links, pockets, found.value, work, over))
 
 
 def _wrenches(found: Incumbent) -> Floats:
@@ -122,23 +157,35 @@ def _wrenches(found: Incumbent) -> Floats:
     return out
 
 
+def _forces_of(them: Bodies, links: JointConstraints, a: Ints, b: Ints, wrench: Floats, motion: Floats) -> Floats:
+    """Forces and moments (P, 3) about the pivots of links, in the world's axes, from wrenches (P, 3) of pairs `a` and `b` (P,)."""
+    pose = them.rest + motion
+    point = pose[links.b, :2] + turn(links.arm_b, motion[links.b, 2])
+    w = turn(-wrench[:, :2], pose[a, 2])
+    moment = -wrench[:, 2] + _cross(pose[b, :2] - point, w)
+    sign = np.where(links.a == a, 1.0, -1.0)
+    return sign[:, None] * np.column_stack([w, moment])
+
+
 def _value(
     them: Bodies,
     goal: PointMotion,
     links: JointConstraints,
     pockets: Sequence[LocalOuterRegion],
     ranges: AngleRanges,
-    wrench: Floats,
+    forces: Floats,
     motion: Floats,
 ) -> float | None:
-    """What follows from forces (P, 3) of the links, about a motion (n, 3) [mm, mm, rad]; None where something counts that nothing holds."""
+    """What follows from forces and moments (P, 3) of the links, about a motion (n, 3) [mm, mm, rad].
+
+    None where something counts that nothing holds.
+    """
     a, b = links.a, links.b
     pose, turned = them.rest + motion, motion[:, 2]
     arm = turn(links.arm_b, turned[b])
     tau = turn(pose[b, :2] + arm - pose[a, :2], -turned[a]) - links.arm_a  # in the world's axes at rest
-    force = -wrench[:, :2]
-    moment = -wrench[:, 2] - _cross(turn(arm, -pose[a, 2]), force)
-    w = turn(force, pose[a, 2])
+    w, moment = forces[:, :2], forces[:, 2]
+    force = turn(w, -links.axes - turned[a])
     parts = _Parts(len(motion))
     parts.add(goal.body, goal.direction, goal.arm, goal.turn)
     parts.add(b, -w, links.arm_b, -moment)
@@ -203,9 +250,9 @@ def _cross(p: Floats, q: Floats) -> Floats:
 # Work is counted, not timed, so that every machine gives the same answer; one unit is about a millisecond.
 
 
-def _work_of_search(iterations: int, rows: int) -> float:
-    """Rather less than the search took."""
-    return 14 + iterations * (0.8 + 3.5e-4 * rows)
+def _work_of_search(rounds: int, iterations: int, rows: int, pairs: int) -> float:
+    """Rather less than the search took: cells of pairs with many rows are grown slowly, in every round."""
+    return 14 + iterations * (0.8 + 3.5e-4 * rows) + 1.3e-4 * rounds * rows * rows / max(pairs, 1)
 
 
 def _work_of_corners(them: Bodies, a: Ints, b: Ints) -> float:

@@ -2,16 +2,18 @@
 
 A joint keeps E = x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) p - R(t_a) tau = 0, with arms p, q from both origins to its pivot,
 tau the motion of the pivot seen from A and phi = t_b - t_a. Let v be t_a less the middle of its range, m the middle of the range
-of (t_a + t_b) / 2 and u that mean less m. For any force w, moment k, slopes l and n, and couplings r and s
+of (t_a + t_b) / 2 and u that mean less m. For any force w, moment k, slopes l and n, couplings r and s and curvature c
 
     goal = goal - w . E + k (phi - t_b + t_a) + l (t_a - middle - v) + n ((t_a + t_b) / 2 - m - u)
            + r (cos m (S_b - S_a) - sin m (C_b - C_a) - 2 cos u sin(phi / 2))
-           + s (cos m (C_b - C_a) + sin m (S_b - S_a) + 2 sin u sin(phi / 2)),
+           + s (cos m (C_b - C_a) + sin m (S_b - S_a) + 2 sin u sin(phi / 2))
+           + c ((1 - cos(t_a - middle)) - (1 - cos v)),
 
 S = sin t and C = cos t. What depends on one body's turn alone falls into parts alpha cos t + beta sin t + gamma t, whose largest
 value over a range is known; shifts drop out where forces balance. What is left of a joint is linear in (tau, phi), in v and in u
 but for products v tau and u phi and remainders of higher order. So it is largest at a corner of the joint's region, with v and u
-at an end. Any multipliers give a valid bound.
+at an end. A curvature takes 1 - cos v from the body, whose part bends down anyway, to the joint, where it outweighs products v tau:
+then v is best somewhere between. Any multipliers give a valid bound.
 """
 
 from __future__ import annotations
@@ -32,9 +34,9 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-FORCE_X, FORCE_Y, MOMENT, TURN_SLOPE, MEAN_SLOPE, SINE, COSINE = range(7)
-"""Columns of multipliers (P, 7): w, k, l, n, r and s above."""
-MULTIPLIERS = 7
+FORCE_X, FORCE_Y, MOMENT, TURN_SLOPE, MEAN_SLOPE, SINE, COSINE, CURVATURE = range(8)
+"""Columns of multipliers (P, 8): w, k, l, n, r, s and c above."""
+MULTIPLIERS = 8
 X, Y, COS, SIN, TURN = range(5)
 """Weights of a body: its shift, cos t - 1, sin t and t."""
 ROUNDING_MARGIN = 1e-12
@@ -70,7 +72,7 @@ class LagrangianBound:
     deviation: float = 0.0
 
     def most(self, weights: Floats, constant: Floats, multipliers: Floats) -> Floats:
-        """Upper bounds (K,) of weights (K, 5 n) . (x, y, C - 1, S, t) + constant, by multipliers (K, P, 7)."""
+        """Upper bounds (K,) of weights (K, 5 n) . (x, y, C - 1, S, t) + constant, by multipliers (K, P, 8)."""
         count = len(multipliers)
         flat = multipliers.reshape(count, -1)
         body = self._bodies()
@@ -82,11 +84,12 @@ class LagrangianBound:
         return np.asarray(total + ROUNDING_MARGIN * terms)
 
     def _bodies(self) -> sp.csr_matrix:
-        """Weights of bodies (5 n,) that multipliers (7 P,) give."""
+        """Weights of bodies (5 n,) that multipliers (8 P,) give."""
         joints, at = self.joints, self.at
         arm = {0: joints.arm_a + at.middle, 1: joints.arm_b}
         one, none = np.ones(len(joints.a)), np.zeros(len(joints.a))
         c, s = np.cos(at.mean), np.sin(at.mean)
+        own_c, own_s = np.cos(at.turn), np.sin(at.turn)
         parts = []
         for side, (of, sign) in enumerate(((joints.a, 1.0), (joints.b, -1.0))):
             x, y = arm[side].T
@@ -104,6 +107,8 @@ class LagrangianBound:
                 (SINE, SIN, -c),
                 (COSINE, COS, -c),
                 (COSINE, SIN, -s),
+                (CURVATURE, COS, -own_c if side == 0 else none),
+                (CURVATURE, SIN, -own_s if side == 0 else none),
             ):
                 parts.append((5 * of + row, MULTIPLIERS * np.arange(len(of)) + column, sign * value))
         rows, columns, values = (np.concatenate(v) for v in zip(*parts, strict=True))
@@ -139,28 +144,43 @@ class LagrangianBound:
             - m[..., MEAN_SLOPE] * at.mean
             + np.abs(m[..., SINE]) * at.sag
             + np.abs(m[..., COSINE]) * at.skew
+            + m[..., CURVATURE] * (1 - np.cos(at.turn))
         ).sum(1)
         total[(coupled[:, ~at.coupled] != 0).any(1)] = np.inf
         moment = m[..., MOMENT] - m[..., SINE] * at.chord
         doubt = (np.abs(m[..., TURN_SLOPE] * at.turn) + np.abs(m[..., MEAN_SLOPE] * at.mean)).sum(1)
+        doubt += 2 * np.abs(m[..., CURVATURE]).sum(1)
         for p in np.flatnonzero((m != 0).any((0, 2))):
             corner, margin = at.corner[p], at.cuts[p].margin
-            w, k, slope = local[:, p], moment[:, p], m[:, p, TURN_SLOPE]
+            w, k, slope, curvature = local[:, p], moment[:, p], m[:, p, TURN_SLOPE], m[:, p, CURVATURE]
+            half = at.half_turn[p]
             plain = corner @ np.stack([w[:, 0], w[:, 1], k])
             # w . R(v) d = w . d + v (w . J d) and a remainder; far from the middle the plain blur is less
             bent = np.abs(corner[:, :2] @ np.stack([w[:, 1], -w[:, 0]]) - slope)
             other = np.abs(np.outer(corner[:, 2], m[:, p, COSINE]) - m[:, p, MEAN_SLOPE])
             side = at.half_mean[p] * other
-            most = (plain + at.half_turn[p] * bent + side).max(0) + size[:, p] * at.bend[p]
-            flat = (plain + side).max(0) + size[:, p] * at.blur[p] + at.half_turn[p] * np.abs(slope)
+            # 1 - cos v lies between v^2 / 2 and this share of it; the remainder takes away from it
+            least = max(0.0, 1 - half * half / 12)
+            left = np.where(curvature >= 0, least, 1.0) * curvature - size[:, p] * at.reach[p] * (1 + half / 3)
+            most = (plain + side + _highest(bent, left, half)).max(0)
+            flat = (plain + side).max(0) + size[:, p] * at.blur[p] + half * np.abs(slope)
+            flat += np.maximum(-curvature, 0.0) * min(half * half / 2, 2.0)
             spread = np.abs(corner).max(0)
             terms = (
-                size[:, p] * (np.abs(at.middle[p]).sum() + spread[:2].sum() * (1 + at.half_turn[p]))
+                size[:, p] * (np.abs(at.middle[p]).sum() + spread[:2].sum() * (1 + half))
                 + np.abs(k) * spread[2]
-                + np.abs(slope) * at.half_turn[p]
+                + np.abs(slope) * half
+                + np.abs(left) * half * half
                 + (np.abs(m[:, p, COSINE]) * spread[2] + np.abs(m[:, p, MEAN_SLOPE])) * at.half_mean[p]
             )
-            rounded = margin * 2 * size[:, p] * (1 + at.half_turn[p]) + at.cuts[p].angle_margin * np.abs(k)
+            rounded = margin * 2 * size[:, p] * (1 + half) + at.cuts[p].angle_margin * np.abs(k)
             total += np.minimum(most, flat) + rounded
             doubt += terms
         return total, doubt
+
+
+def _highest(slope: Floats, curvature: Floats, half: float) -> Floats:
+    """Largest slope v - curvature v^2 / 2 over 0 <= v <= half, for slopes (c, K) of at least nought and curvatures (K,)."""
+    at_end = slope * half - curvature * half * half / 2
+    inside = (curvature > 0) & (slope < curvature * half)
+    return np.where(inside, slope * slope / np.where(inside, 2 * curvature, 1.0), at_end)

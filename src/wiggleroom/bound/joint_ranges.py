@@ -98,8 +98,10 @@ class JointRanges:
         Of the second body's turn against the first.
     middle, half : (P, 2) float64 [mm]
         Box that holds tau.
-    bend, blur : (P,) float64
-        A force errs by at most its length times bend [mm], where products of turn and tau are kept, else times blur.
+    reach : (P,) float64 [mm]
+        Largest length of tau less `middle`.
+    bend, blur : (P,) float64 [mm]
+        A force errs by at most its length times bend, where products of turn and tau are kept, else times blur.
     chord, sag, skew : (P,) float64
         2 cos v sin(phi/2) differs from chord * phi by at most sag [rad], 2 sin v sin(phi/2) from v * phi by at most skew.
     coupled : (P,) bool
@@ -118,6 +120,7 @@ class JointRanges:
     high: Floats
     middle: Floats
     half: Floats
+    reach: Floats
     bend: Floats
     blur: Floats
     chord: Floats
@@ -175,6 +178,7 @@ def joint_ranges(
         high,
         middle,
         half,
+        reach * (1 + 1e-12),
         reach * (v**2 / 2 + v**3 / 6) * (1 + 1e-12),
         reach * 2 * np.sin(v / 2) * (1 + 1e-12),
         (1 + least) / 2,

@@ -5,20 +5,25 @@ Work is counted from the size of programs, not timed, so that every machine give
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from wiggleroom.bound.branch_and_bound import MANY_BODIES
 from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges, turn_differences
 from wiggleroom.bound.joint_multipliers import goal_weights
 from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
 from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
+from wiggleroom.bound.window_bounds import bounded_windows
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
+from wiggleroom.freespace.outer.outer_facets import COARSE_NORMALS
 from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.program.objectives import PointMotion
 
 NEAR = 0.03
 """A quick bound that lies no further above the motion found than this share is near enough."""
+MANY_NEAR = 0.1
+"""The same where there are many bodies."""
 HOPS = 2
 """Turns are tightened of bodies so many joints apart."""
 MIN_GAIN = 0.1
@@ -32,8 +37,12 @@ def tightened(
     regions: Sequence[LocalOuterRegion],
     found: float,
     work: float,
+    over: Callable[[], bool],
 ) -> float:
-    """Value that no motion exceeds, near `found`, the value of a motion; infinite where the work does not allow a program at all."""
+    """Value that no motion exceeds, near `found`, the value of a motion; infinite where the work does not allow a program at all.
+
+    Where the work is infinite and bodies are many, local windows come first.
+    """
     held = them.fixed | np.isfinite(first_ranges(them.fixed, joints, regions).far)
     joints = joints.some(held[joints.a] & held[joints.b])
     linkage = Linkage(
@@ -44,31 +53,33 @@ def tightened(
         turn_differences(joints, regions),
         min((region.material.clearance for region in regions), default=1.0),
     )
+    cuts = RegionCuts([*regions])
+    many = np.isinf(work) and np.count_nonzero(held) > MANY_BODIES
+    if many:
+        cuts.unlike = COARSE_NORMALS
+        for known, _ in bounded_windows(them, linkage, cuts, over):
+            linkage = known
     ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
     weights = goal_weights(goal, len(held))
     cutoff = Cutoff(weights, (1 + NEAR / 2) * found)
     bodies = np.flatnonzero(held & ~them.fixed)
-    asked, cuts = dominating(linkage, bodies, HOPS), RegionCuts([*regions])
+    asked, near = dominating(linkage, bodies, HOPS), MANY_NEAR if many else NEAR
     first, again = _work_of_program(len(bodies), len(joints.a))
     best = np.inf
-    while work >= first:
+    while work >= first and not over():
         try:
             program = RelaxationInRanges(linkage, cuts, ranges)
         except InfeasibleRanges:
             return cutoff.worth
-        most = max(program.largest(weights, _never)[0], cutoff.worth if np.isfinite(best) else -np.inf)
+        most = max(program.largest(weights, over)[0], cutoff.worth if np.isfinite(best) else -np.inf)
         gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
         best, work = min(best, most), work - first - 2 * len(asked) * again
-        if best <= (1 + NEAR) * found or gain < MIN_GAIN or work < first:
+        if best <= (1 + near) * found or gain < MIN_GAIN or work < first:
             break
-        ranges = after_cuts(ranges, program.turn_cuts(asked, cutoff, _never), linkage.turns)
+        ranges = after_cuts(ranges, program.turn_cuts(asked, cutoff, over), linkage.turns)
         if np.any(ranges.low > ranges.high):
             return cutoff.worth
     return float(best)
-
-
-def _never() -> bool:
-    return False
 
 
 def _work_of_program(bodies: int, joints: int) -> tuple[float, float]:

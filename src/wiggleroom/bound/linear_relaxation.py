@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
 from wiggleroom.bound.joint_multipliers import (
     COSINE,
+    CURVATURE,
     FORCE_X,
     FORCE_Y,
     MEAN_SLOPE,
@@ -43,6 +44,9 @@ Bools = NDArray[np.bool_]
 
 WIDEST_PRODUCT = 1.0
 """Products of turn and tau are kept where the half width of the turn is less [rad]."""
+CURVED_REACH = 4.0
+"""|v d| <= |d| (r + v^2 / r) / 2 is a row for r so many times what d can be, divided by the body's radius; for turns less than twice r
+it says nothing new."""
 ROUNDING_MARGIN = 1e-12
 """Boxes are larger by this."""
 BODY, JOINT = 5, 4
@@ -63,7 +67,7 @@ class LinearRelaxation:
         A variable times its unit is [mm] or [rad].
     column : (bodies,) int64
         First column of each body, -1 where it has none.
-    reading : (7 P, m) sparse
+    reading : (8 P, m) sparse
         Multipliers of joints from those of rows.
     facet : (R, 2) int64
         Joint and number of its facet of the last R rows.
@@ -88,7 +92,7 @@ class LinearRelaxation:
         return out * self.unit
 
     def multipliers(self, y: Floats) -> Floats:
-        """Multipliers (K, P, 7) of joints from those of rows (K, m)."""
+        """Multipliers (K, P, 8) of joints from those of rows (K, m)."""
         return np.asarray((self.reading @ y.T).T).reshape(len(y), -1, MULTIPLIERS)
 
 
@@ -117,6 +121,9 @@ class _RowBuilder:
         self.column[self.moving] = BODY * np.arange(len(self.moving))
         self.first = BODY * len(self.moving)
         self.tau = self.first + JOINT * np.arange(len(joints.a))
+        self.split = CURVED_REACH * at.half.max(axis=1, initial=0.0) / radius[joints.a]
+        self.curved = (at.half_turn < WIDEST_PRODUCT) & (at.half_turn > 2 * self.split) & (self.column[joints.a] >= 0)
+        self.least = 1 - at.half_turn**2 / 12  # 1 - cos v is at least this share of v^2 / 2
         self.length, self.angle = unit, unit / float(radius.mean())
         self.parts: list[tuple[Ints, Ints, Floats]] = []
         self.read: list[tuple[Ints, Ints, Floats]] = []
@@ -207,23 +214,41 @@ class _RowBuilder:
         dx, dy = self.tau, self.tau + 1
         vx, vy = (np.where(kept, self.tau + k, -1) for k in (2, 3))
         one = np.ones(len(c))
-        self.add(
-            [b[0], b[3], b[4], a[0], a[3], a[4], dx, dy, vx, vy],
-            [one, q[:, 0], -q[:, 1], -one, -p[:, 0], p[:, 1], -c, s, s, c],
-            at.middle[:, 0] - error,
-            at.middle[:, 0] + error,
-            {FORCE_X: 1.0},
-        )
-        self.add(
-            [b[1], b[4], b[3], a[1], a[4], a[3], dx, dy, vx, vy],
-            [one, q[:, 0], q[:, 1], -one, -p[:, 0], -p[:, 1], -s, -c, -c, s],
-            at.middle[:, 1] - error,
-            at.middle[:, 1] + error,
-            {FORCE_Y: 1.0},
-        )
+        # of turns that are known badly the remainder is a share of 1 - cos v
+        share = np.where(self.curved, at.reach * (1 + at.half_turn / 3) / self.least, 0.0)
+        error = np.where(self.curved, 0.0, error) + share * (1 - c)
+        for k, force, columns, values in (
+            (
+                0,
+                FORCE_X,
+                [b[0], b[3], b[4], a[0], a[3], a[4], dx, dy, vx, vy],
+                [one, q[:, 0], -q[:, 1], -one, -p[:, 0], p[:, 1], -c, s, s, c],
+            ),
+            (
+                1,
+                FORCE_Y,
+                [b[1], b[4], b[3], a[1], a[4], a[3], dx, dy, vx, vy],
+                [one, q[:, 0], q[:, 1], -one, -p[:, 0], -p[:, 1], -s, -c, -c, s],
+            ),
+        ):
+            middle = at.middle[:, k]
+            plain = np.flatnonzero(~self.curved)
+            mine = [v[plain] for v in columns], [v[plain] for v in values]
+            self.add(*mine, middle[plain] - error[plain], middle[plain] + error[plain], {force: 1.0}, plain)
+            some = np.flatnonzero(self.curved)
+            for sign in (1.0, -1.0):
+                bent = sign * share[some]
+                self.add(
+                    [*(v[some] for v in columns), a[3][some], a[4][some]],
+                    [*(v[some] for v in values), bent * c[some], bent * s[some]],
+                    -np.inf if sign > 0 else middle[some] - error[some],
+                    middle[some] + error[some] if sign > 0 else np.inf,
+                    {force: 1.0, CURVATURE: bent},
+                    some,
+                )
 
     def _products(self) -> None:
-        """(h -+ v) (D -+ d) >= 0 for both products of a turn that is known well enough."""
+        """(h -+ v) (D -+ d) >= 0 for both products of a turn that is known well enough, and what 1 - cos v leaves of them."""
         at, turned = self.at, self.own[0][2]
         some = np.flatnonzero((at.half_turn < WIDEST_PRODUCT) & (turned >= 0))
         h, middle = at.half_turn[some], at.turn[some]
@@ -239,6 +264,20 @@ class _RowBuilder:
                         {TURN_SLOPE: -one * most},
                         some,
                     )
+        some = np.flatnonzero(self.curved)
+        c, s = np.cos(at.turn[some]), np.sin(at.turn[some])
+        for k in (0, 1):
+            most = at.half[some, k]
+            share = most / (self.split[some] * self.least[some])
+            for one in (1.0, -1.0):
+                self.add(
+                    [self.tau[some] + 2 + k, self.own[0][3][some], self.own[0][4][some]],
+                    [one, share * c, share * s],
+                    -np.inf,
+                    most * self.split[some] / 2 + share * (1 - c),
+                    {CURVATURE: share},
+                    some,
+                )
 
     def _couplings(self) -> None:
         """Sines and cosines of two joined bodies differ by their relative turn times the cosine and sine of their mean."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from wiggleroom.bound.congruent_joints import Congruence, congruent_joints
 from wiggleroom.bound.joint_constraints import JointConstraints
 from wiggleroom.freespace.outer.caging_surface import CagingSurface, caging_surface
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of, reached_slices
@@ -36,28 +38,77 @@ def outer_regions(
     """
     them, a, b = ground.bodies, ground.near.a, ground.near.b
     first, label = classes(them, a, b, relative_pose(them, a, b))
+    made = [
+        material_of(them, ground.geometry, int(a[k]), int(b[k]), float(ground.near.clearance[k]))
+        for k in first.tolist()
+        if not over()
+    ]
+    if len(made) < len(first):
+        return links_about(them, a[:0], b[:0], np.zeros(0, dtype=np.int64), []), []
+    joints, held = congruent_joints([m for m, *_ in made])
+    limit = them.radius[a[first]] + them.radius[b[first]]
+    leader = [next(c for c, one in enumerate(held) if one.joint == k) for k in range(len(joints))]
 
-    def region(k: int) -> tuple[OuterRegion | CagingSurface | None, Floats]:
-        if over():
-            return None, np.zeros(2)
-        return _region(ground, int(a[k]), int(b[k]), float(ground.near.clearance[k]), over, certify)
+    def region(material: PairMaterial, c: int) -> OuterRegion | CagingSurface | None:
+        return None if over() else _region(material, made[c][2], float(limit[c]), over, certify)
 
     with ThreadPoolExecutor(WORKERS) as pool:
-        made = list(pool.map(region, first.tolist()))
-    kind = np.cumsum([found is not None for found, _ in made]) - 1
-    kind[[found is None for found, _ in made]] = -1
-    pivots = np.array([pivot for _, pivot in made]).reshape(-1, 2)
+        found = list(pool.map(lambda k: region(joints[k].strips, leader[k]), range(len(joints))))
+        # what strips alone leave open, whole bodies may close
+        open_ = [c for c, one in enumerate(held) if found[one.joint] is None]
+        alone = dict(zip(open_, pool.map(lambda c: region(made[c][0], c), open_), strict=True))
+    regions: list[OuterRegion | CagingSurface] = [r for r in found if r is not None]
+    number = np.cumsum([r is not None for r in found]) - 1
+    kind = np.full(len(first), -1, dtype=np.int64)
+    for c, one in enumerate(held):
+        own = alone.get(c)
+        if own is not None:
+            kind[c] = len(regions)
+            regions.append(own)
+            held[c] = Congruence(one.joint, False, 0.0, np.zeros(2))
+        elif found[one.joint] is not None:
+            kind[c] = number[one.joint]
     known = np.flatnonzero(kind[label] >= 0)
+    placements = [placement(them, int(a[k]), int(b[k]), made[c][1], held[c]) for c, k in enumerate(first.tolist())]
     label = label[known]
-    regions = [found for found, _ in made if found is not None]
-    return links_about(them, a[known], b[known], kind[label], pivots[label]), regions
+    return links_about(them, a[known], b[known], kind[label], [placements[c] for c in label.tolist()]), regions
 
 
-def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, pivots: Floats) -> JointConstraints:
-    """Links of pairs (P,) that have a region each, about pivots (P, 2) [mm] in the frames of their first bodies."""
-    axes = them.rest[a, 2]
-    arm = turn(pivots, axes)
-    return JointConstraints(a, b, kind, arm, them.rest[a, :2] + arm - them.rest[b, :2], axes)
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where a joint lies in a pair of bodies.
+
+    Parameters
+    ----------
+    swapped : bool
+        Whether its first body is the pair's second.
+    pivot : (2,) float64 [mm]
+    angle : float [rad]
+        Its pivot and the angle of its axes in the frame of its first body.
+    """
+
+    swapped: bool
+    pivot: Floats
+    angle: float
+
+
+def placement(them: Bodies, a: int, b: int, pivot: Floats, held: Congruence) -> Placement:
+    """Placement of a joint in bodies `a` and `b`, of which `pivot` (2,) [mm] in the frame of `a` is the origin of the pair's material."""
+    x, y, angle = them.rest[a]
+    at = turn(pivot + held.shift, float(angle)) + np.array([x, y])
+    one = b if held.swapped else a
+    axes = float(angle + held.angle - them.rest[one, 2])
+    return Placement(held.swapped, turn(at - them.rest[one, :2], -float(them.rest[one, 2])), axes)
+
+
+def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, places: Sequence[Placement]) -> JointConstraints:
+    """Links of pairs (P,) that have a region each, about the pivots of their joints."""
+    swapped = np.array([p.swapped for p in places], dtype=bool)
+    one, two = np.where(swapped, b, a), np.where(swapped, a, b)
+    pivot = np.array([p.pivot for p in places]).reshape(-1, 2)
+    arm = turn(pivot, them.rest[one, 2])
+    axes = them.rest[one, 2] + np.array([p.angle for p in places])
+    return JointConstraints(one, two, kind, arm, them.rest[one, :2] + arm - them.rest[two, :2], axes)
 
 
 def material_of(
@@ -75,13 +126,10 @@ def material_of(
 
 
 def _region(
-    ground: Survey, a: int, b: int, clearance: float, over: Callable[[], bool], certify: bool
-) -> tuple[OuterRegion | CagingSurface | None, Floats]:
-    """Region of one pair, None where the joint is open or it was `over` first, and its pivot in the frame of body `a`."""
-    them = ground.bodies
-    material, pivot, lever = material_of(them, ground.geometry, a, b, clearance)
-    limit = float(them.radius[a] + them.radius[b])
+    material: PairMaterial, lever: float, limit: float, over: Callable[[], bool], certify: bool
+) -> OuterRegion | CagingSurface | None:
+    """Region of one pair, None where the joint is open or it was `over` first."""
     if not certify:
-        return outer_region(material, lever, limit, over), pivot
+        return outer_region(material, lever, limit, over)
     slices = reached_slices(material, lever, limit, over)
-    return (None if slices is None else caging_surface(material, slices, over)), pivot
+    return None if slices is None else caging_surface(material, slices, over)

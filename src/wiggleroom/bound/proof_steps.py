@@ -19,7 +19,7 @@ MULTIPLIER_BITS = 32
 
 
 def rounded(multipliers: Floats) -> Floats:
-    """Multipliers (K, P, 7) with fewer digits, for every program (K) multiples of one power of two."""
+    """Multipliers (K, P, 8) with fewer digits, for every program (K) multiples of one power of two."""
     unit = multiplier_units(multipliers)[:, None, None]
     return np.asarray(np.round(multipliers / unit) * unit)
 
@@ -40,7 +40,7 @@ class TurnCuts:
     end : (K,) float64 [rad]
     goal : (K,) float64
         Weight of "worth at least the cutoff".
-    multipliers : (K, P, 7) float64
+    multipliers : (K, P, 8) float64
     """
 
     body: Ints
@@ -112,7 +112,7 @@ def _numbers(values: Floats | None) -> list[float | None]:
 
 
 def _multipliers(goal: float, multipliers: Floats) -> list[Any]:
-    """[unit, weight of the goal, [[joint, seven whole numbers], ..]]."""
+    """[unit, weight of the goal, [[joint, eight whole numbers], ..]]."""
     unit = float(multiplier_units(multipliers[None])[0])
     whole = np.round(multipliers / unit).astype(np.int64)
     used = np.flatnonzero(whole.any(1))

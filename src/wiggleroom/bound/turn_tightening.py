@@ -89,7 +89,7 @@ class RelaxationInRanges:
         self.lagrangian = LagrangianBound(linkage.fixed, linkage.joints, self.at, ranges, linkage.deviation)
 
     def largest(self, weights: Floats, over: Callable[[], bool]) -> tuple[float, Floats, Floats, Floats]:
-        """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 7) that prove it, those of rows, and where it is taken."""
+        """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 8) that prove it, those of rows, and where it is taken."""
         linear = self.linear
         self.program = program = self._program(over)
         y = program.ask(linear.cost(weights))

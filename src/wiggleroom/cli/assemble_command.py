@@ -35,7 +35,6 @@ def assemble(
     skip: Many = (),
     join: float | None = None,
     solid: Many = (),
-    time: float = 60.0,
     json: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     picture: Path | None = None,
 ) -> int:
@@ -64,8 +63,6 @@ def assemble(
         Open ends nearer than this are joined [mm]. By default 0.2.
     solid
         Outlines inside others that are parts, not holes: NAME, @x,y for the one around a point, or all. May repeat.
-    time
-        Processor time [s] after which no wider search for plates is begun.
     json
         Write joints, unmatched flanks and unplaced panels as JSON to this file; - is stdout, which then holds nothing else.
     picture
@@ -81,16 +78,13 @@ def assemble(
 
     check(file, {"-o": (output, (".json",)), "--json": (json, ()), "--picture": (picture, STILLS)})
     sheet.check(file, in_plane=True)
-    if not time > 0:
-        message = f"--time {time:g}: it must be more than 0 s"
-        raise InputError(message)
     command = command_line()
     if join is not None and not 0 <= join < math.inf:
         message = f"--join {join:g}: it must be 0 or more"
         raise InputError(message)
     options = ReadOptions(tuple(split_words(only)), tuple(split_words(skip)), join, tuple(split_words(solid)))
     if sheet.given:
-        done = _in_space(assembled_sheet(file, sheet, unit=unit, options=options, seconds=time), command)
+        done = _in_space(assembled_sheet(file, sheet, unit=unit, options=options), command)
     else:
         from wiggleroom.mating.cutting_sheet import read_sheet
 

@@ -12,6 +12,9 @@ from cyclopts import Group, Parameter
 from wiggleroom.cli.options import Many
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from wiggleroom.drawing.layers import ReadOptions
     from wiggleroom.errors import Stop
     from wiggleroom.mating.assembled_sheet import AssembledSheet
@@ -98,7 +101,6 @@ def assembled_sheet(
     *,
     unit: str | None,
     options: ReadOptions,
-    seconds: float = 60.0,
     stop: Stop | None = None,
 ) -> AssembledSheet:
     """Panels of a drawing put together in space.
@@ -113,7 +115,7 @@ def assembled_sheet(
 
     thickness, hints = sheet.known(file)
     read = read_sheet(Path(file), unit=unit, options=options)
-    return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, hints=hints, seconds=seconds, stop=stop)
+    return assemble_sheet(read, thickness or 0.0, burn=sheet.burn, hints=hints, stop=stop)
 
 
 def sure_text(file: str, found: AssembledSheet) -> str:
@@ -128,11 +130,34 @@ def sure_text(file: str, found: AssembledSheet) -> str:
     from wiggleroom.mating.plates_writer import write_plates
 
     if not found.sure:
-        way = "look at it with wiggleroom assemble --picture, help with --hints, or ask the assembly file that assemble writes"
+        way = f"look at it with wiggleroom assemble --picture, then say in a file for --hints {_missing_hint(found)},"
+        way += " or ask the assembly file that assemble writes"
         raise UnsureError(
             [*(f"{file}: {doubt}" for doubt in found.doubts), f"{file}: how its panels go together is not sure: {way}"]
         )
     return write_plates(found)
+
+
+def _missing_hint(found: AssembledSheet) -> str:
+    """What a person could say of a sheet that is not sure."""
+    names = [plate.name for plate in found.plates]
+    if found.unplaced:
+        return f'where {names[found.unplaced[0]]} belongs ([[plate]] with panel = "{names[found.unplaced[0]]}")'
+    if found.joints:
+        joint = found.joints[-1]
+        a, b = (f"{names[row]}:{_side(found, row, joint.flanks[:, k])}" for k, row in enumerate(joint.panels))
+        return f'which edges belong together (such as join = [["{a}", "{b}"]])'
+    return "which panels make one body (groups)"
+
+
+def _side(found: AssembledSheet, row: int, flanks: NDArray[np.int64]) -> str:
+    """The side of a panel, as it lies on the sheet, to which some of its flanks are nearest."""
+    plate = found.plates[row]
+    left, bottom, right, top = plate.polygon.bounds
+    x, y = plate.middle[flanks].mean(axis=0)
+    return min(
+        {"left": x - left, "right": right - x, "bottom": y - bottom, "top": top - y}.items(), key=lambda e: e[1]
+    )[0]
 
 
 def _thicknesses(said: tuple[str, ...]) -> tuple[float | None, dict[str, float]]:

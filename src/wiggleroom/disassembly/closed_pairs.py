@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import shapely
@@ -11,6 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.disassembly.enclosure import Enclosed, holds
+from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.slide_search import slide_search
 from wiggleroom.disassembly.slide_space import SlideSpace
 from wiggleroom.errors import Stop
@@ -72,7 +74,7 @@ def enclosed_links(fixed: NDArray[np.bool_], around: Enclosed) -> ClosedPairs:
     return ClosedPairs(_labels(len(fixed), standing + pairs), _labels(len(fixed), standing + still), none)
 
 
-def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:
+def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None) -> ClosedPairs:
     """Tie bodies together wherever the free space of a pair alone is certainly closed.
 
     What two bodies cannot do while all others are taken away they cannot do among them either. Pairs that lie along each other longest come
@@ -83,6 +85,8 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) 
     ready : Prepared
     begin : Links
         What is tied to begin with; of that nothing more is asked.
+    passages : PassagesByGap
+        Those known from other gaps; what is found is added.
     stop : optional
         Asked before every pair.
     """
@@ -105,7 +109,7 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) 
             if labels[a] == labels[b] or begin.group[a] == begin.group[b]:
                 continue
             if c not in known:
-                known[c] = _alone(ready, a, b, stop)
+                known[c] = _alone(ready, a, b, passages, stop)
             found = known[c]
             if found is None:
                 continue
@@ -118,15 +122,19 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, stop: Stop | None = None) 
     return ClosedPairs(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
 
 
-def _alone(ready: Prepared, a: int, b: int, stop: Stop | None) -> Passage | None:
+def _alone(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop | None) -> Passage | None:
     """What is known about b leaving a while all others are taken away; None where slides lead out."""
-    if _slides_apart(ready, a, b, stop):
-        return None
-    one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
-    found = passage(one, other, most=BOXES_PER_PAIR, stop=stop)
-    if not found.closed and found.way is None and _one_holds_other(one, other):
-        return replace(found, closed=True)
-    return found
+
+    def look() -> Passage | None:
+        if _slides_apart(ready, a, b, stop):
+            return None
+        one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
+        found = passage(one, other, most=BOXES_PER_PAIR, stop=stop)
+        if not found.closed and found.way is None and _one_holds_other(one, other):
+            return replace(found, closed=True)
+        return found
+
+    return passages.look(ready, np.array([a]), np.array([b]), BOXES_PER_PAIR, look, stop)
 
 
 def _slides_apart(ready: Prepared, a: int, b: int, stop: Stop | None) -> bool:
@@ -143,7 +151,7 @@ def _slides_apart(ready: Prepared, a: int, b: int, stop: Stop | None) -> bool:
     return found.way is not None
 
 
-def surer(ready: Prepared, known: ClosedPairs, stop: Stop | None = None) -> ClosedPairs:
+def surer(ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None) -> ClosedPairs:
     """Look again, with many more boxes, at pairs that were not decided, for as long as that can still tie all bodies together.
 
     The group with the fewest such pairs comes first: where none of them is closed, the others need not be looked at.
@@ -151,7 +159,7 @@ def surer(ready: Prepared, known: ClosedPairs, stop: Stop | None = None) -> Clos
     bodies, geometry = ready.bodies, placed(ready.bodies)
     a, b = known.undecided.T
     _, label = classes(bodies, a, b, relative_pose(bodies, a, b))
-    seen: dict[int, Passage] = {}
+    seen: dict[int, Passage | None] = {}
     group, held = known.group, known.held
     while True:
         open_ = group[a] != group[b]
@@ -162,9 +170,11 @@ def surer(ready: Prepared, known: ClosedPairs, stop: Stop | None = None) -> Clos
                 return replace(known, group=group, held=held)
             c = int(label[k])
             if c not in seen:
-                seen[c] = passage(geometry[a[k]], geometry[b[k]], most=BOXES_PER_DECISIVE_PAIR, stop=stop)
-            if seen[c].closed:
-                held = np.where(held == held[b[k]], held[a[k]], held) if seen[c].held else held
+                look = partial(passage, geometry[a[k]], geometry[b[k]], most=BOXES_PER_DECISIVE_PAIR, stop=stop)
+                seen[c] = passages.look(ready, a[k : k + 1], b[k : k + 1], BOXES_PER_DECISIVE_PAIR, look, stop)
+            found = seen[c]
+            if found is not None and found.closed:
+                held = np.where(held == held[b[k]], held[a[k]], held) if found.held else held
                 group = np.where(group == group[b[k]], group[a[k]], group)
                 break
         else:

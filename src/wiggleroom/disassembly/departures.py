@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,15 +12,18 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.closed_pairs import enclosed_links
 from wiggleroom.disassembly.enclosure import Enclosed, enclosed
 from wiggleroom.disassembly.escape import NO_BODIES, EscapeEffort, Stage, next_stage
+from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without
 from wiggleroom.errors import Stop, StoppedError
 from wiggleroom.geometry.rigid_motions import of_parts
 from wiggleroom.search.loop import Progress
-from wiggleroom.search.prepare import survey
+from wiggleroom.search.prepare import Survey, survey
 from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Burden = Callable[[Floats, NDArray[np.bool_], Ints], int]
+"""Of a state (n, 3) of all parts, those that are there, and those that are to leave."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,6 +97,7 @@ def disassemble(
     targets: tuple[str, ...] = (),
     effort: EscapeEffort | None = None,
     every: bool = True,
+    burden: Burden | None = None,
     stop: Stop | None,
     tell: Callable[[Progress], None],
 ) -> Disassembly:
@@ -108,6 +112,8 @@ def disassemble(
     effort : EscapeEffort, optional
     every : bool
         False: it ends once anything has left.
+    burden : callable, optional
+        How much trouble it makes that some parts leave from a state; of those that could leave straight, those with the least leave first.
     stop, tell
         As for `flex`.
 
@@ -120,6 +126,7 @@ def disassemble(
     wanted = set(targets)
     n = len(names)
     so_far = _Progress(assembly, np.arange(n), np.zeros((n, 3)))
+    effort = effort or EscapeEffort()
     while True:
         left, alive = so_far.left, so_far.alive
         around = None
@@ -131,7 +138,9 @@ def disassemble(
                 stage = Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, begin.held)
                 return _ended(so_far, stage, around)
             aims = np.unique([ground.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
-            stage = next_stage(left, ground, begin, effort or EscapeEffort(), aims.astype(np.int64), stop, tell)
+            stage = next_stage(
+                left, ground, begin, effort, aims.astype(np.int64), stop, tell, _of_bodies(burden, so_far, ground)
+            )
         except StoppedError:
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
         so_far.questions += stage.questions
@@ -148,6 +157,7 @@ def disassemble(
         there[alive] = True
         so_far.departures.append(Departure(np.sort(alive[who]), way, there, stage.moves))
         so_far.motion = way[-1]
+        effort = replace(effort, passages=PassagesByGap())  # the others lie elsewhere now
         stay = np.setdiff1d(np.arange(len(alive)), who)
         so_far.left = without(displaced(left, of_parts(left, bodies, stage.way)[-1]), who)
         so_far.alive = alive[stay]
@@ -156,6 +166,17 @@ def disassemble(
         if alone or not every or (targets and not wanted):
             end: Separability = Separability.INTERLOCKED if alone else Separability.COMES_APART
             return _ended(so_far, Stage(end, Certainty.PROVEN, NO_BODIES, None, NO_BODIES), around)
+
+
+def _of_bodies(burden: Burden | None, so_far: _Progress, ground: Survey) -> Callable[[Ints], int] | None:
+    """The burden of bodies that leave from where all are now."""
+    if burden is None:
+        return None
+    alive, members = so_far.alive, ground.bodies.members
+    there = np.zeros(len(so_far.motion), dtype=np.bool_)
+    there[alive] = True
+    motion = so_far.motion
+    return lambda who: burden(motion, there, alive[[p for b in who for p in members[b]]])
 
 
 def _ended(so_far: _Progress, stage: Stage, around: Enclosed | None) -> Disassembly:

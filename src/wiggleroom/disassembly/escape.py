@@ -17,6 +17,7 @@ from wiggleroom.disassembly.clearance import distances
 from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
 from wiggleroom.disassembly.enclosure import enclosed_by_held
 from wiggleroom.disassembly.explore import EXIT_TESTS, MAX_QUESTIONS, ask, explore, way_out
+from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
 from wiggleroom.disassembly.slide_search import WORK_BUDGET, MoveSequence, SlideSearch, Tilt, slide_search
@@ -101,11 +102,14 @@ class EscapeEffort:
         Largest motions searched at most.
     work : float
         Work of the search over slides, in pairs of edges compared.
+    passages : PassagesByGap
+        Those known from other gaps of the assembly at rest; what is found is added.
     """
 
     boxes: int = BOXES_FOR_ONE_BODY
     questions: int = MAX_QUESTIONS
     work: float = WORK_BUDGET
+    passages: PassagesByGap = field(default_factory=PassagesByGap)
 
 
 def next_stage(
@@ -116,6 +120,7 @@ def next_stage(
     targets: Ints,
     stop: Stop | None,
     tell: Callable[[Progress], None],
+    burden: Callable[[Ints], int] | None = None,
 ) -> Stage:
     """The next parts that leave, the cheapest ways of finding them first.
 
@@ -132,6 +137,8 @@ def next_stage(
         Bodies that are to leave, rather than others; none where all are to.
     stop, tell
         As for `flex`.
+    burden : callable, optional
+        How much trouble it makes that some bodies leave; the least comes first.
     """
     bodies, n = ground.bodies, len(ground.bodies.fixed)
     stands = int(np.flatnonzero(bodies.fixed)[0])
@@ -139,7 +146,7 @@ def next_stage(
     still = MoveSequence(rest, NO_BODIES)
     tell(Progress("straight ways"))
     found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
-    first = _roomiest(ground, found, targets)
+    first = _roomiest(ground, found, targets, burden)
     if first is not None and _wanted(first.who, targets):
         return _leave(assembly, ground, still, first)
     tell(Progress("slides"))
@@ -156,9 +163,14 @@ def next_stage(
     return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
 
 
-def _roomiest(ground: Survey, found: list[TranslationEscape], targets: Ints) -> TranslationEscape | None:
-    """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not."""
-    order = [(not _wanted(e.who, targets), len(e.who)) for e in found]
+def _roomiest(
+    ground: Survey, found: list[TranslationEscape], targets: Ints, burden: Callable[[Ints], int] | None
+) -> TranslationEscape | None:
+    """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not.
+
+    Those of the least burden come first, where that is asked.
+    """
+    order = [(not _wanted(e.who, targets), 0 if burden is None else burden(e.who), len(e.who)) for e in found]
     best = [e for e, place in zip(found, order, strict=True) if place == min(order)]
     if len(best) < 2:
         return best[0] if best else None
@@ -209,20 +221,22 @@ def _beyond_slides(
     ready = simpler = prepare_outlines(assembly, ground, stop)
     if simpler.simplified:  # what holds larger parts need not hold these: proofs are about the outlines as they are
         ready = replace(simpler, bodies=bodies, simplified=0.0)
-    known, tries = _rigid(ready, begin, effort.boxes, stop)
+    known, tries = _rigid(ready, begin, effort, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     known = _walled_in(ready, known, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     nearly = _nearly(ready, stands, known.group, stop)
-    for rigid in itertools.chain(tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, stop) for e in nearly)):
+    for rigid in itertools.chain(
+        tries, (leaves_as_one(ready, e.who, BOXES_FOR_NEAR_EXIT, effort.passages, stop) for e in nearly)
+    ):
         if stop is not None and stop.is_set():
             break
         out = None if rigid.way is None else way_out(ready, stands, known.group, rigid.way, stop=stop)
         if out is not None and (stage := _leave_moving(assembly, ground, still, *out)).way is not None:
             return stage
-    known = surer(ready, known, stop)
+    known = surer(ready, known, effort.passages, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     loose = slid.states > 1 and slid.whole and slid.on_lattice
@@ -277,21 +291,23 @@ def _from_tilt(
 
 
 def _rigid(
-    ready: Prepared, begin: ClosedPairs, boxes: int, stop: Stop | None
+    ready: Prepared, begin: ClosedPairs, effort: EscapeEffort, stop: Stop | None
 ) -> tuple[ClosedPairs, Iterator[RigidEscape]]:
     """What is tied to what, and for each group that may leave what is known about its leaving as one."""
     free = np.flatnonzero(~ready.bodies.fixed)
     if len(free) == 1:
-        rigid = leaves_as_one(ready, free, boxes, stop)
+        rigid = leaves_as_one(ready, free, effort.boxes, effort.passages, stop)
         alone = (~ready.bodies.fixed).astype(np.int64)
         return ClosedPairs(
             alone * (not rigid.closed), alone * (not rigid.held), np.zeros((0, 2), dtype=np.int64)
         ), iter([rigid])
-    known = closed_pairs(ready, begin, stop)
+    known = closed_pairs(ready, begin, effort.passages, stop)
     ground = known.group[np.flatnonzero(ready.bodies.fixed)[0]]
     groups = (np.flatnonzero(known.group == g) for g in np.unique(known.group) if g != ground)
     return known, (
-        leaves_as_one(ready, who, BOXES_PER_PAIR, stop) for who in groups if stop is None or not stop.is_set()
+        leaves_as_one(ready, who, BOXES_PER_PAIR, effort.passages, stop)
+        for who in groups
+        if stop is None or not stop.is_set()
     )
 
 

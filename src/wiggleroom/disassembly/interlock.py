@@ -19,6 +19,7 @@ from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.departures import Departure, Disassembly, disassemble
 from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.explore import MAX_QUESTIONS
+from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
@@ -156,19 +157,24 @@ def check(
     >>> str(found.verdict), str(found.certainty)
     ('interlocked', 'proven')
     """
-    began = time.perf_counter()
     if seconds is not None:
         if not 0 < seconds < np.inf:
             finding = f"seconds {seconds:g}: it must be more than 0"
             raise InputError(finding)
         stop = Deadline(seconds, stop)
-    tell = progress or silent
+    return interlock(assembly, EscapeEffort(boxes, questions), every=every, stop=stop, tell=progress or silent)
+
+
+def interlock(
+    assembly: Assembly, effort: EscapeEffort, *, every: bool, stop: Stop | None, tell: Callable[[Progress], None]
+) -> Interlock:
+    """The verdict of `check`, with all that its search may use."""
+    began = time.perf_counter()
     standing = with_ground(assembly)
-    effort = EscapeEffort(boxes, questions)
     try:
         done = disassemble(standing, effort=effort, every=every, stop=stop, tell=tell)
     except TouchingError:
-        return _tight(assembly, standing, stop, progress, boxes, questions, every)
+        return _tight(assembly, standing, effort, every, stop, tell)
     escapes, stage = _escapes(standing, done), done.last
     spins = _spins(done.left, stage.held, stop) if every else ()
     verdict: Separability = Separability.COMES_APART if escapes else stage.ended
@@ -245,11 +251,10 @@ def _without_standstill(way: Floats) -> Floats:
 def _tight(
     assembly: Assembly,
     left: Assembly,
-    stop: Stop | None,
-    progress: Callable[[Progress], None] | None,
-    boxes: int,
-    questions: int,
+    effort: EscapeEffort,
     every: bool,
+    stop: Stop | None,
+    tell: Callable[[Progress], None],
 ) -> Interlock:
     """The same for parts that touch at rest."""
     began = time.perf_counter()
@@ -262,7 +267,7 @@ def _tight(
             assembly, Separability.INTERLOCKED, sure, remains=names, seconds=time.perf_counter() - began, tight=True
         )
     loose = assemble(left.drawing, gap=left.gap + TRIAL_GAP * left.size)
-    found = check(loose, stop=stop, progress=progress, boxes=boxes, questions=questions, every=every)
+    found = interlock(loose, replace(effort, passages=PassagesByGap()), every=every, stop=stop, tell=tell)
     apart = found.verdict is Separability.COMES_APART  # with the little gap, which is not quite the drawing
     return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)
 

@@ -10,9 +10,10 @@ from typing import Any
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.interlock import Interlock, check
+from wiggleroom.disassembly.escape import EscapeEffort
+from wiggleroom.disassembly.interlock import Interlock, interlock
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
-from wiggleroom.search.loop import Progress
+from wiggleroom.search.loop import Progress, silent
 
 RELATIVE_TOLERANCE = 1e-3
 """Both sides end no further apart than this share of the gap."""
@@ -84,8 +85,10 @@ def largest_gap(
             raise InputError(finding)
         stop = Deadline(seconds, stop)
 
+    effort = EscapeEffort(BOXES_PER_GAP, QUESTIONS_PER_GAP)
+
     def look(made: Assembly) -> Interlock:
-        return check(made, stop=stop, progress=progress, boxes=BOXES_PER_GAP, questions=QUESTIONS_PER_GAP, every=False)
+        return interlock(made, effort, every=False, stop=stop, tell=progress or silent)
 
     return largest_gap_over(assembly, lambda gap: assemble(assembly.drawing, gap=gap), look, stop)
 

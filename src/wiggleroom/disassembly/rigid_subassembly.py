@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from wiggleroom.audit.audit_outlines import outlines
 from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.errors import Stop
-from wiggleroom.freespace.subdivision.passage import passage
+from wiggleroom.freespace.subdivision.passage import Passage, passage
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import about, of_parts
 from wiggleroom.search.prepare import Prepared
@@ -43,7 +44,9 @@ class RigidEscape:
     way: Floats | None
 
 
-def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = None) -> RigidEscape:
+def leaves_as_one(
+    ready: Prepared, who: Ints, most: int, passages: PassagesByGap, stop: Stop | None = None
+) -> RigidEscape:
     """Look for a way on which the bodies `who` leave as one, the others staying where they are.
 
     Parameters
@@ -52,6 +55,8 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = Non
     who : (k,) int64
     most : int
         Boxes judged at most.
+    passages : PassagesByGap
+        Those known from other gaps; what is found is added.
     stop : optional
         Asked now and then.
     """
@@ -61,7 +66,13 @@ def leaves_as_one(ready: Prepared, who: Ints, most: int, stop: Stop | None = Non
     a, b = ready.ignored // n, ready.ignored % n
     if (np.isin(a, who) != np.isin(b, who)).any():  # pairs that pass through each other are not one solid
         return RigidEscape(False, False, None)
-    found = passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most, stop=stop)
+
+    def look() -> Passage:
+        return passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most, stop=stop)
+
+    found = passages.look(ready, others, who, most, look, stop)
+    if found is None:  # slides of a pair lead apart: with other boxes the way is found here
+        found = look()
     if found.way is None:
         return RigidEscape(found.held, found.closed, None)
     points = _finer(found.way)

@@ -7,8 +7,9 @@ import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -27,7 +28,7 @@ from wiggleroom.drawing.assembly_schema import (
 from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST, SMALLEST
 from wiggleroom.drawing.model import WHOLE, Drawing, Goal, JointGap, Part, Points, Pull, Region, Tolerance, Turn, W
-from wiggleroom.drawing.rings import clean_ring, extents_and_areas
+from wiggleroom.drawing.rings import are_clean, clean_ring, extents_and_areas
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.tolerances import tolerance_findings
 from wiggleroom.errors import InputError
@@ -69,8 +70,22 @@ def _without_collection() -> Iterator[None]:
             gc.enable()
 
 
+class _Given(NamedTuple):
+    """An outline as it was given, where it stands, which way it should run, and how much was found to be wrong before it."""
+
+    ring: Points
+    where: str
+    label: str
+    clockwise: bool
+    findings: int
+
+
 class _Reader(EntryReader[FileEntry]):
     """Goes through one file and collects what is wrong with it."""
+
+    def __init__(self, file: str, entry: FileEntry) -> None:
+        super().__init__(file, entry)
+        self._rings: list[_Given] = []
 
     def drawing(self) -> Drawing:
         """Return the drawing, or raise an InputError with every finding."""
@@ -80,6 +95,7 @@ class _Reader(EntryReader[FileEntry]):
         shapes = {name: self._shape(name, value) for name, value in entry.shapes.items()}
         self._check_names()
         parts = [part for i, value in enumerate(entry.parts) if (part := self._part(i, value, shapes))]
+        parts = self._with_clean_rings(parts)
         self._fixed = {part.name for part in parts if part.fixed}
         glue = tuple(self._together(f"glue[{i}]", value) for i, value in enumerate(entry.glue))
         ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
@@ -178,14 +194,43 @@ class _Reader(EntryReader[FileEntry]):
         )
 
     def _ring(self, where: str, label: str, corners: list[Point], clockwise: bool = False) -> Points:
-        given = np.array(corners, dtype=float).reshape(-1, 2)
-        if given.size and not np.abs(given).max() * self._mm <= LARGEST:
+        """An outline as it was given; all of them together are cleaned later."""
+        ring = np.array(corners, dtype=float).reshape(-1, 2)
+        if self._mm != 1.0:
+            ring *= self._mm
+        self._rings.append(_Given(ring, where, label, clockwise, len(self._findings)))
+        return ring
+
+    def _with_clean_rings(self, parts: list[Part]) -> list[Part]:
+        """The parts with outlines that are clean; what is wrong with one is said where it stands in the file."""
+        given = self._rings
+        clean = are_clean([one.ring for one in given], np.array([one.clockwise for one in given], dtype=bool), LARGEST)
+        if clean.all():
+            return parts
+        said, self._findings, done = self._findings, [], 0
+        made: dict[int, Points] = {}
+        for k in np.flatnonzero(~clean).tolist():
+            self._findings += said[done : given[k].findings]
+            done = given[k].findings
+            made[id(given[k].ring)] = self._cleaned(given[k])
+        self._findings += said[done:]
+        regions: dict[int, Region] = {}  # a shape may be there many times
+        for region in (region for part in parts for region in part.regions):
+            if id(region) not in regions:
+                outer, *holes = (made.get(id(ring), ring) for ring in (region.outer, *region.holes))
+                regions[id(region)] = Region(outer, tuple(holes))
+        return [replace(part, regions=tuple(regions[id(region)] for region in part.regions)) for part in parts]
+
+    def _cleaned(self, given: _Given) -> Points:
+        """An outline cleaned, or a finding and something that stands for it."""
+        where, label = given.where, given.label
+        if given.ring.size and not np.abs(given.ring).max() <= LARGEST:
             self._say(where, f"{label} has coordinates beyond {LARGEST:g} mm; move or scale it")
             return np.zeros((0, 2))
-        ring = clean_ring(given if self._mm == 1.0 else given * self._mm, clockwise=clockwise)
+        ring = clean_ring(given.ring, clockwise=given.clockwise)
         if len(ring) >= 3 and (ring[2:] != ring[:-2]).any():  # else two corners take turns
             return ring
-        distinct = len({tuple(corner) for corner in corners})
+        distinct = len(np.unique(given.ring, axis=0))
         if distinct < 3:
             self._say(where, f"{label} has {distinct} corners; at least 3 are needed")
         elif len(ring) < 3:

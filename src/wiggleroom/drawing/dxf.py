@@ -7,10 +7,10 @@ from pathlib import Path
 from wiggleroom.drawing.dxf_file import load_dxf, scale_of
 from wiggleroom.drawing.dxf_walk import DxfWalk
 from wiggleroom.drawing.elements import Artwork
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop, StoppedError, go_on
 
 
-def dxf_artwork(path: str | Path, unit: str | None = None) -> Artwork:
+def dxf_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = None) -> Artwork:
     """Strokes and texts of a DXF drawing, text or binary, of any version from R12 on.
 
     Parameters
@@ -18,6 +18,8 @@ def dxf_artwork(path: str | Path, unit: str | None = None) -> Artwork:
     path : str or Path
     unit : str, optional
         What one unit is (mm, cm, m, in, px), whatever the file says.
+    stop : optional
+        Asked before every element, once ezdxf has read the file.
 
     Raises
     ------
@@ -28,10 +30,11 @@ def dxf_artwork(path: str | Path, unit: str | None = None) -> Artwork:
     """
     file = load_dxf(Path(path))
     scale, assumed = scale_of(file, unit)
-    walk = DxfWalk(file.name, file.document, scale)
+    go_on(stop)
+    walk = DxfWalk(file.name, file.document, scale, stop)
     try:
         walk.run()
-    except InputError:
+    except (InputError, StoppedError):
         raise
     except Exception:  # tables and layouts of a damaged file
         message = f"{file.name}: is damaged; export it again"

@@ -13,7 +13,7 @@ from wiggleroom.drawing.layers import LABELS, is_hole_layer
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.strokes import largest_coordinate, mapped
 from wiggleroom.drawing.transforms import Affine
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop, StoppedError, go_on
 
 NAME = "WIGGLEROOM"
 """Extended data of this application hold a part's name, the number of this outline and how many there are."""
@@ -48,6 +48,7 @@ class DxfWalk:
     file: str
     document: Any
     scale: float
+    stop: Stop | None = None
     strokes: list[Stroke] = field(default_factory=list)
     texts: list[Lettering] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)
@@ -72,6 +73,7 @@ class DxfWalk:
 
     def _entities(self, layout: Any, state: _DxfState) -> None:
         for entity in layout:
+            go_on(self.stop)
             self._count()
             if not entity.dxf.is_supported("layer"):
                 self.left_out[decoded_text(entity.dxftype()) or "nameless"] += 1  # a kind that ezdxf does not know
@@ -89,7 +91,7 @@ class DxfWalk:
         """Damaged entities fail in as many ways as ezdxf has lines; each becomes one finding."""
         try:
             self._entity(entity, state)
-        except InputError:
+        except (InputError, StoppedError):
             raise
         except Exception as error:
             reason = " ".join(str(error).split())[:160] if isinstance(error, ValueError) else "cannot be read"

@@ -6,7 +6,7 @@ import re
 import unicodedata
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
 
 import numpy as np
@@ -15,7 +15,7 @@ import shapely
 from wiggleroom.drawing.colours import colour_of, is_light, name_of
 from wiggleroom.drawing.elements import Artwork, Stroke
 from wiggleroom.drawing.strokes import trace
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 
 ENGRAVING_WORDS = (
     "engrav", "etch", "raster", "scor", "gravur", "gravier", "gravure", "graver", "gravyr", "grabad", "grabar",
@@ -82,12 +82,15 @@ class ReadOptions:
         Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
     solid : tuple of str
         Names, or points as "@x,y", of outlines inside others that are parts, not holes; "all" for all of them.
+    stop : optional
+        Anything with `is_set()`, asked after every element and every outline.
     """
 
     only: tuple[str, ...] = ()
     skip: tuple[str, ...] = ()
     join: float | None = None
     solid: tuple[str, ...] = ()
+    stop: Stop | None = field(default=None, compare=False)
 
 
 def cut_strokes(artwork: Artwork, options: ReadOptions) -> tuple[Artwork, tuple[tuple[str, Stroke], ...]]:

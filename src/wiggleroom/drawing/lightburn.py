@@ -18,7 +18,7 @@ from wiggleroom.drawing.strokes import largest_coordinate, mapped
 from wiggleroom.drawing.transforms import Affine, Box
 from wiggleroom.drawing.units import millimetres
 from wiggleroom.drawing.xmltree import Element, parse_xml
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop, go_on
 
 LAYER_COLOURS = (
     "#000000", "#0000ff", "#ff0000", "#00e000", "#d0d000", "#ff8000", "#00e0e0", "#ff00ff", "#b4b4b4", "#0000a0",
@@ -35,7 +35,7 @@ MAX_NESTING = 100
 """Groups inside each other at most."""
 
 
-def lightburn_artwork(path: str | Path, unit: str | None = None) -> Artwork:
+def lightburn_artwork(path: str | Path, unit: str | None = None, stop: Stop | None = None) -> Artwork:
     """Strokes and texts of a LightBurn project.
 
     Parameters
@@ -43,6 +43,8 @@ def lightburn_artwork(path: str | Path, unit: str | None = None) -> Artwork:
     path : str or Path
     unit : str, optional
         What one unit is, in place of the millimetre.
+    stop : optional
+        Asked before every shape.
 
     Raises
     ------
@@ -59,7 +61,7 @@ def lightburn_artwork(path: str | Path, unit: str | None = None) -> Artwork:
     except InputError as error:
         message = f"{source.name}: {error}"
         raise InputError(message) from None
-    walk = _Walk(source.name, root)
+    walk = _Walk(source.name, root, stop)
     # What was drawn on a machine whose origin is at the right or in the back is mirrored on the screen.
     mirror = [-1.0 if root.attributes.get(key, "").lower() == "true" else 1.0 for key in ("MirrorX", "MirrorY")]
     walk.shapes(root, Affine(scale * mirror[0], 0.0, 0.0, scale * mirror[1]), (), 0)
@@ -75,8 +77,9 @@ def lightburn_artwork(path: str | Path, unit: str | None = None) -> Artwork:
 class _Walk:
     """Shapes of a project, with what is wrong with them."""
 
-    def __init__(self, file: str, root: Element) -> None:
+    def __init__(self, file: str, root: Element, stop: Stop | None) -> None:
         self.file = file
+        self.stop = stop
         self.strokes: list[Stroke] = []
         self.texts: list[Lettering] = []
         self.findings: list[str] = []
@@ -114,6 +117,7 @@ class _Walk:
         for element in parent.children:
             if element.tag != "Shape":
                 continue
+            go_on(self.stop)
             if len(self.strokes) > MAX_ELEMENTS:
                 message = f"{self.file}: draws more than {MAX_ELEMENTS} elements; split the drawing"
                 raise InputError(message)

@@ -18,13 +18,15 @@ from wiggleroom.drawing.rings import COINCIDENT_CORNERS
 from wiggleroom.drawing.stroke_outlines import of_stroke
 from wiggleroom.drawing.strokes import longer_side
 from wiggleroom.drawing.traced_outlines import OpenLine, Traced
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop, go_on
 
 _COPY, _COPY_SHARE = 1e-3, 1e-5
 """Outlines nearer than this [mm, share of the drawing's size] are one drawn twice; a clearance is never so small."""
 
 
-def traced(artwork: Artwork, *, flatten: float | None, gap: float | None, join: float | None) -> Traced:
+def traced(
+    artwork: Artwork, *, flatten: float | None, gap: float | None, join: float | None, stop: Stop | None = None
+) -> Traced:
     """Outlines that the strokes of a drawing make.
 
     Parameters
@@ -36,6 +38,8 @@ def traced(artwork: Artwork, *, flatten: float | None, gap: float | None, join: 
     gap : float [mm], optional
     join : float [mm], optional
         Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
+    stop : optional
+        Asked before every outline.
 
     Raises
     ------
@@ -51,6 +55,7 @@ def traced(artwork: Artwork, *, flatten: float | None, gap: float | None, join: 
     found = Traced(artwork.file, tolerance, within)
     curved = Curved()
     for path, _ in paths:
+        go_on(stop)
         curved.add(path)
     corners = curved.corners(tolerance)
     rings: dict[int, list[Points]] = {}
@@ -66,6 +71,7 @@ def traced(artwork: Artwork, *, flatten: float | None, gap: float | None, join: 
     if short:
         found.note(f"{short} elements of no length are left out")
     for row, own in rings.items():
+        go_on(stop)
         found.outlines += of_stroke(found, artwork.strokes[row], row, own)
     if lines:
         open_lines(found, lines, size)

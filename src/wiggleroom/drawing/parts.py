@@ -20,7 +20,7 @@ from wiggleroom.drawing.nesting import cut_nested, direct_parents, hole_rows, me
 from wiggleroom.drawing.outlines import traced
 from wiggleroom.drawing.rings import part_about_centroid
 from wiggleroom.drawing.traced_outlines import Outline, Remark, Traced
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, go_on
 
 PLACE = re.compile(r"@\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*")
 """How a part is chosen by a point of it."""
@@ -68,7 +68,7 @@ def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None,
         If there is nothing to read, with one line per finding.
     """
     chosen, left_out = cut_strokes(artwork, options)
-    found = traced(chosen, flatten=flatten, gap=gap, join=options.join)
+    found = traced(chosen, flatten=flatten, gap=gap, join=options.join, stop=options.stop)
     found.notes[:0] = chosen.notes
     found.findings[:0] = chosen.findings
     found.remarks += _left_out(left_out, found.tolerance)
@@ -81,6 +81,7 @@ def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None,
             found.findings.append(f"{artwork.file}: has no closed outline{drawn}; every part must be closed{why}")
         empty = Drawing((), gap=gap or 0.0, source=artwork.file, notes=tuple(found.notes))
         return Reading(empty, (), tuple(found.findings), tuple(found.remarks))
+    go_on(options.stop)
     return _nested(artwork, found, options, gap)
 
 

@@ -12,7 +12,7 @@ from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.limits import check_options
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.parts import Reading, reading_of, sound
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, go_on
 from wiggleroom.files import write_whole
 
 if TYPE_CHECKING:
@@ -74,12 +74,15 @@ def reading(
     ------
     InputError
         Where there is nothing that could be drawn.
+    StoppedError
+        If it was asked to stop.
     """
     options = options or ReadOptions()
     check_options(flatten=flatten, gap=gap)
     if options.join is not None and not (math.isfinite(options.join) and options.join >= 0):
         message = f"join is {options.join:g}; it must be 0 mm or more"
         raise InputError(message)
+    go_on(options.stop)
     reader = _by_extension(Path(path), READERS, "read")
     return reader(Path(path), unit, flatten, gap, options)
 
@@ -122,13 +125,13 @@ def _by_extension(path: Path, table: Mapping[str, T], done: str) -> T:
 def _read_svg(path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions) -> Reading:
     from wiggleroom.drawing.svg import svg_artwork
 
-    return reading_of(svg_artwork(path, unit), options, flatten=flatten, gap=gap)
+    return reading_of(svg_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)
 
 
 def _read_dxf(path: Path, unit: str | None, flatten: float | None, gap: float | None, options: ReadOptions) -> Reading:
     from wiggleroom.drawing.dxf import dxf_artwork
 
-    return reading_of(dxf_artwork(path, unit), options, flatten=flatten, gap=gap)
+    return reading_of(dxf_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)
 
 
 def _read_lightburn(
@@ -136,7 +139,7 @@ def _read_lightburn(
 ) -> Reading:
     from wiggleroom.drawing.lightburn import lightburn_artwork
 
-    return reading_of(lightburn_artwork(path, unit), options, flatten=flatten, gap=gap)
+    return reading_of(lightburn_artwork(path, unit, options.stop), options, flatten=flatten, gap=gap)
 
 
 def _read_assembly(

@@ -13,6 +13,8 @@ COLLINEAR_TOLERANCE = 1e-12
 """A corner nearer than this share of the size to the line of its neighbours is none."""
 ROUNDING = 1e-15
 """The same as a share of the coordinates, which far from the origin are rounded more coarsely."""
+CORNERS_AT_ONCE = 20_000
+"""So many corners of rings are looked at together."""
 
 
 def signed_area(ring: Points) -> float:
@@ -82,6 +84,51 @@ def clean_ring(ring: Points, *, clockwise: bool = False) -> Points:
     if (signed_area(ring) < 0) != clockwise:
         ring = ring[::-1]
     return np.ascontiguousarray(ring)
+
+
+def are_clean(rings: list[Points], clockwise: NDArray[np.bool_], most: float) -> NDArray[np.bool_]:
+    """Whether `clean_ring` would certainly leave each of many rings as it is; rings that reach beyond `most` [mm] are not clean.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0], [1, 0], [1, 1], [0, 1]])
+    >>> are_clean([square, square[::-1], square[[0, 0, 1, 2, 3]]], np.zeros(3, dtype=bool), 1e3)
+    array([ True, False, False])
+    """
+    count = np.array([len(ring) for ring in rings])
+    clean, many = np.zeros(len(rings), dtype=bool), np.flatnonzero(count >= 3)
+    cuts = np.flatnonzero(np.diff(np.cumsum(count[many]) // CORNERS_AT_ONCE)) + 1
+    for some in np.split(many, cuts) if len(many) else ():  # what fits into the processor's cache
+        with np.errstate(over="ignore", invalid="ignore"):  # far beyond `most`
+            clean[some] = _are_clean(np.concatenate([rings[k] for k in some]), count[some], clockwise[some], most)
+    return clean
+
+
+def _are_clean(
+    points: Points, count: NDArray[np.int64], clockwise: NDArray[np.bool_], most: float
+) -> NDArray[np.bool_]:
+    """The same of rings of at least three corners each, one after the other."""
+    first = np.cumsum(count) - count
+    last = first + count - 1
+    low, high = np.minimum.reduceat(points, first), np.maximum.reduceat(points, first)
+    size, farthest = (high - low).max(axis=1), np.maximum(-low, high).max(axis=1)
+    height = COLLINEAR_TOLERANCE * size + ROUNDING * farthest
+    x, y = points.T
+    u, v = np.empty_like(x), np.empty_like(y)  # edges that begin at each corner
+    for along, at in ((u, x), (v, y)):
+        along[:-1] = at[1:] - at[:-1]
+        along[last] = at[first] - at[last]
+    short = u * u + v * v <= np.repeat((COINCIDENT_CORNERS * size) ** 2, count)
+    w, z = np.empty_like(u), np.empty_like(v)  # edges that end there
+    for before, along in ((w, u), (z, v)):
+        before[1:] = along[:-1]
+        before[first] = along[last]
+    turn, height = w * v - z * u, np.repeat(height, count)
+    straight = (turn * turn <= height * height * ((u + w) ** 2 + (v + z) ** 2)) & (w * u + z * v > 0)
+    wrong = np.logical_or.reduceat(short | straight, first)
+    from_x, from_y = x - np.repeat(x[first], count), y - np.repeat(y[first], count)
+    area = np.add.reduceat(from_x * v - from_y * u, first) * np.where(clockwise, -0.5, 0.5)
+    return ~wrong & (area > COINCIDENT_CORNERS * size * size) & (farthest <= most)
 
 
 def _without_repeats(ring: Points, least: float) -> Points:

@@ -13,12 +13,12 @@ from wiggleroom.drawing.source import load
 from wiggleroom.drawing.svg_page import page_map
 from wiggleroom.drawing.svg_walk import Walk
 from wiggleroom.drawing.xmltree import parse_xml
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop
 
 _BOXES = "Created with Boxes.py"
 
 
-def svg_artwork(source: str | Path, unit: str | None = None) -> Artwork:
+def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None = None) -> Artwork:
     """Strokes and texts of an SVG drawing.
 
     Parameters
@@ -27,6 +27,8 @@ def svg_artwork(source: str | Path, unit: str | None = None) -> Artwork:
         Path of the file, or its text.
     unit : str, optional
         What one user unit is (mm, cm, m, in, px), whatever the file says.
+    stop : optional
+        Asked before every element.
 
     Raises
     ------
@@ -39,7 +41,7 @@ def svg_artwork(source: str | Path, unit: str | None = None) -> Artwork:
         message = f"{text.name}: is not an SVG drawing; its outermost element must be svg"
         raise InputError(message)
     matrix, port, notes = page_map(root, unit, text.name)
-    walk = Walk(text.name, root)
+    walk = Walk(text.name, root, stop)
     walk.run(matrix, port)
     if walk.repeated:
         named = ", ".join(walk.repeated[:3]) + (", ..." if len(walk.repeated) > 3 else "")
@@ -92,4 +94,5 @@ def read_svg(
     ('a', (2.0, 8.0, 0.0))
     """
     check_options(flatten=flatten, gap=gap)
-    return sound(reading_of(svg_artwork(source, unit), options or ReadOptions(), flatten=flatten, gap=gap))
+    options = options or ReadOptions()
+    return sound(reading_of(svg_artwork(source, unit, options.stop), options, flatten=flatten, gap=gap))

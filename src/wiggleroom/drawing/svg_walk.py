@@ -16,7 +16,7 @@ from wiggleroom.drawing.shapes import SHAPES, subpaths_of
 from wiggleroom.drawing.strokes import mapped
 from wiggleroom.drawing.transforms import Affine, Box, fit, parse_length, parse_transform, parse_view_box
 from wiggleroom.drawing.xmltree import Element
-from wiggleroom.errors import InputError
+from wiggleroom.errors import InputError, Stop, go_on
 
 GROUP_ELEMENTS = ("g", "a", "switch")
 UNSUPPORTED_ELEMENTS = ("image", "foreignObject")
@@ -52,6 +52,7 @@ class Walk:
 
     file: str
     root: Element
+    stop: Stop | None = None
     strokes: list[Stroke] = field(default_factory=list)
     texts: list[Lettering] = field(default_factory=list)
     repeated: list[str] = field(default_factory=list)
@@ -94,6 +95,7 @@ class Walk:
             self._visit(child, inner)
 
     def _visit(self, element: Element, outer: _SvgState) -> None:
+        go_on(self.stop)
         tag = element.tag
         if tag not in (*SHAPES, *GROUP_ELEMENTS, *UNSUPPORTED_ELEMENTS, "text", "use", "svg"):
             if tag and tag not in INVISIBLE_ELEMENTS:

@@ -19,7 +19,8 @@ from pathlib import Path
 from typing import Any
 
 import numba
-from numba.core.caching import IndexDataCacheFile
+from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.runtime import rtsys
 
 OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy"}
 """For functions that make arrays."""
@@ -71,6 +72,32 @@ class KernelCacheFile(IndexDataCacheFile):
         return folder / f"{self._index_name.removesuffix('.nbi')}.{hashlib.sha256(said.encode()).hexdigest()[:16]}.nbc"
 
 
+class KernelCache(FunctionCache):
+    """What is kept of a function; the tables of the compiler are filled only where something must be compiled.
+
+    Parameters
+    ----------
+    function : callable
+    """
+
+    def __init__(self, function: Callable) -> None:
+        super().__init__(function)
+        # numba has no public way to say what a cached function depends on; an index of other sources must not even be opened, because
+        # it names types that may be gone
+        old = self._cache_file
+        name = f"{old._index_name.removesuffix('.nbi')}.{source_key(Path(function.__code__.co_filename))[:16]}"
+        self._cache_file = KernelCacheFile(self._cache_path, name, old._source_stamp)
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Compiled function of a signature; None where there is none."""
+        rtsys.initialize(target_context)
+        with self._guard_against_spurious_io_errors():
+            found = self._load_overload(sig, target_context)
+        if found is None:
+            target_context.refresh()
+        return found
+
+
 def ship(folder: Path) -> int:
     """Copy all functions that Python calls and that were compiled into a folder that a wheel carries; how many files."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -81,15 +108,11 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
     """Compile a function as `numba.njit` does, and anew whenever a source below it has changed."""
 
     def compiled(function: Callable) -> Any:
-        made = numba.njit(**options)(function)
-        # numba has no public way to say what a cached function depends on; an index of other sources must not even be opened, because
-        # it names types that may be gone
-        cache = made._cache
-        old = cache._cache_file
-        name = f"{old._index_name.removesuffix('.nbi')}.{source_key(Path(function.__code__.co_filename))[:16]}"
-        cache._cache_file = KernelCacheFile(old._cache_path, name, old._source_stamp)
-        if "no_cpython_wrapper" not in options:  # callable from Python
-            _caches.append(cache._cache_file)
+        made = numba.njit(**{**options, "cache": False})(function)
+        if options.get("cache"):
+            made._cache = KernelCache(function)
+            if "no_cpython_wrapper" not in options:  # callable from Python
+                _caches.append(made._cache._cache_file)
         return made
 
     return compiled

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -11,12 +10,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.mating.beam_search import BeamState, Effort, Placement, extent, grow
-from wiggleroom.mating.closed_search import closed_placements
+from wiggleroom.mating.closed_search import Closed, closed_placements
 from wiggleroom.mating.cutting_sheet import CuttingSheet
 from wiggleroom.mating.flanks import SheetPlate, plates_of
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.known import joined_start, with_fixed_plates
-from wiggleroom.mating.pair_poses import PairPoseTable
+from wiggleroom.mating.pair_poses import PairPoseTable, bits
 from wiggleroom.mating.refinement import pressed_panel, refined, relief_needed
 
 Floats = NDArray[np.float64]
@@ -32,19 +31,25 @@ class SheetSettings:
         Beams that are tried one after the other while needed flanks stay open.
     min_met_share : float in (0, 1)
         A panel of which a smaller share of the flanks meets belongs elsewhere, if there is more than one body.
+    max_open_share : float in (0, 1)
+        No other way is tried where a smaller share of the flanks meets nothing, and none of them could meet any.
     max_relief : float in (0, 0.5)
         Outlines are relieved by at most this share of the thickness; what still overlaps then is taken out again.
+    sure_relief : float in (0, 0.5)
+        An assembly that needs more than this share is not sure.
     body_distance : float > 0 [mm]
         Free room between two bodies in the file that is written.
-    exhaustive_seconds : float > 0 [s]
-        Processor time of the exhaustive search for one body.
+    max_scored : int
+        No other beam is begun after as many poses were scored for the sheet.
     """
 
     efforts: tuple[Effort, ...] = (Effort(8, 0.5), Effort(6, 1.0), Effort(20, 0.5))
     min_met_share: float = 0.5
-    max_relief: float = 0.12
+    max_open_share: float = 0.05
+    max_relief: float = 0.2
+    sure_relief: float = 0.12
     body_distance: float = 20.0
-    exhaustive_seconds: float = 5.0
+    max_scored: int = 400_000
 
 
 SETTINGS = SheetSettings()
@@ -82,6 +87,8 @@ class AssembledSheet:
     open : dict of int to (n,) int
         By row of a placed panel, needed flanks that meet nothing.
     unplaced : tuple of int
+    loose : tuple of int
+        Those of them of which no edge fits a free edge of another panel: lids that lie on top, plates that slide in.
     burn, relief : float [mm]
         Taken off every outline: as the cut does, and so that nothing presses at rest.
     doubts : tuple of str
@@ -97,6 +104,7 @@ class AssembledSheet:
     joints: tuple[FoundJoint, ...]
     open: dict[int, NDArray[np.int64]]
     unplaced: tuple[int, ...]
+    loose: tuple[int, ...]
     burn: float
     relief: float
     doubts: tuple[str, ...]
@@ -115,7 +123,6 @@ def assemble_sheet(
     *,
     burn: float | None = None,
     hints: Hints | None = None,
-    seconds: float = 60.0,
     stop: Stop | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> AssembledSheet:
@@ -129,8 +136,6 @@ def assemble_sheet(
     burn : float [mm], optional
         By how much outlines were drawn larger; by default what the sheet says, else 0.
     hints : Hints, optional
-    seconds : float
-        Processor time after which no wider search is begun.
 
     Raises
     ------
@@ -151,7 +156,8 @@ def assemble_sheet(
     drawn = [size if abs(size - thickness) > 0.15 * thickness else thickness for size in real]
     plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
     bench = BeamState(plates)
-    found, doubts = _bodies(bench, hints, time.process_time() + seconds, stop, progress)
+    tables = PairPoseTable(bench, whole=True), PairPoseTable(bench, whole=False)
+    found, doubts = _bodies(bench, tables, hints, stop, progress)
     bodies, unplaced = with_fixed_plates(bench, [_outward(bench, refined(bench, body)) for body in found], hints)
     notes = [*sheet.notes]
     bodies, relief, pressed = _relieved(bench, bodies, real, thickness)
@@ -161,6 +167,8 @@ def assemble_sheet(
         notes.append(
             f"{sheet.source}: outlines pressed on each other at rest and are moved inward by {relief:.3g} mm more"
         )
+    if relief > SETTINGS.sure_relief * thickness:
+        doubts.append(f"panels press on each other by up to {2 * relief:.2g} mm")
     joints: list[FoundJoint] = []
     left: dict[int, NDArray[np.int64]] = {}
     for body in bodies:
@@ -170,13 +178,36 @@ def assemble_sheet(
         doubts.append(
             f"{sum(len(rows) for rows in left.values())} flanks meet nothing, of {_listed(names, list(left))}"
         )
-    if unplaced:
-        doubts.append(f"not placed: {_listed(names, unplaced)}")
+    loose = _loose(bench, tables[0], bodies, unplaced)
+    if loose:
+        fits = (
+            "no edge of it fits another panel: it lies"
+            if len(loose) == 1
+            else "no edge of theirs fits another panel: they lie"
+        )
+        doubts.append(f"not placed: {_listed(names, loose)}; {fits} loose, and a hint ([[plate]]) can say where")
+    waiting = [row for row in unplaced if row not in loose]
+    if waiting:
+        doubts.append(f"not placed: {_listed(names, waiting)}")
     placed = _side_by_side(bench, [_upright(bench, body) for body in bodies])
     return AssembledSheet(
-        plates, tuple(real), tuple(placed), tuple(joints), left, tuple(unplaced), taken, relief,
+        plates, tuple(real), tuple(placed), tuple(joints), left, tuple(unplaced), tuple(loose), taken, relief,
         tuple(dict.fromkeys(doubts)), tuple(notes), sheet.source,
     )  # fmt: skip
+
+
+def _loose(bench: BeamState, table: PairPoseTable, bodies: Sequence[Placement], unplaced: Sequence[int]) -> list[int]:
+    """Panels of which no row of fingers fits one of another panel that is still open."""
+    met = dict.fromkeys(unplaced, 0)
+    for body in bodies:
+        _, flags = bench.met(body)
+        met |= {row: bits(rows[None])[0] if len(rows) else 0 for row, rows in flags.items()}
+    found = []
+    for row in unplaced:
+        near = (other for other in met if other != row)
+        if not any(own & ~met[o] == own for o in near for own, _ in table.between(o, row).met):
+            found.append(row)
+    return found
 
 
 def _listed(names: Sequence[str], rows: Sequence[int]) -> str:
@@ -203,7 +234,11 @@ def _see_names(sheet: CuttingSheet, hints: Hints) -> None:
 
 
 def _bodies(
-    bench: BeamState, hints: Hints, deadline: float, stop: Stop | None, progress: Callable[[int], None] | None
+    bench: BeamState,
+    tables: tuple[PairPoseTable, ...],
+    hints: Hints,
+    stop: Stop | None,
+    progress: Callable[[int], None] | None,
 ) -> tuple[list[Placement], list[str]]:
     """Bodies, largest first as they are found, and what makes them doubtful."""
     names = [plate.name for plate in bench.plates]
@@ -212,11 +247,10 @@ def _bodies(
     rest = frozenset(range(len(names))) - said - frozenset().union(*groups)
     bodies: list[Placement] = []
     doubts: list[str] = []
-    table = PairPoseTable(bench)
     for group in [*groups, rest]:
         left = {row for row in group if len(bench.flanks[row])}
         while len(left) > 1:
-            body, doubt = _body(bench, hints, frozenset(left), table, deadline, stop, progress)
+            body, doubt = _body(bench, hints, frozenset(left), tables, 1.0 / (1 + len(bodies)), stop, progress)
             doubts += doubt
             if len(body.rows) < 2:
                 left -= set(body.rows)
@@ -230,41 +264,93 @@ def _body(
     bench: BeamState,
     hints: Hints,
     left: frozenset[int],
-    table: PairPoseTable,
-    deadline: float,
+    tables: tuple[PairPoseTable, ...],
+    share: float,
     stop: Stop | None,
     progress: Callable[[int], None] | None,
 ) -> tuple[Placement, list[str]]:
-    """One body of some of the panels, and why it may be wrong."""
+    """One body of some of the panels, and why it may be wrong; with a share of the work that the first body may take."""
     root = max(left, key=lambda row: (len(bench.flanks[row]), bench.plates[row].polygon.area))
     start = joined_start(bench, hints, left) or bench.start(root)
-    closed = closed_placements(bench, start, left, table, seconds=SETTINGS.exhaustive_seconds, stop=stop)
     name = bench.plates[root].name
-    if closed.placements and not closed.open_lines:
-        doubts = []
-        if len(closed.placements) > 1:
-            doubts.append(f"panels fit together in more than one way, round {name}")
-        elif not closed.exhausted:
-            doubts.append(f"not every other way to put panels round {name} was tried")
-        return min(closed.placements, key=lambda placed: extent(bench, placed)), doubts
-    best = max(((_met(bench, placed), placed) for placed in closed.placements), default=None, key=lambda item: item[0])
-    grown = False
-    for effort in SETTINGS.efforts:  # the first one is always brought to its end: half a body helps nobody
-        until = deadline if grown else np.inf
-        found = grow(bench, start, left, effort, deadline=until, stop=stop, progress=progress)[0]
+    best: tuple[int, Placement] | None = None
+    doubts: list[str] = []
+    for table in tables:
+        closed = closed_placements(bench, start, left, table, share=share, stop=stop)
+        if not closed.placements:
+            continue
+        placed = _best(bench, closed.placements)
+        if best is None or _met(bench, placed) > best[0]:
+            best, doubts = (_met(bench, placed), placed), _rivals(bench, closed, name)
+        if _open_share(bench, best[1]) <= SETTINGS.max_open_share:
+            return best[1], doubts
+    for effort in SETTINGS.efforts:
+        if bench.scored > SETTINGS.max_scored or (best is not None and _complete(bench, best[1], left)):
+            break
+        found = grow(bench, start, left, effort, stop=stop, progress=progress)[0]
         if len(found.rows) > 2:
             found = _trimmed(bench, found)
-        grown = True
         if best is None or _met(bench, found) > best[0]:
             best = _met(bench, found), found
-        still = sum(len(rows) for rows in bench.open(best[1]).values())
-        if time.process_time() > deadline or (len(best[1].rows) == len(left) and still == 0):
-            break
-    if best is None:
+            doubts = [f"no way was found to put panels round {name} so that every flank meets another"]
+    if best is None or len(best[1].rows) < 2:
         return start, []
-    return best[1], [f"no way was found to put panels round {name} so that every flank meets another"] * (
-        len(best[1].rows) > 1
-    )
+    return best[1], doubts
+
+
+def _open_share(bench: BeamState, placed: Placement) -> float:
+    """Share of the needed flanks of a placement that meet nothing."""
+    needed = sum(int(bench.plates[row].needed.sum()) for row in placed.rows)
+    return sum(len(rows) for rows in bench.open(placed).values()) / max(needed, 1)
+
+
+def _complete(bench: BeamState, placed: Placement, left: frozenset[int]) -> bool:
+    """Whether a placement holds all panels, and all their flanks meet others."""
+    return len(placed.rows) == len(left) and not any(len(rows) for rows in bench.open(placed).values())
+
+
+def _best(bench: BeamState, placements: list[Placement]) -> Placement:
+    """The placement in which the most flanks meet; of several the one whose panels press least on each other, then the smallest."""
+    most = max(_met(bench, each) for each in placements)
+    equal = [each for each in placements if _met(bench, each) == most]
+    if len(equal) == 1:
+        return equal[0]
+    drawn = [plate.thickness for plate in bench.plates]
+    least = SETTINGS.max_relief * min(drawn)
+    pressing = [relief_needed(bench, refined(bench, each), drawn, least) for each in equal]
+    return equal[min(range(len(equal)), key=lambda k: (round(pressing[k], 2), extent(bench, equal[k])))]
+
+
+def _rivals(bench: BeamState, closed: Closed, name: str) -> list[str]:
+    """Why the best of the placements that were found may be wrong."""
+    if closed.open_lines:
+        return [f"no way was found to put panels round {name} so that every flank meets another"]
+    if len(closed.placements) > 1:
+        moved = _moved(bench, *closed.placements[:2])
+        which = (
+            f": {_listed([plate.name for plate in bench.plates], moved)} can be elsewhere or otherwise" if moved else ""
+        )
+        return [f"panels fit together in more than one way, round {name}{which}"]
+    return [] if closed.exhausted else [f"not every other way to put panels round {name} was tried"]
+
+
+def _moved(bench: BeamState, one: Placement, other: Placement) -> list[int]:
+    """Panels of the one placement where the other has no panel of their kind in their place, or its mirror image has none."""
+    flip = np.diag([1.0, 1.0, -1.0])
+    found: list[int] | None = None
+    for turns, moves in ((other.turns, other.moves), (flip @ other.turns @ flip, other.moves @ flip)):
+        taken: set[tuple[float, ...]] = set()
+        for row, turn, move in zip(other.rows, turns, moves, strict=True):
+            kind = bench.plates[row].kind
+            taken.add((kind, *np.round(bench.trace(kind, turn[None], move[None])[0], 1).tolist()))
+        moved = []
+        for row, turn, move in zip(one.rows, one.turns, one.moves, strict=True):
+            kind = bench.plates[row].kind
+            if (kind, *np.round(bench.trace(kind, turn[None], move[None])[0], 1).tolist()) not in taken:
+                moved.append(row)
+        if found is None or len(moved) < len(found):
+            found = moved
+    return found or []
 
 
 def _met(bench: BeamState, placed: Placement) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -13,7 +12,15 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.candidates import VOTING, fits
 from wiggleroom.mating.congruence import PanelIsometries
-from wiggleroom.mating.contact import MET_TOLERANCE, crossing_volume, masks, meeting, scores
+from wiggleroom.mating.contact import (
+    MAX_SQUARE_COSINE,
+    MET_TOLERANCE,
+    crossing_volume,
+    masks,
+    meeting,
+    met_flags,
+    scores,
+)
 from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
@@ -103,6 +110,7 @@ class BeamState:
         self._fits: dict[tuple[int, int], tuple[Floats, Floats]] = {}
         self.flanks = [np.column_stack([p.middle, p.inward, p.along, p.length]).reshape(-1, 7) for p in plates]
         self._flat: dict[tuple[int, ...], float] = {}
+        self.scored = 0
         self.size = max(self.radius) * 2.0
         self.shape = _weights(plates)
         self._waves = np.random.default_rng(1).normal(size=(3, 3)) * 0.05
@@ -119,6 +127,7 @@ class BeamState:
         """Flanks of panels `a` and `b` that meet less those that can meet nothing any more, for many poses of b in a's frame."""
         one, other = self.plates[a].thickness, self.plates[b].thickness
         turns, moves = np.ascontiguousarray(turns), np.ascontiguousarray(moves)
+        self.scored += len(moves)
         return scores(
             self.flanks[a],
             one,
@@ -131,6 +140,12 @@ class BeamState:
             self.tolerance,
             power,
         )
+
+    def met_flags(self, a: int, b: int, turns: Floats, moves: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+        """Flanks of panels `a` and `b` that meet, for many poses of b in a's frame."""
+        thick = self.plates[a].thickness, self.plates[b].thickness
+        met_a, met_b = met_flags(self.flanks[a], thick[0], self.flanks[b], thick[1], turns, moves, self.tolerance)
+        return met_a, met_b
 
     def masks(
         self, a: int, b: int, turns: Floats, moves: Floats
@@ -233,12 +248,14 @@ class BeamState:
         asked = []
         for k, a in enumerate(state.rows):
             inner, shift = state.turns[k].T @ turn, state.turns[k].T @ (move - state.moves[k])
+            if abs(inner[2, 2]) > MAX_SQUARE_COSINE:  # fingers at other angles do not meet in their middles
+                continue
             found = self.pairs(a, row, inner, shift)
             apart = np.zeros((len(found), 3))
             apart[:, :2] = self.flanks[a][found[:, 0], :2]
             apart -= self.flanks[row][found[:, 1], :2] @ inner[:, :2].T + shift
             asked.append(apart @ state.turns[k].T)
-        every = np.vstack(asked)
+        every = np.vstack(asked) if asked else np.zeros((0, 3))
         return move + every.mean(axis=0) if len(every) else move
 
     def start(self, row: int) -> Placement:
@@ -336,7 +353,6 @@ def grow(
     free: frozenset[int],
     effort: Effort,
     *,
-    deadline: float,
     stop: Stop | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> list[Placement]:
@@ -349,8 +365,6 @@ def grow(
     free : frozenset of int
         Panels that may be used, those placed included.
     effort : Effort
-    deadline : float
-        Processor time [s] at which the search stops where it is.
     """
     beam = [state]
     while True:
@@ -365,8 +379,6 @@ def grow(
         beam = ranked[: effort.width]
         if progress:
             progress(len(beam[0].rows))
-        if time.process_time() > deadline:
-            return beam
 
 
 def _children(bench: BeamState, state: Placement, free: frozenset[int], effort: Effort) -> list[Placement]:

@@ -1,14 +1,16 @@
 """Exhaustive search for assemblies in which every needed flank meets another, and so for proof that there is only one.
 
 A flank that is still open must be met by a flank of a panel not yet placed, which leaves a few poses for each of them. The
-search branches on the open flank with the fewest poses left (the most constrained variable of constraint satisfaction).
+search branches on the open flank with the fewest poses left (the most constrained variable of constraint satisfaction),
+and looks first at lines that had none before (weighted constraints, Boussemart et al. 2004).
 Where no assembly closes all flanks, lines of flanks may be left open, first one, then two and so on (limited
-discrepancy search, Harvey and Ginsberg 1995).
+discrepancy search, Harvey and Ginsberg 1995). Work is counted in poses that are tried, not in seconds, so that the answer
+is the same on every machine.
 """
 
 from __future__ import annotations
 
-import time
+from collections import Counter
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
@@ -18,7 +20,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.beam_search import BeamState, Placement
 from wiggleroom.mating.congruence import congruent
-from wiggleroom.mating.contact import MET_TOLERANCE
+from wiggleroom.mating.contact import MAX_ASKEW_COSINE, MET_TOLERANCE
 from wiggleroom.mating.pair_poses import PairPoseTable, bits, flank_rows
 
 Floats = NDArray[np.float64]
@@ -38,15 +40,18 @@ class ExhaustiveSettings:
         Different assemblies after which the search stops: more only say again that there is a choice.
     max_open_lines : int
         Lines of flanks that may stay open.
+    max_poses : int
+        Poses of one panel more that are tried before the search ends without being exhausted.
     open_share : float in (0, 1)
-        Share of the time that each number of open lines may take.
+        Share of them that each number of open lines may take.
     """
 
     branching_lines: int = 5
     moment_tolerance: float = 1e-3
     max_assemblies: int = 2
     max_open_lines: int = 3
-    open_share: float = 0.2
+    max_poses: int = 4000
+    open_share: float = 0.4
 
 
 SETTINGS = ExhaustiveSettings()
@@ -77,7 +82,7 @@ def closed_placements(
     free: Iterable[int],
     table: PairPoseTable,
     *,
-    seconds: float,
+    share: float = 1.0,
     stop: Stop | None = None,
 ) -> Closed:
     """Assemblies that hold the panels of `start` and leave as few lines of needed flanks open as possible.
@@ -89,8 +94,8 @@ def closed_placements(
     free : iterable of int
         Panels that may be used.
     table : PairPoseTable
-    seconds : float
-        Processor time after which the search ends without being exhausted.
+    share : float in (0, 1)
+        Of the poses that are tried at most.
 
     Notes
     -----
@@ -102,15 +107,13 @@ def closed_placements(
         for b in kinds.values():
             go_on(stop)
             table.between(a, b)
-    deadline = time.process_time() + seconds
-    found = Closed()
-    for spare in range(SETTINGS.max_open_lines + 1):
-        until = deadline if spare == 0 else min(deadline, time.process_time() + SETTINGS.open_share * seconds)
-        search = _ExhaustiveSearch(bench, frozenset(free), table, until, stop, spare)
-        search.descend(search.root(start), spare)
-        found = search.result
-        if found.placements or not found.exhausted:
+    search = _ExhaustiveSearch(bench, frozenset(free), table, stop)
+    most = share * SETTINGS.max_poses
+    found = search.closed(start, 0, int(most))
+    for spare in range(1, SETTINGS.max_open_lines + 1):
+        if found.placements:
             break
+        found = search.closed(start, spare, int(SETTINGS.open_share * most))
     return found
 
 
@@ -132,19 +135,16 @@ class _ExhaustiveSearch:
         bench: BeamState,
         free: frozenset[int],
         table: PairPoseTable,
-        deadline: float,
         stop: Stop | None,
-        spare: int,
     ) -> None:
-        self.bench, self.free, self.table, self.deadline, self.stop = bench, free, table, deadline, stop
-        self.result = Closed(open_lines=spare)
-        self._seen: list[tuple[Floats, int, Placement]] = []
+        self.bench, self.free, self.table, self.stop = bench, free, table, stop
         plates = bench.plates
         self._needed = [bits(plate.needed[None])[0] if len(plate.needed) else 0 for plate in plates]
         self._lines = [
             [sum(1 << k for k in line.rows.tolist()) & self._needed[row] for line in plate.lines]
             for row, plate in enumerate(plates)
         ]
+        self._failures: Counter[tuple[int, int]] = Counter()
         self._hopeless = {row: self._needed[row] & ~self._matchable(row) for row in free}
 
     def _matchable(self, row: int) -> int:
@@ -155,27 +155,30 @@ class _ExhaustiveSearch:
                 matchable |= met
         return matchable
 
-    def root(self, start: Placement) -> _Partial:
-        """Where the search begins."""
+    def closed(self, start: Placement, spare: int, max_poses: int) -> Closed:
+        """Assemblies that leave as many lines open; what failed before is looked at first."""
+        self.left = max_poses
+        self.result = Closed(open_lines=spare)
+        self._seen: dict[int, tuple[list[Floats], list[Placement]]] = {}
         _, flags = self.bench.met(start)
         met = tuple(bits(flags[row][None])[0] if len(flags[row]) else 0 for row in start.rows)
-        return _Partial(start, met, tuple(self._hopeless.get(row, 0) for row in start.rows))
+        self.descend(_Partial(start, met, tuple(self._hopeless.get(row, 0) for row in start.rows)), spare)
+        return self.result
 
     def descend(self, node: _Partial, spare: int) -> None:
         """Depth first; every placement once. `spare` more lines may stay open."""
         go_on(self.stop)
-        mark = self.bench.signature(node.state)
-        for other, left, placed in self._seen:
-            if (
-                left == spare
-                and np.abs(other - mark).max() < SETTINGS.moment_tolerance
-                and self._same(placed, node.state)
-            ):
-                return
-        self._seen.append((mark, spare, node.state))
-        if time.process_time() > self.deadline or len(self.result.placements) >= SETTINGS.max_assemblies:
+        if self.left <= 0 or len(self.result.placements) >= SETTINGS.max_assemblies:
             self.result.exhausted = False
             return
+        mark = self.bench.signature(node.state)
+        marks, states = self._seen.setdefault(spare, ([], []))
+        if marks:
+            near = np.abs(np.array(marks) - mark).max(axis=1) < SETTINGS.moment_tolerance
+            if any(self._same(states[k], node.state) for k in np.flatnonzero(near).tolist()):
+                return
+        marks.append(mark)
+        states.append(node.state)
         lines = self._open(node)
         if not lines:
             if len(node.state.rows) > 1:
@@ -200,8 +203,8 @@ class _ExhaustiveSearch:
                 kept.clear()
         kept.append(state)
 
-    def _open(self, node: _Partial) -> list[tuple[int, int]]:
-        """(place of a panel, bits of open flanks on one line), lines with flanks that meet first, then the longest."""
+    def _open(self, node: _Partial) -> list[tuple[int, int, int]]:
+        """(place of a panel, one of its lines, bits of open flanks there): first what failed before, what meets in part, what is long."""
         found = []
         for place, row in enumerate(node.state.rows):
             met = node.met[place]
@@ -210,11 +213,13 @@ class _ExhaustiveSearch:
             for flank in flank_rows(self._needed[row] & ~fine):
                 if any(k >= 0 and met >> int(k) & 1 for k in near[flank]):
                     fine |= 1 << flank
-            for line in self._lines[row]:
+            kind = self.bench.plates[row].kind
+            for number, line in enumerate(self._lines[row]):
                 rest = line & ~fine
                 if rest:
-                    found.append(((rest == line), -rest.bit_count(), place, rest))
-        return [(place, rest) for *_, place, rest in sorted(found)]
+                    failed = -self._failures[kind, number]
+                    found.append((failed, rest == line, -rest.bit_count(), place, number, rest))
+        return [(place, number, rest) for *_, place, number, rest in sorted(found)]
 
     def _same(self, a: Placement, b: Placement) -> bool:
         """Whether two placements are congruent or mirror images."""
@@ -227,19 +232,21 @@ class _ExhaustiveSearch:
         ]
         return congruent(self.bench.isometries, panels[0], panels[1], MET_TOLERANCE * self.bench.tolerance)
 
-    def _fewest(self, node: _Partial, left: list[tuple[int, int]]) -> tuple[int, int, list[_Partial]]:
+    def _fewest(self, node: _Partial, left: list[tuple[int, int, int]]) -> tuple[int, int, list[_Partial]]:
         """Place and line of the open flank that leaves the fewest choices, and those choices: one panel more each."""
         waiting = {self.bench.plates[i].kind: i for i in sorted(self.free - set(node.state.rows), reverse=True)}
         best: tuple[int, int, list[_Partial]] | None = None
         tried: _Tried = {}
-        for place, line in left[: SETTINGS.branching_lines]:
+        for place, number, line in left[: SETTINGS.branching_lines]:
             flanks = list(flank_rows(line))
             found = self._answers(node, place, flanks[len(flanks) // 2], waiting, tried)
             if best is None or len(found) < len(best[2]):
                 best = place, line, found
+            if not found:
+                self._failures[self.bench.plates[node.state.rows[place]].kind, number] += 1
             if len(best[2]) < 2:
                 break
-        return (*left[0], []) if best is None else best
+        return (left[0][0], left[0][2], []) if best is None else best
 
     def _answers(
         self, node: _Partial, place: int, flank: int, waiting: dict[int, int], tried: _Tried
@@ -252,8 +259,9 @@ class _ExhaustiveSearch:
             poses = self.table.between(row, other)
             hopeless = self._hopeless[other]
             marks: set[tuple[float, ...]] = set()
-            for k, ((met, mine), (blocked, own)) in enumerate(zip(poses.met, poses.blocked, strict=True)):
-                if not met >> flank & 1 or met & node.met[place]:
+            for k in poses.at_flank.get(flank, ()):
+                (met, mine), (blocked, own) = poses.met[k], poses.blocked[k]
+                if met & node.met[place]:
                     continue
                 if blocked & ~(node.excused[place] | node.met[place]) or own & ~hopeless:
                     continue
@@ -275,6 +283,7 @@ class _ExhaustiveSearch:
     ) -> tuple[int, _Partial] | None:
         """The placement with one panel more, and how many flanks it closes; None where it overlaps or blocks others."""
         state, bench = node.state, self.bench
+        self.left -= 1
         everyone = list(node.met)
         everyone[place] |= met
         odd = 0
@@ -288,7 +297,7 @@ class _ExhaustiveSearch:
                 continue
             if bench.volume(a, other, inner, shift) > bench.most:
                 return None
-            if abs(inner[2, 2]) > 0.1:
+            if abs(inner[2, 2]) > MAX_ASKEW_COSINE:
                 continue
             flags = bench.masks(a, other, inner[None], shift[None])
             met_a, met_b, blocked_a, blocked_b = (bits(each)[0] if each.size else 0 for each in flags)

@@ -17,6 +17,32 @@ MET_TOLERANCE = 1.5
 """Flanks of placed panels count as met where their midpoints are nearer than this many tolerances: small errors add up."""
 
 
+MAX_SQUARE_COSINE = 0.1
+"""Planes with a larger cosine of the angle between them are not square to each other."""
+MAX_ASKEW_COSINE = 0.95
+"""And with a larger one than this they are too near to parallel for a joint."""
+ASKEW_LENGTH_TOLERANCE = 0.05
+"""Fingers for a known angle are as long as it asks for to this share of the thickness."""
+
+
+@njit(cache=True)
+def finger_length(cosine, thickness):
+    """Length of fingers between plates that turn by an angle at their joint [mm]: so long that they end on the outer face.
+
+    A blunter joint needs shorter ones; in a sharp one they are as long as the plate is thick.
+    """
+    return thickness * np.sqrt(1.0 - cosine * cosine) if cosine > 0 else thickness
+
+
+@njit(cache=True)
+def finger_setback(cosine, thickness):
+    """How far the middle of a finger lies behind the line in which the middle planes of both plates cross [mm]."""
+    corner = thickness * np.sqrt(
+        (1.0 - cosine) / (1.0 + cosine)
+    )  # from the inner corner to the outer one, in the plate
+    return 0.5 * corner * cosine if cosine > 0 else 0.5 * (corner - thickness)
+
+
 @njit(cache=True)
 def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
     """Pairs of flanks that meet less those flanks that the other panel leaves no partner for, for many poses of B in A's frame.
@@ -41,7 +67,7 @@ def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
     found = np.zeros(len(turns))
     pairs = np.empty((len(fb) + 1, 2), dtype=np.int64)
     for k in range(len(turns)):
-        if abs(turns[k, 2, 2]) > 0.1:
+        if abs(turns[k, 2, 2]) > MAX_SQUARE_COSINE:
             continue
         met = meeting(fa, ta, fb, tb, turns[k], moves[k], tolerance, pairs)
         turn, move = turns[k].T.copy(), -turns[k].T @ moves[k]
@@ -49,6 +75,24 @@ def scores(fa, ta, oa, fb, tb, ob, turns, moves, tolerance, power):
         blocked += _blocked(fa, tb, ob, turn, move, tolerance) - met
         found[k] = met**power - BLOCKED_PENALTY * max(0, blocked) ** power
     return found
+
+
+@njit(cache=True)
+def met_flags(fa, ta, fb, tb, turns, moves, tolerance):
+    """Which flanks of A and B meet, for many poses of B in A's frame; arguments as in `scores`.
+
+    Returns
+    -------
+    met_a, met_b : (k, n) bool
+    """
+    met_a = np.zeros((len(turns), len(fa)), dtype=np.bool_)
+    met_b = np.zeros((len(turns), len(fb)), dtype=np.bool_)
+    pairs = np.empty((len(fb) + 1, 2), dtype=np.int64)
+    for k in range(len(turns)):
+        for i in range(meeting(fa, ta, fb, tb, turns[k], moves[k], MET_TOLERANCE * tolerance, pairs)):
+            met_a[k, pairs[i, 0]] = True
+            met_b[k, pairs[i, 1]] = True
+    return met_a, met_b
 
 
 @njit(cache=True)
@@ -65,18 +109,12 @@ def masks(fa, ta, oa, na, fb, tb, ob, nb, turns, moves, tolerance):
     met_a, met_b, blocked_a, blocked_b : (k, n) bool
     """
     count = len(turns)
-    met_a = np.zeros((count, len(fa)), dtype=np.bool_)
-    met_b = np.zeros((count, len(fb)), dtype=np.bool_)
+    met_a, met_b = met_flags(fa, ta, fb, tb, turns, moves, tolerance)
     blocked_a = np.zeros((count, len(fa)), dtype=np.bool_)
     blocked_b = np.zeros((count, len(fb)), dtype=np.bool_)
-    pairs = np.empty((len(fb) + 1, 2), dtype=np.int64)
     for k in range(count):
-        if abs(turns[k, 2, 2]) > 0.1:
+        if abs(turns[k, 2, 2]) > MAX_SQUARE_COSINE:
             continue
-        met = meeting(fa, ta, fb, tb, turns[k], moves[k], MET_TOLERANCE * tolerance, pairs)
-        for i in range(met):
-            met_a[k, pairs[i, 0]] = True
-            met_b[k, pairs[i, 1]] = True
         back, shift = turns[k].T.copy(), -turns[k].T @ moves[k]
         for j in range(len(fb)):
             if nb[j] and not met_b[k, j]:
@@ -199,10 +237,20 @@ def _inside(edges, x, y):
 @njit(cache=True)
 def meeting(fa, ta, fb, tb, turn, move, tolerance, pairs):
     """Write the pairs (flank of A, flank of B) that meet into `pairs`, and return how many there are."""
-    if abs(turn[2, 2]) > 0.1:
-        return 0
+    if abs(turn[2, 2]) > MAX_SQUARE_COSINE:
+        return _meeting_askew(fa, ta, fb, tb, turn, move, tolerance, pairs)
+    # Only flanks of A in the plane of B can meet one.
+    near = np.empty(len(fa), dtype=np.int64)
+    count = 0
+    height = turn[0, 2] * move[0] + turn[1, 2] * move[1] + turn[2, 2] * move[2]
+    for i in range(len(fa)):
+        if abs(fa[i, 0] * turn[0, 2] + fa[i, 1] * turn[1, 2] - height) <= tolerance:
+            near[count] = i
+            count += 1
     found = 0
     for j in range(len(fb)):
+        if count == 0:
+            break
         if abs(fb[j, 6] - ta) > LENGTH_TOLERANCE * ta:
             continue
         x, y = fb[j, 0], fb[j, 1]
@@ -216,7 +264,7 @@ def meeting(fa, ta, fb, tb, turn, move, tolerance, pairs):
         dx = turn[0, 0] * fb[j, 2] + turn[0, 1] * fb[j, 3]
         dy = turn[1, 0] * fb[j, 2] + turn[1, 1] * fb[j, 3]
         best, nearest = -1, tolerance * tolerance
-        for i in range(len(fa)):
+        for i in near[:count]:
             ax, ay = fa[i, 0] - px, fa[i, 1] - py
             apart = ax * ax + ay * ay + pz * pz
             if apart >= nearest or abs(fa[i, 6] - tb) > LENGTH_TOLERANCE * tb:
@@ -234,6 +282,55 @@ def meeting(fa, ta, fb, tb, turn, move, tolerance, pairs):
             if not taken:
                 pairs[found, 0], pairs[found, 1] = best, j
                 found += 1
+    return found
+
+
+@njit(cache=True)
+def _meeting_askew(fa, ta, fb, tb, turn, move, tolerance, pairs):
+    """The same for planes that are not square: fingers of both lie along the crossing line, a little behind it."""
+    cosine = abs(turn[2, 2])
+    if cosine > MAX_ASKEW_COSINE or abs(ta - tb) > 0.01 * ta:
+        return 0
+    sine = np.sqrt(1.0 - cosine * cosine)
+    ex, ey = -turn[1, 2] / sine, turn[0, 2] / sine  # along the crossing line, in A's plane
+    height = turn[0, 2] * move[0] + turn[1, 2] * move[1] + turn[2, 2] * move[2]
+    found = 0
+    for bend in (cosine, -cosine):
+        length, back = finger_length(bend, ta), finger_setback(bend, ta)
+        off = back * sine  # of a finger's middle from the other plate's middle plane
+        for j in range(len(fb)):
+            if abs(fb[j, 6] - length) > ASKEW_LENGTH_TOLERANCE * ta:
+                continue
+            x, y = fb[j, 0], fb[j, 1]
+            if abs(abs(turn[2, 0] * x + turn[2, 1] * y + move[2]) - off) > tolerance:
+                continue
+            dx = turn[0, 0] * fb[j, 2] + turn[0, 1] * fb[j, 3]
+            dy = turn[1, 0] * fb[j, 2] + turn[1, 1] * fb[j, 3]
+            way = dx * ex + dy * ey
+            if abs(way) < MIN_UPRIGHT_COSINE:
+                continue
+            px = turn[0, 0] * x + turn[0, 1] * y + move[0]
+            py = turn[1, 0] * x + turn[1, 1] * y + move[1]
+            best, nearest = -1, tolerance
+            for i in range(len(fa)):
+                if abs(fa[i, 6] - length) > ASKEW_LENGTH_TOLERANCE * ta or (fa[i, 2] * ex + fa[i, 3] * ey) * way > 0:
+                    continue
+                if abs(fa[i, 2] * ex + fa[i, 3] * ey) < MIN_UPRIGHT_COSINE:
+                    continue
+                if abs(abs(fa[i, 0] * turn[0, 2] + fa[i, 1] * turn[1, 2] - height) - off) > tolerance:
+                    continue
+                along = abs((fa[i, 0] - px) * ex + (fa[i, 1] - py) * ey)
+                across = abs((fa[i, 1] - py) * ex - (fa[i, 0] - px) * ey)
+                if along < nearest and across < 2.0 * abs(back) + 2.0 * tolerance:
+                    best, nearest = i, along
+            if best >= 0:
+                taken = False
+                for k in range(found):
+                    if pairs[k, 0] == best:
+                        taken = True
+                if not taken and found < len(pairs):
+                    pairs[found, 0], pairs[found, 1] = best, j
+                    found += 1
     return found
 
 

@@ -6,12 +6,17 @@ that stands square on the plane of its partner. So finger edges, rows of holes a
 
 from __future__ import annotations
 
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 from shapely.geometry.polygon import orient
+
+from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE
 
 Floats = NDArray[np.float64]
 
@@ -34,6 +39,16 @@ class FlankSettings:
         An edge that goes on almost straight, the cosine of the angle above this, is a piece of a longer one and no flank.
     relief_width : float in (0, 1)
         Reliefs at corners (dog bones) up to twice this share of the thickness wide are filled before flanks are sought.
+    even_stretch : float > 1
+        A tab or gap longer than this many times the usual one of its line separates two rows of fingers.
+    long_stretch : float > 1
+        And so does a tab as many times longer than the usual gap, or a gap than the usual tab.
+    angle_flanks : int
+        Rows of at least as many flanks say at which angles panels meet.
+    least_angle, square_angle : float [degrees]
+        Angles below the one, and nearer to a right angle than the other, are not looked for.
+    max_angles : int
+        How many of them, the most frequent ones.
     """
 
     length_tolerance: float = 0.15
@@ -42,6 +57,12 @@ class FlankSettings:
     max_square_cosine: float = 0.1
     max_straight_cosine: float = 0.97
     relief_width: float = 0.3
+    even_stretch: float = 1.25
+    long_stretch: float = 3.0
+    angle_flanks: int = 4
+    least_angle: float = 20.0
+    square_angle: float = 4.0
+    max_angles: int = 3
 
 
 FLANKS = FlankSettings()
@@ -57,6 +78,8 @@ class FlankLine:
     ----------
     along, across : (2,) float64
         Unit direction of the line and its left normal.
+    outward : float
+        1 where the panel lies right of the line, along its edge, -1 where it lies left, 0 where it lies on both sides.
     offset : float [mm]
         Of the line along `across`.
     at : (n,) float64 [mm]
@@ -70,6 +93,7 @@ class FlankLine:
 
     along: Floats
     across: Floats
+    outward: float
     offset: float
     at: Floats
     sense: Floats
@@ -98,6 +122,8 @@ class SheetPlate:
     needed : (n,) bool
         Whether a flank should meet another: a lone step of an outline need not.
     lines : tuple of FlankLine
+    joint_rows : (n,) int
+        Which row of fingers, or of holes for them, every flank belongs to.
     kind : int
         The same for congruent panels.
     """
@@ -113,6 +139,7 @@ class SheetPlate:
     neighbours: NDArray[np.int64]
     needed: NDArray[np.bool_]
     lines: tuple[FlankLine, ...]
+    joint_rows: NDArray[np.int64]
     kind: int
 
     @property
@@ -209,6 +236,31 @@ def plates_of(
     burn : float [mm]
         By how much outlines were drawn larger.
     """
+    plates = _plates(names, polygons, thickness, burn, np.zeros(0))
+    angles = joint_angles(plates)
+    return _plates(names, polygons, thickness, burn, angles) if len(angles) else plates
+
+
+def joint_angles(plates: Sequence[SheetPlate]) -> Floats:
+    """Angles [rad] other than right ones by which plates may turn at a joint: between rows of fingers of one panel.
+
+    Walls that stand on two edges of a panel meet at the angle between these edges.
+    """
+    found: Counter[float] = Counter()
+    for plate in plates:
+        ways = [line.along for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
+        for a, b in combinations(ways, 2):
+            sine, cosine = abs(a[0] * b[1] - a[1] * b[0]), abs(a @ b)
+            angle = round(float(np.degrees(np.arctan2(sine, cosine))), 1)
+            if FLANKS.least_angle < angle < 90.0 - FLANKS.square_angle:
+                found[angle] += 1
+    usual = [angle for angle, _ in found.most_common(FLANKS.max_angles)]
+    return np.radians(sorted({*usual, *(180.0 - angle for angle in usual)}))
+
+
+def _plates(
+    names: list[str], polygons: list[shapely.Polygon], thickness: list[float], burn: float, angles: Floats
+) -> tuple[SheetPlate, ...]:
     wanted = np.unique(thickness)
     kinds: list[SheetPlate] = []
     plates: list[SheetPlate] = []
@@ -219,7 +271,7 @@ def plates_of(
         cut = shapely.transform(cut, lambda points, centre=centre: points - centre)
         alike = next((first for first in kinds if first.thickness == thick and same_outline(cut, first.polygon)), None)
         if alike is None:
-            plates.append(_plate(name, cut, thick, centre, wanted, len(kinds)))
+            plates.append(_plate(name, cut, thick, centre, wanted, angles, len(kinds)))
             kinds.append(plates[-1])
         else:
             plates.append(replace(alike, name=name, centre=centre))
@@ -240,17 +292,49 @@ def same_outline(a: shapely.Polygon, b: shapely.Polygon) -> bool:
     return bool(a.symmetric_difference(b).buffer(-SAME_OUTLINE, quad_segs=1).is_empty)
 
 
-def _plate(name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, kind: int) -> SheetPlate:
+def _plate(
+    name: str, cut: shapely.Polygon, thick: float, centre: Floats, wanted: Floats, angles: Floats, kind: int
+) -> SheetPlate:
     smooth = _without_reliefs(cut, FLANKS.relief_width * float(wanted.min()))
-    middle, inward, along, length, neighbours, bottom = _flanks(smooth, wanted)
-    lines = _lines(middle, inward, length, 0.12 * float(wanted.min()))
-    needed = bottom.copy()
+    middle, inward, along, length, neighbours, bottom, jointed = _flanks(smooth, wanted, thick * np.sin(angles))
+    lines = _lines(cut, middle, inward, length, thick)
     for line in lines:  # a line's direction and place are known better than those of one flank
-        needed[line.rows] |= len(line.rows) > 1
         inward[line.rows] = line.sense[:, None] * line.along
         middle[line.rows] = line.at[:, None] * line.along + line.offset * line.across
     along = np.column_stack([inward[:, 1], -inward[:, 0]])
-    return SheetPlate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, kind)
+    rows = _joint_rows(lines, len(length), 0.1 * thick)
+    needed = (bottom | _within_rows(lines, rows)) & jointed
+    return SheetPlate(name, cut, thick, centre, middle, inward, along, length, neighbours, needed, lines, rows, kind)
+
+
+def _within_rows(lines: tuple[FlankLine, ...], rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Flanks that belong to a row of fingers for certain: of an odd number the first or last may be a step of the outline."""
+    found: NDArray[np.bool_] = np.zeros(len(rows), dtype=np.bool_)
+    for line in lines:
+        for row in np.unique(rows[line.rows]):
+            flanks = line.rows[rows[line.rows] == row]
+            found[flanks] = len(flanks) > 1
+            if len(flanks) % 2:
+                found[flanks[[0, -1]]] = False
+    return found
+
+
+def _joint_rows(lines: tuple[FlankLine, ...], count: int, tolerance: float) -> NDArray[np.int64]:
+    """Number of the row (count,) to which every flank belongs: a line's flanks as far as they follow each other evenly."""
+    found: NDArray[np.int64] = np.zeros(count, dtype=np.int64)
+    first = 0
+    for line in lines:
+        stretch, material = np.diff(line.at), line.sense[:-1] > 0
+        uneven: NDArray[np.bool_] = np.zeros(len(stretch), dtype=np.bool_)
+        for kind in (material, ~material):
+            if kind.any():
+                uneven |= kind & (stretch > FLANKS.even_stretch * np.median(stretch[kind]) + tolerance)
+            if not kind.all():
+                uneven |= kind & (stretch > FLANKS.long_stretch * np.median(stretch[~kind]))
+        number = first + np.append(0, np.cumsum(uneven))
+        found[line.rows] = number
+        first = int(number[-1]) + 1
+    return found
 
 
 def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon:
@@ -261,30 +345,38 @@ def _without_reliefs(polygon: shapely.Polygon, radius: float) -> shapely.Polygon
 
 
 def _flanks(
-    polygon: shapely.Polygon, wanted: Floats
-) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_]]:
-    """Midpoints, inward and own directions, lengths, which flanks meet at corners, and which are bottoms of slots or holes."""
+    polygon: shapely.Polygon, wanted: Floats, askew: Floats
+) -> tuple[Floats, Floats, Floats, Floats, NDArray[np.int64], NDArray[np.bool_], NDArray[np.bool_]]:
+    """Midpoints, inward and own directions, lengths, corner neighbours; which are bottoms of slots or holes, and no window's.
+
+    A hole that is no rectangle is a window, for a switch or a lamp: a tab cannot fill it.
+    """
     middle: list[Floats] = []
     inward: list[Floats] = []
     along: list[Floats] = []
     length: list[float] = []
     neighbours: list[NDArray[np.int64]] = []
     bottom: list[bool] = []
-    for ring in (polygon.exterior, *polygon.interiors):
+    jointed: list[bool] = []
+    for place, ring in enumerate((polygon.exterior, *polygon.interiors)):
         here = shapely.get_coordinates(ring)[:-1]
         there = np.roll(here, -1, axis=0)
         size = np.hypot(*(there - here).T)
         unit = (there - here) / np.maximum(size, 1e-9)[:, None]
-        square = np.abs((unit * np.roll(unit, 1, axis=0)).sum(1)) < FLANKS.max_square_cosine
+        cosine = (unit * np.roll(unit, 1, axis=0)).sum(1)
+        square = np.abs(cosine) < FLANKS.max_square_cosine
         square |= np.roll(square, -1)
-        bend = (unit * np.roll(unit, 1, axis=0)).sum(1) < FLANKS.max_straight_cosine
-        bend &= np.roll(bend, -1)
+        corner = cosine < FLANKS.max_straight_cosine
+        bend = corner & np.roll(corner, -1)
         turn = np.roll(unit[:, 0], 1) * unit[:, 1] - np.roll(unit[:, 1], 1) * unit[:, 0]
         convex = turn > 0
         reflex_end = ~convex | ~np.roll(convex, -1)  # the tip of a tab, convex at both ends, holds nothing
-        fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1) & square & bend & reflex_end
+        fits = (np.abs(size[:, None] - wanted) < FLANKS.length_tolerance * wanted).any(1)
+        fits |= (np.abs(size[:, None] - askew) < ASKEW_LENGTH_TOLERANCE * wanted.min()).any(1)
+        fits &= square & bend & reflex_end
         number: NDArray[np.int64] = np.full(len(here), -1, dtype=np.int64)
         number[fits] = np.arange(fits.sum()) + len(middle)
+        window = place > 0 and np.count_nonzero(corner) != 4
         before, after = np.roll(number, 1)[fits], np.roll(number, -1)[fits]
         middle += list((here[fits] + there[fits]) / 2)
         inward += list(np.column_stack([-unit[fits, 1], unit[fits, 0]]))
@@ -292,14 +384,19 @@ def _flanks(
         length += list(size[fits])
         neighbours += list(np.column_stack([before, after]))
         bottom += list(~convex[fits] & ~np.roll(convex, -1)[fits])
+        jointed += [not window] * int(fits.sum())
     rows = len(middle)
     two = [np.array(values, dtype=float).reshape(rows, 2) for values in (middle, inward, along)]
     corners = np.array(neighbours, dtype=np.int64).reshape(rows, 2)
-    return two[0], two[1], two[2], np.array(length, dtype=float), corners, np.array(bottom, dtype=bool)
+    flags = np.array(bottom, dtype=bool), np.array(jointed, dtype=bool)
+    return two[0], two[1], two[2], np.array(length, dtype=float), corners, *flags
 
 
-def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> tuple[FlankLine, ...]:
+def _lines(
+    cut: shapely.Polygon, middle: Floats, inward: Floats, length: Floats, thickness: float
+) -> tuple[FlankLine, ...]:
     """Group flanks by the line on which their midpoints and inward directions lie."""
+    corners, tolerance = shapely.get_coordinates(cut.exterior), 0.12 * thickness
     left: list[int] = list(range(len(middle)))
     found = []
     while left:
@@ -317,7 +414,10 @@ def _lines(middle: Floats, inward: Floats, length: Floats, tolerance: float) -> 
         order = np.argsort(at)
         rows = rows[order]
         offset = float((middle[rows] @ across).mean())
-        found.append(FlankLine(along, across, offset, at[order], np.sign(inward[rows] @ along), length[rows], rows))
+        beyond = corners @ across - offset
+        outward = float(beyond.max() < 0.75 * thickness) - float(beyond.min() > -0.75 * thickness)
+        sense = np.sign(inward[rows] @ along)
+        found.append(FlankLine(along, across, outward, offset, at[order], sense, length[rows], rows))
         left = [row for row in left if row not in set(rows.tolist())]
     return tuple(found)
 

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.mating.beam_search import BeamState
 from wiggleroom.mating.candidates import VOTING
-from wiggleroom.mating.contact import line_shifts
-from wiggleroom.mating.flanks import FlankLine, SheetPlate
+from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE, finger_length, finger_setback, line_shifts
+from wiggleroom.mating.flanks import FlankLine, SheetPlate, joint_angles
 
 Floats = NDArray[np.float64]
+LONG_ROW = 4
+"""Of a row with as many flanks one may stay open: at the end a corner can swallow it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,35 +39,62 @@ class PairPoses:
     met: tuple[tuple[int, int], ...]
     blocked: tuple[tuple[int, int], ...]
 
+    @cached_property
+    def at_flank(self) -> dict[int, list[int]]:
+        """By flank of A, the poses in which it meets another."""
+        found: dict[int, list[int]] = {}
+        for k, (met, _) in enumerate(self.met):
+            for flank in flank_rows(met):
+                found.setdefault(flank, []).append(k)
+        return found
+
 
 class PairPoseTable:
-    """Poses by kinds of panels, each worked out when it is first asked for."""
+    """Poses by kinds of panels, each worked out when it is first asked for.
 
-    def __init__(self, bench: BeamState) -> None:
+    Parameters
+    ----------
+    bench : BeamState
+    whole : bool
+        Only poses in which rows of fingers meet from end to end: a joint is a row of one panel in a row of another.
+    """
+
+    def __init__(self, bench: BeamState, *, whole: bool) -> None:
         self.bench = bench
+        self.whole = whole
+        self.angles = joint_angles(bench.plates)
         self._known: dict[tuple[int, int], PairPoses] = {}
 
     def between(self, a: int, b: int) -> PairPoses:
         """Poses of a panel like `b` in the frame of a panel like `a`; both are rows."""
         key = self.bench.plates[a].kind, self.bench.plates[b].kind
         if key not in self._known:
-            self._known[key] = self._worked_out(a, b)
+            if key[::-1] in self._known:
+                self._known[key] = _inverse(self._known[key[::-1]])
+            else:
+                self._known[key] = self._worked_out(a, b)
         return self._known[key]
 
     def _worked_out(self, a: int, b: int) -> PairPoses:
         bench = self.bench
         found = list(_line_poses(bench.plates[a], bench.plates[b], bench.tolerance))
+        for angle in self.angles:
+            found += _askew_poses(bench.plates[a], bench.plates[b], bench.tolerance, float(np.cos(angle)))
         if not found:
             return PairPoses(np.zeros((0, 3, 3)), np.zeros((0, 3)), (), ())
         turns, moves = (np.concatenate(values) for values in zip(*found, strict=True))
+        met_a, met_b = bench.met_flags(a, b, turns, moves)
+        fine = met_a.any(axis=1)
+        if self.whole:
+            fine &= _meets_whole_rows(bench.plates[a], met_a) & _meets_whole_rows(bench.plates[b], met_b)
+        turns, moves = turns[fine], moves[fine]
         met_a, met_b, blocked_a, blocked_b = bench.masks(a, b, turns, moves)
         count, odd = met_a.sum(axis=1), blocked_a.sum(axis=1) + blocked_b.sum(axis=1)
+        corners = np.column_stack([np.round(turns.reshape(-1, 9) * 10), np.round(moves / bench.tolerance)]).astype(int)
         keep, marks = [], set()
         for k in np.argsort(-count, kind="stable").tolist():
-            if count[k] == 0 or odd[k] > count[k]:
-                continue
-            mark = (*np.round(turns[k].ravel() * 10).astype(int), *np.round(moves[k] / bench.tolerance).astype(int))
-            if mark in marks or bench.volume(a, b, turns[k], moves[k]) > bench.most:
+            mark = corners[k].tobytes()
+            if odd[k] > count[k] or mark in marks or bench.volume(a, b, turns[k], moves[k]) > bench.most:
                 continue
             marks.add(mark)
             keep.append(k)
@@ -74,6 +104,27 @@ class PairPoseTable:
             tuple(zip(bits(met_a[keep]), bits(met_b[keep]), strict=True)),
             tuple(zip(bits(blocked_a[keep]), bits(blocked_b[keep]), strict=True)),
         )
+
+
+def _inverse(poses: PairPoses) -> PairPoses:
+    """Poses of A in the frame of B."""
+    turns = np.swapaxes(poses.turns, 1, 2)
+    moves = -np.einsum("kij,kj->ki", turns, poses.moves)
+    met, blocked = ((tuple((b, a) for a, b in pairs)) for pairs in (poses.met, poses.blocked))
+    return PairPoses(turns, moves, met, blocked)
+
+
+def _meets_whole_rows(plate: SheetPlate, met: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether every row of fingers of a panel that meets another panel does so from end to end, for flags (k, n)."""
+    if not len(plate.joint_rows):
+        return np.ones(len(met), dtype=np.bool_)
+    near = plate.neighbours
+    beside = (met[:, near] & (near >= 0)).any(axis=2)
+    row = (plate.joint_rows[:, None] == np.arange(plate.joint_rows.max() + 1)).astype(np.float32)
+    left = (plate.needed & ~met & ~beside).astype(np.float32) @ row
+    spare = (row.sum(axis=0) >= LONG_ROW).astype(np.float32)
+    broken = (met.astype(np.float32) @ row > 0) & (left > spare)
+    return ~broken.any(axis=1)
 
 
 def bits(flags: NDArray[np.bool_]) -> list[int]:
@@ -105,6 +156,40 @@ def _line_poses(a: SheetPlate, b: SheetPlate, tolerance: float) -> Iterator[tupl
                 if len(shifts):
                     for fold in (1.0, -1.0):
                         yield _poses(line, other, sign, shifts, fold)
+
+
+def _askew_poses(a: SheetPlate, b: SheetPlate, tolerance: float, cosine: float) -> Iterator[tuple[Floats, Floats]]:
+    """Poses that join edges of two plates which turn by an angle at the joint; its cosine."""
+    if abs(a.thickness - b.thickness) > 0.01 * a.thickness:
+        return
+    length, back = finger_length(cosine, a.thickness), finger_setback(cosine, a.thickness)
+    sine, reach = np.sqrt(1.0 - cosine * cosine), ASKEW_LENGTH_TOLERANCE * a.thickness
+    edges = [
+        [line for line in plate.lines if line.outward and (np.abs(line.length - length) < reach).all()]
+        for plate in (a, b)
+    ]
+    for line in edges[0]:
+        for other in edges[1]:
+            for sign in (1.0, -1.0):
+                order = np.argsort(sign * other.at)
+                shifts = line_shifts(
+                    line.at, line.sense, a.needed[line.rows],
+                    (sign * other.at)[order], (sign * other.sense)[order], b.needed[other.rows][order], tolerance,
+                )  # fmt: skip
+                if not len(shifts):
+                    continue
+                for fold in (sine, -sine):
+                    out = line.outward * line.across
+                    along, into = np.append(sign * line.along, 0.0), np.append(cosine * out, fold)
+                    space = np.column_stack([along, into, np.cross(along, into)])
+                    flat = np.zeros((3, 3))
+                    flat[:2, 0], flat[:2, 1] = other.along, -other.outward * other.across
+                    flat[:, 2] = np.cross(flat[:, 0], flat[:, 1])
+                    turn = space @ flat.T
+                    axis = np.append((line.offset + line.outward * back) * line.across, 0.0)
+                    own = np.append((other.offset + other.outward * back) * other.across, 0.0)
+                    moves = axis - turn @ own + shifts[:, None] * np.append(line.along, 0.0)
+                    yield np.repeat(turn[None], len(shifts), axis=0), moves
 
 
 def _shifts(a: FlankLine, b: FlankLine, sign: float, one: SheetPlate, other: SheetPlate, tolerance: float) -> Floats:

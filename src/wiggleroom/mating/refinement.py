@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import see_extra
 from wiggleroom.mating.beam_search import BeamState, Placement
+from wiggleroom.mating.contact import MAX_SQUARE_COSINE
 from wiggleroom.mating.flanks import SheetPlate, inset
 
 Floats = NDArray[np.float64]
@@ -48,10 +49,13 @@ def refined(bench: BeamState, state: Placement) -> Placement:
     -------
     Placement
     """
-    joints, _ = bench.met(state)
+    place = {row: k for k, row in enumerate(state.rows)}
+    joints = [
+        joint for joint in bench.met(state)[0]  # fingers at other angles do not meet in their middles
+        if abs(state.turns[place[joint[0]]][:, 2] @ state.turns[place[joint[1]]][:, 2]) < MAX_SQUARE_COSINE
+    ]  # fmt: skip
     if not joints:
         return state
-    place = {row: k for k, row in enumerate(state.rows)}
     count = len(state.rows)
     # A panel that no joint holds, such as one whose place was told, stays where it is.
     matrix = np.vstack([np.zeros((len(joints), count)), SETTINGS.stay_weight * np.eye(count)])

@@ -108,18 +108,26 @@ class Gravity:
         Those that lie lowest are held first: others may rest on them.
         """
         names = np.array(self.assembly.names, dtype=object)
-        moving = np.isin(names, step.parts)
-        held = np.zeros(len(names), dtype=np.bool_)
-        states = list(_states(step))
+        return tuple(names[self._held(list(_states(step)), step.there, np.isin(names, step.parts), stop)])
+
+    def burden(self, motion: Floats, there: Bools, leaving: Ints, stop: Stop | None = None) -> int:
+        """How many parts somebody must hold once some have left from a state, so that nothing falls."""
+        there = there.copy()
+        there[leaving] = False
+        return int(self._held([motion], there, np.zeros(len(there), dtype=np.bool_), stop).sum())
+
+    def _held(self, states: list[Floats], there: Bools, moving: Bools, stop: Stop | None) -> Bools:
+        """Parts (n,) to hold so that in some states nothing falls; what moves is held anyway."""
+        held = np.zeros(len(there), dtype=np.bool_)
         for motion in states:
-            while (falls := self.falling(motion, step.there, held | moving, stop)).any():
+            while (falls := self.falling(motion, there, held | moving, stop)).any():
                 held[self._lowest(motion, np.flatnonzero(falls))] = True
         for k in np.flatnonzero(held):  # what was held first may be held up by what came later
             without = held.copy()
             without[k] = False
-            if not any(self.falling(m, step.there, without | moving, stop).any() for m in states):
+            if not any(self.falling(m, there, without | moving, stop).any() for m in states):
                 held = without
-        return tuple(names[held])
+        return held
 
     def _lowest(self, motion: Floats, who: Ints) -> int:
         """Which of some parts has the centroid of its body lowest."""

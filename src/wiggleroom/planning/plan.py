@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,7 +114,8 @@ def plan(
     targets : sequence of names, optional
         Only these are to leave; others leave only where they must.
     gravity : (x, y), optional
-        Direction in which loose parts fall: every step then says whom to hold so that none does.
+        Direction in which loose parts fall: every step then says whom to hold so that none does, and of the parts that could leave
+        straight those leave first after which the fewest must be held.
     stop : optional
         Anything with `is_set()`; then the plan goes as far as was found.
     progress : callable, optional
@@ -140,7 +142,8 @@ def plan(
     standing = with_ground(assembly)
     see_targets(standing, targets)
     weight = None if gravity is None else Gravity(standing, survey(standing), gravity)
-    done = disassemble(standing, targets=tuple(targets), stop=limit, tell=progress or silent)
+    burden = None if weight is None else partial(weight.burden, stop=limit)
+    done = disassemble(standing, targets=tuple(targets), burden=burden, stop=limit, tell=progress or silent)
     steps: tuple[Step, ...] = ()
     if done.departures:
         ground = survey(standing)

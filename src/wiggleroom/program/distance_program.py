@@ -33,10 +33,11 @@ class DistanceProgram(Program):
         near, h = self.cells, np.empty(self.rows)
 
         def fill(some: slice) -> None:
-            kernel.distances(g[some], row_of(near.row, some), *self._listed, h)
+            row = row_of(near.row, some)
+            kernel.distances(g[some], row, *self._listed, h)
+            h[row[0] : row[-1]] /= self.length
 
         in_batches(len(g), self.batches, fill)
-        h /= self.length
         return h
 
     def row_gradients(self, g: Floats) -> Floats:
@@ -44,10 +45,11 @@ class DistanceProgram(Program):
         near, d = self.cells, np.empty((self.rows, 3))
 
         def fill(some: slice) -> None:
-            kernel.distance_gradients(g[some], row_of(near.row, some), *self._listed, d)
+            row = row_of(near.row, some)
+            kernel.distance_gradients(g[some], row, *self._listed, d)
+            d[row[0] : row[-1]] /= self.length
 
         in_batches(len(g), self.batches, fill)
-        d /= self.length
         return d
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:

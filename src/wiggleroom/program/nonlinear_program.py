@@ -110,9 +110,9 @@ class Program:
         def fill(some: slice) -> None:
             row = row_of(self.cells.row, some)
             kernel.wall_values(g[some], row, self.kind, self.normal, self.per_turn, self.off, self.corner, h)
+            h[row[0] : row[-1]] /= self.length
 
         in_batches(len(g), self.batches, fill)
-        h /= self.length
         return h
 
     def row_gradients(self, g: Floats) -> Floats:
@@ -122,9 +122,9 @@ class Program:
         def fill(some: slice) -> None:
             row = row_of(self.cells.row, some)
             kernel.wall_gradients(g[some], row, self.kind, self.normal, self.per_turn, self.corner, d)
+            d[row[0] : row[-1]] /= self.length
 
         in_batches(len(g), self.batches, fill)
-        d /= self.length
         return d
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:

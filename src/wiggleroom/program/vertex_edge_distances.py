@@ -1,8 +1,8 @@
 """Compiled distances of corners from edges that are near them, with derivatives and a second-order model that is convex for each pair.
 
 h = |x - nearest point of the edge|, x the corner seen in the edge's frame. Where the nearest point is inside the edge, this is the wall of
-corner and edge; where it is an end, the distance of two corners. Both have the same derivative where they meet. Behind an edge, h is
-negative. Unlike the walls of a cell, these rows describe all of the free space round where they were listed.
+corner and edge; where it is an end, the distance of two corners. Both have the same derivative where they meet. Behind an edge, nearer to
+it than to its ends, h is negative. Unlike the walls of a cell, these rows describe all of the free space round where they were listed.
 
 Source: the contact pairs and the projected Hessians of Li et al. 2020 (Incremental Potential Contact), in the plane.
 """
@@ -23,6 +23,15 @@ def _seen(k, c, s, x, y, u, v):
     return c * (u - x) + s * (v - y), -s * (u - x) + c * (v - y)
 
 
+@njit(inline="always", **COMPILED_CALLERS_ONLY)
+def nearer_to_end(ahead, beyond):
+    """True where a point so far ahead of an edge and beyond its nearer end counts by its distance from that end.
+
+    A corner that has come past the next edge, by ever so little, may lie far behind this one: it has not crossed it.
+    """
+    return beyond > 0.0 or ahead < beyond
+
+
 @njit(**NO_ALLOCATION)
 def distances(g, row, kind, edge, vertex, corner, normal, length, h):
     """Distances h (R,); negative behind an edge."""
@@ -35,7 +44,7 @@ def distances(g, row, kind, edge, vertex, corner, normal, length, h):
             ahead = normal[e, 0] * rx + normal[e, 1] * ry
             along = normal[e, 0] * ry - normal[e, 1] * rx
             beyond = max(-along, along - length[e])
-            h[r] = ahead if beyond <= 0.0 else np.sqrt(ahead * ahead + beyond * beyond)
+            h[r] = np.sqrt(ahead * ahead + beyond * beyond) if nearer_to_end(ahead, beyond) else ahead
 
 
 @njit(**NO_ALLOCATION)
@@ -49,8 +58,8 @@ def distance_gradients(g, row, kind, edge, vertex, corner, normal, length, d):
             rx, ry = x - corner[e, 0], y - corner[e, 1]
             nx, ny = normal[e, 0], normal[e, 1]
             ahead, along = nx * rx + ny * ry, nx * ry - ny * rx
-            beyond = along if along < 0.0 else max(along - length[e], 0.0)
-            if beyond != 0.0:
+            if nearer_to_end(ahead, max(-along, along - length[e])):
+                beyond = along if along < 0.5 * length[e] else along - length[e]
                 size = np.sqrt(ahead * ahead + beyond * beyond)
                 nx, ny = (ahead * nx - beyond * ny) / size, (ahead * ny + beyond * nx) / size
             if k == A_EDGE:
@@ -94,7 +103,7 @@ def distance_blocks(g, row, kind, edge, vertex, corner, normal, length, d, weigh
             rx, ry = x - corner[e, 0], y - corner[e, 1]
             ahead, along = normal[e, 0] * rx + normal[e, 1] * ry, normal[e, 0] * ry - normal[e, 1] * rx
             beyond = max(-along, along - length[e])
-            if beyond > 0.0:  # round an end of the edge the distance curves: what is tangential counts
+            if nearer_to_end(ahead, beyond):  # round an end of the edge the distance curves: what is tangential counts
                 k = f * unit / np.sqrt(ahead * ahead + beyond * beyond)
                 m00 -= k * d1 * d1
                 m01 += k * d0 * d1

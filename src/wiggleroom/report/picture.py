@@ -31,6 +31,19 @@ class PartColours:
     legend: tuple[frame.LegendEntry, ...]
 
 
+@dataclass(frozen=True)
+class LegendWords:
+    """What the legend calls the parts that are pulled, their arrows, and the thin outlines."""
+
+    pulled: str = "pulled"
+    arrow: str = "gained along the pull"
+    rest: str = "at rest"
+
+
+FLEX_WORDS = LegendWords()
+"""Of an answer."""
+
+
 def picture(
     answer: Answer,
     *,
@@ -38,6 +51,7 @@ def picture(
     tints: PartColours | None = None,
     title: str | None = None,
     said: Sequence[str] | None = None,
+    words: LegendWords = FLEX_WORDS,
 ) -> str:
     """Answer as an SVG picture.
 
@@ -53,10 +67,12 @@ def picture(
         Colours of the parts in place of the usual ones.
     title, said : str and sequence of str, optional
         Headline and facts in place of those of the answer.
+    words : LegendWords
+        Of what the answer stands for.
     """
     factor = layout.magnification(answer.assembly, answer.motion) if magnify is None else float(magnify)
     said = [*(facts(answer) if said is None else said), *([f"motion x {number(factor)}"] if factor != 1 else [])]
-    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints)
+    return _draw(answer.assembly, answer, factor, title or headline(answer), said, answer.command, tints, words)
 
 
 def _draw(
@@ -67,6 +83,7 @@ def _draw(
     said: list[str],
     command: str,
     tints: PartColours | None = None,
+    words: LegendWords = FLEX_WORDS,
 ) -> str:
     """Whole picture; without an answer the parts lie at rest."""
     rest = assembly.rest
@@ -86,7 +103,7 @@ def _draw(
         marks.insert(0, contact_mark(view, answer, rest, shown, room))
     pulled = {assembly.names[row] for _, row in marked}
     body = drawn_parts(view, assembly, rest if answer is not None else None, shown, pulled, marks, room, tints)
-    legend = _legend(assembly, answer, bool(pulled), tints)
+    legend = _legend(assembly, answer, bool(pulled), tints, words)
     foot, height = frame.footer(view, view.y + view.height + palette.HEAD_SPACING + 16, legend, command)
     return frame.document(view.canvas, height, title, said, command, [*head, *body, *foot])
 
@@ -141,7 +158,7 @@ _ARROW = (
 
 
 def _legend(
-    assembly: Assembly, answer: Answer | None, asked: bool, tints: PartColours | None = None
+    assembly: Assembly, answer: Answer | None, asked: bool, tints: PartColours | None, words: LegendWords
 ) -> list[frame.LegendEntry]:
     """Only what the picture shows."""
     found = [] if tints is None else list(tints.legend)
@@ -152,18 +169,18 @@ def _legend(
         found.append(
             (
                 frame.swatch(palette.PULLED[0] if filled else palette.PAPER, palette.PULLED[1]),
-                "pulled",
+                words.pulled,
             )
         )
         if answer is not None and any(isinstance(g, Pull) for g in answer.goals):
             found.append(
                 (
                     _ARROW,
-                    "gained along the pull",
+                    words.arrow,
                 )
             )
     if answer is not None:
-        found.append((frame.swatch("none", palette.REST), "at rest"))
+        found.append((frame.swatch("none", palette.REST), words.rest))
         if any(c.force > 0 for c in answer.contacts):
             dot = (
                 f'<path d="M3,6h7" stroke="{palette.FORCE}" stroke-width="1.6"/>'

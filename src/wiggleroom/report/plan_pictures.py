@@ -16,7 +16,7 @@ from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.film import film
 from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
-from wiggleroom.report.picture import picture
+from wiggleroom.report.picture import LegendWords, picture
 from wiggleroom.report.plan_messages import plan_steps, plan_sure
 from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
 from wiggleroom.report.standalone_page import packed_frames, shown_drawing, standalone_page
@@ -27,6 +27,8 @@ from wiggleroom.verdict import Verdict
 
 SECONDS_PER_STEP, MAX_SECONDS = 0.8, 20.0
 """Films of plans take so long for each step, and at most so long."""
+STEP_WORDS = LegendWords("moves", "goes this way", "before the step")
+"""Legend of the picture of a step."""
 
 
 def picture_of_plan(found: Plan, *, command: str = "") -> str:
@@ -105,7 +107,7 @@ def still(found: Plan, k: int, *, command: str = "") -> str:
     )  # fmt: skip
     title = f"step {k + 1} of {len(found.steps)}: {step_sentence(step)}"
     said = [f"hold: {', '.join(step.all_held)}"] if step.all_held else []
-    return picture(answer, magnify=1.0, title=title, said=said)
+    return picture(answer, magnify=1.0, title=title, said=said, words=STEP_WORDS)
 
 
 def _within(way: NDArray[np.float64], size: float) -> NDArray[np.float64]:

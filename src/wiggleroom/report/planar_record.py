@@ -36,6 +36,7 @@ def planar_record(found: PlanarAssembly, *, command: str = "") -> AssembleResult
             for row, points in found.open.items()
         ],
         unplaced=[names[row] for row in found.unplaced],
+        loose=[],
         burn=found.burn,
         relief=found.relief,
         notes=list(found.notes),

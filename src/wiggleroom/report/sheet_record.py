@@ -35,6 +35,7 @@ def assemble_record(found: AssembledSheet, *, command: str = "") -> AssembleResu
             for row, flanks in found.open.items()
         ],
         unplaced=[names[row] for row in found.unplaced],
+        loose=[names[row] for row in found.loose],
         burn=found.burn,
         relief=found.relief,
         notes=list(found.notes),

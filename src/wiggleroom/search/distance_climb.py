@@ -37,14 +37,19 @@ CORNER_REACH = 12.0
 """The same, both ways, of pairs that are near at a corner only: they pass far by."""
 BEHIND = 2.5
 """Corners up to so many clearances behind the line of an edge are listed too: they may come round its end."""
+FURTHER_CLIMBS = 8
+"""In assemblies that are not large so many more climbs begin at points beside rest: they end on several hills."""
+SCATTER = 0.3
+"""Standard deviation of where these begin, in units of the clearance; less where that is not inside all rows."""
 MAX_ROWS_PER_PAIR = 40
 """Curves of many short edges list more, most of them about the same place; there the climb takes too many steps."""
 
 
-def climbed(search: LocalSearch, start: Start) -> Start | Incumbent:
+def climbed(search: LocalSearch, start: Start, further: int = 0) -> Start | Incumbent:
     """Where the search begins after a climb among distances; the start itself where that does not apply or leads nowhere.
 
-    Where it is asked to stop meanwhile, the end of the climb is the best motion there is.
+    Of the climb and `further` ones, where the assembly is not large, the highest counts. Where it is asked to stop meanwhile, the
+    end of the climb is the best motion there is.
     """
     if len(search.ready.bodies.fixed) <= MIN_BODIES or search.solve is not interior_point.solve:
         return start
@@ -52,12 +57,16 @@ def climbed(search: LocalSearch, start: Start) -> Start | Incumbent:
     program = _program(search, start)
     if program.rows > MAX_ROWS_PER_PAIR * len(program.cells.a):
         return start
-    begin = nudged(program, program.variables(start.inner))
-    solution = interior_point.solve(
-        program, begin, mu=start.mu, tolerance=CLIMB_TOLERANCE, horizon=ESCAPE_DISTANCE * search.ready.size,
-        balanced=False, stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
-    )  # fmt: skip
-    search.iterations += solution.iterations
+    rest = program.variables(start.inner)
+    begin = nudged(program, rest)
+    solution = _climb(search, start, program, begin)
+    for k in range(0 if search.large else further):
+        if solution.status is not SolverStatus.CONVERGED or search.stopped:
+            break
+        aside = _scattered(program, rest, k)
+        other = _climb(search, start, program, aside)
+        if other.status is SolverStatus.CONVERGED and _value(program, other) > _value(program, solution):
+            begin, solution = aside, other
     search.seconds["solve"] += time.perf_counter() - began
     if solution.status not in (SolverStatus.CONVERGED, SolverStatus.STOPPED) or not solution.way:
         return start
@@ -66,8 +75,33 @@ def climbed(search: LocalSearch, start: Start) -> Start | Incumbent:
     except StoppedError:
         motion, none = program.motion(solution.u), np.zeros(0)
         active = ActiveSet(none.astype(np.int64), none.astype(np.int64), none, none)
-        value = search.objective.value(motion)
-        return Incumbent(motion, value, program, solution, active, (), begin, CLIMB_TOLERANCE, start.mu)
+        value, rest = search.objective.value(motion), program.variables(start.inner)
+        return Incumbent(motion, value, program, solution, active, (), rest, CLIMB_TOLERANCE, start.mu)
+
+
+def _climb(search: LocalSearch, start: Start, program: DistanceProgram, begin: Floats) -> Solution:
+    """One climb."""
+    solution = interior_point.solve(
+        program, begin, mu=start.mu, tolerance=CLIMB_TOLERANCE, horizon=ESCAPE_DISTANCE * search.ready.size,
+        balanced=False, stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
+    )  # fmt: skip
+    search.iterations += solution.iterations
+    return solution
+
+
+def _value(program: DistanceProgram, solution: Solution) -> float:
+    return program.objective.value(program.motion(solution.u))
+
+
+def _scattered(program: DistanceProgram, u: Floats, seed: int) -> Floats:
+    """A point beside u, well inside all rows, always the same for a seed, in whatever order the bodies stand."""
+    x, y, _ = program.bodies.rest[program.free].T.round(6)
+    noise, order = np.empty((len(x), 3)), np.lexsort((y, x))
+    noise[order] = np.random.default_rng(seed).standard_normal(noise.shape)
+    step, room, share = noise.ravel(), program.values(u), SCATTER
+    while not (program.values(u + share * step) > 0.3 * room).all():
+        share /= 1.5
+    return u + share * step
 
 
 def _program(search: LocalSearch, start: Start) -> DistanceProgram:

@@ -15,16 +15,16 @@ from wiggleroom.solve.row_operations import add_share, centring_goal, step_lengt
 Floats = NDArray[np.float64]
 Direction = tuple[Floats, Floats, Floats]
 
-MAX_CORRECTORS = 2
+MAX_CORRECTORS = 4
 ASPIRED_STEP = 0.3
 """A corrector aims at steps that are longer by this."""
 NARROWEST, WIDEST = 0.1, 10.0
 """Products between these multiples of their mean are in line."""
 SHARES = 1.0, 0.6, 0.3
 """Shares of a corrector that are tried."""
-MIN_LONGER = 0.02
+MIN_LONGER = 0.01
 """Both steps together must become longer by this."""
-LONG = 0.95
+LONG = 0.99
 """Steps that are longer than this need no corrector."""
 
 

@@ -72,6 +72,8 @@ class Settings:
         Most escapes from saddle points, where the first-order conditions hold but the objective curves upwards.
     max_free_shift : float > 0
         A diagonal strengthened by more than this keeps steps short; then longer ones are tried.
+    hopeless_shift : float > 0
+        Where steps are too short even with a diagonal strengthened by this, a violated row whose slack has become nothing blocks them.
     max_centring : float > 0
         Where feasibility falls behind, complementarity becomes at most this multiple of what it was.
     min_restoring_step, lifted_slack : float in (0, 1), float > 0 [program.length]
@@ -98,6 +100,7 @@ class Settings:
     max_stalled_iterations: int = 30
     max_saddle_escapes: int = 2
     max_free_shift: float = 1e-3
+    hopeless_shift: float = 1e6
     max_centring: float = 10.0
     min_restoring_step: float = 0.7
     lifted_slack: float = 1e-9
@@ -402,7 +405,8 @@ def _step(
         if found.primal > SETTINGS.min_step_length or attempt >= 5:
             break
         shift = max(10 * shift, 1e-6)
-    return found
+    stuck = found is not None and found.shift > SETTINGS.hopeless_shift and found.primal < SETTINGS.min_step_length
+    return None if stuck else found
 
 
 def _take_step(state: Iterate, step: _Step, retraction: Retraction) -> None:

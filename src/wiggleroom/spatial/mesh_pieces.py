@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from wiggleroom.spatial.convex import ConvexPiece, convex_piece
 from wiggleroom.spatial.face_triangulation import triangulated_anew
-from wiggleroom.spatial.solid_boolean import centroid_of, is_sound, solid_of, surface_of
+from wiggleroom.spatial.solid_boolean import centroid_of, is_sound, solid_of, surface_of, union_of
 from wiggleroom.spatial.spatial_model import MadeSolid, Surface
 
 Floats = NDArray[np.float64]
@@ -21,6 +21,10 @@ FLAT = 1e-7
 """Faces whose normals differ by less and that share an edge lie in one plane [rad]."""
 CONVEX = 1e-9
 """A piece whose hull has no more than this share of additional volume is convex."""
+INEXACT = 1e-7
+"""Share of the volume by which all pieces together may miss a mesh: cuts of curved faces of many triangles leave films behind."""
+FILM = 1e-7
+"""A piece thinner than this share of its length is made so thick: its faces would be rounding."""
 OFF_PLANE = 1e-6
 """A moved corner may miss its planes by this share of the displacement."""
 MOST_PIECES = 2000
@@ -34,10 +38,10 @@ def mesh_made(drawn: Surface, gap: float) -> tuple[MadeSolid | None, list[str]]:
     volume, centroid = centroid_of(drawn)
     surface, wrong = (drawn, "") if gap == 0 else _moved_inward(drawn, gap / 2)
     if surface is None:
-        return None, [f"{wrong} at gap {gap:g}"]
+        return None, [f"{wrong} at gap {gap:g}: draw the gap into the mesh and ask with gap 0"]
     pieces = convex_pieces(solid_of(surface))
     if pieces is None:
-        return None, [f"needs more than {MOST_PIECES} convex pieces: a coarser mesh would do"]
+        return None, ["cannot be cut into convex pieces exactly: a mesh of fewer, flat faces would do"]
     return MadeSolid(tuple(pieces), surface, volume, centroid), []
 
 
@@ -110,24 +114,21 @@ def _convex_inward(normal: Floats, level: Floats, inward: float) -> tuple[Surfac
 
 
 def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
-    """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where there would be too many.
+    """Convex pieces of a solid of the library, by cuts along planes of faces at reflex edges; None where that takes too many or fails.
 
     Source: the notch cutting of Chazelle 1984, the most useful of a few cuts first.
     """
-    found, todo = [], [s for s in solid.decompose() if s.volume() > 0]
-    whole = solid.volume()
+    todo = [s for s in solid.decompose() if s.volume() > 0]
+    whole, hulls = solid.volume(), []
     while todo:
         part = todo.pop()
         if part.volume() <= 1e-12 * whole:
             continue
         hull = part.hull()
         if hull.volume() - part.volume() <= CONVEX * hull.volume():
-            found.append(convex_piece(surface_of(hull).vertices))
+            hulls.append(hull)
         else:
             cuts = _cuts(surface_of(part))
-            if not len(cuts):
-                found.append(convex_piece(surface_of(hull).vertices))
-                continue
             best, halves, enough = np.inf, [], hull.volume() * (1 - CONVEX)
             for n0, n1, n2, offset in cuts.tolist():
                 both = [
@@ -138,11 +139,23 @@ def convex_pieces(solid: Any) -> list[ConvexPiece] | None:
                 if useful and both and hollow < best:
                     best, halves = hollow, both
             if not halves:
-                return None
+                hulls.append(hull)
             todo += halves
-        if len(found) + len(todo) > MOST_PIECES:
+        if len(hulls) + len(todo) > MOST_PIECES:
             return None
-    return found
+    together = union_of(hulls)
+    if (together - solid).volume() + (solid - together).volume() > INEXACT * whole:
+        return None
+    return [convex_piece(_thick(surface_of(hull).vertices)) for hull in hulls]
+
+
+def _thick(corners: Floats) -> Floats:
+    """Corners of a film (k, 3) moved apart on both sides, others as they are."""
+    axes, length = np.linalg.svd(corners - corners.mean(axis=0), full_matrices=False)[:0:-1]
+    thin = axes[length < FILM * length[0]]
+    for axis in thin:
+        corners = np.vstack([corners - FILM * length[0] * axis, corners + FILM * length[0] * axis])
+    return corners
 
 
 def _cuts(surface: Surface) -> Floats:

@@ -143,7 +143,7 @@ class _Stage:
         places: list[Floats] = [rest[None]]
         axes = self._axes()
         out = self._straight(rest[None], axes) or self._by_steps()
-        if out is not None:
+        if out is not None or self.cut_short():
             return out
         asked = 0
         while asked < len(places):
@@ -165,9 +165,11 @@ class _Stage:
         return None
 
     def _straight(self, way: Floats, axes: Floats) -> tuple[list[int], Floats] | None:
-        """Parts that leave straight from the end of a way."""
+        """Parts that leave straight from the end of a way; None also where it was asked to stop."""
         for axis in axes:
             for direction in (axis, -axis):
+                if self.cut_short():
+                    return None
                 departure = StraightDeparture(self.ready, way[-1], direction)
                 group = departure.first()
                 if group:
@@ -198,6 +200,8 @@ class _Stage:
         for b in np.flatnonzero(moves.any(axis=1)):
             mine = np.flatnonzero(body_of == b)
             for direction in (*axes, *-axes):
+                if self.cut_short():
+                    return
                 if not moves[b][np.abs(direction) > 1e-12].all():
                     continue
                 far = self._room(way[-1], mine, direction)

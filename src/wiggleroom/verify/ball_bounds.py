@@ -6,33 +6,37 @@ seen from A, phi = t_b - t_a,
     E = x_b + (R(t_b) - 1) q - x_a - (R(t_a) - 1) p - R(t_a) tau = 0.
 
 Let v be t_a less the middle of its range, u the mean of t_a and t_b less the middle m of its own. So for any force w of a pair, any
-moment k, slopes l and n, couplings r and s, and any weight g >= 0 of "goal >= worth",
+moment k, slopes l and n, couplings r and s, curvature c, and any weight g >= 0 of "goal >= worth",
 
     what is asked <= what is asked - sum of w . E + k (phi - t_b + t_a) + l (t_a - middle - v) + n ((t_a + t_b) / 2 - m - u)
         + r (cos m (sin t_b - sin t_a) - sin m (cos t_b - cos t_a) - 2 cos u sin(phi / 2))
-        + s (cos m (cos t_b - cos t_a) + sin m (sin t_b - sin t_a) + 2 sin u sin(phi / 2)) + g (goal - worth),
+        + s (cos m (cos t_b - cos t_a) + sin m (sin t_b - sin t_a) + 2 sin u sin(phi / 2))
+        + c ((1 - cos(t_a - middle)) - (1 - cos v)) + g (goal - worth),
 
 as every term in brackets is nought. The right side falls into a part for each body, a function alpha cos t + beta sin t + gamma t
-whose largest value over a range of turns is known, and a part for each pair in (tau, phi), v and u. That one is linear in each
-of the three but for remainders (d = tau less its middle, all absolute values at their largest):
+whose largest value over a range of turns is known, and a part for each pair in (tau, phi), v and u. That one is linear in (tau, phi)
+and in u but for remainders (d = tau less its middle, all absolute values at their largest, h that of v):
 
-    w . R(middle + v) d = w . R(middle) (d + v J d) + at most |w| |d| (v^2 / 2 + v^3 / 6), or without v J d at most |w| |d| 2 sin(v / 2),
+    w . R(middle + v) d = w . R(middle) (d + v J d) + at most |w| |d| (1 + h / 3) v^2 / 2, or without v J d at most |w| |d| 2 sin(h / 2),
+    1 - cos v >= (1 - h^2 / 12) v^2 / 2 and >= 0, <= v^2 / 2 and <= 2,
     2 cos u sin(phi / 2) = c phi + at most e |phi|, where c - e and c + e are cos u sin(phi / 2) / (phi / 2) at the ends and 1,
     2 sin u sin(phi / 2) = u phi + at most |u phi| (u^2 / 6 + phi^2 / 24).
 
-What is linear in each is largest at corners. Bad numbers give a bad bound, never a wrong one.
+What is linear in (tau, phi) and u, or convex, is largest at corners; in v the largest value of a parabola over [-h, h] is taken. Bad
+numbers give a bad bound, never a wrong one.
 """
 
 from __future__ import annotations
 
 import heapq
 import math
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from flint import arb
 
-from wiggleroom.verify.ball_arithmetic import Point, exact, less, need, size, turned
+from wiggleroom.verify.ball_arithmetic import Point, Refused, exact, less, need, size
 from wiggleroom.verify.work_limit import EXACT, WorkLimit
 
 ROUNDED = 1e-12
@@ -164,7 +168,7 @@ class RangedCase:
             mine = self.pair(p)
             need(one <= mine[0] and mine[1] <= two, "nothing shows that a pair stays within its range")
         self.turns = turns
-        self.shapes: dict[int, tuple] = {}
+        self.shapes: dict[int, Shape] = {}
 
     def pair(self, p: int) -> tuple[float, float]:
         """Turns of a pair that ranges of its bodies and what is known of it leave, rounded outwards."""
@@ -205,50 +209,65 @@ class RangedCase:
 
     def _pair(self, p: int, multipliers: list[arb], parts: dict[int, list[arb]]) -> arb:
         """What a pair adds; what depends on the turns of its bodies goes to their parts."""
-        wx, wy, k, slope, lean, r, s = multipliers
-        a, b, _, x, y, _ = self.case.pairs[p]
-        corners, middle, reach, own, mean, chord, sag, skew = self._shape(p)
-        force, pivot, origin = (wx, wy), (exact(x), exact(y)), self.case.origin
+        wx, wy, k, slope, lean, r, s, curvature = multipliers
+        a, b = self.case.pairs[p][:2]
+        shape = self._shape(p)
+        middle, own, mean = shape.middle, shape.own, shape.mean
+        force = wx, wy
         one, two = _part(parts, a), _part(parts, b)
-        _add(two, (-wx, -wy), less(pivot, origin[b]))
-        arm = less(pivot, origin[a])
-        _add(one, force, (arm[0] + middle[0], arm[1] + middle[1]))  # R(t_a) (p + mid), without p itself
-        c, z = mean[0].cos(), mean[0].sin()
-        for part, sign in ((one, -1), (two, 1)):
-            part[2] += sign * (s * c - r * z)
-            part[3] += sign * (r * c + s * z)
-            part[4] += lean / 2 - sign * k
-        one[4] += slope
-        total = wx * middle[0] + wy * middle[1] - slope * own[0] - lean * mean[0]
-        total += size(force) * self.case.doubt
+        _add(two, (-wx, -wy), shape.arm_b)
+        _add(one, force, shape.arm_a)
         if not (r == 0 and s == 0):
-            need(skew is not None, "turns are coupled that are not known well enough")
+            c, z = shape.mean_turned
+            for part, sign in ((one, -1), (two, 1)):
+                part[2] += sign * (s * c - r * z)
+                part[3] += sign * (r * c + s * z)
+        one[4] += lean / 2 + k + slope
+        two[4] += lean / 2 - k
+        around = shape.own_turned
+        one[2] -= curvature * around[0]
+        one[3] -= curvature * around[1]
+        total = wx * middle[0] + wy * middle[1] - slope * own - lean * mean + curvature * (1 - around[0])
+        long = size(force)
+        total += long * (self.case.doubt + shape.slip)
+        if not (r == 0 and s == 0):
+            if shape.coupling is None:
+                raise Refused("turns are coupled that are not known well enough")
+            chord, sag, skew = shape.coupling
             total += abs(r) * sag + abs(s) * skew
             k = k - r * chord
-        rest = turned(force, -own[0])
-        slip, plain, bent, blur, flat = own[1:]
-        self.case.work.spend(len(corners))
+        # the force in axes turned by the middle of t_a
+        rest = around[0] * wx + around[1] * wy, around[0] * wy - around[1] * wx
+        half = shape.half
+        # what is left of c (1 - cos v) less the remainder, as a share of v^2 / 2, rounded down
+        left = curvature * (shape.least if curvature >= 0 else 1) - long * shape.remainder
+        x, y, phi = shape.corners
+        self.case.work.spend(len(phi))
         v = [float(n) for n in (rest[0], rest[1], k, slope, lean, s)]
-        tau, phi = corners[:, :2], corners[:, 2]
-        level = tau[:, 0] * v[0] + tau[:, 1] * v[1] + phi * v[2]
-        tilt = np.abs(phi * v[5] - v[4]) * float(mean[1])
-        swing = np.abs(tau[:, 1] * v[0] * -1 + tau[:, 0] * v[1] - v[3]) * float(plain)
-        wide = np.abs(corners).max(0)
-        terms = (wide[0] * (abs(v[0]) + abs(v[1])) + wide[1] * (abs(v[0]) + abs(v[1]))) * (1 + float(plain)) + (
-            wide[2] * abs(v[2]) + (wide[2] * abs(v[5]) + abs(v[4])) * float(mean[1]) + abs(v[3]) * float(plain)
+        h, lever, hollow = shape.half_up, shape.half_mean, math.nextafter(float(left.lower()), -math.inf)
+        level = x * v[0] + y * v[1] + phi * v[2]
+        if v[4] or v[5]:
+            level += np.abs(phi * v[5] - v[4]) * lever
+        swing = np.abs(x * v[1] - y * v[0] - v[3])
+        wide = shape.wide
+        steep = wide[0] * (abs(v[0]) + abs(v[1])) + wide[1] * (abs(v[0]) + abs(v[1]))
+        terms = steep * (1 + h) + (
+            wide[2] * abs(v[2]) + (wide[2] * abs(v[5]) + abs(v[4])) * lever + abs(v[3]) * h + abs(hollow) * h * h
         )
         bounds = (
-            exact(float((level + tilt + swing).max())) + size(force) * reach * bent,
-            exact(float((level + tilt).max())) + size(force) * reach * blur + abs(slope) * flat,
+            arb(float((level + _parabola(swing, hollow, h)).max())),
+            arb(float(level.max())) + long * shape.blur + abs(slope) * half,
         )
+        if curvature < 0:
+            bounds = bounds[0], bounds[1] - curvature * (half * half / 2).min(arb(2))
         best = bounds[0] if bounds[0] < bounds[1] else bounds[1]
-        return total + best + size(force) * slip + exact(ROUNDED * terms)
+        return total + best + arb(ROUNDED * terms)
 
-    def _shape(self, p: int) -> tuple:
+    def _shape(self, p: int) -> Shape:
         """Corners less their middle in the world's axes, and what else does not depend on multipliers; kept."""
         if p in self.shapes:
             return self.shapes[p]
-        a, b, kind, _, _, axes = self.case.pairs[p]
+        a, b, kind, pivot_x, pivot_y, axes = self.case.pairs[p]
         low, high = self.turns[p]
         enclosure = self.case.enclosures[kind]
         self.case.work.spend(3 * enclosure.steps)
@@ -259,34 +278,96 @@ class RangedCase:
         middle = (at.min(0) + at.max(0)) / 2
         at = at - middle
         rounded = ROUNDED * (float(np.abs(corners[:, :2]).max()) + float(np.abs(middle).max()))
-        reach = float(np.hypot(*at.T).max()) * (1 + ROUNDED) + rounded
-        around = np.column_stack([at, corners[:, 2]])
+        reach = exact(float(np.hypot(*at.T).max()) * (1 + ROUNDED) + rounded)
+        around = np.vstack([at.T, corners[:, 2]])
         one, two = exact(self.low[a]), exact(self.high[a])
-        half = (two - one) / 2
-        turn = half.min(arb.pi())
+        own, half = (one + two) / 2, (two - one) / 2
         sums = one + exact(self.low[b]), two + exact(self.high[b])
         mean, lean = (sums[0] + sums[1]) / 4, (sums[1] - sums[0]) / 4
         most = max(abs(low), abs(high))
-        chord = sag = skew = None
+        coupling = None
         if lean < WIDEST and most < WIDEST:
             f = exact(most)
             least = lean.cos() * ((f / 2).sin() / (f / 2) if most > 0 else arb(1))
-            chord, sag = (1 + least) / 2, (1 - least) / 2 * f
-            skew = lean * f * (lean * lean / 6 + f * f / 24)
-        # a corner that is rounded adds at most the force times this
-        slip = exact(2 * rounded * (1 + _up(half)))
-        own = (one + two) / 2, slip, _up(half), turn * turn / 2 + turn * turn * turn / 6, 2 * (turn / 2).sin(), half
-        self.shapes[p] = (
-            around,
-            (exact(middle[0]), exact(middle[1])),
-            exact(reach),
-            own,
-            (mean, _up(lean)),
-            chord,
-            sag,
-            skew,
+            coupling = (1 + least) / 2, (1 - least) / 2 * f, lean * f * (lean * lean / 6 + f * f / 24)
+        pivot = exact(pivot_x), exact(pivot_y)
+        box = exact(middle[0]), exact(middle[1])
+        arm = less(pivot, self.case.origin[a])
+        self.shapes[p] = Shape(
+            corners=around,
+            wide=np.abs(around).max(1),
+            middle=box,
+            arm_a=(arm[0] + box[0], arm[1] + box[1]),
+            arm_b=less(pivot, self.case.origin[b]),
+            own=own,
+            own_turned=(own.cos(), own.sin()),
+            mean=mean,
+            mean_turned=(mean.cos(), mean.sin()),
+            half=half,
+            half_up=_up(half),
+            half_mean=_up(lean),
+            least=(1 - half * half / 12).max(arb(0)),
+            remainder=reach * (1 + half / 3),
+            blur=reach * 2 * (half.min(arb.pi()) / 2).sin(),
+            slip=exact(2 * rounded * (1 + _up(half))),
+            coupling=coupling,
         )
         return self.shapes[p]
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """What of a pair does not depend on multipliers, in the world's axes at rest.
+
+    Parameters
+    ----------
+    corners : (3, k) float64
+        Corners of the region, less `middle`.
+    wide : (3,) float64
+        Largest absolute values of these.
+    middle : pair of arb [mm]
+    arm_a, arm_b : pair of arb [mm]
+        From both origins to the pivot, that of a to where it is in the middle of what can be.
+    own, mean : arb [rad]
+        Middle of the range of t_a, and of the range of the mean of t_a and t_b; both with their cosine and sine.
+    half : arb [rad]
+        Half of the range of t_a; `half_up` is not less, `half_mean` not less than half of the range of the mean.
+    least : arb
+        1 - cos v is at least this share of v^2 / 2.
+    remainder, blur : arb [mm]
+        A force errs by at most its length times remainder v^2 / 2 with products of v and tau, times blur without.
+    slip : arb [mm]
+        A corner that is rounded adds at most the force times this.
+    coupling : triple of arb, optional
+        c, e f and the error of u phi, f the largest |phi|; None where turns are not known well enough.
+    """
+
+    corners: np.ndarray
+    wide: np.ndarray
+    middle: Point
+    arm_a: Point
+    arm_b: Point
+    own: arb
+    own_turned: Point
+    mean: arb
+    mean_turned: Point
+    half: arb
+    half_up: float
+    half_mean: float
+    least: arb
+    remainder: arb
+    blur: arb
+    slip: arb
+    coupling: tuple[arb, arb, arb] | None
+
+
+def _parabola(slope: np.ndarray, curvature: float, half: float) -> np.ndarray:
+    """Largest slope v - curvature v^2 / 2 for 0 <= v <= half, of slopes (k,) of at least nought."""
+    end = slope * half - curvature * half * half / 2
+    if curvature <= 0:
+        return end
+    inside = slope < curvature * half
+    return np.where(inside, slope * slope / np.where(inside, 2 * curvature, 1.0), end)
 
 
 def _up(value: arb) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 
 from wiggleroom.verify.ball_arithmetic import Refused, cross, less, need, point
 
-FORMAT = "wiggleroom.certificate/2"
+FORMAT = "wiggleroom.certificate/3"
 CHANGED = "the file was changed after it was written"
 
 LENGTH, ANGLE, FACTOR = 1e12, 1e6, 1e100
@@ -109,14 +109,13 @@ class _StructureCheck:
     def number(self, value: Any, most: float, where: str) -> None:
         self.numbers += 1
         fits = type(value) is float or (type(value) is int and abs(value) <= 2**53)
-        need(
-            fits and math.isfinite(value) and abs(value) <= most,
-            f"{where}: {_shown(value)} is no number that can be used",
-        )
+        if not (fits and math.isfinite(value) and abs(value) <= most):
+            _refuse(where, value, "is no number that can be used")
 
     def index(self, value: Any, count: int, where: str) -> None:
         self.numbers += 1
-        need(type(value) is int and 0 <= value < count, f"{where}: {_shown(value)} names nothing")
+        if not (type(value) is int and 0 <= value < count):
+            _refuse(where, value, "names nothing")
 
     def lengths(self, values: list, where: str) -> None:
         for value in values:
@@ -265,7 +264,7 @@ class _StructureCheck:
         unit, goal, rows = multipliers
         self.number(unit, FACTOR, "multipliers")
         self.number(goal, FACTOR, "multipliers")
-        for p, *whole in _rows(rows, "multipliers", 8):
+        for p, *whole in _rows(rows, "multipliers", 9):
             self.index(p, pairs, "multipliers")
             for value in whole:
                 self.number(value, FACTOR, "multipliers")
@@ -283,6 +282,11 @@ def _rows(value: Any, where: str, wide: int | None = None) -> list:
     if wide is not None:
         need(all(isinstance(row, list) and len(row) == wide for row in value), f"{where}: a row has not {wide} entries")
     return value
+
+
+def _refuse(where: str, value: Any, why: str) -> None:
+    """Refuse a value; its words are made only here, as there are many values."""
+    need(False, f"{where}: {_shown(value)} {why}")
 
 
 def _shown(value: Any) -> str:

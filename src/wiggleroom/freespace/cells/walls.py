@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.freespace.cells.pair_edges import corner_in_frame, normal_in_frame, posed, wall_value
+from wiggleroom.freespace.cells.pair_edges import corner_in_frame, length, posed, wall_value
 from wiggleroom.freespace.cells.separating_lines import LINES
 from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, njit
 
@@ -47,11 +47,12 @@ def height(pair, edge, v, mx, my, pose):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def direction(pair, edge, psi):
+def direction(pair, edge, pose):
     """Normal of the line of `edge` in A's frame."""
+    e = pair.edges[edge]
     if edge < pair.na:
-        return pair.edges[edge].nx, pair.edges[edge].ny
-    return normal_in_frame(pair, edge, psi)
+        return e.nx, e.ny
+    return pose.c * e.nx - pose.s * e.ny, pose.s * e.nx + pose.c * e.ny
 
 
 @njit(**COMPILED_CALLERS_ONLY)
@@ -61,7 +62,7 @@ def slice_middle(pair, work, pose, half):
     n = square(poly, pose.x, pose.y, half)
     for k in range(work.number[LINES]):
         line = work.lines[k]
-        mx, my = direction(pair, line.edge, pose.psi)
+        mx, my = direction(pair, line.edge, pose)
         least = np.inf
         for w in range(line.count):
             least = min(least, height(pair, line.edge, line.walls[w], mx, my, pose))
@@ -111,13 +112,13 @@ def wall_contains(pair, edge, v, keep, tiny, margin):
 @njit(**COMPILED_CALLERS_ONLY)
 def segment_inside(pair, work, one, other):
     """True where the straight way between two relative poses certainly stays inside all walls."""
-    turn, move = other.psi - one.psi, np.hypot(other.x - one.x, other.y - one.y)
-    away = max(np.hypot(one.x, one.y), np.hypot(other.x, other.y))
+    turn, move = other.psi - one.psi, length(other.x - one.x, other.y - one.y)
+    away = max(length(one.x, one.y), length(other.x, other.y))
     for k in range(work.number[LINES]):
         line = work.lines[k]
         for w in range(line.count):
             v = line.walls[w]
-            far = np.hypot(pair.edges[v].x, pair.edges[v].y)
+            far = length(pair.edges[v].x, pair.edges[v].y)
             if line.edge >= pair.na:
                 far += away
             bend = far * turn * turn + 2.0 * move * abs(turn)
@@ -136,7 +137,7 @@ def out_of_reach(pair, work, pose, p, q, apart, tiny):
     """
     far = 0.0
     for k in range(pair.na, pair.n):
-        far = max(far, np.hypot(pair.edges[k].x, pair.edges[k].y))
+        far = max(far, length(pair.edges[k].x, pair.edges[k].y))
     bend = 2.0 * np.sin(min(max(pose.psi - p, q - pose.psi), np.pi) / 2.0)
     room = 0.999 * (apart - bend * far)
     if room <= 0.0:
@@ -145,7 +146,7 @@ def out_of_reach(pair, work, pose, p, q, apart, tiny):
     n = square(poly, pose.x, pose.y, 2.0 * room)
     for k in range(work.number[LINES]):
         line = work.lines[k]
-        mx, my = direction(pair, line.edge, pose.psi)
+        mx, my = direction(pair, line.edge, pose)
         sign, x, y, way = 1.0, 0.0, 0.0, 0.0
         if line.edge >= pair.na:
             sign, x, y, way = -1.0, pose.x, pose.y, room
@@ -154,10 +155,10 @@ def out_of_reach(pair, work, pose, p, q, apart, tiny):
             if wall_value(pair, line.edge, v, pose) < -tiny:
                 return False
             least = pair.edges[line.edge].off - height(pair, line.edge, v, mx, my, pose)
-            least -= bend * (np.hypot(pair.edges[v].x - x, pair.edges[v].y - y) + way)
+            least -= bend * (length(pair.edges[v].x - x, pair.edges[v].y - y) + way)
             n = clip(poly, n, sign * mx, sign * my, least, spare)
             poly, spare = spare, poly
     for k in range(n):
-        if np.hypot(poly[k, 0] - pose.x, poly[k, 1] - pose.y) >= room:
+        if length(poly[k, 0] - pose.x, poly[k, 1] - pose.y) >= room:
             return False
     return n > 0

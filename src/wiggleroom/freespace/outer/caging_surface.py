@@ -27,6 +27,8 @@ Ints = NDArray[np.int64]
 
 LOOP_OUTSETS = ((3e-4, 1.0), *((3e-4 * 2**k, 2.0 ** (-8 - k)) for k in range(1, 4)))
 """Loops run so far behind the walls, as shares of the clearance: the first that can be joined; the others for small steps only."""
+CLOSING_STEP = 2.0**-12
+"""A surface ends by a step no longer than this share of the turn, where shorter steps can be found: chains add up where it ends."""
 FIRST_ANGLE_STEP, MIN_ANGLE_STEP = 1 / 64, 2.0**-20
 """The first step of the angle, and the least, as shares of the range of turns."""
 MIN_CROSSING_DEPTH = 0.01
@@ -38,6 +40,8 @@ CLOSING_ANGLES = (0.0, 2.0**-14, 2.0**-12, 2.0**-10, 2.0**-8)
 CHORD_SETTINGS = ((0.1, True), (1e-3, True), (1e-3, False), (1e-4, False), (1e-2, False), (0.1, False))
 """Chords lie so far inside their part, as shares of the least outset, and loops have few corners or many; the first that one is
 found with. Few corners are quick and fit curves; where one step cannot be joined to the next, many may."""
+MAX_KEPT_STEP = 2.0**-14
+"""For steps that are smaller than this share of the turn, loops may go round what the one before went round, too."""
 MAX_LOOPS = 1200
 
 
@@ -128,6 +132,7 @@ def _half(
 ) -> list[tuple[Loop, Seam]] | None:
     """Loops from rest to the end of the turn on one side, each with its seam to the one before."""
     done: list[tuple[Loop, Seam]] = []
+    ended: list[tuple[Loop, Seam]] | None = None  # as far as it went when a longer step would already have ended it
     here, step = start, FIRST_ANGLE_STEP * end
     while (
         not over()
@@ -139,11 +144,15 @@ def _half(
         if found is None:
             step /= 2
             continue
+        if len(found[0].at) <= 2:
+            ended = [*done, found]
+            if abs(step) <= CLOSING_STEP * abs(end):
+                return ended
+            step /= 2  # not further than needed
+            continue
         done.append(found)
         here, step = found[0], min(1.5 * abs(step), FIRST_ANGLE_STEP * abs(end)) * np.sign(end)
-        if len(here.at) <= 2:
-            return done
-    return None
+    return ended
 
 
 def _next(
@@ -162,8 +171,12 @@ def _next(
     if not len(pieces):
         some = (p for k in CLOSING_ANGLES for p in _ends(crossings, here, angle + k * whole))
     else:
+        # a strip that closes all along at once is kept until its walls overlap well enough that a loop can leave it
+        off = LOOP_OUTSETS[0][0] * material.clearance
+        kept = np.append(pieces, shapely.buffer(shapely.Polygon(here.at), -off, join_style="mitre"))
         some = (
-            _loop(material, crossings, pieces, angle, o, seldom)
+            _loop(material, crossings, round_, angle, o, seldom)
+            for round_ in ((pieces, kept) if share <= MAX_KEPT_STEP else (pieces,))
             for o, most in LOOP_OUTSETS
             if share <= most
             for seldom in ((True, False) if few else (False,))

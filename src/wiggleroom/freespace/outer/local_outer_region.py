@@ -8,6 +8,7 @@ all that can be reached. Smaller windows within make walls straighter, and more 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,6 +18,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
 from wiggleroom.freespace.outer.outer_walls import corners_between, cut_corners
+from wiggleroom.geometry.jit_options import OPTIONS, njit
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -34,6 +36,8 @@ ROUNDING_MARGIN = 1e-12
 """Turns of a box are wider by this [rad]."""
 TIGHTENING_ROUNDS = 2
 """So often a window is drawn closer round what is left of the one before: walls that it needs less long hold more often."""
+SHARPENING_ROUNDS, MIN_SHARPENING = 10, 0.003
+"""So often boxes that reach furthest in some direction are halved, as long as two rounds together cut what is reached by this share."""
 CORNER_REACH = 2.0
 """Points on the sides of a corner count as well, so many half windows away: a corner may slip off the end of an edge."""
 NORMAL_SECTORS, WALLS_PER_SECTOR = 32, 6
@@ -125,6 +129,28 @@ def _within(sides: NearSides, low: Floats, high: Floats, rounds: int) -> LocalOu
         return found
     for _ in range(TIGHTENING_ROUNDS):
         found = None if found is None else _connected(_left(sides, _around(found)))
+    return _sharpened(sides, found)
+
+
+def _sharpened(sides: NearSides, found: LocalOuterRegion | None) -> LocalOuterRegion | None:
+    """The same with the boxes halved that reach furthest: in smaller ones more walls hold, along curves above all."""
+    if found is None:
+        return None
+    every = np.array([d for d in itertools.product((-1.0, 0.0, 1.0), repeat=3) if any(d)]) / np.ptp(
+        found.corner, axis=0
+    )
+    reach: list[float] = []
+    for _ in range(SHARPENING_ROUNDS):
+        along = found.corner @ every.T
+        reach.append(float(along.max(0).sum()))
+        if len(reach) > 2 and reach[-1] > (1 - MIN_SHARPENING) * reach[-3]:
+            break
+        mine = np.isin(found.which, found.which[along.argmax(0)])
+        halves = _left(sides, _around(_some(found, mine)).halved(sides.lever))
+        sharper = _connected(_joined(_some(found, ~mine), halves))
+        if sharper is None:
+            break
+        found = sharper
     return found
 
 
@@ -163,6 +189,8 @@ def _some(found: LocalOuterRegion, corners: NDArray[np.bool_]) -> LocalOuterRegi
 
 def _joined(one: LocalOuterRegion, other: LocalOuterRegion | None) -> LocalOuterRegion | None:
     """Polyhedra of both; None where there are none."""
+    if not len(one.corner):
+        return other
     if other is None:
         return one if len(one.corner) else None
     return LocalOuterRegion(
@@ -202,7 +230,7 @@ class NearSides:
     def work(self) -> float:
         """About how long a pocket takes, in milliseconds of some machine: from pairs of edges and points, so the same everywhere."""
         (one, *_, corners, _, _, _, _), (other, *_, others, _, _, _, _) = self.sides
-        return 15 + 0.012 * (len(one) * len(others) + len(other) * len(corners))
+        return 25 + 0.02 * (len(one) * len(others) + len(other) * len(corners))
 
 
 def _left(sides: NearSides, boxes: _Boxes) -> LocalOuterRegion | None:
@@ -259,24 +287,21 @@ def _planes(sides: NearSides, kind: int, window: _Window) -> tuple[Floats, Ints]
     if kind == 0:
         seen = turn(points[None], middle[:, None]) + window.centre[:, None]
         arm = np.broadcast_to(np.hypot(*points.T), seen.shape[:2])
-        along_box, across_box = (np.abs(v)[None] for v in (go, normal))
+        along_box, across_box = (np.broadcast_to(np.abs(v), (len(middle), *v.shape)) for v in (go, normal))
     else:
         seen = turn(points - window.centre[:, None], -middle[:, None])
         arm = np.hypot(seen[..., 0], seen[..., 1]) + size[:, None]
         along_box, across_box = (np.abs(turn(v[None], middle[:, None])) for v in (go, normal))
-    swing = (2 * np.sin(half[:, None] / 2) * arm + material.margin)[..., None]
-    # and how far with what the box adds (K, points, edges)
-    sideways = (along_box * window.sides[:, None]).sum(2)[:, None] + swing
-    inwards = (across_box * window.sides[:, None]).sum(2)[:, None] + swing
-    front = seen @ normal.T - (start * normal).sum(1)
-    along = seen @ go.T - (start * go).sum(1)
-    long = ((end - start) * go).sum(1)
-    k, i, j = np.nonzero((np.abs(front) < inwards) & (along > -sideways) & (along < long + sideways))
-    few = _least(k * (2 * NORMAL_SECTORS) + _sector(normal)[j], front[k, i, j], WALLS_PER_SECTOR)
-    k, i, j = k[few], i[few], j[few]
-    depth = front[k, i, j][:, None]
+    swing = 2 * np.sin(half[:, None] / 2) * arm + material.margin
+    # and how far the box carries them (K, edges)
+    sideways = (along_box * window.sides[:, None]).sum(2)
+    inwards = (across_box * window.sides[:, None]).sum(2)
+    k, i, j, front = _contacts(seen, swing, start, end, go, sideways, inwards)
+    few = _least(k * (2 * NORMAL_SECTORS) + _sector(normal)[j], front, WALLS_PER_SECTOR)
+    k, i, j, depth = k[few], i[few], j[few], front[few, None]
+    sideways, inwards = sideways[k, j] + swing[k, i], inwards[k, j] + swing[k, i]
     top = seen[k, i] - (depth + material.margin) * normal[j]
-    side, deep = sideways[k, i, j][:, None] * go[j], (inwards[k, i, j][:, None] - depth) * normal[j]
+    side, deep = sideways[:, None] * go[j], (inwards[:, None] - depth) * normal[j]
     behind = shapely.polygons(np.stack([top - side, top + side, top + side - deep, top - side - deep], 1))
     holds = shapely.covers(sides.material[kind], behind)
     k, i, j = k[holds], i[holds], j[holds]
@@ -293,6 +318,30 @@ def _planes(sides: NearSides, kind: int, window: _Window) -> tuple[Floats, Ints]
         slope = n[:, 0] * p[:, 1] - n[:, 1] * p[:, 0]
         level += (n * points[i]).sum(1)
     return np.column_stack([n, -slope, level - slope * middle[k]]), k
+
+
+@njit(**OPTIONS)
+def _contacts(
+    seen: Floats, swing: Floats, start: Floats, end: Floats, go: Floats, sideways: Floats, inwards: Floats
+) -> tuple[Ints, Ints, Ints, Floats]:
+    """Boxes (c,), points and edges that a motion of the box can bring together, and how far the point lies in front of the edge."""
+    found = [(0, 0, 0, 0.0) for _ in range(0)]
+    for k in range(len(seen)):
+        for j in range(len(start)):
+            gx, gy = go[j]
+            long = (end[j, 0] - start[j, 0]) * gx + (end[j, 1] - start[j, 1]) * gy
+            for i in range(seen.shape[1]):
+                x, y = seen[k, i, 0] - start[j, 0], seen[k, i, 1] - start[j, 1]
+                front, along = x * gy - y * gx, x * gx + y * gy
+                wide = sideways[k, j] + swing[k, i]
+                if abs(front) < inwards[k, j] + swing[k, i] and -wide < along < long + wide:
+                    found.append((k, i, j, front))
+    count = len(found)
+    box, point, edge = np.empty(count, np.int64), np.empty(count, np.int64), np.empty(count, np.int64)
+    depth = np.empty(count)
+    for n in range(count):
+        box[n], point[n], edge[n], depth[n] = found[n]
+    return box, point, edge, depth
 
 
 def _points(side: tuple[Floats, ...], aside: float) -> Floats:

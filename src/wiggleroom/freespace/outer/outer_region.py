@@ -141,7 +141,7 @@ def reached_slices(
     window = min(4 * material.clearance, limit)
     while True:
         found = _followed(material, half, window, over)
-        if found is None:
+        if found is None or (isinstance(found, dict) and not found):  # rest itself is nowhere: rounding
             return None
         if isinstance(found, dict):
             break

@@ -63,15 +63,25 @@ class PairMaterial:
         steps = int(np.ceil(2 * np.log2(reach / self.clearance)))
         return _near(self, self.clearance * 2 ** (steps / 2))
 
+    def strips(self, width: float) -> PairMaterial:
+        """What of either part lies within `width` [mm] of the other one; all of both where that fails."""
+        cut = []
+        try:
+            for one, other in ((self.a, self.b), (self.b, self.a)):
+                # a mitred buffer may cross itself; edges shorter than rounding have no direction
+                around = shapely.make_valid(shapely.buffer(other, width, join_style="mitre"))
+                strip = shapely.remove_repeated_points(shapely.intersection(one, around), 1e-3 * self.margin)
+                cut.append(_areas(strip))
+        except shapely.errors.GEOSException:
+            return self
+        if not all(g.is_valid for g in cut):
+            return self
+        return PairMaterial(cut[0], cut[1], self.clearance)
+
 
 @lru_cache(maxsize=256)
 def _near(material: PairMaterial, reach: float) -> PairMaterial:
-    try:
-        a = _areas(shapely.intersection(material.a, shapely.buffer(material.b, reach, join_style="mitre")))
-        b = _areas(shapely.intersection(material.b, shapely.buffer(material.a, reach, join_style="mitre")))
-    except shapely.errors.GEOSException:
-        return material
-    return PairMaterial(a, b, material.clearance)
+    return material.strips(reach)
 
 
 def core(b: shapely.Geometry, middle: float, half: float, margin: float) -> shapely.Geometry:

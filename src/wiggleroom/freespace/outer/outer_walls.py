@@ -13,6 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, Pieces, corners_of
+from wiggleroom.geometry.jit_options import OPTIONS, njit
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
@@ -174,32 +175,43 @@ def _inside(material: shapely.Geometry, places: Floats, n: Floats, at: Floats, m
 
 def corners_between(planes: Floats, low: float, high: float) -> Floats:
     """Corners of {(tau, t): planes[:, :3] . (tau, t) <= planes[:, 3], low <= t <= high}: ends of the lines in which two planes meet."""
-    normal, slope, level = planes[:, :2], planes[:, 2], planes[:, 3]
-    i, j = np.triu_indices(len(planes), 1)
-    det = normal[i, 0] * normal[j, 1] - normal[i, 1] * normal[j, 0]
-    keep = np.abs(det) > NORMAL_TOLERANCE
-    i, j, det = i[keep], j[keep], det[keep]
+    return np.unique(_corners_between(planes, low, high), axis=0)
 
-    def solved(right: Floats) -> Floats:
-        x = (right[i] * normal[j, 1] - right[j] * normal[i, 1]) / det
-        y = (normal[i, 0] * right[j] - normal[j, 0] * right[i]) / det
-        return np.column_stack([x, y])
 
-    fixed, moving = solved(level), solved(-slope)
-    # along the line tau = fixed + moving t; every plane k leaves t with gain_k t <= room_k
-    gain = moving @ normal.T + slope
-    room = level - fixed @ normal.T
-    own = (np.arange(len(planes)) == i[:, None]) | (np.arange(len(planes)) == j[:, None])
-    slack = 1e-13 * (1 + np.abs(fixed).max(1))[:, None]
-    never = ~own & (np.abs(gain) <= 1e-15) & (room < -slack)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        at = room / gain
-    first = np.where(~own & (gain < -1e-15), at, -np.inf).max(1)
-    last = np.where(~own & (gain > 1e-15), at, np.inf).min(1)
-    first, last = np.maximum(first, low), np.minimum(last, high)
-    good = (first <= last + 1e-13 * (high - low)) & ~never.any(1)
-    ends = [np.column_stack([fixed[good] + moving[good] * t[good, None], t[good]]) for t in (first, last)]
-    return np.unique(np.vstack(ends), axis=0)
+@njit(**OPTIONS)
+def _corners_between(planes: Floats, low: float, high: float) -> Floats:
+    count, found = len(planes), 0
+    out = np.empty((count * (count - 1), 3))
+    for i in range(count):
+        for j in range(i + 1, count):
+            det = planes[i, 0] * planes[j, 1] - planes[i, 1] * planes[j, 0]
+            if abs(det) <= NORMAL_TOLERANCE:
+                continue
+            # along the line tau = fixed + moving t; every plane k leaves t with gain t <= room
+            fixed_x = (planes[i, 3] * planes[j, 1] - planes[j, 3] * planes[i, 1]) / det
+            fixed_y = (planes[i, 0] * planes[j, 3] - planes[j, 0] * planes[i, 3]) / det
+            moving_x = (planes[j, 2] * planes[i, 1] - planes[i, 2] * planes[j, 1]) / det
+            moving_y = (planes[j, 0] * planes[i, 2] - planes[i, 0] * planes[j, 2]) / det
+            slack = 1e-13 * (1 + max(abs(fixed_x), abs(fixed_y)))
+            first, last = low, high
+            for k in range(count):
+                if k in (i, j):
+                    continue
+                gain = moving_x * planes[k, 0] + moving_y * planes[k, 1] + planes[k, 2]
+                room = planes[k, 3] - fixed_x * planes[k, 0] - fixed_y * planes[k, 1]
+                if gain > 1e-15:
+                    last = min(last, room / gain)
+                elif gain < -1e-15:
+                    first = max(first, room / gain)
+                elif room < -slack:
+                    first = np.inf
+                if first > last + 1e-13 * (high - low):
+                    break
+            if first <= last + 1e-13 * (high - low):
+                for t in (first, last):
+                    out[found] = fixed_x + moving_x * t, fixed_y + moving_y * t, t
+                    found += 1
+    return out[:found]
 
 
 def cut_corners(
