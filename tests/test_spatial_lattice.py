@@ -97,6 +97,18 @@ def test_a_part_that_needs_several_slides_gets_out() -> None:
     assert held.certainty == "searched"
 
 
+def test_a_bolt_passes_where_the_gap_is_large_although_it_is_held_as_drawn() -> None:
+    # a head of 2.4 above a slot of 2
+    case = [[0, 0, 0, 5, 2, 1], [0, 4, 0, 5, 6, 1], [0, 0, 1, 5, 1.8, 3], [0, 4.2, 1, 5, 6, 3], [0, 0, 3, 5, 6, 4]]
+    sides = [[-1, 0, 0, 0, 6, 4], [5, 0, 0, 6, 6, 4]]
+    bolt = [[1, 2, 0, 4, 4, 1], [1, 1.8, 1, 4, 4.2, 3]]
+    parts = {"name": "case", "boxes": case + sides, "fixed": True}, {"name": "bolt", "boxes": bolt}
+    held = wr.check(spatial(*parts, gap=0.05))
+    assert held.verdict == "interlocked"
+    assert held.certainty == "searched"
+    assert wr.check(spatial(*parts, gap=0.5)).verdict == "comes apart"
+
+
 def test_locks_hold_on_the_lattice() -> None:
     floor = {"name": "floor", "boxes": [[0, 0, 0, 4, 4, 1]], "fixed": True}
     block = {"name": "block", "boxes": [[1, 1, 1, 2, 2, 2]]}

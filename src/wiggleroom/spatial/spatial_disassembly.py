@@ -135,6 +135,7 @@ class _Stage:
     questions: int = 0
     cut: bool = False
     exhaustive: bool = False
+    """True where parts made of boxes were searched exhaustively by whole steps: then pulls that were not decided do not count."""
 
     def way_out(self) -> tuple[list[int], Floats] | None:
         """Parts that leave, and the way of all (k, n, 6); None where none was found."""
@@ -182,7 +183,8 @@ class _Stage:
             return None
         found = lattice_search(grid, self.stop)
         if not found.offsets:
-            self.exhaustive = found.complete
+            # gaps that add up to a step let parts through where whole steps do not
+            self.exhaustive = found.complete and self.ready.assembly.gap * len(grid.stands) < grid.step
             return None
         way = lattice_motions(self.ready, grid, found)
         if any(self.ready.checker.overlaps(one, other) for one, other in itertools.pairwise(way)):
