@@ -96,9 +96,9 @@ def _value(program: DistanceProgram, solution: Solution) -> float:
 def _scattered(program: DistanceProgram, u: Floats, seed: int) -> Floats:
     """A point beside u, well inside all rows, always the same for a seed, in whatever order the bodies stand."""
     x, y, _ = program.bodies.rest[program.free].T.round(6)
-    way, order = np.empty((len(x), 3)), np.lexsort((y, x))
-    way[order] = np.random.default_rng(seed).standard_normal(way.shape)
-    way, room, share = way.ravel(), program.values(u), SCATTER
+    each, order = np.empty((len(x), 3)), np.lexsort((y, x))
+    each[order] = np.random.default_rng(seed).standard_normal(each.shape)
+    way, room, share = each.ravel(), program.values(u), SCATTER
     while not (program.values(u + share * way) > 0.3 * room).all():
         share /= 1.5
     return u + share * way
