@@ -77,12 +77,12 @@ class Visit:
         self.rings: list[list[list[list[float]]]] = []
 
     def next(self, seconds: float = 60.0) -> Json:
-        """The next reply; its motions, (k, n, 3) each, under "motions"."""
+        """The next reply; its motions, (k, n, 3) each, in space (k, n, 7), under "motions"."""
         motions = []
         while isinstance(said := self.socket.recv(timeout=seconds), bytes):
-            number, k, n, zero = struct.unpack("<4I", said[:16])
-            assert zero == 0
-            motions.append((number, np.frombuffer(said[16:], "<f4").reshape(k, n, 3)))
+            number, k, n, columns = struct.unpack("<4I", said[:16])
+            assert columns in (0, 7)
+            motions.append((number, np.frombuffer(said[16:], "<f4").reshape(k, n, columns or 3)))
         reply: Json = json.loads(said)
         assert all(number == reply["id"] for number, _ in motions)
         reply["motions"] = [m for _, m in motions]

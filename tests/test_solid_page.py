@@ -66,4 +66,4 @@ def test_a_way_apart_is_a_page_too_and_answers_draw_themselves(tmp_path: Path) -
         found.draw(tmp_path / name)
         assert (tmp_path / name).stat().st_size > 500
     with pytest.raises(wr.InputError, match="must end in"):
-        found.draw(tmp_path / "a.gif")
+        found.draw(tmp_path / "a.bmp")

@@ -91,7 +91,6 @@ FILES = {
     "outside": ("../a.stl", "must lie in the folder"),
     "absolute": ("/etc/passwd", "must lie in the folder"),
     "folder": ("sub", "no mesh format"),
-    "STEP": ("a.step", "STEP is not read"),
     "empty": ("empty.stl", "is empty"),
     "rubbish": ("rubbish.stl", "has no faces"),
     "no archive": ("no.3mf", "is not a 3MF archive"),

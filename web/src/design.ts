@@ -1,7 +1,11 @@
 /** The design: what the user set, with undo and redo. Every change is a new object. */
 
 import { computed, signal } from "@preact/signals";
-import { type Design, type Goal, type Goals, isPull, type Point } from "./protocol.ts";
+import { type Design, type Goal, type Goals, isTwist } from "./protocol.ts";
+
+/** Of what is open: 3 for an assembly in space. */
+export const dimension = signal<2 | 3>(2);
+export const inSpace = (): boolean => dimension.value === 3;
 
 const NOTHING: Design = { gap: 0, extra: {}, fixed: [], glue: [], goals: [] };
 
@@ -86,12 +90,24 @@ export function removeGoal(index: number): void {
 
 /** Pulls this part alone, the way that was asked for before; off again where it was pulled already. */
 export function togglePull(name: string): void {
-  const mine = goals.value.findIndex((goal) => goal.part === name);
+  const mine = goals.value.findIndex((goal) => goal.part === name && !isTwist(goal));
   if (mine >= 0) return removeGoal(mine);
-  const before = goals.value.find(isPull);
-  const direction: Point = before?.direction ?? [1, 0];
-  const fixed = design.value.fixed.filter((other) => other !== name);
-  change({ goals: [{ part: name, direction }], fixed });
+  const before = goals.value.find((goal) => goal.direction);
+  const direction = before?.direction ?? (inSpace() ? [0, 0, 1] : [1, 0]);
+  askFor({ part: name, direction });
+}
+
+/** Twists this part alone about the axis that was asked for before; off again where it was twisted already. */
+export function toggleTwist(name: string): void {
+  const mine = goals.value.findIndex((goal) => goal.part === name && isTwist(goal));
+  if (mine >= 0) return removeGoal(mine);
+  const before = goals.value.find((goal) => goal.part === name)?.direction;
+  askFor({ part: name, turn: before?.length === 3 ? before : [0, 0, 1] });
+}
+
+/** Asks for this alone; what is asked to move does not stand. */
+function askFor(goal: Goal): void {
+  change({ goals: [goal], fixed: design.value.fixed.filter((other) => other !== goal.part) });
 }
 
 export const groupOf = (name: string): string[] | undefined => design.value.glue.find((group) => group.includes(name));

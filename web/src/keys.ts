@@ -1,24 +1,27 @@
 /** What the keyboard does, wherever no box is being typed in. */
 
-import { design, goals, redo, setGoal, settle, toggleFixed, togglePull, undo } from "./design.ts";
+import { design, goals, inSpace, redo, setGoal, settle, toggleFixed, togglePull, toggleTwist, undo } from "./design.ts";
 import { factor, play, playing, shown } from "./motion.ts";
-import { isPull, type Point } from "./protocol.ts";
+import { isPull, type Point, type Triple } from "./protocol.ts";
 import { askDrag, askReach, back, cancel, setGap } from "./session.ts";
-import { fitAll, view, zoomBy } from "./stage/camera.ts";
+import { fitAll, solidView, view, zoomBy } from "./stage/camera.ts";
 import { keep, kept } from "./stage/kept.ts";
 import { chooseMany, lassoing } from "./stage/lasso.ts";
 import { measuring, stopMeasuring } from "./stage/measure.ts";
 import { degrees } from "./words.ts";
-import { glueOrNot, stepOf, wiggle } from "./chrome/Selection.tsx";
+import { glueOrNot, seePast, stepOf, wiggle } from "./chrome/Selection.tsx";
 import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
 const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const LONG = ["tighten", "sample", "prove", "sweep", "check", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
+const LONG = ["tighten", "sample", "prove", "sweep", "check", "limit", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
+const TURN = 0.12; // radians that the view in space turns by one press
+/** Keys for what there is of drawings alone. */
+const OF_DRAWINGS = "mblwr";
 
 /** Where a part was asked to go by arrow keys so far. */
-let target: { part: string; grip: Point; at: Point } | null = null;
+let target: { part: string; grip: Point | Triple; at: Point | Triple } | null = null;
 
 export function listen(): void {
   addEventListener("keydown", (event) => {
@@ -41,6 +44,7 @@ function act(event: KeyboardEvent): boolean {
   const name = state.selected.peek();
   const tabAt = Number(key) - 1;
   if (key in ARROWS) return arrow(ARROWS[key]!, event.shiftKey);
+  if (inSpace() && OF_DRAWINGS.includes(key)) return false;
   if (key === "?") state.helpOpen.value = true;
   else if (key === " ") play(!playing.peek());
   else if (key === "+" || key === "=") zoomBy(1.3);
@@ -62,6 +66,8 @@ function act(event: KeyboardEvent): boolean {
   else if (key === "w") wiggle(name ?? undefined);
   else if (!name) return false;
   else if (key === "r") askReach(name);
+  else if (key === "t" && inSpace()) toggleTwist(name);
+  else if (key === "h" && inSpace()) seePast(name);
   else if (key === "f") toggleFixed(name);
   else if (key === "p") togglePull(name);
   else if (key === "g") glueOrNot(name);
@@ -78,7 +84,35 @@ function step(by: number): void {
   state.selected.value = names[((at ?? (by > 0 ? -1 : 0)) + by + names.length) % names.length]!;
 }
 
+/** In space: turns the view; with Shift drags the chosen part a step in the plane of the picture. */
+function spatialArrow([dx, dy]: Point, drags: boolean): boolean {
+  const seen = solidView.peek();
+  const name = state.selected.peek();
+  if (!seen) return false;
+  if (!drags) {
+    seen.turn(dx * TURN, dy * TURN);
+    return true;
+  }
+  const i = state.indexOf.peek().get(name ?? "");
+  if (!name || i === undefined || design.peek().fixed.includes(name)) return false;
+  const grip = state.solids.peek()!.reference[i]!;
+  const from = stepFrom(name, grip, Math.hypot(...seen.across(i, STEP, 0)) / factor());
+  const by = seen.across(i, dx * STEP, dy * STEP).map((v) => v / factor());
+  target = { part: name, grip, at: from.map((v, k) => v + by[k]!) as Triple };
+  askDrag(name, grip, target.at);
+  return true;
+}
+
+/** Where the next step by a key begins: where the last one was to lead, or where the part was stopped before. */
+function stepFrom<P extends Point | Triple>(name: string, grip: P, by: number): P {
+  const goesOn = target?.part === name && (shown.peek().what === "drag" || state.running.peek().has("drag"));
+  if (!target || !goesOn) target = { part: name, grip, at: grip };
+  const stopped = state.dragged.peek()?.reply;
+  return (stopped?.part === name && stopped.settled && stopped.distance > 4 * by ? stopped.reached : target.at) as P;
+}
+
 function arrow([dx, dy]: Point, fine: boolean): boolean {
+  if (inSpace()) return spatialArrow([dx, dy], fine);
   const name = state.selected.peek();
   if (!name || state.standalone.peek()) return false;
   const index = goals.peek().findIndex((goal) => goal.part === name && isPull(goal));
@@ -94,11 +128,8 @@ function arrow([dx, dy]: Point, fine: boolean): boolean {
   const i = state.indexOf.peek().get(name);
   if (i === undefined || design.peek().fixed.includes(name)) return false;
   const grip = state.drawing.peek()!.parts[i]!.at.slice(0, 2) as Point;
-  const goesOn = target?.part === name && (shown.peek().what === "drag" || state.running.peek().has("drag"));
-  if (!target || !goesOn) target = { part: name, grip, at: grip };
   const by = STEP / view.peek().scale / factor();
-  const stopped = state.dragged.peek()?.reply;
-  const from = stopped?.part === name && stopped.settled && stopped.distance > 4 * by ? stopped.reached : target.at;
+  const from = stepFrom(name, grip, by);
   target = { part: name, grip, at: [from[0] + dx * by, from[1] + dy * by] };
   askDrag(name, grip, target.at);
   return true;

@@ -12,9 +12,11 @@ import { Selection } from "./chrome/Selection.tsx";
 import { TopBar } from "./chrome/TopBar.tsx";
 import { listen } from "./keys.ts";
 import { Panel } from "./panels/Panel.tsx";
+import { inSpace } from "./design.ts";
 import { start } from "./session.ts";
 import { isDark } from "./stage/colours.ts";
 import { Beside } from "./stage/Beside.tsx";
+import { SolidStage } from "./stage/SolidStage.tsx";
 import { Stage } from "./stage/Stage.tsx";
 import { standalone, drawing, tab } from "./state.ts";
 
@@ -26,7 +28,7 @@ function Page() {
         <Headline />
         <div class="stages">
           <Beside />
-          <Stage />
+          {inSpace() ? <SolidStage /> : <Stage />}
         </div>
         <Selection />
         <Player />

@@ -24,30 +24,51 @@ export const autoFactor = signal(1);
 export const factor = (): number => chosenFactor.value || autoFactor.value;
 export const calm = (): boolean => typeof matchMedia === "function" && matchMedia("(prefers-reduced-motion: reduce)").matches;
 
-/** Motion at a place `t` in 0..1 along the frames, linear between frames, written into `out`. */
-export function along(frames: Frames, t: number, out: Float32Array): Float32Array {
-  const { k, n, data } = frames;
-  const x = Math.min(Math.max(t, 0), 1) * (k - 1);
-  const low = Math.min(Math.floor(x), Math.max(k - 2, 0));
-  const w = x - low;
-  const a = low * n * 3;
-  const b = Math.min(low + 1, k - 1) * n * 3;
-  for (let i = 0; i < n * 3; i++) out[i] = data[a + i]! + w * (data[b + i]! - data[a + i]!);
+/** Numbers that a part has in every frame: 3 in the plane, 7 in space. */
+export const columns = ({ k, n, data }: Frames): number => data.length / (k * n);
+
+/** Motions between two, written into `out`: in the plane linear; in space positions go straight and turns about one constant axis. */
+function mix(a: Float32Array, from: number, b: Float32Array, to: number, w: number, width: number, out: Float32Array): Float32Array {
+  for (let i = 0; i < out.length; i++) out[i] = a[from + i]! + w * (b[to + i]! - a[from + i]!);
+  if (width !== 7) return out;
+  for (let q = 3; q < out.length; q += 7) {
+    let dot = 0;
+    for (let j = 0; j < 4; j++) dot += a[from + q + j]! * b[to + q + j]!;
+    const sign = dot < 0 ? -1 : 1;
+    const angle = Math.acos(Math.min(1, Math.abs(dot)));
+    const sine = Math.sin(angle);
+    const [u, v] = sine < 1e-5 ? [1 - w, w] : [Math.sin((1 - w) * angle) / sine, Math.sin(w * angle) / sine];
+    let long = 0;
+    for (let j = 0; j < 4; j++) {
+      out[q + j] = u * a[from + q + j]! + v * sign * b[to + q + j]!;
+      long += out[q + j]! ** 2;
+    }
+    for (let j = 0; j < 4; j++) out[q + j]! /= Math.sqrt(long) || 1;
+  }
   return out;
 }
 
-/** Last frame alone. */
-export const end = (frames: Frames): Float32Array => frames.data.slice((frames.k - 1) * frames.n * 3);
+/** Motion at a place `t` in 0..1 along the frames, written into `out`. */
+export function along(frames: Frames, t: number, out: Float32Array): Float32Array {
+  const { k, n, data } = frames;
+  const width = columns(frames);
+  const x = Math.min(Math.max(t, 0), 1) * (k - 1);
+  const low = Math.min(Math.floor(x), Math.max(k - 2, 0));
+  return mix(data, low * n * width, data, Math.min(low + 1, k - 1) * n * width, x - low, width, out);
+}
 
-/** Motion between two solved gaps, linear; null elsewhere: beyond what was solved nothing is known. */
-export function between(solved: readonly { gap: number; end: Float32Array | null }[], gap: number): Float32Array | null {
+/** Last frame alone. */
+export const end = (frames: Frames): Float32Array => frames.data.slice((frames.k - 1) * frames.n * columns(frames));
+
+/** Motion between two solved gaps; null elsewhere: beyond what was solved nothing is known. */
+export function between(solved: readonly { gap: number; end: Float32Array | null }[], gap: number, width = 3): Float32Array | null {
   const upper = solved.findIndex((one) => one.gap >= gap);
   const above = solved[upper];
   if (above?.end && Math.abs(above.gap - gap) < 1e-12) return above.end;
   const below = solved[upper - 1];
   if (!above?.end || !below?.end) return null;
   const w = (gap - below.gap) / (above.gap - below.gap);
-  return below.end.map((v, i) => v + w * (above.end![i]! - v));
+  return mix(below.end, 0, above.end, 0, w, width, new Float32Array(above.end.length));
 }
 
 /** The same for a number. */
@@ -72,11 +93,21 @@ export function fittingFactor(size: number, radius: number, now = 1): number {
 
 /** How far any corner goes in the last frame, at most [mm]; `radii` of the parts about their reference points [mm]. */
 export function reach(frames: Frames, radii: readonly number[]): number {
+  const last = end(frames);
+  const width = columns(frames);
   let most = 0;
-  for (let i = 0, at = (frames.k - 1) * frames.n * 3; i < frames.n; i++, at += 3) {
-    most = Math.max(most, Math.hypot(frames.data[at]!, frames.data[at + 1]!) + (radii[i] ?? 0) * Math.abs(frames.data[at + 2]!));
-  }
+  for (let i = 0; i < frames.n; i++) most = Math.max(most, farOf(last, i, width) + (radii[i] ?? 0) * turnOf(last, i, width));
   return most;
+}
+
+/** How far a part goes in a motion [mm]. */
+export const farOf = (motion: Float32Array, i: number, width: number): number => Math.hypot(...motion.subarray(width * i, width * i + (width === 7 ? 3 : 2)));
+
+/** How far a part turns in a motion [rad]. */
+export function turnOf(motion: Float32Array, i: number, width: number): number {
+  if (width === 3) return Math.abs(motion[3 * i + 2]!);
+  const [x, y, z, w] = motion.subarray(7 * i + 3, 7 * i + 7) as unknown as [number, number, number, number];
+  return 2 * Math.atan2(Math.hypot(x, y, z), Math.abs(w));
 }
 
 /** Shows something else from now on; `soft` changes over a few frames. */
@@ -115,22 +146,25 @@ effect(() => {
 
 const seconds = (): number => (shown.peek().what === "mode" ? 2400 : 1800);
 
-/** Motions (n, 3) to draw now, and whether the picture goes on changing. */
-export function pose(now: number, n: number): { motion: Float32Array; moving: boolean } {
+/** Motions of `n` parts to draw now, of so many numbers each, and whether the picture goes on changing. */
+export function pose(now: number, n: number, width = 3): { motion: Float32Array; moving: boolean } {
   const { back } = shown.peek();
-  if (displayed.length !== n * 3) {
-    displayed = new Float32Array(n * 3);
+  if (displayed.length !== n * width) {
+    displayed = new Float32Array(n * width);
     from = null;
   }
   if (playing.peek()) advance(now, back);
   const { frames } = shown.peek();
-  if (frames && frames.n === n) along(frames, place.peek(), displayed);
-  else displayed.fill(0);
+  if (frames && frames.data.length === frames.k * n * width) along(frames, place.peek(), displayed);
+  else {
+    displayed.fill(0);
+    if (width === 7) for (let q = 6; q < displayed.length; q += 7) displayed[q] = 1;
+  }
   const w = from && from.length === displayed.length ? (now - since) / BLEND : 1;
   if (w >= 1) from = null;
   else {
     const eased = 1 - (1 - Math.max(w, 0)) ** 3;
-    for (let i = 0; i < displayed.length; i++) displayed[i] = from![i]! + eased * (displayed[i]! - from![i]!);
+    mix(from!, 0, displayed.slice(), 0, eased, width, displayed);
   }
   return { motion: displayed, moving: playing.peek() || from !== null };
 }

@@ -1,9 +1,9 @@
 /** Between the design and the server: asks when the design changes, keeps the answers, shows them. */
 
 import { batch, effect, untracked } from "@preact/signals";
-import { asks, begin, change, design, goals, history, question, questionOf } from "./design.ts";
+import { asks, begin, change, design, dimension, goals, history, inSpace, question, questionOf } from "./design.ts";
 import { autoFactor, between, end, factor, play, show, showAnswer, shown, showRest } from "./motion.ts";
-import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
+import { type CheckReply, type Design, type Finding, type Frames, type Kind, type Opened, type PlanReply, type Point, type Reply, type Solids, type Triple, type Requests, type SaveWhat, toBase64 } from "./protocol.ts";
 import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
@@ -56,7 +56,7 @@ export function follow(): void {
 
 function preview(gap: number): void {
   const opened = state.drawing.peek()!;
-  const guess = asks(design.peek()) ? between(state.solved.peek(), gap) : null;
+  const guess = asks(design.peek()) ? between(state.solved.peek(), gap, inSpace() ? 7 : 3) : null;
   if (guess) show({ what: "between", frames: { k: 1, n: opened.parts.length, data: guess }, label: "between solved gaps", back: false }, false);
   else if (shown.peek().what === "between") showRest(false);
 }
@@ -103,15 +103,20 @@ function askFlex(): void {
 }
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
-export function askDrag(part: string, grip: Point, target: Point): void {
+export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
   const wanted: Wanted = { design: design.peek(), part, grip, target, from: known().from };
-  leadTo(part, grip, target, sameShape());
+  leads(wanted, sameShape());
   state.dragging.value = { part, grip };
   if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
     drag.next = wanted;
     return;
   }
   sendDrag(wanted);
+}
+
+/** In the plane the part follows the hand at once; in space its ghost does, until the answer comes. */
+function leads({ part, grip, target }: Wanted, shaped: boolean): void {
+  if (!inSpace()) leadTo(part, grip as Point, target as Point, shaped);
 }
 
 function sendDrag(wanted: Wanted): void {
@@ -210,13 +215,14 @@ function take(reply: Reply, ways: Frames[]): void {
     case "hello": state.hello.value = reply; return reopen();
     case "worker": return worker(reply.state);
     case "opened": return opened(reply);
-    case "shape": state.rings.value = reply.rings; shaped = about(reply).design; state.findings.value = []; return;
+    case "shape": reshaped(reply); shaped = about(reply).design; state.findings.value = []; return;
     case "flex": return flexed(about(reply));
     case "drag": return draggedTo(about(reply));
     case "modes": state.modes.value = about(reply); return showMode(0);
     case "reach": state.reach.value = about(reply); return;
     case "rank": state.ranking.value = about(reply); state.coloured.value = true; return;
     case "check": state.checked.value = about(reply); return showEscape(0);
+    case "limit": state.limit.value = about(reply); return;
     case "plan": state.planned.value = about(reply); return showEscape(0, state.planned.peek());
     case "step": return stepped(reply.gap, reply.objective, reply.verdict, ways[0]);
     case "sweep": state.lost.value = reply.lost; return;
@@ -229,11 +235,17 @@ function take(reply: Reply, ways: Frames[]): void {
   }
 }
 
+/** Takes what parts look like, where a reply says it. */
+function reshaped({ rings, solids }: { rings?: Opened["parts"][number]["rings"][]; solids?: Solids }): void {
+  if (solids) state.solids.value = solids;
+  else if (rings) state.rings.value = rings;
+}
+
 function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   const again = quick?.again;
   quick = null;
   const { reply, ways } = about;
-  if (reply.rings) state.rings.value = reply.rings;
+  reshaped(reply);
   shaped = about.design;
   const same = questionOf(about.design) === question.peek();
   if (same && ways[0] && reply.settled) remember({ gap: about.design.gap, objective: reply.objective, verdict: reply.verdict, end: end(ways[0]), atMost: reply.at_most });
@@ -280,7 +292,7 @@ function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
   const { next, wanted } = drag;
   drag.next = null;
   drag.answered = true;
-  if (about.reply.rings) state.rings.value = about.reply.rings;
+  reshaped(about.reply);
   shaped = about.design;
   if (about.design === design.peek() && about.ways[0]) {
     const before = state.dragged.peek()?.reply;
@@ -288,7 +300,7 @@ function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
     state.dragged.value = about;
     show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, false);
     const newest = next ?? wanted;
-    if (next || !about.reply.settled) leadTo(newest.part, newest.grip, newest.target, sameShape() && !about.reply.rings);
+    if (next || !about.reply.settled) leads(newest, sameShape() && !about.reply.rings);
     else lead.value = null; // the truth is there
   }
   if (next) sendDrag({ ...next, from: known().from });
@@ -336,12 +348,16 @@ function opened(reply: Opened): void {
   state.findings.value = [];
   state.pointed.value = null;
   state.notice.value = reply.notes.join(" · ");
-  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
+  for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
   state.selected.value = null;
   state.many.value = new Set();
   state.solved.value = [];
+  dimension.value = reply.dimension;
   state.rings.value = reply.parts.map((part) => part.rings);
+  state.solids.value = reply.solids ?? null;
+  state.outlined.value = new Set();
+  state.exploded.value = 0;
   shaped = null;
   state.drawing.value = reply;
   showRest(false);

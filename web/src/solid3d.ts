@@ -1,21 +1,17 @@
 /** Parts in space on a page of their own: turned by hand, moved along their way, taken apart, with contacts. */
 
-import {
-  AmbientLight, ArrowHelper, BufferAttribute, BufferGeometry, Color, DirectionalLight, EdgesGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
-  MeshStandardMaterial, Quaternion, Scene, SphereGeometry, Vector3,
-} from "three";
-import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
-import { canvas3d } from "./canvas3d.ts";
-import { fromBase64 } from "./protocol.ts";
+import { Group, Quaternion } from "three";
+import { fromBase64, type Triple } from "./protocol.ts";
+import { contact3d, scene3d, shape3d, Solid3d, turnOfKey } from "./scene3d.ts";
 
 interface SolidPart {
   name: string;
-  colour: [number, number, number];
+  colour: Triple;
   /** Corners about the reference point, float32 [mm]. */
   vertices: string;
   /** Triangles, uint32. */
   triangles: string;
-  reference: [number, number, number];
+  reference: Triple;
 }
 
 interface SolidScene {
@@ -24,12 +20,11 @@ interface SolidScene {
   times: number[];
   /** Way-points, parts: displacement [mm] and quaternion x, y, z, w, float32. */
   motions: string;
-  contacts: { point: [number, number, number]; normal: [number, number, number]; share: number }[];
-  centre: [number, number, number];
+  contacts: { point: Triple; normal: Triple; share: number }[];
+  centre: Triple;
   size: number;
 }
 
-const CREASE_DEGREES = 10;
 const SECONDS = 4;
 
 function floats(text: string): Float32Array {
@@ -49,49 +44,16 @@ function start(data: SolidScene): void {
   const slider = document.getElementById("way") as HTMLInputElement;
   const explode = document.getElementById("explode") as HTMLInputElement;
   const play = document.getElementById("play") as HTMLButtonElement;
-  const { renderer, camera } = canvas3d("parts in 3D: drag or arrow keys turn them, the wheel comes nearer");
-  box.append(renderer.domElement);
+  const view = scene3d(box, "parts in 3D: drag or arrow keys turn them, the wheel comes nearer");
   const dark = matchMedia("(prefers-color-scheme: dark)").matches;
-  [camera.near, camera.far] = [data.size / 500, data.size * 60];
-  const centre = new Vector3(...data.centre);
-  camera.position.copy(centre).add(new Vector3(1.25, -1.35, 0.98).multiplyScalar(1.35 * data.size));
-  const world = new Scene();
-  world.add(camera, new AmbientLight(0xffffff, 1.5));
-  for (const [x, y, z, strong] of [[2, 1, 3, 1.8], [-3, 1, 1, 0.7]] as const) {
-    const sun = new DirectionalLight(0xffffff, strong);
-    sun.position.set(x, y, z);
-    camera.add(sun);
-  }
-  const groups = data.parts.map((part) => {
-    const geometry = new BufferGeometry();
-    geometry.setAttribute("position", new BufferAttribute(floats(part.vertices), 3));
-    geometry.setIndex(new BufferAttribute(new Uint32Array(fromBase64(part.triangles).buffer), 1));
-    const flat = geometry.toNonIndexed();
-    flat.computeVertexNormals();
-    const [r, g, b] = part.colour;
-    const colour = new Color(`rgb(${r}, ${g}, ${b})`);
-    const group = new Group();
-    group.add(
-      new Mesh(flat, new MeshStandardMaterial({ color: colour, roughness: 0.85, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1 })),
-      new LineSegments(new EdgesGeometry(geometry, CREASE_DEGREES), new LineBasicMaterial({ color: dark ? 0xd8dee6 : 0x26303a })),
-    );
-    world.add(group);
-    return group;
+  const solids = data.parts.map(({ vertices, triangles, colour }) => {
+    const solid = new Solid3d(shape3d({ corners: floats(vertices), triangles: new Uint32Array(fromBase64(triangles).buffer) }));
+    solid.paint(`rgb(${colour.join(", ")})`, dark ? "#d8dee6" : "#26303a");
+    view.world.add(solid);
+    return solid;
   });
-  const marks = new Group();
-  for (const { point, normal, share } of data.contacts) {
-    const at = new Vector3(...point);
-    const ball = new Mesh(new SphereGeometry(data.size * 0.008, 16, 12), new MeshStandardMaterial({ color: 0xc1272d, depthTest: false }));
-    ball.position.copy(at);
-    ball.renderOrder = 2;
-    const arrow = new ArrowHelper(new Vector3(...normal), at, data.size * (0.04 + 0.1 * share), 0xc1272d, data.size * 0.025, data.size * 0.014);
-    for (const piece of [arrow.line, arrow.cone]) {
-      (piece.material as LineBasicMaterial).depthTest = false;
-      piece.renderOrder = 2;
-    }
-    marks.add(ball, arrow);
-  }
-  world.add(marks);
+  const marks = new Group().add(...data.contacts.map(({ point, normal, share }) => contact3d(point, normal, share, data.size, "#c1272d")));
+  view.world.add(marks);
   const motions = floats(data.motions);
   const count = data.parts.length;
   const one = new Quaternion();
@@ -107,38 +69,23 @@ function start(data: SolidScene): void {
       const b = 7 * (next * count + p);
       one.fromArray(motions, a + 3);
       other.fromArray(motions, b + 3);
-      groups[p]!.quaternion.copy(one).slerp(other, share);
-      groups[p]!.position.set(
+      solids[p]!.quaternion.copy(one).slerp(other, share);
+      solids[p]!.position.set(
         ...([0, 1, 2].map((i) => {
           const moved = motions[a + i]! + share * (motions[b + i]! - motions[a + i]!);
           return part.reference[i]! + moved + apart * (part.reference[i]! - data.centre[i]!);
-        }) as [number, number, number]),
+        }) as Triple),
       );
     });
     marks.visible = Number(slider.value) > 0.999 && apart < 0.01;
-    ask();
+    view.ask();
   }
 
-  const controls = new OrbitControls(camera, renderer.domElement);
-  controls.target.copy(centre);
-  let wanted = 0;
-  function draw(): void {
-    wanted = 0;
-    renderer.render(world, camera);
-  }
-  function ask(): void {
-    if (!wanted) wanted = requestAnimationFrame(draw);
-  }
-  controls.addEventListener("change", ask);
-  renderer.domElement.addEventListener("keydown", (event) => {
-    const turn = { ArrowLeft: [-0.12, 0], ArrowRight: [0.12, 0], ArrowUp: [0, 0.12], ArrowDown: [0, -0.12] }[event.key];
+  view.renderer.domElement.addEventListener("keydown", (event) => {
+    const turn = turnOfKey(event.key);
     if (!turn) return;
     event.preventDefault();
-    const arm = camera.position.clone().sub(centre).applyAxisAngle(camera.up, turn[0]!);
-    arm.z += turn[1]! * data.size;
-    camera.position.copy(centre).add(arm);
-    controls.update();
-    ask();
+    view.turn(...turn);
   });
   let began = 0;
   function step(now: number): void {
@@ -163,19 +110,15 @@ function start(data: SolidScene): void {
   explode.addEventListener("input", place);
   document.querySelectorAll<HTMLInputElement>("input[data-part]").forEach((tick) =>
     tick.addEventListener("change", () => {
-      groups[Number(tick.dataset.part)]!.visible = tick.checked;
-      ask();
+      solids[Number(tick.dataset.part)]!.visible = tick.checked;
+      view.ask();
     }),
   );
-  new ResizeObserver(([entry]) => {
-    const { width, height } = entry!.contentRect;
-    if (!width || !height) return;
-    renderer.setSize(width, height, false);
-    camera.aspect = width / height;
-    camera.updateProjectionMatrix();
-    ask();
-  }).observe(box);
-  controls.update();
+  const far = data.parts.flatMap(({ vertices, reference }) => {
+    const corners = floats(vertices);
+    return Array.from({ length: corners.length / 3 }, (_, i) => Math.hypot(...data.centre.map((c, k) => corners[3 * i + k]! + reference[k]! - c)));
+  });
+  view.look(data.centre, far.reduce((most, one) => Math.max(most, one), 1e-9));
   place();
 }
 

@@ -22,7 +22,7 @@ export function unpack(): boolean {
   const rest = standing(opened.outlines);
   state.standalone.value = { said, study, tints };
   state.line.value = "open";
-  state.drawing.value = { ...opened, ignore: [], parts: opened.parts.map((part, i) => ({ ...part, rings: rest[i]! })) };
+  state.drawing.value = { ...opened, dimension: 2, ignore: [], parts: opened.parts.map((part, i) => ({ ...part, rings: rest[i]! })) };
   state.tab.value = told.tab ?? "answer";
   state.sheetOpen.value = told.tab === "space" || told.tab === "study"; // on a phone: what the page is about
   state.lost.value = told.lost ?? null;

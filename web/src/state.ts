@@ -1,11 +1,12 @@
 /** What the page knows: the drawing, the answers, and what is chosen. Signals only; `session.ts` fills them. */
 
 import { computed, signal } from "@preact/signals";
-import { design } from "./design.ts";
+import { design, inSpace } from "./design.ts";
 import type {
-  BoundReply, CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, SpaceReply, StudyReply, StudyTab,
+  BoundReply, CheckReply, Design, DragReply, Finding, FlexReply, Frames, Hello, LimitReply, Modes, Opened, PlanReply, Point, ProgressReply, ProveReply, RankReply, ReachReply, Ring, Solids, SpaceReply, StudyReply, StudyTab,
 } from "./protocol.ts";
 import type { Line } from "./socket.ts";
+import { boxOf, reachOfSolids } from "./solids.ts";
 
 /** An answer and the design that it answers. */
 export interface About<T> { reply: T; design: Design; ways: Frames[] }
@@ -24,16 +25,19 @@ export const opening = signal("");
 
 export const drawing = signal<Opened | null>(null);
 export const rings = signal<Ring[][]>([]);
+/** Parts in space as they are made. */
+export const solids = signal<Solids | null>(null);
 export const names = computed(() => drawing.value?.parts.map((part) => part.name) ?? []);
 export const indexOf = computed(() => new Map(names.value.map((name, i) => [name, i])));
 
 export const answer = signal<About<FlexReply> | null>(null);
 export const dragged = signal<About<DragReply> | null>(null);
 /** The part that is under the hand, or was last, and where it was taken, at rest. */
-export const dragging = signal<{ part: string; grip: Point } | null>(null);
+export const dragging = signal<{ part: string; grip: readonly number[] } | null>(null);
 export const modes = signal<About<Modes> | null>(null);
 export const ranking = signal<About<RankReply> | null>(null);
 export const checked = signal<About<CheckReply> | null>(null);
+export const limit = signal<About<LimitReply> | null>(null);
 export const planned = signal<About<PlanReply> | null>(null);
 export const reach = signal<About<ReachReply> | null>(null);
 /** Where the chosen part was pressed, at rest. */
@@ -63,7 +67,11 @@ export const selected = signal<string | null>(null);
 export const many = signal<ReadonlySet<string>>(new Set());
 export const hovered = signal<string | null>(null);
 export const gluing = signal<string | null>(null);
-export const highlit = signal<Point | null>(null);
+export const highlit = signal<readonly number[] | null>(null);
+/** Parts in space that are only outlined, so that one sees past them. */
+export const outlined = signal<ReadonlySet<string>>(new Set());
+/** How far parts in space are taken apart in the picture, 0 to 1.5. */
+export const exploded = signal(0);
 
 export type Tab = "answer" | "gaps" | "vary" | "apart" | "space" | "study" | "sure";
 export const tab = signal<Tab>("answer");
@@ -81,12 +89,16 @@ export const current = (about: About<unknown> | null): boolean => about !== null
 export const can = (what: string): boolean => hello.value?.can.includes(what) ?? false;
 
 /** How far each part's outline reaches from its reference point [mm]. */
-export const radii = computed(() =>
-  (drawing.value?.parts ?? []).map(({ at, rings }) => rings.flat().reduce((most, [x, y]) => Math.max(most, Math.hypot(x - at[0], y - at[1])), 0)),
+export const radii = computed(() => (inSpace() && solids.value ? reachOfSolids(solids.value) :
+  (drawing.value?.parts ?? []).map(({ at, rings }) => rings.flat().reduce((most, [x, y]) => Math.max(most, Math.hypot(x - at[0], y - at[1])), 0)))
 );
 
-/** Width and height of what was drawn, and half its diagonal [mm]. */
+/** Width and height of what was drawn, and half its diagonal [mm]; of parts in space that of the box round them. */
 export const extent = computed(() => {
+  if (inSpace() && solids.value) {
+    const { low, high } = boxOf(solids.value);
+    return { x0: low[0], y0: low[1], x1: high[0], y1: high[1], radius: Math.hypot(...high.map((v, k) => v - low[k]!)) / 2 || 1 };
+  }
   const [x0, y0, x1, y1] = drawing.value?.size ?? [0, 0, 1, 1];
   return { x0, y0, x1, y1, radius: Math.hypot(x1 - x0, y1 - y0) / 2 || 1 };
 });

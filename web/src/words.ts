@@ -1,6 +1,6 @@
 /** Numbers and directions as the terminal writes them. */
 
-import { type Goal, isPull, isTurn, type Point } from "./protocol.ts";
+import { type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point } from "./protocol.ts";
 
 /** To so many significant digits, without an exponent wherever that stays readable. */
 export function number(value: number, digits = 4): string {
@@ -11,18 +11,18 @@ export function number(value: number, digits = 4): string {
   return rounded.includes(".") ? rounded.replace(/0+$/, "").replace(/\.$/, "") : rounded;
 }
 
-function towards([dx, dy]: Point): string {
-  const long = Math.hypot(dx, dy) || 1;
-  const [x, y] = [dx / long, dy / long];
-  if (Math.abs(y) < 1e-9) return x > 0 ? "+x" : "-x";
-  if (Math.abs(x) < 1e-9) return y > 0 ? "+y" : "-y";
-  return `(${number(x, 3)}, ${number(y, 3)})`;
+export function towards(direction: readonly number[]): string {
+  const long = Math.hypot(...direction) || 1;
+  const unit = direction.map((v) => v / long);
+  const along = unit.findIndex((v) => Math.abs(v) > 1 - 1e-12);
+  return along >= 0 ? `${unit[along]! > 0 ? "+" : "-"}${"xyz"[along]}` : `(${unit.map((v) => number(v, 3)).join(", ")})`;
 }
 
 export const degrees = ([x, y]: Point): number => (Math.atan2(y, x) * 180) / Math.PI;
 
 export function ask(goal: Goal): string {
-  if (isPull(goal)) return `${goal.part} in ${towards(goal.direction)}`;
+  if (isTwist(goal)) return `twist of ${goal.part} about ${towards(goal.turn)}`;
+  if (isPull(goal) || isSpatialPull(goal)) return `${goal.part} in ${towards(goal.direction)}`;
   if (isTurn(goal)) return `turn of ${goal.part} ${goal.turn}`;
   return `${goal.part} along w = (${(goal.w ?? []).map((v) => number(v, 3)).join(", ")})`;
 }

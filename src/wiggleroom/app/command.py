@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import shlex
+from typing import TYPE_CHECKING
 
 from wiggleroom.app.design_cache import goals_of
 from wiggleroom.app.open_requests import File, saved_name
-from wiggleroom.drawing.assembly_schema import PullEntry
-from wiggleroom.schema.requests import Design
+from wiggleroom.drawing.model import Drawing, Goal
+from wiggleroom.schema.requests import Design, GoalEntry
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_model import SpatialGoal
 
 
 def command(name: str, file: File, design: Design, more: tuple[str, ...] = (), *, pulled: bool = True) -> str:
@@ -48,8 +52,10 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
 
 
 def _goals(file: File, design: Design) -> list[str] | None:
-    if goals_of(design) == file.drawing.goals:
+    if _asked(file, design) == file.drawing.goals:
         return []
+    if design.goals == "weight":
+        return ["--weight=-z"]
     if isinstance(design.goals, str):
         return ["--objective", design.goals]
     found = []
@@ -57,10 +63,21 @@ def _goals(file: File, design: Design) -> list[str] | None:
         if entry.weight != 1 or entry.w is not None:
             return None
         if entry.turn is not None:
-            found += _option("--turn", f"{entry.part}:{entry.turn}")
+            found += _option(
+                "--turn", f"{entry.part}:{entry.turn if isinstance(entry.turn, str) else _axis(entry.turn)}"
+            )
         else:
             found += _option("--pull", f"{entry.part}:{_way(entry)}")
     return found if found else None
+
+
+def _asked(file: File, design: Design) -> tuple[Goal, ...] | tuple[SpatialGoal, ...]:
+    """Goals of a design of this file."""
+    if isinstance(file.drawing, Drawing):
+        return goals_of(design)
+    from wiggleroom.app.spatial_designs import spatial_goals_of
+
+    return spatial_goals_of(design)
 
 
 def _option(name: str, value: str) -> list[str]:
@@ -68,9 +85,19 @@ def _option(name: str, value: str) -> list[str]:
     return [f"{name}={value}"] if value.startswith("-") else [name, value]
 
 
-def _way(entry: PullEntry) -> str:
+def _way(entry: GoalEntry) -> str:
     assert entry.direction is not None
-    x, y = entry.direction
-    axes = {(1.0, 0.0): "+x", (-1.0, 0.0): "-x", (0.0, 1.0): "+y", (0.0, -1.0): "-y"}
-    way = axes.get((x, y)) or f"{x!r},{y!r}"
-    return way if entry.point is None else f"{way}@{entry.point[0]!r},{entry.point[1]!r}"
+    way = _axis(entry.direction)
+    return way if entry.point is None else f"{way}@{','.join(map(repr, entry.point))}"
+
+
+def _axis(direction: tuple[float, ...]) -> str:
+    """A direction as options write it.
+
+    >>> _axis((0.0, 0.0, -1.0)), _axis((0.6, 0.8))
+    ('-z', '0.6,0.8')
+    """
+    for k, name in enumerate("xyz"[: len(direction)]):
+        if abs(direction[k]) == 1 and sum(map(abs, direction)) == 1:
+            return ("+" if direction[k] > 0 else "-") + name
+    return ",".join(map(repr, direction))

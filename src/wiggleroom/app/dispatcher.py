@@ -9,7 +9,7 @@ from importlib import import_module
 
 from wiggleroom.app.document import Document
 from wiggleroom.app.messages import decode, kind_of
-from wiggleroom.app.open_requests import opened, opened_reply
+from wiggleroom.app.open_requests import opened
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.app.worker_protocol import StartOrder
 from wiggleroom.errors import InputError, StoppedError, WiggleroomError
@@ -24,6 +24,7 @@ ANSWERS = {
     "wiggle": "motion_requests",
     "rank": "study_requests",
     "check": "study_requests",
+    "limit": "study_requests",
     "plan": "study_requests",
     "sweep": "study_requests",
     "prove": "study_requests",
@@ -34,6 +35,8 @@ ANSWERS = {
     "save": "save_requests",
 }
 """Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
+OF_DRAWINGS = ("reach", "wiggle", "plan", "prove", "space")
+"""What is not answered in space."""
 
 
 class Dispatcher:
@@ -44,12 +47,8 @@ class Dispatcher:
 
     def open(self, request: OpenRequest, out: Reporter) -> None:
         """Read a drawing and tell the page; where that fails the one before stays."""
-        document, design = Document(opened(request)), request.design
-        content = opened_reply(
-            document.file, document.file.drawing if design is None else document.designs.drawing(design)
-        )
-        if design is not None:
-            content.design.extra = design.extra
+        document = Document(opened(request))
+        content = document.opened(request.design)
         out.check()
         self._document = document
         out.reply(content)
@@ -80,10 +79,8 @@ class Dispatcher:
         """Everything that is wrong with the design of a request, where that can be said."""
         if self._document is None or not isinstance(request, FlexRequest | ShapeRequest | DragRequest):
             return []
-        from wiggleroom.app.review import review
-
         try:
-            return review(self._document.designs, request.design)
+            return self._document.review(request.design)
         except InputError:
             return []
 
@@ -98,6 +95,9 @@ class Dispatcher:
 
             return (motion_requests.settled if settle else motion_requests.flex)(self._document, request, out)
         kind = kind_of(request)
+        if self._document.in_space and kind in OF_DRAWINGS:
+            message = f"{kind}: is for drawings; {self._document.file.name} is an assembly in space"
+            raise InputError(message)
         getattr(import_module(f"wiggleroom.app.{ANSWERS[kind]}"), kind)(self._document, request, out)
         return False
 

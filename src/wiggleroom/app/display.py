@@ -5,17 +5,21 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Hashable
+from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec import UNSET, UnsetType
+from msgspec import UNSET
 from numpy.typing import NDArray
 
+from wiggleroom.app.dimension_messages import Shapes, shapes_of
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.freespace.free_space import FreeSlices
 from wiggleroom.geometry.relative_pose import turn
-from wiggleroom.report.page_messages import rings_message
-from wiggleroom.schema.replies import Outline, Pose
+from wiggleroom.schema.replies import Outline, Pose, Solids
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
@@ -28,25 +32,25 @@ class Display:
 
     def __init__(self) -> None:
         self._outlines: Hashable = None
-        self._rings: list[Outline] = []
+        self._shapes: list[Outline] | Solids = []
         self._told, self._since = threading.Event(), 0.0
         self._shown: tuple[Assembly, Floats] | None = None
 
-    def move(self, assembly: Assembly, motion: Floats) -> None:
-        """Show the parts at a motion (n, 3)."""
-        self._shown = assembly, motion
+    def move(self, assembly: Assembly | SpatialAssembly, motion: Floats) -> None:
+        """Show the parts at a motion (n, 3); of parts in space nothing asks for it later."""
+        self._shown = (assembly, motion) if isinstance(assembly, Assembly) else None
 
-    def new_rings(self, key: Hashable, assembly: Assembly, stop: threading.Event) -> list[Outline] | UnsetType:
-        """Outlines of the shape `key`, where the page may not have them: a page drops replies that a newer request has overtaken."""
+    def new_shapes(self, key: Hashable, assembly: Assembly | SpatialAssembly, stop: threading.Event) -> Shapes:
+        """Outlines or solids of the shape `key` where the page may lack them: it drops replies that a newer request has overtaken."""
         now = time.monotonic()
         if key != self._outlines:
-            self._outlines, self._since, self._rings = key, now, rings_message(assembly.parts)
+            self._outlines, self._since, self._shapes = key, now, shapes_of(assembly)
         elif self._told.is_set():
             self._since = now
         elif now > self._since + REPEAT_SECONDS:
             return UNSET
         self._told = stop
-        return self._rings
+        return self._shapes
 
     def relative(self, space: FreeSlices) -> Pose:
         """Where the pair of a free space is shown: motion of its pivot [mm] and turn [deg]."""

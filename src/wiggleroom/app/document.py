@@ -1,32 +1,39 @@
-"""One drawing that is open, and what was worked out about it."""
+"""One drawing or assembly in space that is open, and what was worked out about it."""
 
 from __future__ import annotations
 
 from collections.abc import Hashable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from wiggleroom.app.design_cache import DesignCache, LruCache
-from wiggleroom.app.open_requests import File
+from wiggleroom.app.open_requests import File, opened_reply
 from wiggleroom.app.reporter import Reporter
-from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import question_findings
-from wiggleroom.drawing.model import Goal
+from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
+from wiggleroom.schema.replies import Finding, Opened
 from wiggleroom.schema.requests import Design
 
 if TYPE_CHECKING:
     from wiggleroom.app.display import Display
+    from wiggleroom.app.spatial_designs import SpatialDesignCache
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.disassembly.interlock import Interlock
+    from wiggleroom.disassembly.largest_gap import LargestGap
     from wiggleroom.live.live_session import Live
     from wiggleroom.planning.plan import Plan
     from wiggleroom.search.answer import Answer
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
+    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+    from wiggleroom.spatial.spatial_live import SpatialLive
+    from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 
 class Document:
-    """A drawing and what was worked out about it, kept for speed alone: every request carries its whole design.
+    """A drawing, or an assembly in space, and what was worked out about it, kept for speed alone: every request carries its whole design.
 
     Parameters
     ----------
@@ -35,9 +42,9 @@ class Document:
 
     def __init__(self, file: File) -> None:
         self.file = file
-        self.designs = DesignCache(file.drawing)
-        self._answers: LruCache[Answer] = LruCache(4)
-        self._checks: LruCache[Interlock] = LruCache(2)
+        self.designs = _cache_of(file)
+        self._answers: LruCache[Answer | SpatialAnswer] = LruCache(4)
+        self._checks: LruCache[Interlock | SpatialDisassembly] = LruCache(2)
         self._plans: LruCache[Plan] = LruCache(2)
 
     @cached_property
@@ -47,60 +54,120 @@ class Document:
 
         return Display()
 
+    @property
+    def in_space(self) -> bool:
+        """True for an assembly in space."""
+        return not isinstance(self.file.drawing, Drawing)
+
+    def opened(self, design: Design | None) -> Opened:
+        """What the page is told when it is opened; with a design that one stands in place of what the file asks."""
+        if isinstance(self.designs, DesignCache):
+            assert isinstance(self.file.drawing, Drawing)
+            content = opened_reply(self.file, self.file.drawing if design is None else self.designs.drawing(design))
+        else:
+            from wiggleroom.app.spatial_designs import spatial_opened_reply
+
+            content = spatial_opened_reply(self.file, self.designs, design)
+        if design is not None:
+            content.design.extra = design.extra
+        return content
+
+    def review(self, design: Design) -> list[Finding]:
+        """List what is wrong with a design; raises InputError where that cannot be said."""
+        if isinstance(self.designs, DesignCache):
+            from wiggleroom.app.review import review
+
+            return review(self.designs, design)
+        from wiggleroom.app.spatial_review import spatial_review
+
+        return spatial_review(self.designs, design)
+
     @cached_property
     def _live(self) -> Live:
         from wiggleroom.live.live_session import Live
 
+        assert isinstance(self.file.drawing, Drawing)
         return Live(self.file.drawing)
 
-    def live(self, design: Design) -> Live:
-        """The live session, its design set."""
-        self._live.design(self.designs.gap(design), design.extra, design.fixed, design.glue)
-        return self._live
+    @cached_property
+    def _spatial_live(self) -> SpatialLive:
+        from wiggleroom.spatial.spatial_live import SpatialLive
 
-    def assembly(self, design: Design) -> Assembly:
+        return SpatialLive()
+
+    def live(self, design: Design) -> Live | SpatialLive:
+        """The live session, its design set."""
+        if isinstance(self.designs, DesignCache):
+            self._live.design(self.designs.gap(design), design.extra, design.fixed, design.glue)
+            return self._live
+        self._spatial_live.take(self.designs.assembly(design))
+        return self._spatial_live
+
+    def assembly(self, design: Design) -> Assembly | SpatialAssembly:
         """Parts as made for a design."""
         return self.designs.assembly(design)
 
-    def asked(self, design: Design) -> tuple[Goal, ...]:
+    def flat(self, design: Design) -> Assembly:
+        """The same of a drawing, for what is asked of drawings alone."""
+        assert isinstance(self.designs, DesignCache)  # see `Dispatcher`
+        return self.designs.assembly(design)
+
+    def asked(self, design: Design) -> tuple[Any, ...]:
         """What a design asks; raises InputError where a question about motion lacks something."""
-        drawing = self.designs.drawing(design)
-        wrong = question_findings(drawing)
+        if isinstance(self.designs, DesignCache):
+            drawing = self.designs.drawing(design)
+            wrong = list(question_findings(drawing))
+            if wrong:
+                raise InputError(wrong)
+            return drawing.goals
+        from wiggleroom.spatial.spatial_flex import lacking
+
+        goals = self.designs.drawing(design).goals
+        wrong = lacking(self.designs.assembly(design), goals)
         if wrong:
             raise InputError(wrong)
-        return drawing.goals
+        return goals
 
-    def kept(self, design: Design) -> Answer | None:
+    def kept(self, design: Design) -> Answer | SpatialAnswer | None:
         """The full answer, where it is known."""
         return self._answers.peek(whole(design))
 
-    def answer(self, design: Design, out: Reporter) -> Answer:
+    def answer(self, design: Design, out: Reporter) -> Any:
         """The full answer, worked out once for a design."""
         answer = self.kept(design)
         if answer is None:
-            answer = self.live(design).settle(self.asked(design), stop=out.stop, progress=out.progress)
+            told: Any = out.iterated if self.in_space else out.progress
+            answer = self.live(design).settle(self.asked(design), stop=out.stop, progress=told)
             out.check()
             self.know(design, answer)
         return answer
 
-    def know(self, design: Design, answer: Answer) -> None:
+    def know(self, design: Design, answer: Answer | SpatialAnswer) -> None:
         """Keep a fuller answer to a design."""
         self._answers.keep(whole(design), answer)
 
-    def kept_check(self, design: Design) -> Interlock | None:
+    def kept_check(self, design: Design) -> Any:
         """Whether it comes apart, where that is known."""
         return self._checks.peek(self.designs.body(design))
 
-    def checked(self, design: Design, out: Reporter) -> Interlock:
+    def checked(self, design: Design, out: Reporter) -> Any:
         """Whether it comes apart, worked out once for a design."""
         kept = self.kept_check(design)
         if kept is not None:
             return kept
-        from wiggleroom.disassembly.interlock import check
+        from wiggleroom.questions import check
 
         found = check(self.assembly(design), stop=out.stop, progress=out.progress)
         out.check()
         self._checks.keep(self.designs.body(design), found)
+        return found
+
+    def largest_gap(self, design: Design, out: Reporter) -> LargestGap:
+        """The largest gap that holds a design together."""
+        from wiggleroom.questions import largest_gap
+
+        found = largest_gap(self.assembly(design), stop=out.stop)
+        out.check()
         return found
 
     def planned(
@@ -109,7 +176,7 @@ class Document:
         """How a design is taken apart."""
         from wiggleroom.planning.plan import plan
 
-        found = plan(self.assembly(design), targets, gravity=gravity, stop=out.stop, progress=out.progress)
+        found = plan(self.flat(design), targets, gravity=gravity, stop=out.stop, progress=out.progress)
         out.check()
         self._plans.keep(self.designs.body(design), found)
         return found
@@ -117,6 +184,14 @@ class Document:
     def last_plan(self, design: Design, out: Reporter) -> Plan:
         """The plan of a design that was asked for last; where there is none, that of all parts."""
         return self._plans.peek(self.designs.body(design)) or self.planned(design, out)
+
+
+def _cache_of(file: File) -> DesignCache | SpatialDesignCache:
+    if isinstance(file.drawing, Drawing):
+        return DesignCache(file.drawing)
+    from wiggleroom.app.spatial_designs import SpatialDesignCache  # slow to import, and of no use to drawings
+
+    return SpatialDesignCache(file.drawing)
 
 
 def whole(design: Design) -> Hashable:

@@ -77,7 +77,7 @@ def failed(number: int, of: str, findings: tuple[str, ...] | list[str]) -> Faile
 
 
 def frame(number: int, motions: NDArray[np.float64]) -> bytes:
-    """Binary frame of motions (k, n, 3) [mm, mm, rad] that goes before the reply of this number.
+    """Binary frame of motions that goes before the reply of this number: (k, n, 3) [mm, mm, rad], or in space (k, n, 7).
 
     Examples
     --------
@@ -85,5 +85,8 @@ def frame(number: int, motions: NDArray[np.float64]) -> bytes:
     >>> frame(7, np.zeros((1, 2, 3)))[:16].hex(" ", 4)
     '07000000 01000000 02000000 00000000'
     """
-    k, n, _ = motions.shape
-    return struct.pack("<4I", number, k, n, 0) + np.ascontiguousarray(motions, dtype="<f4").tobytes()
+    k, n, columns = motions.shape
+    return (
+        struct.pack("<4I", number, k, n, 0 if columns == 3 else columns)
+        + np.ascontiguousarray(motions, dtype="<f4").tobytes()
+    )

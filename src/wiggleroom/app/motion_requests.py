@@ -3,17 +3,26 @@
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING, Any
 
 from msgspec import UNSET
 
 from wiggleroom.app.command import command
+from wiggleroom.app.dimension_messages import (
+    answer_reply,
+    contact_entries,
+    frames_of,
+    shapes_of,
+    still_frame,
+    tell_shapes,
+)
 from wiggleroom.app.document import Document
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError
 from wiggleroom.live.live_result import LiveResult
-from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
-from wiggleroom.report.path_frames import path_frames
+from wiggleroom.live.live_session import Live
 from wiggleroom.report.stacked_slices import rings
 from wiggleroom.schema.replies import DragReply, ModeEntry, Modes, ReachReply, Released, ShapeReply
 from wiggleroom.schema.requests import (
@@ -26,6 +35,9 @@ from wiggleroom.schema.requests import (
 )
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_live import SpatialLive
 
 QUICK_SECONDS = 0.1
 """A quick answer takes about so long [s]."""
@@ -48,6 +60,8 @@ def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
         return settled(document, request, out)
     goals = document.asked(design)
     live = document.live(design)
+    if not isinstance(live, Live):
+        return True  # in space there is no quicker answer
     last: float | None = None
     for _ in range(MAX_QUICK_ANSWERS):
         result = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
@@ -57,11 +71,9 @@ def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
             break
         last = value
         display.move(live.assembly, result.motion)
-        content = answer_message(quick(live.assembly, goals, result), command("flex", document.file, design))
-        content.rings, content.settled = (
-            display.new_rings(document.designs.shape(design), live.assembly, out.stop),
-            False,
-        )
+        content = answer_reply(quick(live.assembly, goals, result), command("flex", document.file, design))
+        tell_shapes(content, display.new_shapes(document.designs.shape(design), live.assembly, out.stop))
+        content.settled = False
         out.reply(content, [result.motion[None]])
         if result.settled:
             break
@@ -72,24 +84,26 @@ def settled(document: Document, request: FlexRequest, out: Reporter) -> bool:
     """Answer fully."""
     answer = document.answer(request.design, out)
     document.display.move(answer.assembly, answer.motion)
-    content = answer_message(answer, command("flex", document.file, request.design))
-    content.rings = document.display.new_rings(document.designs.shape(request.design), answer.assembly, out.stop)
-    out.reply(content, [path_frames(answer.assembly, answer.waypoints)])
+    content = answer_reply(answer, command("flex", document.file, request.design))
+    shape = document.designs.shape(request.design)
+    tell_shapes(content, document.display.new_shapes(shape, answer.assembly, out.stop))
+    out.reply(content, [frames_of(answer.assembly, answer.waypoints)])
     return False
 
 
 def drag(document: Document, request: DragRequest, out: Reporter) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
     live = document.live(request.design)
-    rings = document.display.new_rings(document.designs.shape(request.design), live.assembly, out.stop)
+    grip, target = (_spot(place, live) for place in (request.grip, request.target))
+    shapes = document.display.new_shapes(document.designs.shape(request.design), live.assembly, out.stop)
     goals = document.asked(request.design) if request.from_ == "answer" else None
     start, shown, last = request.from_, math.inf, math.inf
     stuck = 0
     for times in range(MAX_DRAG_STEPS):
         within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)]
         result = live.drag(
-            request.part, request.grip, request.target,
-            start=start, goals=goals, within=within, seconds=QUICK_SECONDS, stop=out.stop,
+            request.part, grip, target,
+            start=start, goals=goals, within=within, stop=out.stop,
         )  # fmt: skip
         out.check()
         assert result.distance is not None
@@ -106,20 +120,31 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
             target=request.target,
             reached=result.reached,
             distance=result.distance,
-            held=contacts_message(result.contacts),
+            held=contact_entries(result.contacts, live.assembly),
             blocking=list(result.blocking),
             settled=settled,
-            rings=rings,
         )
-        out.reply(content, [result.motion[None]])
+        tell_shapes(content, shapes)
+        out.reply(content, [still_frame(result.motion)])
         if settled:
             return
-        rings, shown = UNSET, min(shown, result.distance)
+        shapes, shown = UNSET, min(shown, result.distance)
+
+
+def _spot(place: tuple[float, ...], live: Live | SpatialLive) -> Any:
+    """A point of a request, of as many numbers as there are axes; raises InputError else."""
+    axes = 2 if isinstance(live, Live) else 3
+    if len(place) != axes:
+        message = f"drag: grip and target have {axes} numbers here; one has {len(place)}"
+        raise InputError(message)
+    return place
 
 
 def wiggle(document: Document, request: WiggleRequest, out: Reporter) -> None:
     """Show the freedoms that are left."""
-    modes = document.live(request.design).wiggle(request.part, stop=out.stop)
+    live = document.live(request.design)
+    assert isinstance(live, Live)  # see `Dispatcher`
+    modes = live.wiggle(request.part, stop=out.stop)
     out.check()
     told = [ModeEntry(mode.size, list(mode.parts), mode.ends) for mode in modes]
     out.reply(Modes(modes=told), [mode.frames for mode in modes])
@@ -129,7 +154,9 @@ def reach(document: Document, request: ReachRequest, out: Reporter) -> None:
     """Where the point of a part can be brought."""
     from wiggleroom.live import reachable
 
-    found = reachable.reach(document.live(request.design), request.part, request.grip, stop=out.stop)
+    live = document.live(request.design)
+    assert isinstance(live, Live)  # see `Dispatcher`
+    found = reachable.reach(live, request.part, request.grip, stop=out.stop)
     out.check()
     how = (
         f"free at {reachable.SLICES} turns; between them hardly more can be reached"
@@ -150,8 +177,10 @@ def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:
 
 
 def shape(document: Document, request: ShapeRequest, out: Reporter) -> None:
-    """Outlines with the gap applied."""
-    out.reply(ShapeReply(rings=rings_message(document.assembly(request.design).parts)))
+    """Outlines, or solids, with the gap applied."""
+    content = ShapeReply()
+    tell_shapes(content, shapes_of(document.assembly(request.design)))
+    out.reply(content)
 
 
 def quick(assembly: Assembly, goals: tuple[Goal, ...], result: LiveResult) -> Answer:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
+import json
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath, PureWindowsPath
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -12,14 +15,16 @@ from msgspec.structs import replace
 
 from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place
-from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.page_messages import design_message, drawing_message
 from wiggleroom.schema.replies import Opened
-from wiggleroom.schema.requests import OpenRequest
+from wiggleroom.schema.requests import GoalEntry, OpenRequest
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_model import SpatialDrawing
 
 CHORD_ERROR_SHARE = 1e-4
 """Chord error of curves as a share of the median part size, where there is no gap to tell."""
@@ -35,19 +40,22 @@ class File:
         Without folders.
     path : str
         What commands call it.
-    drawing : Drawing
+    drawing : Drawing or SpatialDrawing
         As the file says it.
     unit : str or None
         In place of the file's.
     flatten : float or None [mm]
         How finely curves were flattened; None where there are none.
+    text : str
+        Of a file in space, as it is.
     """
 
     name: str
     path: str
-    drawing: Drawing
+    drawing: Drawing | SpatialDrawing
     unit: str | None = None
     flatten: float | None = None
+    text: str = ""
 
 
 def opened(request: OpenRequest) -> File:
@@ -67,6 +75,8 @@ def opened(request: OpenRequest) -> File:
         try:
             if path.suffix.lower() in READERS:
                 path.write_bytes(request.data)
+            if b"wiggleroom/2" in request.data and _is_in_space(path):
+                return _in_space(path, request)
             drawing, flatten = _read(path, request)
         except InputError as problem:
             raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
@@ -122,6 +132,51 @@ def plain_name(name: str) -> str:
     return stem[:80] + suffix[:8]
 
 
+def _is_in_space(path: Path) -> bool:
+    from wiggleroom.questions import is_spatial_file  # slow to import, and of no use to drawings
+
+    return is_spatial_file(path)
+
+
+def _in_space(path: Path, request: OpenRequest) -> File:
+    """An assembly in space; of what it names beside itself only what came with it is opened."""
+    if request.unit is not None or request.flatten is not None:
+        message = f"{path.name}: unit and flatten are about drawings; an assembly in space says its own unit"
+        raise InputError(message)
+    for name, data in request.beside.items():
+        other = (path.parent / name).resolve()
+        if not other.is_relative_to(path.parent.resolve()) or other == path.resolve():
+            message = f'{path.name}: "{name[:60]}" must lie in the folder of the assembly file or below it'
+            raise InputError(message)
+        other.parent.mkdir(parents=True, exist_ok=True)
+        other.write_bytes(data)
+    from wiggleroom.spatial.spatial_file import read_spatial  # slow to import, and of no use to drawings
+
+    drawing = read_spatial(path, alone=not request.beside)
+    if request.gap is not None:
+        drawing = dataclasses.replace(drawing, gap=request.gap)
+    return File(path.name, request.path or path.name, drawing, text=path.read_text(encoding="utf-8-sig"))
+
+
+def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
+    """The request that opens an assembly in space of this machine, and the files that it names, with what a command made of it."""
+    from wiggleroom.report.spatial_messages import spatial_design
+
+    data = path.read_bytes()
+    named = [part.get(key) for part in json.loads(data)["parts"] for key in ("mesh", "outline")]
+    files = dict.fromkeys(name.partition("#")[0] for name in named if isinstance(name, str))
+    return msgspec.json.encode(
+        OpenRequest(
+            id=0,
+            name=path.name,
+            path=str(path),
+            data=data,
+            beside={name: (path.parent / name).read_bytes() for name in files},
+            design=spatial_design(drawing),
+        )
+    )
+
+
 def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
     """The drawing, and how finely its curves were flattened."""
     unit, flatten, gap = request.unit, request.flatten, request.gap
@@ -145,7 +200,7 @@ def opened_reply(file: File, drawing: Drawing) -> Opened:
     return reply
 
 
-def suggested(drawing: Drawing) -> PullEntry:
+def suggested(drawing: Drawing) -> GoalEntry:
     """A pull for a drawing that asks for none: the part farthest from what is fixed, away from it."""
     middle = np.array([np.vstack([r.outer for r in p.regions]).mean(axis=0) for p in drawing.parts])
     centres = np.array([place(m[None], p.at)[0] for m, p in zip(middle, drawing.parts, strict=True)])
@@ -158,4 +213,4 @@ def suggested(drawing: Drawing) -> PullEntry:
     k = int(far.argmax())
     along = int(np.abs(away[k]).argmax())
     sign = 1.0 if away[k, along] >= 0 else -1.0
-    return PullEntry(drawing.parts[k].name, direction=(sign, 0.0) if along == 0 else (0.0, sign))
+    return GoalEntry(drawing.parts[k].name, direction=(sign, 0.0) if along == 0 else (0.0, sign))

@@ -44,7 +44,7 @@ class Reporter:
         self._say, self._quiet, self._last = say, quiet, 0.0
 
     def reply(self, content: Reply, motions: Sequence[NDArray[np.float64]] = ()) -> None:
-        """Send a reply, and before it motions, each (k, n, 3) [mm, mm, rad]."""
+        """Send a reply, and before it motions, each (k, n, 3) [mm, mm, rad], or in space (k, n, 7)."""
         content.id = self.number
         if not self._quiet:
             self._say(Outgoing(self.ticket, encode(content), [frame(self.number, m) for m in motions]))
@@ -66,6 +66,10 @@ class Reporter:
         value = now.objective
         known = value is not None and math.isfinite(value)
         self._progress(now.stage, now.round, now.iteration, value if known else None, None)
+
+    def iterated(self, iteration: int, value: float) -> None:
+        """Tell an iteration of a solver and what it has reached."""
+        self._progress("solve", 0, iteration, value if math.isfinite(value) else None, None)
 
     def counted(self, done: int, total: int) -> None:
         """Tell how many of how many are done; ends the work where it is to stop."""
@@ -98,5 +102,6 @@ def on_the_page(line: str) -> str:
 _WORDS = (
     (r"name the parts that stand with --fix NAME", "choose a part that stands"),
     (r"say what moves with --pull NAME:\+y", "choose what is pulled, and which way"),
+    (r"say what moves with --pull NAME:\+z", "choose what is pulled, and which way"),
     (r"--gap (\S+)", r"\1 mm"),
 )

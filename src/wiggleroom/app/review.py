@@ -97,7 +97,7 @@ def _unmakeable(drawing: Drawing, lines: Sequence[str]) -> list[Finding]:
     mends: list[Mend] = []
     gap = min(drawing.gap, 2 * MAX_GAP_SHARE * usual_size(drawing)) if 0 < drawing.gap < math.inf else 0.0
     for _ in range(MAX_HALVINGS if lines and gap else 0):
-        gap = _rounded(gap / 2)
+        gap = round_up(gap / 2)
         if not examine_parts(dataclasses.replace(drawing, gap=gap))[1]:
             mends = [Mend(f"Use a gap of {number(gap)} mm", gap=gap)]
             break
@@ -120,7 +120,7 @@ def _meeting(drawing: Drawing, parts: Sequence[Part], design: Design) -> list[Fi
         return []
     wanted = max([GAP_SHARE * size, *(drawing.gap + DEPTH_MARGIN * depth for depth in pairs.values())])
     usual = float(np.median([math.sqrt(one.area) for one in whole]))
-    gap = _opening(drawing, _rounded(wanted), MAX_GAP_SHARE * usual, CONTACT_TOLERANCE * size)
+    gap = _opening(drawing, round_up(wanted), MAX_GAP_SHARE * usual, CONTACT_TOLERANCE * size)
     wider = [] if gap is None else [Mend(f"Use a gap of {number(gap)} mm", gap=gap)]
 
     def finding(words: str, a: str, b: str, names: list[str], place: shapely.Geometry, alone: bool) -> Finding:
@@ -159,7 +159,7 @@ def _near(
 
 def _opening(drawing: Drawing, gap: float, most: float, near: float) -> float | None:
     """A gap near this one [mm] at which all can be made and no parts are `near` each other; None where none up to `most` was found."""
-    for wider in (gap, _rounded(1.6 * gap), _rounded(2.5 * gap)):
+    for wider in (gap, round_up(1.6 * gap), round_up(2.5 * gap)):
         if wider > most:
             return None
         parts, wrong = examine_parts(dataclasses.replace(drawing, gap=wider))
@@ -172,10 +172,10 @@ def _opening(drawing: Drawing, gap: float, most: float, near: float) -> float | 
     return None
 
 
-def _rounded(x: float) -> float:
+def round_up(x: float) -> float:
     """A round number at or just above x.
 
-    >>> _rounded(0.37), _rounded(1.9), _rounded(0.001)
+    >>> round_up(0.37), round_up(1.9), round_up(0.001)
     (0.4, 2.0, 0.001)
     """
     power = 10.0 ** math.floor(math.log10(x))

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
+from wiggleroom.app.spatial_samples import SPATIAL_SAMPLES
 from wiggleroom.assembly import patterns
 from wiggleroom.assembly.assembly import Assembly, rings_at
 from wiggleroom.drawing.assembly_writer import write_assembly
 from wiggleroom.drawing.model import Pull
 from wiggleroom.errors import InputError
-from wiggleroom.schema.replies import SampleEntry
+from wiggleroom.schema.replies import Outline, SampleEntry
 
 PICTURE_SIDE = 100.0
 """Small pictures are so many units wide or high."""
@@ -65,8 +67,10 @@ def sample_file(name: str) -> bytes:
     InputError
         If there is none of that name.
     """
+    if name in SPATIAL_SAMPLES:
+        return SPATIAL_SAMPLES[name].text().encode()
     if name not in SAMPLES:
-        message = f'there is no sample "{name}": choose {", ".join(SAMPLES)}'
+        message = f'there is no sample "{name}": choose {", ".join([*SAMPLES, *SPATIAL_SAMPLES])}'
         raise InputError(message)
     made = SAMPLES[name].make()
     return write_assembly(replace(made.drawing, goals=(Pull(made.names[-1], (1.0, 0.0)),))).encode()
@@ -78,9 +82,15 @@ def sample_entries() -> tuple[SampleEntry, ...]:
     found = []
     for name, sample in SAMPLES.items():
         rings = [rings_at(part) for part in sample.picture().parts]
-        corners = np.vstack([ring for one in rings for ring in one])
-        low = corners.min(axis=0)
-        scale = PICTURE_SIDE / float(np.ptp(corners, axis=0).max())
-        outlines = [[((ring - low) * scale).round(1).tolist() for ring in one] for one in rings]
-        found.append(SampleEntry(name, sample.words, len(sample.make().parts), outlines))
+        found.append(SampleEntry(name, sample.words, len(sample.make().parts), _small(rings)))
+    for name, one in SPATIAL_SAMPLES.items():
+        found.append(SampleEntry(name, one.words, len(one.boxes), _small(one.outlines())))
     return tuple(found)
+
+
+def _small(rings: Sequence[Sequence[NDArray[np.float64]]]) -> list[Outline]:
+    """Outlines of parts, drawn as small pictures are."""
+    corners = np.vstack([ring for one in rings for ring in one])
+    low = corners.min(axis=0)
+    scale = PICTURE_SIDE / float(np.ptp(corners, axis=0).max())
+    return [[((ring - low) * scale).round(1).tolist() for ring in one] for one in rings]

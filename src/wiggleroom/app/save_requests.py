@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from wiggleroom.app.command import command
 from wiggleroom.app.open_requests import saved_name
 from wiggleroom.app.reporter import Reporter
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing import write_drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.json_results import flex_result, to_json
@@ -32,6 +33,7 @@ FILE_KINDS = {
     "png": ("-moved.png", "image/png"),
     "gif": ("-moved.gif", "image/gif"),
     "mp4": ("-moved.mp4", "video/mp4"),
+    "glb": ("-moved.glb", "model/gltf-binary"),
     "html": ("-report.html", "text/html"),
     "json": (".answer.json", "application/json"),
     "stills": ("-steps.zip", "application/zip"),
@@ -58,8 +60,14 @@ def save(document: Document, request: SaveRequest, out: Reporter) -> None:
 
 def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
     design = request.design
+    if document.in_space:
+        _write_in_space(document, request, path, out)
+        return
+    if request.what == "glb":
+        raise InputError("glb: models are of assemblies in space; save a picture or a film")
     if request.what in ("assembly", "cut-svg", "cut-dxf"):
         assembly = document.assembly(design)
+        assert isinstance(assembly, Assembly)
         drawing = assembly.drawing
         if request.what != "assembly":
             drawing = replace(drawing, parts=assembly.parts, gap=0.0, gaps=())
@@ -86,6 +94,30 @@ def _write(document: Document, request: SaveRequest, path: Path, out: Reporter) 
         path.write_text(page_of_answer(answer, document.kept_check(design)), encoding="utf-8")
     else:
         draw(answer, path, progress=out.counted)
+
+
+def _write_in_space(document: Document, request: SaveRequest, path: Path, out: Reporter) -> None:
+    from wiggleroom.app.spatial_designs import designed_file
+    from wiggleroom.report.spatial_records import spatial_check_record, spatial_flex_record
+
+    design = request.design
+    if request.what == "assembly":
+        path.write_text(designed_file(document.file.text, design), encoding="utf-8")
+        return
+    if request.what in ("stills", "cut-svg", "cut-dxf") or request.of == "plan":
+        message = f"{request.what}: is of drawings; {document.file.name} is an assembly in space"
+        raise InputError(message)
+    said = command(request.of, document.file, design, pulled=request.of == "flex")
+    if request.of == "check":
+        found = document.checked(design, out)
+        record = spatial_check_record(found, command=said)
+    else:
+        found = replace(document.answer(design, out), command=said)
+        record = spatial_flex_record(found)
+    if request.what == "json":
+        path.write_text(to_json(record), encoding="utf-8")
+    else:
+        draw(found, path, command=said, progress=out.counted)
 
 
 def _write_plan(found: Plan, what: str, path: Path, said: str, out: Reporter) -> None:

@@ -289,6 +289,9 @@ def _allowed(text: bytes) -> AnyRequest:
         message = f"message: {len(text) / 1e6:.1f} MB; a message that is no drawing may have {DESIGN_MB} MB"
         raise InputError(message)
     request = decode(text)
+    if isinstance(request, OpenRequest) and request.beside:
+        message = "open: files beside a drawing are opened from the command line only; start wiggleroom serve with it"
+        raise InputError(message)
     if isinstance(request, OpenRequest) and len(request.data) > UPLOAD_MB * 1_000_000:
         message = f"{len(request.data) / 1e6:.1f} MB: a drawing may have {UPLOAD_MB} MB here; use the command line"
         raise InputError(message)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def space(document: Document, request: SpaceRequest, out: Reporter) -> None:
     """How one part can move against another."""
-    found = free_slices(document.assembly(request.design), request.a, request.b, stop=out.stop)
+    found = free_slices(document.flat(request.design), request.a, request.b, stop=out.stop)
     out.check()
     line = command("space", document.file, request.design, (request.a, request.b), pulled=False)
     out.reply(space_message(found, document.display.relative(found), line))

@@ -9,14 +9,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.app.command import command
+from wiggleroom.app.dimension_messages import check_reply, frames_of, still_frame
 from wiggleroom.app.reporter import Reporter
 from wiggleroom.report.answer_words import bound_sentence, proven
-from wiggleroom.report.path_frames import path_frames
-from wiggleroom.report.study_messages import check_message, ranking_message, step_message
-from wiggleroom.schema.replies import BoundReply, ProveReply, SweepReply
+from wiggleroom.report.separability import border_sentence
+from wiggleroom.report.study_messages import ranking_message, step_message
+from wiggleroom.schema.replies import BoundReply, LimitReply, ProveReply, SweepReply
 from wiggleroom.schema.requests import (
     BoundRequest,
     CheckRequest,
+    LimitRequest,
     PlanRequest,
     ProveRequest,
     RankRequest,
@@ -35,7 +37,7 @@ BOUND_SECONDS = 20.0
 
 def rank(document: Document, request: RankRequest, out: Reporter) -> None:
     """Whose gap matters, of parts; from the forces of the full answer."""
-    from wiggleroom.sensitivity.rank import rank as work_out
+    from wiggleroom.questions import rank as work_out
 
     found = work_out(document.answer(request.design, out), stop=out.stop, progress=out.counted)
     out.check()
@@ -45,8 +47,15 @@ def rank(document: Document, request: RankRequest, out: Reporter) -> None:
 def check(document: Document, request: CheckRequest, out: Reporter) -> None:
     """Whether it comes apart; one film for each escape."""
     found = document.checked(request.design, out)
-    content = check_message(found, command("check", document.file, request.design, pulled=False))
-    out.reply(content, [path_frames(found.assembly, e.path) for e in found.escapes])
+    content = check_reply(found, command("check", document.file, request.design, pulled=False))
+    out.reply(content, [frames_of(found.assembly, e.path) for e in found.escapes])
+
+
+def limit(document: Document, request: LimitRequest, out: Reporter) -> None:
+    """The largest gap that holds everything together."""
+    found = document.largest_gap(request.design, out)
+    said = command("check", document.file, request.design, ("--largest-gap",), pulled=False)
+    out.reply(LimitReply(words=border_sentence(found), holds=found.holds, parts_at=found.parts_at, command=said))
 
 
 def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
@@ -55,20 +64,19 @@ def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
 
     found = document.planned(request.design, out, tuple(request.targets), request.gravity)
     said = command("plan", document.file, request.design, plan_options(found), pulled=False)
-    out.reply(plan_message(found, said), [path_frames(found.assembly, step.way) for step in found.steps])
+    out.reply(plan_message(found, said), [frames_of(found.assembly, step.way) for step in found.steps])
 
 
 def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:
     """Motion against gap, told gap by gap."""
-    from wiggleroom.sensitivity.sweep import sweep as work_out
+    from wiggleroom.questions import sweep as work_out
 
     def tell(step: SweepStep, motion: np.ndarray | None) -> None:
         out.check()
-        out.reply(step_message(step), [] if motion is None else [motion[None]])
+        out.reply(step_message(step), [] if motion is None else [still_frame(motion)])
 
-    document.asked(request.design)
-    assembly = document.assembly(request.design)
-    found = work_out(assembly, request.gaps, stop=out.stop, each=tell)
+    goals = document.asked(request.design)
+    found = work_out(document.assembly(request.design), request.gaps, goals, stop=out.stop, each=tell)
     out.check()
     said = command("sweep", document.file, request.design, _gaps(request))
     out.reply(SweepReply(steps=[step_message(s) for s in found.steps], lost=found.lost, command=said))
@@ -80,8 +88,8 @@ def _gaps(request: SweepRequest) -> tuple[str, ...]:
 
 def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
     """Which parts to make tighter."""
+    from wiggleroom.questions import tighten as work_out
     from wiggleroom.report.study_tabs import tightening_message
-    from wiggleroom.sensitivity.tighten import tighten as work_out
 
     goals = document.asked(request.design)
     found = work_out(
@@ -95,8 +103,8 @@ def tighten(document: Document, request: TightenRequest, out: Reporter) -> None:
 
 def sample(document: Document, request: SampleRequest, out: Reporter) -> None:
     """How far it moves where gaps vary at random."""
+    from wiggleroom.questions import sample as work_out
     from wiggleroom.report.study_tabs import sample_message
-    from wiggleroom.sensitivity.sample import sample as work_out
 
     goals = document.asked(request.design)
     found = work_out(

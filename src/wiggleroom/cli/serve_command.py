@@ -67,7 +67,11 @@ def serve(
 
 def first_request(file: str, asked: QuestionOptions) -> bytes:
     """The request that opens a file; raises InputError where it cannot be read or the options do not fit it."""
-    from wiggleroom.app.open_requests import first_open
+    from wiggleroom.app.open_requests import first_open, first_open_in_space
+    from wiggleroom.cli.in_space import read_in_space
+    from wiggleroom.questions import is_spatial_file
 
+    if is_spatial_file(file):
+        return first_open_in_space(Path(file), read_in_space(file, asked).drawing)
     drawing = asked_drawing(file, asked)
     return first_open(Path(file), drawing, asked.unit, asked.flatten, asked.gap, read_options(asked))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -34,11 +34,18 @@ def gif(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
         If Pillow is not installed.
     """
     need_film_library(".gif")
+    return as_gif(list(_frames(made, GIF_SIZE, progress)), _colours(), rate, back=back)
+
+
+def as_gif(frames: Sequence[Picture], colours: Sequence[int] | None, rate: float, *, back: bool) -> bytes:
+    """Images of one size as a GIF that plays for ever, in these colours, or in those that the last one needs."""
     from PIL import Image
 
-    frames = list(_frames(made, GIF_SIZE, progress))
-    table = Image.new("P", (1, 1))
-    table.putpalette(_colours())
+    if colours is None:
+        table = frames[-1].quantize(dither=Image.Dither.NONE)
+    else:
+        table = Image.new("P", (1, 1))
+        table.putpalette(list(colours))
     few = [f.quantize(palette=table, dither=Image.Dither.NONE) for f in frames]
     step = round(1000 / rate)
     wait = [step] * len(few)
@@ -59,9 +66,14 @@ def mp4(made: Scene, rate: float, *, back: bool, progress: Progress | None = Non
         If PyAV or Pillow is not installed.
     """
     need_film_library(".mp4")
+    return as_mp4(list(_frames(made, MP4_SIZE, progress)), rate, back=back)
+
+
+def as_mp4(images: Sequence[Picture], rate: float, *, back: bool) -> bytes:
+    """Images of one size with even sides as H.264 in an MP4 file."""
     import av
 
-    frames = [av.VideoFrame.from_image(f) for f in _frames(made, MP4_SIZE, progress)]
+    frames = [av.VideoFrame.from_image(image) for image in images]
     still = [round(p * rate) for p in PAUSES]
     order = [0] * still[0] + list(range(len(frames))) + [len(frames) - 1] * still[1]
     if back:

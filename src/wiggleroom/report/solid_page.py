@@ -11,20 +11,24 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.plain import json_bytes
 from wiggleroom.report.answer_words import few, number, short, spatial_towards
-from wiggleroom.report.spatial_picture import Colour, part_colours
-from wiggleroom.report.spatial_table import check_sentence, spatial_certainty, spatial_headline, spatial_sentence
+from wiggleroom.report.solid_colours import Colour, part_colours
+from wiggleroom.report.spatial_table import (
+    check_sentence,
+    last_direction,
+    spatial_certainty,
+    spatial_headline,
+    spatial_sentence,
+)
+from wiggleroom.report.spatial_way import way_times, with_quaternions
 from wiggleroom.report.standalone_page import hashed, shipped
 from wiggleroom.report.table import fixed
 from wiggleroom.report.text import escape
-from wiggleroom.spatial.rotations import exponential, quaternion
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
-MAX_SHARE = 0.5
-"""A piece of the way counts no longer than this share of the size, so that parts that fly off do not use up the time."""
 MAX_ROWS = 200
 STYLE = """
 :root { color-scheme: light dark; --ink: #1f2933; --quiet: #5b6774; --paper: #fbfaf7; --line: #d9d5cc; --accent: #a85800; }
@@ -86,11 +90,9 @@ def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
     """Way apart as a page: which parts leave, in which order, along which way."""
     body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(check_sentence(found))}</p>'
     body += f"<p>gap {number(found.assembly.gap)} mm</p>"
-    rows = []
-    for k, e in enumerate(found.escapes):
-        who = [found.assembly.names.index(n) for n in e.parts]
-        along = tuple((e.path[-1, who, :3] - e.path[-2, who, :3]).mean(axis=0).tolist())
-        rows.append([f"{k + 1}. {few(e.parts)}", spatial_towards(along)])
+    rows = [
+        [f"{k + 1}. {few(e.parts)}", spatial_towards(last_direction(found, e))] for k, e in enumerate(found.escapes)
+    ]
     if rows:
         body += _table("Leaves", ("parts", "last in"), rows)
     way = (
@@ -168,20 +170,18 @@ def _scene(
             {
                 "name": part.name,
                 "colour": list(colour),
-                "vertices": _packed(world - at, "<f4"),
-                "triangles": _packed(made.surface.faces, "<u4"),
+                "vertices": packed(world - at, "<f4"),
+                "triangles": packed(made.surface.faces, "<u4"),
                 "reference": at.tolist(),
             }
         )
     everything = np.vstack(corners)
     size = float(np.ptp(everything, axis=0).max())
-    q = quaternion(exponential(waypoints[:, :, 3:]))
-    motions = np.concatenate([waypoints[:, :, :3], q[:, :, 1:], q[:, :, :1]], axis=2)
     strongest = max((c.force for c in contacts), default=1.0)
     return {
         "parts": parts,
-        "times": _times(assembly, waypoints, size).tolist(),
-        "motions": _packed(motions, "<f4"),
+        "times": way_times(assembly, waypoints, size).tolist(),
+        "motions": packed(with_quaternions(waypoints), "<f4"),
         "contacts": [
             {"point": list(c.point), "normal": list(c.normal), "share": c.force / strongest} for c in contacts
         ],
@@ -190,15 +190,6 @@ def _scene(
     }
 
 
-def _times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
-    """When each way-point (k,) is reached, from 0 to 1, by how far corners move."""
-    reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made])
-    step = np.linalg.norm(np.diff(waypoints[:, :, :3], axis=0), axis=2)
-    turn = np.linalg.norm(np.diff(waypoints[:, :, 3:], axis=0), axis=2) * reach
-    length = np.minimum((step + turn).max(axis=1, initial=0.0), MAX_SHARE * size)
-    passed = np.concatenate([[0.0], np.cumsum(length)])
-    return passed / passed[-1] if passed[-1] > 0 else np.linspace(0, 1, len(passed))
-
-
-def _packed(values: NDArray[np.generic], kind: str) -> str:
+def packed(values: NDArray[np.generic], kind: str) -> str:
+    """Base64 of numbers as little-endian bytes of a kind such as "<f4"."""
     return base64.b64encode(np.ascontiguousarray(values.astype(kind)).tobytes()).decode()

@@ -10,28 +10,23 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.statements import glue_groups
-from wiggleroom.drawing.model import Drawing
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
 from wiggleroom.report.file_endings import ending
 from wiggleroom.report.palette import FONT, INK, PAPER, SUBDUED
+from wiggleroom.report.solid_colours import Colour, moved_surfaces, part_colours
+from wiggleroom.report.spatial_model_file import glb
 from wiggleroom.report.spatial_table import spatial_certainty, spatial_headline
-from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 from wiggleroom.spatial.spatial_model import SpatialAssembly, Surface
 
 Floats = NDArray[np.float64]
-Colour = tuple[int, int, int]
-"""Red, green and blue, 0 to 255."""
 
 WIDTH, HEIGHT, MARGIN = 800.0, 600.0, 40.0
 LOOK = np.array([-0.6, 0.65, -0.47])
 """Direction in which the picture looks."""
 LIGHT = np.array([0.35, -0.55, 0.76])
-FIXED = (201, 196, 188)
-COLOURS = ((79, 129, 189), (192, 124, 62), (110, 160, 90), (150, 110, 170), (200, 160, 60), (80, 160, 165))
 CREASE = 1e-3
 """Edges between faces that turn by more are drawn [rad]."""
 MIN_AREA = 1e-12
@@ -59,7 +54,7 @@ def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
         If the name has another ending.
     """
     lines = [spatial_headline(answer), f"{answer.verdict}, gap {answer.assembly.gap:g} mm, {spatial_certainty(answer)}"]
-    write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts)
+    write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts, way=answer.waypoints)
 
 
 def draw_separation(found: SpatialDisassembly, path: Path) -> None:
@@ -85,8 +80,9 @@ def write_moved_parts(
     contacts: Sequence[SpatialContact] = (),
     colours: Sequence[Colour] | None = None,
     names: Sequence[str] = (),
+    way: Floats | None = None,
 ) -> None:
-    """Write parts at a motion (n, 6) with lines of text above them, and names upon them; .svg, .png or .glb.
+    """Write parts at a motion (n, 6) with lines of text above them, and names upon them; .svg, .png or .glb, there with the way (k, n, 6).
 
     Raises
     ------
@@ -95,7 +91,7 @@ def write_moved_parts(
     """
     kind = ending(path)
     if kind == ".glb":
-        write_whole(path, glb(assembly, motion, colours))
+        write_whole(path, glb(assembly, motion, colours, way))
     elif kind in (".svg", ".png"):
         svg = spatial_svg(assembly, motion, lines, contacts, colours, names)
         if kind == ".svg":
@@ -109,25 +105,6 @@ def write_moved_parts(
         raise InputError(message)
 
 
-def glb(assembly: SpatialAssembly, motion: Floats, colours: Sequence[Colour] | None = None) -> bytes:
-    """Moved parts as binary glTF, in metres, y up, each with its name and colour."""
-    import trimesh
-
-    scene = trimesh.Scene()
-    upright = np.array([[1.0, 0, 0, 0], [0, 0, 1, 0], [0, -1, 0, 0], [0, 0, 0, 1]])
-    shown = colours or part_colours(assembly)
-    for name, surface, colour in zip(assembly.names, _moved(assembly, motion), shown, strict=True):
-        mesh = trimesh.Trimesh(surface.vertices / 1000.0, surface.faces, process=False)
-        mesh.apply_transform(upright)
-        mesh.visual = trimesh.visual.TextureVisuals(
-            material=trimesh.visual.material.PBRMaterial(
-                baseColorFactor=[*colour, 255], metallicFactor=0.0, roughnessFactor=0.8
-            )
-        )
-        scene.add_geometry(mesh, node_name=name, geom_name=name)
-    return bytes(scene.export(file_type="glb"))
-
-
 def spatial_svg(
     assembly: SpatialAssembly,
     motion: Floats,
@@ -135,13 +112,15 @@ def spatial_svg(
     contacts: Sequence[SpatialContact] = (),
     colours: Sequence[Colour] | None = None,
     names: Sequence[str] = (),
+    frame: tuple[Floats, Floats] | None = None,
 ) -> str:
-    """Picture of parts at a motion (n, 6), seen from the front, right and above; `names` are written upon them."""
+    """Picture of parts at a motion (n, 6), seen from the front, right and above.
+
+    `names` are written upon them; `frame` is what of the picture's plane is in it.
+    """
     depth, across, up = _camera()
-    rest, moved = _moved(assembly, np.zeros_like(motion)), _moved(assembly, motion)
-    everything = np.vstack([s.vertices for s in (*rest, *moved)])
-    flat = np.column_stack([everything @ across, everything @ up])
-    low, high = flat.min(axis=0), flat.max(axis=0)
+    rest, moved = moved_surfaces(assembly, np.zeros_like(motion)), moved_surfaces(assembly, motion)
+    low, high = frame or frame_of([*rest, *moved])
     room = np.array([WIDTH - 2 * MARGIN, HEIGHT - 2 * MARGIN - 40])
     scale = float((room / np.maximum(high - low, 1e-12)).min())
     middle = (low + high) / 2
@@ -196,6 +175,14 @@ def spatial_svg(
     return "\n".join([*out, "</svg>", ""])
 
 
+def frame_of(surfaces: Sequence[Surface]) -> tuple[Floats, Floats]:
+    """Lower and upper corner (2,) [mm] of surfaces in the plane of the picture."""
+    _, across, up = _camera()
+    everything = np.vstack([s.vertices for s in surfaces])
+    flat = np.column_stack([everything @ across, everything @ up])
+    return flat.min(axis=0), flat.max(axis=0)
+
+
 def _visible_places(drawn: list[tuple[int, Floats]]) -> dict[int, tuple[float, float]]:
     """A point well inside the largest region in which each part is seen, of polygons (k, 2) from back to front."""
     import shapely
@@ -221,30 +208,6 @@ def _camera() -> tuple[Floats, Floats, Floats]:
     across = np.cross(depth, [0.0, 0.0, 1.0])
     across /= np.linalg.norm(across)
     return depth, across, np.cross(across, depth)
-
-
-def part_colours(assembly: SpatialAssembly) -> list[Colour]:
-    """Colours of the parts: grey what stands, one colour for what is glued together."""
-    glued = glue_groups(Drawing((), glue=assembly.drawing.glue))
-    still = {glued.get(p.name, p.name) for p in assembly.parts if p.fixed}
-    known: dict[int | str, Colour] = {}
-    found = []
-    for part in assembly.parts:
-        body = glued.get(part.name, part.name)
-        found.append(FIXED if body in still else known.setdefault(body, COLOURS[len(known) % len(COLOURS)]))
-    return found
-
-
-def _moved(assembly: SpatialAssembly, motion: Floats) -> list[Surface]:
-    """Surfaces of all parts in the world."""
-    found = []
-    turns = exponential(motion[:, 3:])
-    for part, made, R, m, reference in zip(
-        assembly.parts, assembly.made, turns, motion, assembly.reference, strict=True
-    ):
-        world = made.surface.vertices @ part.R.T + part.at
-        found.append(Surface((world - reference) @ R.T + reference + m[:3], made.surface.faces))
-    return found
 
 
 def _normals(surface: Surface) -> Floats:

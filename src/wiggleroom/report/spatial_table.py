@@ -10,7 +10,7 @@ import numpy as np
 from wiggleroom.report.answer_words import few, number, short, spatial_ask, spatial_towards
 from wiggleroom.report.table import columns, fixed
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 from wiggleroom.spatial.spatial_model import SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
@@ -129,6 +129,22 @@ def spatial_check_table(found: SpatialDisassembly, border: LargestGap | None = N
         lines.append(Text(border_sentence(border), style="bold"))
     lines.append(Text(f"seconds: {found.seconds:.2f}, {found.questions} questions", style="dim"))
     return Group(*lines)
+
+
+def last_direction(found: SpatialDisassembly, escape: SpatialEscape) -> tuple[float, float, float]:
+    """Direction (3,) in which parts leave at last."""
+    who = [found.assembly.names.index(n) for n in escape.parts]
+    x, y, z = (escape.path[-1, who, :3] - escape.path[-2, who, :3]).mean(axis=0).tolist()
+    return x, y, z
+
+
+def departure_words(found: SpatialDisassembly, escape: SpatialEscape) -> str:
+    """Say who leaves and how, such as "lid leaves straight in +z"."""
+    towards = spatial_towards(last_direction(found, escape))
+    who = f"{few(escape.parts)} {'leaves' if len(escape.parts) == 1 else 'leave together'}"
+    if len(escape.path) == 2:
+        return f"{who} straight in {towards}"
+    return f"{who} on a way of {len(escape.path)} points, at last in {towards}"
 
 
 def check_sentence(found: SpatialDisassembly) -> str:

@@ -8,17 +8,23 @@ from wiggleroom.report import study_plots
 from wiggleroom.report.answer_words import headline, number, unit
 from wiggleroom.report.importance_picture import tightening_facts
 from wiggleroom.report.plots import histogram
+from wiggleroom.report.spatial_table import spatial_headline
 from wiggleroom.report.standalone_page import section
 from wiggleroom.report.study_results import QUANTILES, sample_sure
 from wiggleroom.schema.replies import StudyReply, StudyTab, Tints, Title
 from wiggleroom.sensitivity.sample import Sample
 from wiggleroom.sensitivity.tighten import Tightening
+from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 
 def tightening_message(found: Tightening, command: str) -> StudyReply:
     """Which parts to make tighter: what is left, who is chosen in which order, and how choices at random do."""
     after, before = found.after, found.before
-    moved = [dict(zip(a.assembly.names, np.hypot(*a.motion[:, :2].T).tolist(), strict=True)) for a in (before, after)]
+    axes = 3 if isinstance(after, SpatialAnswer) else 2
+    moved = [
+        dict(zip(a.assembly.names, np.linalg.norm(a.motion[:, :axes], axis=1).tolist(), strict=True))
+        for a in (before, after)
+    ]
     rows = [(k + 1, name, moved[0][name], moved[1][name]) for k, name in enumerate(found.chosen)]
     heads = ["order", "part", "moved mm before", "after"]
     sections = [section("Make these tighter, in this order", "They are coloured.", columns=heads, rows=rows)]
@@ -33,7 +39,9 @@ def tightening_message(found: Tightening, command: str) -> StudyReply:
         sections.append(section(f"As many parts at random, {len(found.random)} times", svg=plot))
     return StudyReply(
         of="tighten",
-        said=Title(headline(after), tightening_facts(found)),
+        said=Title(
+            spatial_headline(after) if isinstance(after, SpatialAnswer) else headline(after), tightening_facts(found)
+        ),
         study=StudyTab("Tighter", sections),
         tints=Tints("", dict.fromkeys(found.chosen, 1.0)),
         command=command,

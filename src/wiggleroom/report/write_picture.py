@@ -28,7 +28,7 @@ def draw(
 ) -> None:
     """Write a picture (.svg, .png) or a report (.html) of an answer or a study; of an answer, and of ways out, a film too.
 
-    Of answers in space there are no films, but models (.glb).
+    Of answers in space there are models too (.glb).
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def draw(
     if isinstance(found, SpatialAnswer | SpatialDisassembly):
         from wiggleroom.report.write_spatial import write_spatial
 
-        write_spatial(found, path, command)
+        write_spatial(found, path, command, progress)
         return
     if not isinstance(found, Answer):
         from wiggleroom.report.write_study import draw_study

@@ -2,35 +2,47 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from wiggleroom.files import write_whole
 from wiggleroom.report import palette
-from wiggleroom.report.file_endings import PAGE, check_ending, ending
+from wiggleroom.report.file_endings import FILMS, PAGE, check_ending, ending
 from wiggleroom.report.importance_picture import ranking_facts, shade, tightening_facts
+from wiggleroom.report.solid_colours import Colour
 from wiggleroom.report.solid_page import page_of_separation, page_of_spatial_answer
-from wiggleroom.report.spatial_picture import Colour, draw_separation, draw_spatial, write_moved_parts
+from wiggleroom.report.spatial_picture import draw_separation, draw_spatial, write_moved_parts
 from wiggleroom.report.spatial_table import spatial_headline
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
-SPATIAL_PICTURES = (".svg", ".png", ".glb", PAGE)
+SPATIAL_PICTURES = (".svg", ".png", *FILMS, ".glb", PAGE)
+SPATIAL_STUDIES = (".svg", ".png", ".glb", PAGE)
+"""Of rankings and tightenings, which have no way of their own."""
 
 SpatialFound = SpatialAnswer | SpatialDisassembly | Ranking | Tightening
 """What is shown as parts in space; rankings and tightenings of assemblies in space."""
 
 
-def write_spatial(found: SpatialFound, path: Path, command: str = "") -> None:
-    """Write a picture (.svg, .png), a model of the moved parts (.glb) or a page (.html).
+def write_spatial(
+    found: SpatialFound, path: Path, command: str = "", progress: Callable[[int, int], None] | None = None
+) -> None:
+    """Write a picture (.svg, .png), a model of the moved parts (.glb), a page (.html), or a film of the way (.gif, .mp4, .film.svg).
 
     Raises
     ------
     InputError
         If the name has another ending.
     """
-    check_ending(path, SPATIAL_PICTURES)
+    way = isinstance(found, SpatialAnswer | SpatialDisassembly)
+    check_ending(path, SPATIAL_PICTURES if way else SPATIAL_STUDIES)
+    if isinstance(found, SpatialAnswer | SpatialDisassembly) and ending(path) in FILMS:
+        from wiggleroom.report.spatial_film import film_of_spatial
+
+        film_of_spatial(found, path, progress=progress)
+        return
     if ending(path) == PAGE:
         write_whole(path, spatial_page(found, command))
         return

@@ -7,6 +7,8 @@ from typing import Annotated, Any
 from msgspec import Meta, Struct
 
 Point = tuple[float, float]
+Place = Annotated[tuple[float, ...], Meta(min_length=2, max_length=3)]
+"""A point or a direction, of two numbers in the plane and of three in space."""
 Ring = list[Point]
 Json = dict[str, Any]
 
@@ -37,6 +39,6 @@ class ContactEntry(Struct):
     """A place where two parts hold each other at the end of the motion."""
 
     parts: Annotated[tuple[str, str], Meta(description="the normal points from the first into the second")]
-    point: Annotated[Point, Meta(description="where they touch, parts moved [mm]")]
-    normal: Annotated[Point, Meta(description="unit vector")]
+    point: Annotated[Place, Meta(description="where they touch, parts moved [mm]")]
+    normal: Annotated[Place, Meta(description="unit vector")]
     force: Annotated[float, Meta(description="multiplier: objective gained per mm that this contact gives way")]

@@ -13,9 +13,9 @@ from typing import Any, get_args
 import msgspec
 from msgspec import Struct, inspect
 
-from wiggleroom.drawing.assembly_schema import FORMAT, AssemblyFile, PullEntry
+from wiggleroom.drawing.assembly_schema import FORMAT, AssemblyFile
 from wiggleroom.schema.replies import AnyReply
-from wiggleroom.schema.requests import AnyRequest
+from wiggleroom.schema.requests import AnyRequest, GoalEntry
 from wiggleroom.schema.results import RESULTS
 from wiggleroom.schema.standalone_schema import StandalonePage
 
@@ -41,7 +41,7 @@ def typescript() -> str:
         lines += [f"/** {_summary(cls)} */", f"export interface {cls.__name__} {{"]
         if info.tag is not None:
             lines.append(f"  {info.tag_field}: {json.dumps(info.tag)};")
-        answers = cls in requests or cls is PullEntry
+        answers = cls in requests or cls is GoalEntry
         lines += [f"  {_typescript_field(f, given=answers)}" for f in info.fields]
         lines += ["}", ""]
     lines += [f"export type Reply =\n  | {_joined([cls.__name__ for cls in replies])};", ""]

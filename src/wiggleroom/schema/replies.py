@@ -6,7 +6,6 @@ from typing import Annotated, Literal
 
 from msgspec import UNSET, Meta, Struct, UnsetType
 
-from wiggleroom.drawing.assembly_schema import PullEntry
 from wiggleroom.schema.fields import (
     AtMost,
     Command,
@@ -17,10 +16,11 @@ from wiggleroom.schema.fields import (
     Objective,
     Pair,
     Percent,
+    Place,
     Point,
     Ring,
 )
-from wiggleroom.schema.requests import Design
+from wiggleroom.schema.requests import Design, GoalEntry
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 Terms = Annotated[list[tuple[str, str]], Meta(description="a word and a sentence each")]
@@ -69,6 +69,21 @@ class PartShape(Struct):
     rings: Outline
 
 
+class SolidShape(Struct):
+    """Surface of a solid about its reference point, at rest in the axes of the world."""
+
+    vertices: Annotated[str, Meta(description="base64 of float32 x, y, z [mm]")]
+    triangles: Annotated[str, Meta(description="base64 of uint32, three vertices each")]
+
+
+class Solids(Struct):
+    """Parts in space as they are made: each shape once, which one a part has, and its reference point at rest."""
+
+    shapes: list[SolidShape]
+    of: list[int]
+    reference: Annotated[list[tuple[float, float, float]], Meta(description="[mm]")]
+
+
 class Opened(Reply, kw_only=True):
     """A drawing, and what it asks as a design."""
 
@@ -80,13 +95,16 @@ class Opened(Reply, kw_only=True):
     parts: list[PartShape]
     ignore: Annotated[list[tuple[str, str]], Meta(description="pairs of parts that never collide")] = []
     design: Design
-    pulled: Annotated[PullEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
+    dimension: Literal[2, 3] = 2
+    solids: Annotated[Solids | UnsetType, Meta(description="in space, where parts have no rings")] = UNSET
+    pulled: Annotated[GoalEntry | UnsetType, Meta(description="a goal suggested where there is none")] = UNSET
 
 
 class ShapeReply(Reply, tag="shape", kw_only=True):
-    """Outlines with the gap applied."""
+    """Outlines, or solids, with the gap applied."""
 
-    rings: list[Outline]
+    rings: list[Outline] = []
+    solids: Solids | UnsetType = UNSET
 
 
 class FlexReply(Reply, tag="flex", kw_only=True):
@@ -107,19 +125,21 @@ class FlexReply(Reply, tag="flex", kw_only=True):
     command: Command
     settled: Annotated[bool, Meta(description="false where a fuller answer is to come")] = True
     rings: Annotated[list[Outline] | UnsetType, Meta(description="where the outlines changed a moment ago")] = UNSET
+    solids: Annotated[Solids | UnsetType, Meta(description="in space, as the outlines")] = UNSET
 
 
 class DragReply(Reply, tag="drag", kw_only=True):
     """How near a part came to the pointer, after one frame."""
 
     part: str
-    target: Point
-    reached: Point
+    target: Place
+    reached: Place
     distance: Mm
     held: list[ContactEntry]
     blocking: Names
     settled: bool
     rings: list[Outline] | UnsetType = UNSET
+    solids: Solids | UnsetType = UNSET
 
 
 class ReachReply(Reply, tag="reach", kw_only=True):
@@ -196,6 +216,15 @@ class CheckReply(Reply, tag="check", kw_only=True):
     spins: Names
     remains: Names
     border: Annotated[str | None, Meta(description="the largest gap, where it is known")]
+    command: Command
+
+
+class LimitReply(Reply, tag="limit", kw_only=True):
+    """The largest gap that holds everything together."""
+
+    words: str
+    holds: Annotated[float | None, Meta(description="a gap at which nothing was found to leave [mm]")]
+    parts_at: Annotated[float | None, Meta(description="a gap at which it comes apart [mm]")]
     command: Command
 
 
@@ -349,7 +378,7 @@ class Mend(Struct):
     gap: Mm | UnsetType = UNSET
     fixed: Names | UnsetType = UNSET
     glue: list[Names] | UnsetType = UNSET
-    goals: list[PullEntry] | UnsetType = UNSET
+    goals: list[GoalEntry] | UnsetType = UNSET
 
 
 class Finding(Struct):
@@ -371,6 +400,6 @@ class Failed(Reply, kw_only=True):
 
 
 AnyReply = (
-    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | PlanReply | StepReply
-    | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState | Failed
+    Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | LimitReply
+    | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState | Failed
 )  # fmt: skip

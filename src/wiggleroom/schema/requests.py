@@ -6,13 +6,30 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, Struct
 
-from wiggleroom.drawing.assembly_schema import PullEntry
-
 Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
 Length = Annotated[float, Meta(ge=-1e9, le=1e9)]
-WHAT = Literal["svg", "png", "gif", "mp4", "html", "json", "stills", "assembly", "cut-svg", "cut-dxf"]
+Vector = Annotated[tuple[Length, ...], Meta(min_length=2, max_length=3)]
+WHAT = Literal["svg", "png", "gif", "mp4", "glb", "html", "json", "stills", "assembly", "cut-svg", "cut-dxf"]
 
-Goals = list[PullEntry] | Literal["translation", "closer"]
+
+class GoalEntry(Struct, forbid_unknown_fields=True, omit_defaults=True):
+    """One term of what is asked, as in assembly files: two numbers in the plane, three in space.
+
+    Parameters
+    ----------
+    turn
+        A sense in the plane; in space the direction about which the part is twisted, right hand.
+    """
+
+    part: str
+    direction: Vector | None = None
+    point: Vector | None = None
+    turn: Literal["ccw", "cw"] | Vector | None = None
+    w: tuple[float, float, float] | None = None
+    weight: float = 1.0
+
+
+Goals = list[GoalEntry] | Literal["translation", "closer", "weight"]
 
 
 class Design(Struct, forbid_unknown_fields=True):
@@ -25,7 +42,8 @@ class Design(Struct, forbid_unknown_fields=True):
     extra : dict
         Extra gap [mm] round single parts: the outline of that part alone moves inward by half of it.
     fixed, glue, goals
-        In place of the drawing's; goals are as in an assembly file's `pull`, or "translation" or "closer".
+        In place of the drawing's; goals are as in an assembly file's `pull`, or
+        "translation" or "closer"; in space "weight": everything sinks in -z.
     """
 
     gap: Annotated[float, Meta(ge=0, le=1e9)] | None = None
@@ -49,12 +67,14 @@ class Request(Struct, tag_field="kind", forbid_unknown_fields=True, kw_only=True
 class OpenRequest(Request, tag="open", kw_only=True):
     """Read a drawing, or one of the samples.
 
-    With a design, that one stands in place of what the drawing asks. `path` is what commands call it.
+    With a design, that one stands in place of what the drawing asks. `path` is what commands call it. `beside` holds files that the
+    drawing names; only the command line gives them.
     """
 
     name: Annotated[str, Meta(max_length=255)]
     path: Annotated[str, Meta(max_length=4096)] = ""
     data: bytes = b""
+    beside: dict[str, bytes] = {}
     sample: bool = False
     unit: Literal["mm", "cm", "m", "in", "px"] | None = None
     flatten: Annotated[float, Meta(gt=0, le=1e9)] | None = None
@@ -89,8 +109,8 @@ class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "fro
     """
 
     part: str
-    grip: tuple[Length, Length]
-    target: tuple[Length, Length]
+    grip: Vector
+    target: Vector
     from_: Literal["rest", "here", "answer"] = "here"
 
 
@@ -117,6 +137,10 @@ class RankRequest(DesignRequest, tag="rank", kw_only=True):
 
 class CheckRequest(DesignRequest, tag="check", kw_only=True):
     """Whether it comes apart."""
+
+
+class LimitRequest(DesignRequest, tag="limit", kw_only=True):
+    """The largest gap that holds everything together."""
 
 
 class PlanRequest(DesignRequest, tag="plan", kw_only=True):
@@ -180,6 +204,6 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 
 AnyRequest = (
     OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest
-    | CheckRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | BoundRequest | SaveRequest
-    | CancelRequest
+    | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | BoundRequest
+    | SaveRequest | CancelRequest
 )  # fmt: skip

@@ -96,12 +96,12 @@ def _value(program: DistanceProgram, solution: Solution) -> float:
 def _scattered(program: DistanceProgram, u: Floats, seed: int) -> Floats:
     """A point beside u, well inside all rows, always the same for a seed, in whatever order the bodies stand."""
     x, y, _ = program.bodies.rest[program.free].T.round(6)
-    each, order = np.empty((len(x), 3)), np.lexsort((y, x))
-    each[order] = np.random.default_rng(seed).standard_normal(each.shape)
-    way, room, share = each.ravel(), program.values(u), SCATTER
-    while not (program.values(u + share * way) > 0.3 * room).all():
+    noise, order = np.empty((len(x), 3)), np.lexsort((y, x))
+    noise[order] = np.random.default_rng(seed).standard_normal(noise.shape)
+    step, room, share = noise.ravel(), program.values(u), SCATTER
+    while not (program.values(u + share * step) > 0.3 * room).all():
         share /= 1.5
-    return u + share * way
+    return u + share * step
 
 
 def _program(search: LocalSearch, start: Start) -> DistanceProgram:

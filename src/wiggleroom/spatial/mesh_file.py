@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.solid_boolean import is_sound, solid_of, surface_of
 from wiggleroom.spatial.spatial_model import Surface
+from wiggleroom.spatial.step_file import step_bodies
 
 ENDINGS = (".stl", ".obj", ".ply", ".glb", ".3mf")
 OWN_UNIT = {".glb": 1000.0, ".3mf": None}
 """Millimetres to a unit of the formats that say their own; 3MF says it in the file."""
 UNITS_3MF = {"micron": 1e-3, "millimeter": 1.0, "centimeter": 10.0, "inch": 25.4, "foot": 304.8, "meter": 1000.0}
+STEP = (".step", ".stp")
+"""Read by the extra `step`, in the file's own unit."""
 LARGEST_FILE = 100_000_000
 LARGEST_UNPACKED = 400_000_000
 MOST_FACES = 200_000
@@ -43,17 +46,18 @@ def read_mesh(path: Path, unit: float, body: str = "") -> tuple[Surface, list[st
         If there is no such file or body, or the mesh encloses no volume.
     """
     ending = path.suffix.lower()
-    if ending in (".step", ".stp"):
-        message = f"{path.name}: STEP is not read; save it as 3MF or STL"
-        raise InputError(message)
-    if ending not in ENDINGS:
-        message = f"{path.name}: no mesh format that is read; it must be one of {', '.join(ENDINGS)}"
+    if ending not in (*ENDINGS, *STEP):
+        message = f"{path.name}: no mesh format that is read; it must be one of {', '.join((*ENDINGS, *STEP))}"
         raise InputError(message)
     _check_size(path, ending)
+    name = f"{path.name}#{body}" if body else path.name
+    if ending in STEP:
+        corners, triangles, flattened = _chosen(path.name, step_bodies(path), body)
+        surface, mended = _closed(name, corners, triangles)
+        return surface, ([f"{name}: curved faces are flattened to {flattened:.3g} mm"] if flattened else []) + mended
     bodies, scale = _bodies(path, ending)
     mesh = _chosen(path.name, bodies, body)
     factor = unit if ending not in OWN_UNIT else OWN_UNIT[ending] or scale
-    name = f"{path.name}#{body}" if body else path.name
     return _closed(name, np.asarray(mesh.vertices, dtype=float) * factor, np.asarray(mesh.faces, dtype=np.int64))
 
 

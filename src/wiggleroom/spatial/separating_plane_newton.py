@@ -14,6 +14,7 @@ from wiggleroom.spatial.graph_retraction import GraphRetraction
 from wiggleroom.spatial.rigid import SpatialPose
 from wiggleroom.spatial.rotations import logarithm
 from wiggleroom.spatial.separating_plane_program import LinearisedSeparatingPlanes
+from wiggleroom.spatial.separating_plane_settings import SETTINGS
 
 Floats = NDArray[np.float64]
 
@@ -85,11 +86,25 @@ class SeparatingPlaneSystem:
 
     def set(self, state: SeparatingPlaneIterate, dual: Floats, weight: float) -> None:
         """Work the matrix out."""
-        at = self._at = state.at
-        self._s, self._lam = state.s, state.lam
-        balance = self._retraction.balance(dual, at)
-        self._data, self._inverse, self._mixed = at.condensed(state.lam / state.s, state.lam, balance, 1.0 / state.unit)
+        self._at, self._s, self._lam = state.at, state.s, state.lam
+        self._curvature = self._retraction.balance(dual, state.at), 1.0 / state.unit, weight
+        self._condense(0.0)
+
+    def _condense(self, damping: float) -> None:
+        """Entries of the matrix, with `damping` added to the weight of every row."""
+        at, (balance, share, weight) = self._at, self._curvature
+        self._damping = damping
+        self._data, self._inverse, self._mixed = at.condensed(self._lam / self._s + damping, self._lam, balance, share)
         self._data[at.program.pattern.diagonal] += weight
+
+    def factorise_damped(self, damping: float) -> bool:
+        """Factorise with a damping of all rows, and some of all freedoms; False where the matrix is not positive definite.
+
+        What many bodies do together hardly changes any row, so it is not held back as a shift of the diagonal alone would.
+        """
+        if damping != self._damping:
+            self._condense(damping)
+        return self.factorise(max(SETTINGS.tiny_shift, SETTINGS.damping_of_freedoms * damping))
 
     def set_least_squares(self, at: LinearisedSeparatingPlanes, weight: Floats) -> bool:
         """Work out and factorise the matrix of weighted least squares of the rows, for corrections; False where that fails."""

@@ -35,6 +35,14 @@ class SeparatingPlaneSettings:
         No body turns further in one iteration.
     tiny_shift : float > 0
         Least strengthening of the diagonal.
+    negligible_shift : float > 0
+        A smaller strengthening or damping is forgotten in the next iteration.
+    least_damping : float > 0 [objective's unit per clearance squared]
+        Levenberg's damping of rows where the matrix is not positive definite or a step is a stub, at first.
+    damping_growth : float > 1
+        It grows by this factor where that is not enough, and shrinks by it in the next iteration.
+    damping_of_freedoms : float > 0
+        The diagonal is strengthened by this multiple of it.
     balanced : float > 0
         Imbalance above which nothing is called converged.
     rounding : float > 0
@@ -55,6 +63,8 @@ class SeparatingPlaneSettings:
         Factor by which the error has grown then.
     patience : int > 0
         After so many iterations that do not make the error less the mode with slacks has failed.
+    patience_damped : int > 0
+        The same where rows are damped.
     unheld : float > 0
         Weight of what is not held, where slacks run ahead and it counts.
     early : float > 0
@@ -102,6 +112,10 @@ class SeparatingPlaneSettings:
     longest: float = 0.1
     largest_turn: float = 0.5
     tiny_shift: float = 1e-11
+    negligible_shift: float = 1e-8
+    least_damping: float = 1e-5
+    damping_growth: float = 5.0
+    damping_of_freedoms: float = 3.0
     balanced: float = 1e-3
     rounding: float = 500 * float(np.finfo(float).eps)
     least_curvature: float = 1e-3
@@ -112,6 +126,7 @@ class SeparatingPlaneSettings:
     acceptable: float = 1e-6
     lost: float = 1e3
     patience: int = 12
+    patience_damped: int = 25
     unheld: float = 0.3
     early: float = 0.05
     stuck: int = 10

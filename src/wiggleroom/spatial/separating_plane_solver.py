@@ -26,12 +26,15 @@ from wiggleroom.spatial.separating_plane_program import (
     SeparatingPlanePoint,
     SeparatingPlaneProgram,
     beside_rest,
+    build_planes,
     parted,
 )
 from wiggleroom.spatial.separating_plane_settings import SETTINGS
+from wiggleroom.spatial.working_set import carried, rows_of, separations
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,6 +105,9 @@ class SeparatingPlaneSolver:
     program : SeparatingPlaneProgram
     inside : bool
         True: every iterate stays inside all rows, so that nothing can pass through anything.
+    damped : bool
+        True: where the matrix is not positive definite the rows are damped, not the diagonal alone, so that what many bodies do
+        together stays free.
     tolerance : float
         Share of the objective that may be left on the table.
     most : int
@@ -112,17 +118,21 @@ class SeparatingPlaneSolver:
         A body that moves further than this is taken to escape.
     most_turn : float
         An objective beyond this, where twists are maximised, is taken to turn without limit [rad].
+    watched : (k, 4) int64, optional
+        Pairs of pieces that join the program where a step would make them meet.
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
     """
 
     program: SeparatingPlaneProgram
     inside: bool = True
+    damped: bool = False
     tolerance: float = 3e-8
     most: int = 200
     seed: int = 0
     horizon: float = np.inf
     most_turn: float = np.inf
+    watched: Ints = field(default_factory=lambda: np.zeros((0, 4), dtype=np.int64))
     stop: Stop | None = None
     progress: Callable[[int, float], None] | None = None
     iterations: int = 0
@@ -133,8 +143,7 @@ class SeparatingPlaneSolver:
     ) -> SeparatingPlaneSolution:
         """Run the method from a point inside all rows."""
         P = self.program
-        self._retraction = GraphRetraction(P)
-        self._system = SeparatingPlaneSystem(factor(P.pattern), self._retraction)
+        self._start_system()
         self._floor = SETTINGS.rounding * P.bodies.size / P.length
         self._fixed: float | None = None
         self._errors: list[float] = []
@@ -176,7 +185,7 @@ class SeparatingPlaneSolver:
         """Advance the state until it is converged, stopped or escaping; where it gets no further, back to the best iterate."""
         before, escapes, least, since = np.inf, SETTINGS.saddles, np.inf, 0
         best = _BestIterate(np.inf, state, 0)
-        rows = len(state.lam)
+        patience = SETTINGS.patience_damped if self.damped else SETTINGS.patience
         for k in range(self.most + 1):
             u, mu = state.displacement, state.complementarity
             weight = state.proximal(mu, u)
@@ -187,6 +196,7 @@ class SeparatingPlaneSolver:
             size = max(abs(value), 1.0)
             primal = state.s - state.at.h
             infeasible = dot(state.lam, np.abs(primal))
+            rows = len(state.lam)
             gap = rows * mu + weight * dot(u, u)
             unheld = dot(np.abs(dual), np.abs(u))
             wrong = max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
@@ -218,7 +228,7 @@ class SeparatingPlaneSolver:
                 return (SolverStatus.ESCAPING if legal is not None else SolverStatus.FAILED), error, state
             lost = best.error < SETTINGS.acceptable and error > SETTINGS.lost * best.error
             least, since = (error, 0) if error < 0.9 * least else (least, since + 1)
-            if k == self.most or lost or (not self.inside and since > SETTINGS.patience):
+            if k == self.most or lost or (not self.inside and since > patience):
                 break
             lowest = max(0.2 * self.tolerance * size / max(rows, 1), self._floor)
             lag = max(infeasible, SETTINGS.unheld * unheld if unheld > SETTINGS.early * size else 0.0) / max(
@@ -231,12 +241,42 @@ class SeparatingPlaneSolver:
             )
             if following is None:
                 break
-            state, before = following, value
             self.iterations += 1
+            if self._meets(following):
+                state = self._enlarged(state, following)
+                best, least, since = _BestIterate(np.inf, state, 0), np.inf, 0
+                continue
+            state, before = following, value
         if best.error < SETTINGS.acceptable:
             del self.way[best.way :]
             return SolverStatus.CONVERGED, best.error, best.state
         return SolverStatus.FAILED, error, state
+
+    def _meets(self, state: SeparatingPlaneIterate) -> bool:
+        """True where pieces outside the program overlap."""
+        pose = state.at.point.pose
+        return bool(separations(self.program.bodies, pose, self.watched).min(initial=np.inf) <= 0)
+
+    def _enlarged(self, state: SeparatingPlaneIterate, ahead: SeparatingPlaneIterate) -> SeparatingPlaneIterate:
+        """The iterate in the program with all watched pairs that are near each other at the one ahead, or overlap there."""
+        P = self.program
+        joins = separations(P.bodies, ahead.at.point.pose, self.watched) < P.length
+        pieces = np.vstack([P.pieces, self.watched[joins]])
+        self.watched = self.watched[~joins]
+        self.program = build_planes(P.bodies, P.objective, pieces, length=P.length, rest=P.start.pose)
+        planes, rows = rows_of(P, self.program)
+        self.way = [carried(point, planes, self.program) for point in self.way]
+        self._start_system()
+        at = self.program.linearise(carried(state.at.point, planes, self.program), state.at.value)
+        s = np.maximum(at.h, SETTINGS.first_slack)
+        lam = state.complementarity / s
+        s[rows], lam[rows] = state.s, state.lam
+        return replace(state, at=at, s=s, lam=lam)
+
+    def _start_system(self) -> None:
+        """Make the retraction and the factorisation of the program ready."""
+        self._retraction = GraphRetraction(self.program)
+        self._system = SeparatingPlaneSystem(factor(self.program.pattern), self._retraction)
 
     def _legal(self, at: LinearisedSeparatingPlanes) -> SeparatingPlanePoint | None:
         """The point, inside all rows once planes that lag behind are set anew; None where pieces overlap."""
@@ -336,16 +376,18 @@ class SeparatingPlaneSolver:
         lowest: float,
         lag: float = 0.0,
     ) -> _PlaneStep | None:
-        """Predictor and corrector; the diagonal is strengthened until the matrix is positive definite and the step no stub.
+        """Predictor and corrector; diagonal or rows are strengthened until the matrix is positive definite and the step no stub.
 
         Source: Mehrotra 1992.
         """
         s, lam, mu, system = state.s, state.lam, state.complementarity, self._system
-        shift = max(SETTINGS.tiny_shift, mu if self.inside else 0.0, state.shift / 5 if state.shift > 1e-8 else 0.0)
+        growth = SETTINGS.damping_growth if self.damped else 10.0
+        before = state.shift if state.shift > SETTINGS.negligible_shift else 0.0
+        shift = before / 5 if self.damped else max(SETTINGS.tiny_shift, mu if self.inside else 0.0, before / 5)
         found = None
         for attempt in range(24):
-            if not system.factorise(shift):
-                shift = max(10 * shift, 1e-5)
+            if not (system.factorise_damped(shift) if self.damped else system.factorise(shift)):
+                shift = max(growth * shift, SETTINGS.least_damping)
                 continue
             _, _, ds, dl = system.newton(primal, dual, dual_planes, -s * lam)
             after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
@@ -359,7 +401,7 @@ class SeparatingPlaneSolver:
             found = _PlaneStep(du, dy, ds, dl, _to_boundary(s, ds), _to_boundary(lam, dl), shift, target)
             if found.primal > SETTINGS.short or attempt >= 5:
                 break
-            shift = max(10 * shift, 1e-6)
+            shift = max(growth * shift, SETTINGS.least_damping if self.damped else 1e-6)
         return found
 
     def _taken(self, state: SeparatingPlaneIterate, step: _PlaneStep) -> SeparatingPlaneIterate | None:
@@ -381,7 +423,7 @@ class SeparatingPlaneSolver:
         h, lam, system, at = state.at.h, state.lam, self._system, state.at
         weight = state.proximal(mu, u)
         dual = state.residuals(weight, u)[0]
-        shift = max(SETTINGS.tiny_shift, mu, state.shift / 3 if state.shift > 1e-8 else 0.0)
+        shift = max(SETTINGS.tiny_shift, mu, state.shift / 3 if state.shift > SETTINGS.negligible_shift else 0.0)
         while not system.factorise(shift):
             shift = max(8 * shift, 1e-5)
             if shift > 1e12:

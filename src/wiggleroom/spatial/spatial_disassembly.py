@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -12,6 +13,7 @@ from numpy.typing import NDArray
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.drawable import Drawable
 from wiggleroom.spatial.convex import distinct_axes
+from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
 from wiggleroom.spatial.spatial_bodies import grouped
 from wiggleroom.spatial.spatial_flex import leaving_parts
 from wiggleroom.spatial.spatial_model import SpatialAssembly
@@ -101,7 +103,7 @@ def check_spatial(assembly: SpatialAssembly, *, stop: Stop | None = None, every:
         found = stage.way_out()
         asked += stage.questions
         if found is None:
-            cut = stage.cut
+            cut = stage.cut_short() or (stage.cut and not stage.exhaustive)
             break
         who, way = found
         path = np.repeat(far[None], len(way), axis=0)
@@ -132,22 +134,23 @@ class _Stage:
     stop: Stop | None
     questions: int = 0
     cut: bool = False
+    exhaustive: bool = False
 
     def way_out(self) -> tuple[list[int], Floats] | None:
         """Parts that leave, and the way of all (k, n, 6); None where none was found."""
         rest = np.zeros((len(self.ready.assembly.parts), 6))
         places: list[Floats] = [rest[None]]
         axes = self._axes()
+        out = self._straight(rest[None], axes) or self._by_steps()
+        if out is not None or self.cut_short():
+            return out
         asked = 0
         while asked < len(places):
             # straight ways are cheap: all of them from all places first
             for way in places[asked:]:
-                for axis in axes:
-                    for direction in (axis, -axis):
-                        departure = StraightDeparture(self.ready, way[-1], direction)
-                        group = departure.first()
-                        if group:
-                            return group, np.concatenate([way, departure.end(group)[None]])
+                out = self._straight(way, axes)
+                if out is not None:
+                    return out
                 self._slide(way, axes, places)
                 asked += 1
                 if self.cut_short():
@@ -160,6 +163,34 @@ class _Stage:
         self.cut |= known > MOST_PULLED or len(places) > known
         return None
 
+    def _straight(self, way: Floats, axes: Floats) -> tuple[list[int], Floats] | None:
+        """Parts that leave straight from the end of a way; None also where it was asked to stop."""
+        for axis in axes:
+            for direction in (axis, -axis):
+                if self.cut_short():
+                    return None
+                departure = StraightDeparture(self.ready, way[-1], direction)
+                group = departure.first()
+                if group:
+                    return group, np.concatenate([way, departure.end(group)[None]])
+        return None
+
+    def _by_steps(self) -> tuple[list[int], Floats] | None:
+        """A way out by whole steps, for parts made of boxes; notes where there is none."""
+        grid = lattice(self.ready)
+        if grid is None:
+            return None
+        found = lattice_search(grid, self.stop)
+        if not found.offsets:
+            self.exhaustive = found.complete
+            return None
+        way = lattice_motions(self.ready, grid, found)
+        if any(self.ready.checker.overlaps(one, other) for one, other in itertools.pairwise(way)):
+            return None
+        direction = np.zeros((1, 3))
+        direction[0, found.axis] = 1.0
+        return self._straight(way, direction)
+
     def _slide(self, way: Floats, axes: Floats, places: list[Floats]) -> None:
         """Places that a body alone reaches by going straight until little more than its clearance is left."""
         ready, body_of = self.ready, self.ready.grouping.body_of
@@ -167,6 +198,8 @@ class _Stage:
         for b in np.flatnonzero(moves.any(axis=1)):
             mine = np.flatnonzero(body_of == b)
             for direction in (*axes, *-axes):
+                if self.cut_short():
+                    return
                 if not moves[b][np.abs(direction) > 1e-12].all():
                     continue
                 far = self._room(way[-1], mine, direction)

@@ -48,13 +48,15 @@ def is_spatial(source: Source) -> bool:
     return isinstance(raw, dict) and raw.get("format") == SPATIAL_FORMAT
 
 
-def read_spatial(source: str | Path) -> SpatialDrawing:
+def read_spatial(source: str | Path, *, alone: bool = False) -> SpatialDrawing:
     """Parts and questions of a file of format wiggleroom/2, in millimetres.
 
     Parameters
     ----------
     source : str or Path
         Path of the file, or its text; what a text names beside itself is not opened.
+    alone : bool
+        True: neither is what a file names.
 
     Raises
     ------
@@ -70,15 +72,15 @@ def read_spatial(source: str | Path) -> SpatialDrawing:
     text = load(source, opening="{[", name="assembly")
     folder = Path(source).parent if isinstance(source, Path) or text.name != "assembly" else None
     see_library()
-    return _SpatialReader(text.name, folder, entry_of(text, SpatialFileEntry)).drawing()
+    return _SpatialReader(text.name, folder, entry_of(text, SpatialFileEntry), alone).drawing()
 
 
 class _SpatialReader(EntryReader[SpatialFileEntry]):
     """Goes through one file and collects what is wrong with it."""
 
-    def __init__(self, file: str, folder: Path | None, entry: SpatialFileEntry) -> None:
+    def __init__(self, file: str, folder: Path | None, entry: SpatialFileEntry, alone: bool) -> None:
         super().__init__(file, entry)
-        self._folder = folder
+        self._folder, self._alone = folder, alone
         self._notes: list[str] = []
         self._solids: dict[tuple[object, ...], Solid | None] = {}
 
@@ -187,6 +189,13 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
 
     def _inside(self, where: str, name: str, what: str) -> Path | None:
         """Path of a file that a part names, inside the folder of the assembly file."""
+        if self._alone:
+            self._say(
+                where,
+                f'{what} "{name[:60]}" names another file, which is not opened for a file that was given here: '
+                "start wiggleroom serve with it, or give numbers",
+            )
+            return None
         if self._folder is None:
             self._say(where, f'{what} "{name[:60]}" names a file, but this assembly is no file itself; give numbers')
             return None

@@ -16,6 +16,7 @@ from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twis
 from wiggleroom.spatial.spatial_path_check import refined
 from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared
 from wiggleroom.spatial.straight_departure import StraightDeparture
+from wiggleroom.spatial.working_set import facing
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -30,6 +31,7 @@ INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150
 """Where iterates stay inside all rows: so many starts beside rest are tried, with so many iterations each."""
 MOST_ROWS_OF_STARTS = 20_000
 """Larger programs are started once."""
+NOTHING = np.zeros((0, 4), dtype=np.int64)
 DEPARTED = 0.25
 """An unfinished motion further than this share of the size may be one that never ends: then straight departures are looked for."""
 
@@ -79,7 +81,7 @@ class SpatialSearch:
     pieces: Ints = field(init=False)
 
     def run(self) -> SearchEnd:
-        """Search with slacks that run ahead, then inside all rows from several starts, until an end is good."""
+        """Search with slacks that run ahead, then with damped rows, then inside all rows from several starts, until an end is good."""
         ready = self.ready
         self.pieces = (
             ready.pieces
@@ -87,10 +89,12 @@ class SpatialSearch:
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
         best = self._attempt(None)
-        for seed in range(INSIDE_STARTS if best.program.rows <= MOST_ROWS_OF_STARTS else 1):
+        starts = range(INSIDE_STARTS if best.program.rows <= MOST_ROWS_OF_STARTS else 1)
+        damped_first = () if self.solver == "ipopt" else ((None, True),)
+        for seed, damped in (*damped_first, *((seed, False) for seed in starts)):
             if best.good or self._asked_to_stop():
                 break
-            done = self._attempt(seed)
+            done = self._attempt(seed, damped)
             if done.good or self.value(done) > self.value(best):
                 best = done
         return best
@@ -102,18 +106,15 @@ class SpatialSearch:
             value = self.objective.value(self.ready.grouping.pose_of(motion), value)
         return value
 
-    def _attempt(self, seed: int | None) -> SearchEnd:
+    def _attempt(self, seed: int | None, damped: bool = False) -> SearchEnd:
         """Solve, and check the way; pairs of pieces outside the program that meet on it join, and it is solved again from rest.
 
-        With a `seed` iterates stay inside all rows, from that start; without one slacks run ahead.
+        With a `seed` iterates stay inside all rows, from that start; without one slacks run ahead. `damped`: rows are
+        damped, and pairs of pieces that do not face each other join only where they meet.
         """
         limit = MOST_TURN if any(isinstance(t, Twist) for t in self.objective.terms) else np.inf
-        ready = self.ready
         for _ in range(MOST_ROUNDS):
-            program = build_planes(
-                ready.grouping.bodies, self.objective, self.pieces, length=ready.clearance, rest=self.begin
-            )
-            found = self._solved(program, seed, limit)
+            program, found = self._solved(seed, damped, limit)
             self.iterations += found.iterations
             self.rounds += 1
             if found.status is SolverStatus.FAILED:
@@ -126,25 +127,39 @@ class SpatialSearch:
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
         return self._checked(program, found)
 
-    def _solved(self, program: SeparatingPlaneProgram, seed: int | None, limit: float) -> SeparatingPlaneSolution:
-        """The program solved from beside rest, twists up to a limit [rad]."""
-        horizon = HORIZON * self.ready.size
+    def _solved(
+        self, seed: int | None, damped: bool, limit: float
+    ) -> tuple[SeparatingPlaneProgram, SeparatingPlaneSolution]:
+        """The program, and its solution from beside rest, twists up to a limit [rad]."""
+        ready, horizon = self.ready, HORIZON * self.ready.size
+        pieces, watched = self._working_set() if damped else (self.pieces, NOTHING)
+        program = build_planes(ready.grouping.bodies, self.objective, pieces, length=ready.clearance, rest=self.begin)
         if self.solver == "ipopt":
             from wiggleroom.spatial.separating_plane_ipopt import solve_with_ipopt
 
-            return solve_with_ipopt(
+            return program, solve_with_ipopt(
                 program, seed=seed or 0, horizon=horizon, most_turn=limit, stop=self.stop, progress=self.tell
             )
-        return SeparatingPlaneSolver(
+        solver = SeparatingPlaneSolver(
             program,
             inside=seed is not None,
+            damped=damped,
             most=200 if seed is None else INSIDE_ITERATIONS,
             seed=seed or 0,
             horizon=horizon,
             most_turn=limit,
+            watched=watched,
             stop=self.stop,
             progress=self.tell,
-        ).solve()
+        )
+        found = solver.solve()
+        return solver.program, found
+
+    def _working_set(self) -> tuple[Ints, Ints]:
+        """Pairs of pieces that face each other at the begin, and the others, which are watched."""
+        bodies, pose = self.ready.grouping.bodies, self.begin or self.ready.grouping.bodies.rest
+        near = facing(bodies, pose, self.pieces, self.ready.clearance, REACH * self.ready.clearance)
+        return self.pieces[near], self.pieces[~near]
 
     def _checked(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> SearchEnd:
         """The end with its way, as far as that is free."""

@@ -4,7 +4,7 @@ import { signal, useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { asks, design, goals, settle } from "../design.ts";
 import { valueBetween } from "../motion.ts";
-import { isPull, isTurn } from "../protocol.ts";
+import { isTurn, isTwist } from "../protocol.ts";
 import { ask, setGap } from "../session.ts";
 import { answer, standalone, current, drawing, findings, lost, running, type Solved, solved } from "../state.ts";
 import { nearestBy, number, ticks } from "../words.ts";
@@ -186,9 +186,9 @@ function connected(all: readonly Solved[]): Solved[][] {
 
 /** Unit of the objective, as the answers say it. */
 export function unitOf(): string {
-  if (typeof design.value.goals === "string") return "mm²";
-  if (goals.value.every(isPull)) return "mm";
-  return goals.value.every(isTurn) ? "rad" : "";
+  if (typeof design.value.goals === "string") return design.value.goals === "weight" ? "" : "mm²";
+  if (goals.value.every((goal) => goal.direction)) return "mm";
+  return goals.value.every((goal) => isTurn(goal) || isTwist(goal)) ? "rad" : "";
 }
 
 function curveWords(edge: readonly (number | undefined)[] | null): string {

@@ -1,6 +1,6 @@
 /** The answer in one line over the canvas, and for screen readers as it changes. */
 
-import { asks, design, goals } from "../design.ts";
+import { asks, design, goals, inSpace } from "../design.ts";
 import { factor, shown } from "../motion.ts";
 import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
 import { leavingStep } from "../leaving.ts";
@@ -27,6 +27,8 @@ export function Headline() {
   );
 }
 
+const whole: Record<string, string> = { closer: "parts closer together", weight: "everything sinks in -z" };
+
 interface Said { title: string; line: string; tone: "" | "guess" | "warn" }
 
 /** A shorter way than this share of the gap is none. */
@@ -52,7 +54,7 @@ function said(): Said {
     const count = drawing.value!.parts.length;
     return { title: `${count} ${count === 1 ? "part" : "parts"}, nothing asked`, line: "drag a part to feel where it stops, or choose what is pulled", tone: "" };
   }
-  const asked = goals.value.length ? few(goals.value.map(ask), 2) : design.value.goals === "closer" ? "parts closer together" : "parts as far as they go";
+  const asked = goals.value.length ? few(goals.value.map(ask), 2) : whole[String(design.value.goals)] ?? "parts as far as they go";
   if (what === "between" || unsure.value || !about || about.design !== design.value) {
     if (!unsure.value) return { title: asked, line: about ? "" : "no answer", tone: "guess" };
     const far = about?.design === design.value ? about.reply.objective : null;
@@ -69,10 +71,10 @@ function draggedSaid(): Said {
   const { part, grip } = dragging.value!;
   const name = short(part);
   const about = dragged.value;
-  if (running.value.has("drag") || about?.reply.part !== part) return { title: `${name} follows the hand`, line: "the dashed outline is where the hand wants it", tone: "guess" };
+  if (running.value.has("drag") || about?.reply.part !== part) return { title: `${name} follows the hand`, line: inSpace() ? "the outline is where the hand wants it" : "the dashed outline is where the hand wants it", tone: "guess" };
   const { reached, distance, blocking } = about.reply;
   const tiny = NOTHING * (design.value.gap || extent.value.radius / 500);
-  const moved = Math.hypot(reached[0] - grip[0], reached[1] - grip[1]);
+  const moved = Math.hypot(...reached.map((v, k) => v - grip[k]!));
   const away = distance > tiny ? `${number(distance, 3)} mm short of the pointer` : "at the pointer";
   const held = distance > tiny && blocking.length ? [`held by ${few(blocking)}`] : [];
   return { title: `${name} moved ${moved > tiny ? number(moved, 3) : "0"} mm`, line: [...held, away, ...enlarged()].join(" · "), tone: "" };
@@ -81,13 +83,13 @@ function draggedSaid(): Said {
 const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] : []);
 
 const NAMES: Record<string, string> = {
-  flex: "solving", check: "checking whether it comes apart", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",
+  flex: "solving", check: "checking whether it comes apart", limit: "looking for the largest gap", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",
   space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 
 /** Long work under way: what it is, how far, and a way to end it. */
 function Work() {
-  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
+  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "limit", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
   return (
     <>
       {rows.map(([kind, told]) => (

@@ -1,6 +1,7 @@
 /** All keys, in a dialog. */
 
 import { useEffect, useRef } from "preact/hooks";
+import { inSpace } from "../design.ts";
 import { standalone, helpOpen } from "../state.ts";
 import { Button } from "./Button.tsx";
 
@@ -17,6 +18,16 @@ const KEYS: Row[] = [
   ["Space", "play or pause the way"], ["+ −", "zoom"], ["0", "fit the drawing"], ["M", "measure between two edges or corners"], ["[ ]", "gap smaller or larger by a step"],
   ["Ctrl Z", "undo; with Shift redo"], ["O", "open a drawing"], ["S", "save"], ["B", "keep this answer beside"], ["1 … 6", "panels"], ["Esc", "cancel work, back to the answer, let the part go"],
   ["?", "this list"],
+];
+const SPACE_KEYS: Row[] = [
+  ["← ↑ → ↓", "turn the view"], ["Shift ← ↑ → ↓", "drag the chosen part a step, in the plane of the picture"], [", .", "choose the part before or after"],
+  ["F", "fix the chosen part, or let it go"], ["P", "pull the chosen part, or stop pulling it"], ["T", "twist the chosen part, or stop"], ["G", "glue the chosen part to another one"],
+  ["H", "outline the chosen part alone, to see past it"], ["Space", "play or pause the way"], ["+ −", "nearer, further"], ["0", "the whole assembly"], ["[ ]", "gap smaller or larger by a step"],
+  ["Ctrl Z", "undo; with Shift redo"], ["O", "open a file"], ["S", "save"], ["1 … 5", "panels"], ["Esc", "cancel work, back to the answer, let the part go"], ["?", "this list"],
+];
+const SPACE_MICE: Row[] = [
+  ["Drag a part", "it goes as near to the pointer as the others let it, in the plane of the picture"], ["Click a part", "choose it"],
+  ["Drag the ground or what is fixed", "turn the view"], ["Right button, two fingers", "move the view"], ["Wheel, pinch", "nearer, further"],
 ];
 const LOOK_MICE: Row[] = [["Click a part", "choose it"], ["Drag, wheel, pinch", "pan and zoom"]];
 const MICE: Row[] = [
@@ -35,9 +46,9 @@ export function Help() {
   return (
     <dialog ref={dialog} class="help" aria-label="Keys and help" onClose={() => (helpOpen.value = false)}>
       <header><h2>Keys</h2><Button icon="close" label="Close" onClick={() => (helpOpen.value = false)} /></header>
-      <dl>{rows(standalone.value ? LOOK : KEYS)}</dl>
+      <dl>{rows(standalone.value ? LOOK : inSpace() ? SPACE_KEYS : KEYS)}</dl>
       <h2>Mouse and touch</h2>
-      <dl>{rows(standalone.value ? LOOK_MICE : MICE)}</dl>
+      <dl>{rows(standalone.value ? LOOK_MICE : inSpace() ? SPACE_MICE : MICE)}</dl>
       {!standalone.value && <p>What you open stays on this machine: the page speaks only to the program that serves it.</p>}
     </dialog>
   );

@@ -13,11 +13,12 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
     if (box.current && document.activeElement !== box.current) box.current.value = text;
   }, [text]);
   const take = (): void => {
-    const typed = Number(box.current!.value.replace(",", "."));
-    const given = box.current!.value.trim();
+    if (!box.current) return; // it has gone with what it was about
+    const typed = Number(box.current.value.replace(",", "."));
+    const given = box.current.value.trim();
     if (!Number.isFinite(typed) || given === "" || (min !== undefined && typed < min)) {
       notice.value = `${label}: “${given}” is not ${min === undefined ? "a number" : `a number of ${min} or more`}; it stays ${text}${unit ? ` ${unit}` : ""}`;
-      box.current!.value = text;
+      box.current.value = text;
     } else if (typed !== value) onChange(typed);
   };
   const keys = (event: KeyboardEvent): void => {

@@ -4,7 +4,8 @@ import { autoFactor, chosenFactor, place, play, playing, shown } from "../motion
 import { back, showMode } from "../session.ts";
 import { fitAll, zoomBy } from "../stage/camera.ts";
 import { measuring, stopMeasuring } from "../stage/measure.ts";
-import { answer, standalone, drawing, modes } from "../state.ts";
+import { answer, standalone, drawing, exploded, modes } from "../state.ts";
+import { inSpace } from "../design.ts";
 import { canKeep, keep, kept } from "../stage/kept.ts";
 import { lassoing } from "../stage/lasso.ts";
 import { Button } from "./Button.tsx";
@@ -49,7 +50,16 @@ export function Player() {
           {FACTORS.map((f) => <option key={f} value={f}>×{f}</option>)}
         </select>
       </label>
-      <div class="group">
+      {inSpace() && (
+        <label class="group explode">
+          <span>exploded</span>
+          <input
+            type="range" min="0" max="1.5" step="0.01" value={exploded.value} aria-label="exploded view" aria-valuetext={`${Math.round(exploded.value * 100)} %`}
+            onInput={(event) => (exploded.value = Number(event.currentTarget.value))}
+          />
+        </label>
+      )}
+      {!inSpace() && <div class="group">
         {!standalone.value && (
           <Button
             icon="pin" label={kept.value ? "Keep nothing beside" : "Keep this answer beside, to compare"} keyName="B" pressed={kept.value !== null}
@@ -61,7 +71,7 @@ export function Player() {
           icon="measure" label="Measure: press two edges or corners" keyName="M" pressed={measuring.value}
           onClick={() => (measuring.value ? stopMeasuring() : (measuring.value = true))}
         />
-      </div>
+      </div>}
       <div class="group zoom">
         <Button icon="minus" label="Zoom out" keyName="-" onClick={() => zoomBy(1 / 1.3)} />
         <Button icon="plus" label="Zoom in" keyName="+" onClick={() => zoomBy(1.3)} />

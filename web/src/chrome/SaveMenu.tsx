@@ -1,6 +1,7 @@
 /** What can be saved: picture, film, report, numbers, the assembly, files to cut, and the command that says it again. */
 
 import { useEffect, useRef, useState } from "preact/hooks";
+import { dimension } from "../design.ts";
 import type { SaveWhat } from "../protocol.ts";
 import { copy } from "../save.ts";
 import { link, save } from "../session.ts";
@@ -8,18 +9,19 @@ import { leavingOf } from "../leaving.ts";
 import { answer, can, checked, drawing, planned, running } from "../state.ts";
 import { Button } from "./Button.tsx";
 
-interface Choice { what: SaveWhat; words: string; ending: string; needs?: string; asked?: true }
+interface Choice { what: SaveWhat; words: string; ending: string; needs?: string; asked?: true; of?: 2 | 3 }
 const CHOICES: Choice[] = [
   { what: "svg", words: "Picture", ending: "svg", asked: true },
   { what: "png", words: "Picture", ending: "png", asked: true },
   { what: "gif", words: "Film", ending: "gif", needs: "film", asked: true },
   { what: "mp4", words: "Film", ending: "mp4", needs: "film", asked: true },
+  { what: "glb", words: "Model of the moved parts", ending: "glb", asked: true, of: 3 },
   { what: "html", words: "Report", ending: "html", asked: true },
   { what: "json", words: "Answer in numbers", ending: "json", asked: true },
-  { what: "stills", words: "A picture of every step", ending: "zip" },
+  { what: "stills", words: "A picture of every step", ending: "zip", of: 2 },
   { what: "assembly", words: "Assembly file", ending: "json" },
-  { what: "cut-svg", words: "Outlines to cut", ending: "svg" },
-  { what: "cut-dxf", words: "Outlines to cut", ending: "dxf", needs: "dxf" },
+  { what: "cut-svg", words: "Outlines to cut", ending: "svg", of: 2 },
+  { what: "cut-dxf", words: "Outlines to cut", ending: "dxf", needs: "dxf", of: 2 },
 ];
 
 export function SaveMenu() {
@@ -62,7 +64,7 @@ export function SaveMenu() {
       </Button>
       {open && (
         <div class="popup" role="menu" aria-label="Save">
-          {CHOICES.filter(({ what }) => what !== "stills" || escape === "plan").map(({ what, words, ending, needs, asked }) => {
+          {CHOICES.filter(({ what, of }) => (what !== "stills" || escape === "plan") && (of ?? dimension.value) === dimension.value).map(({ what, words, ending, needs, asked }) => {
             const missing = needs !== undefined && !can(needs);
             return (
               <button

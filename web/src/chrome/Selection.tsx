@@ -1,9 +1,12 @@
 /** What can be done with the chosen part. */
 
-import { design, fixAll, fixedNames, glueAll, groupOf, pulledNames, setExtra, setExtras, settle, toggleFixed, togglePull, unglue } from "../design.ts";
+import { design, fixAll, fixedNames, glueAll, goals, groupOf, inSpace, pulledNames, setExtra, setExtras, settle, toggleFixed, togglePull, toggleTwist, unglue } from "../design.ts";
 import { ask, askReach } from "../session.ts";
 import { measuring, picked } from "../stage/measure.ts";
-import { standalone, drawing, extent, gluing, many, reach, selected } from "../state.ts";
+import { farOf, turnOf } from "../motion.ts";
+import { isTwist } from "../protocol.ts";
+import { endMotion } from "../stage/SolidStage.tsx";
+import { standalone, drawing, extent, gluing, indexOf, many, outlined, reach, selected } from "../state.ts";
 import { chooseMany, lassoing } from "../stage/lasso.ts";
 import { number, short } from "../words.ts";
 import { Button } from "./Button.tsx";
@@ -27,6 +30,7 @@ export function Selection() {
   if (lassoing.value) return <p class="selection hint" role="status">Draw a line round the parts to choose</p>;
   if (many.value.size) return <Several names={[...many.value]} />;
   if (!name) return <p class="selection hint">Drag a part to feel where it stops. Press one to fix, pull, glue or loosen it.</p>;
+  if (inSpace()) return <InSpace name={name} />;
   return (
     <div class="selection" role="toolbar" aria-label={`part ${name}`}>
       <span class="name" title={name}>{short(name, 18)}</span>
@@ -36,6 +40,36 @@ export function Selection() {
       <Button icon="wiggle" label="Show how it can still move" keyName="W" onClick={() => wiggle(name)}>Wiggle</Button>
       <Button icon="reach" label="Show where it can be brought" keyName="R" onClick={() => askReach(name)} disabled={fixedNames.value.has(name)} pressed={reached(name)}>Reach</Button>
       {reached(name) && <span class="quiet note">{reach.value!.reply.words}</span>}
+      <ExtraGap name={name} />
+    </div>
+  );
+}
+
+/** Outlines a part alone, so that one sees past it; or fills it again. */
+export function seePast(name: string): void {
+  const next = new Set(outlined.peek());
+  if (!next.delete(name)) next.add(name);
+  outlined.value = next;
+}
+
+function InSpace({ name }: { name: string }) {
+  const motion = endMotion.value;
+  const i = indexOf.value.get(name)!;
+  const far = motion ? farOf(motion, i, 7) : 0;
+  const turned = motion ? (turnOf(motion, i, 7) * 180) / Math.PI : 0;
+  const tiny = 1e-6 * extent.value.radius;
+  const twisted = goals.value.some((goal) => goal.part === name && isTwist(goal));
+  return (
+    <div class="selection" role="toolbar" aria-label={`part ${name}`}>
+      <span class="who">
+        <span class="name" title={name}>{short(name, 18)}</span>
+        <span class="quiet note" role="status">{far > tiny || turned > 1e-4 ? `moved ${far > tiny ? number(far, 3) : 0} mm${turned > 1e-4 ? `, turned ${number(turned, 3)}°` : ""}` : "at rest"}</span>
+      </span>
+      <Button icon="fix" label="Fix this part" keyName="F" onClick={() => toggleFixed(name)} pressed={fixedNames.value.has(name)}>Fix</Button>
+      <Button icon="pull" label="Pull this part" keyName="P" onClick={() => togglePull(name)} pressed={pulledNames.value.has(name) && !twisted}>Pull</Button>
+      <Button icon="twist" label="Twist this part" keyName="T" onClick={() => toggleTwist(name)} pressed={twisted}>Twist</Button>
+      <Button icon="glue" label="Glue to another part" keyName="G" onClick={() => glueOrNot(name)} pressed={groupOf(name) !== undefined}>Glue</Button>
+      <Button icon="see" label="Outline it alone, to see past it" keyName="H" onClick={() => seePast(name)} pressed={outlined.value.has(name)}>See past</Button>
       <ExtraGap name={name} />
     </div>
   );

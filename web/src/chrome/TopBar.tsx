@@ -19,7 +19,7 @@ export function TopBar() {
   };
   return (
     <header class="topbar">
-      <span class="brand" aria-label="wiggleroom"><Mark /><span class="wordmark">wiggleroom</span></span>
+      <span class="brand" role="img" aria-label="wiggleroom"><Mark /><span class="wordmark">wiggleroom</span></span>
       <h1 class="filename" title={drawing.value?.name}>{drawing.value?.name ?? ""}</h1>
       <Line />
       <span class="spring" />

@@ -1,10 +1,10 @@
 /** What is asked, what was found, and what holds it. */
 
-import { asks, design, goals, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
-import { type Cell, type Finding, type Goal, isPull, isTurn, type Point } from "../protocol.ts";
-import { answer, standalone, dragged, drawing, findings, highlit, names, selected } from "../state.ts";
-import { end, shown } from "../motion.ts";
-import { ask, degrees, few, number, short } from "../words.ts";
+import { asks, change, design, goals, inSpace, removeGoal, setGoal, toggleFixed, unglue } from "../design.ts";
+import { type Cell, type Finding, type Goal, isPull, isSpatialPull, isTurn, isTwist, type Point, type Triple } from "../protocol.ts";
+import { answer, standalone, dragged, drawing, extent, findings, highlit, names, selected } from "../state.ts";
+import { columns, end, farOf, shown, turnOf } from "../motion.ts";
+import { ask, degrees, few, number, short, towards } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { NumberBox } from "../chrome/NumberBox.tsx";
 import { Explain, FORCE } from "../chrome/Meaning.tsx";
@@ -32,13 +32,18 @@ export function Answer() {
   );
 }
 
+const WHOLE: Record<string, string> = { closer: "neighbours closer", translation: "sum of squared translations", weight: "every part is pulled down at its centroid by its volume" };
+
 function Asked() {
   const whole = design.value.goals;
   if (standalone.value && !asks(design.value)) return null;
   return (
     <Section title="What is pulled" step={standalone.value ? undefined : 2} done={asks(design.value)}>
       <Likely about="pulled" />
-      {typeof whole === "string" && <p>{whole === "closer" ? "neighbours closer" : "sum of squared translations"}</p>}
+      {typeof whole === "string" && <p>{WHOLE[whole]}</p>}
+      {inSpace() && !standalone.value && (
+        <p class="likely"><label><input type="checkbox" checked={whole === "weight"} onChange={(event) => change({ goals: event.currentTarget.checked ? "weight" : [] })} /> everything sinks by its weight, in -z</label></p>
+      )}
       {typeof whole !== "string" && goals.value.length === 0 && <p class="quiet">Nothing yet. Press a part in the picture, then Pull.</p>}
       <ul class="rows">{goals.value.map((goal, i) => <GoalRow key={i} goal={goal} index={i} />)}</ul>
     </Section>
@@ -63,7 +68,44 @@ function Gap() {
   );
 }
 
+const AXES: Record<string, Triple> = { "+x": [1, 0, 0], "-x": [-1, 0, 0], "+y": [0, 1, 0], "-y": [0, -1, 0], "+z": [0, 0, 1], "-z": [0, 0, -1] };
+
+/** What is asked of a part in space: a pull along a direction, or a twist about it. */
+function SpatialGoalRow({ goal, index, direction }: { goal: Goal; index: number; direction: Triple }) {
+  const twist = isTwist(goal);
+  const put = (next: Triple, turn = twist): void => setGoal(index, { part: goal.part, ...(turn ? { turn: next } : { direction: next, point: goal.point ?? null }) });
+  const named = towards(direction);
+  return (
+    <li class="row spatial">
+      <button type="button" class="link name" onClick={() => (selected.value = goal.part)}>{short(goal.part)}</button>
+      <select aria-label={`what is asked of ${goal.part}`} value={twist ? "twist" : "pull"} onChange={(event) => put(direction, event.currentTarget.value === "twist")}>
+        <option value="pull">pull</option><option value="twist">twist</option>
+      </select>
+      <select aria-label={`axis for ${goal.part}`} value={AXES[named] ? named : "own"} onChange={(event) => put(AXES[event.currentTarget.value] ?? [1, 1, 1])}>
+        {Object.keys(AXES).map((name) => <option key={name} value={name}>{twist ? "about" : "in"} {name}</option>)}
+        <option value="own">other</option>
+      </select>
+      <Button icon="close" label={`Do not ask for ${goal.part}`} onClick={() => removeGoal(index)} class="small" />
+      {!AXES[named] && (
+        <span class="numbers">
+          {direction.map((value, k) => (
+            <NumberBox
+              key={k} value={value} digits={4} step={0.1} label={`${"xyz"[k]} of the direction for ${goal.part}`}
+              onChange={(to) => {
+                const next = direction.map((old, j) => (j === k ? to : old)) as Triple;
+                if (next.some((one) => one !== 0)) put(next);
+              }}
+            />
+          ))}
+        </span>
+      )}
+    </li>
+  );
+}
+
 function GoalRow({ goal, index }: { goal: Goal; index: number }) {
+  if (isSpatialPull(goal)) return <SpatialGoalRow goal={goal} index={index} direction={goal.direction} />;
+  if (isTwist(goal)) return <SpatialGoalRow goal={goal} index={index} direction={goal.turn} />;
   const still = standalone.value !== null;
   const turned = (angle: number): Point => [Math.cos((angle * Math.PI) / 180), Math.sin((angle * Math.PI) / 180)].map((v) => Number(v.toFixed(6)) + 0) as Point;
   return (
@@ -127,24 +169,31 @@ function Held() {
   return (
     <Section title="What holds it" side={<span class="quiet">{contacts.length} {contacts.length === 1 ? "contact" : "contacts"}</span>}>
       <p>Where parts press on each other at the end, and how hard<Explain word="force" words={FORCE} /></p>
-      <Table columns={["between", "x mm", "y mm", "force"]} rows={rows} bar={3} onHover={(i) => (highlit.value = i === null ? null : contacts[i]!.point)} />
+      <Table columns={["between", "x mm", "y mm", ...(inSpace() ? ["z mm"] : []), "force"]} rows={rows} bar={inSpace() ? 4 : 3} onHover={(i) => (highlit.value = i === null ? null : contacts[i]!.point)} />
     </Section>
   );
 }
+
+const NOTHING = 1e-6;
 
 /** How far every part goes in the answer, the farthest first. */
 function Moved() {
   const way = answer.value?.ways[0];
   if (!way || way.n !== names.value.length || shown.value.what === "drag") return null;
   const motion = end(way);
-  const rows = names.value.map((name, i): [string, number, number, number, number] => {
-    const [x, y, turn] = motion.subarray(3 * i, 3 * i + 3) as unknown as [number, number, number];
-    return [name, x, y, (turn * 180) / Math.PI, Math.hypot(x, y)];
+  const width = columns(way);
+  const axes = width === 7 ? 3 : 2;
+  const rows = names.value.map((name, i): { far: number; cells: Cell[] } => {
+    const turn = width === 7 ? turnOf(motion, i, width) : motion[3 * i + 2]!;
+    const far = farOf(motion, i, width);
+    const plain = (value: number, least: number): number => (width === 7 && Math.abs(value) < least ? 0 : value); // what is left of rounding
+    const moves = [...motion.subarray(width * i, width * i + axes)].map((value) => plain(value, NOTHING * extent.value.radius));
+    return { far, cells: [name, ...moves, plain((turn * 180) / Math.PI, 1e-4), plain(far, NOTHING * extent.value.radius)] };
   });
-  rows.sort((a, b) => b[4] - a[4]);
+  rows.sort((a, b) => b.far - a.far);
   return (
     <Section title="How far each part goes">
-      <Table columns={["part", "dx mm", "dy mm", "turn °", "moved mm"]} rows={rows} />
+      <Table columns={["part", "dx mm", "dy mm", ...(axes === 3 ? ["dz mm"] : []), "turn °", "moved mm"]} rows={rows.map(({ cells }) => cells)} />
     </Section>
   );
 }

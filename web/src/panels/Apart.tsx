@@ -1,11 +1,11 @@
 /** Whether it comes apart, and the ways out as films. */
 
 import { useSignal } from "@preact/signals";
-import { design, fixedNames } from "../design.ts";
+import { design, fixedNames, inSpace } from "../design.ts";
 import { shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
-import { ask, showEscape } from "../session.ts";
-import { standalone, checked, current, many, planned, running, selected } from "../state.ts";
+import { ask, setGap, showEscape } from "../session.ts";
+import { standalone, checked, current, limit, many, planned, running, selected } from "../state.ts";
 import { few } from "../words.ts";
 import { Button } from "../chrome/Button.tsx";
 import { Run } from "../chrome/Run.tsx";
@@ -43,9 +43,27 @@ export function Apart() {
         </div>
       )}
     </Section>
-    {!standalone.value && <Planned />}
+    {!standalone.value && <LargestGap />}
+    {!standalone.value && !inSpace() && <Planned />}
     {standalone.value && <Command text={about?.reply.command} />}
     </>
+  );
+}
+
+function LargestGap() {
+  const about = limit.value;
+  return (
+    <Section title="The largest gap that holds">
+      <div class="asks"><Run kind="limit" label="Find the largest gap that holds it together" onClick={() => void ask("limit", { design: design.peek() })}>Find it</Run></div>
+      {about && (
+        <div class={current(about) ? "result" : "result old"}>
+          <p class="strong">{about.reply.words}</p>
+          {about.reply.holds !== null && about.reply.parts_at !== null && <p><Button label="Use the largest gap that holds" onClick={() => setGap(about.reply.holds!)} class="small">Use it</Button></p>}
+          {!current(about) && <p class="quiet">said of an earlier design</p>}
+          <Command text={about.reply.command} />
+        </div>
+      )}
+    </Section>
   );
 }
 

@@ -1,6 +1,7 @@
 /** The right panel, on a phone a sheet below the canvas: tabs with one panel each. */
 
 import { computed } from "@preact/signals";
+import { inSpace } from "../design.ts";
 import type { ComponentType } from "preact";
 import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
 import { Answer } from "./Answer.tsx";
@@ -22,7 +23,7 @@ export const pages = computed<Page[]>(() => {
   const page = (name: Tab, words: string, Shown: ComponentType, there: boolean = true): Page[] => (there ? [{ name, words, Shown }] : []);
   const told = standalone.value;
   if (!told) {
-    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space), ...page("sure", "How sure", Sure)];
+    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space, !inSpace()), ...page("sure", "How sure", Sure)];
   }
   return [
     ...page("answer", "Answer", Answer, answer.value !== null), ...page("gaps", "Whose gap", Ranked, ranking.value !== null),

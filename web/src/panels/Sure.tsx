@@ -1,7 +1,7 @@
 /** How sure the answer is, and proving a bound. */
 
 import { useSignal } from "@preact/signals";
-import { design } from "../design.ts";
+import { design, inSpace } from "../design.ts";
 import { ask } from "../session.ts";
 import { answer, standalone, can, checked, current, hello, planned, proof } from "../state.ts";
 import { NumberBox } from "../chrome/NumberBox.tsx";
@@ -18,7 +18,7 @@ export function Sure() {
       </Section>}
       {planned.value && current(planned.value) && <Section title="How sure is the plan"><Terms all={planned.value.reply.sure} /></Section>}
       {checked.value && (standalone.value || current(checked.value)) && <Section title="How sure is it whether it comes apart"><Terms all={checked.value.reply.sure} /></Section>}
-      {!standalone.value && about?.reply.objective != null && <Prove />}
+      {!standalone.value && !inSpace() && about?.reply.objective != null && <Prove />}
     </>
   );
 }

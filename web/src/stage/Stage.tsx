@@ -148,7 +148,7 @@ function marksNow() {
   }
   const about = state.answer.peek();
   if (what !== "answer" || !about?.ways[0] || place.peek() < 0.999 || blame.peek()) return null;
-  return { contacts: about.reply.contacts, at: end(about.ways[0]), thread, highlit: state.highlit.peek() };
+  return { contacts: about.reply.contacts, at: end(about.ways[0]), thread, highlit: state.highlit.peek() as Point | null };
 }
 
 /** From where the dragged point is drawn to where it is wanted. */

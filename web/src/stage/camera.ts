@@ -2,12 +2,15 @@
 
 import { signal } from "@preact/signals";
 import { drawing } from "../state.ts";
+import type { SolidView } from "../stage3d.ts";
 import { type Box, fit, type Inset, panned, type Size, toScreen, type View, zoomed } from "./view.ts";
 
 export const view = signal<View>({ x: 0, y: 0, scale: 1 });
 export const size = signal<Size>({ width: 0, height: 0 });
 /** Box around what is drawn, at rest and moved [mm]; what is fitted. */
 export const content = signal<Box>([0, 0, 1, 1]);
+/** The view of parts in space, where such are open. */
+export const solidView = signal<SolidView | null>(null);
 /** True until the user pans or zooms: then the drawing stays fitted when the canvas changes size. */
 export const fitted = signal(true);
 
@@ -16,6 +19,7 @@ const inset = (): Inset => (size.value.width < 560
   : { top: 22, right: 40, bottom: 24, left: 40 });
 
 export function fitAll(): void {
+  if (solidView.peek()) return solidView.peek()!.fit();
   fitted.value = true;
   if (drawing.value && size.value.width) view.value = fit(content.value, size.value, inset());
 }
@@ -32,6 +36,7 @@ export function keepFitted(): void {
 }
 
 export function zoomBy(factor: number, at?: [number, number]): void {
+  if (solidView.peek()) return solidView.peek()!.zoom(factor);
   const { width, height } = size.value;
   const next = zoomed(view.value, size.value, at ?? [width / 2, height / 2], factor);
   const [x0, y0, x1, y1] = drawing.value?.size ?? [0, 0, 1, 1];

@@ -39,7 +39,7 @@ function outlined(shape: Shape): Outline {
 /** The last motion known to be free, where a drag begins or goes on: what is shown at its end, or rest. */
 export function known(): { motion: Float32Array; from: "here" | "answer" | "rest" } {
   const { what, frames } = shown.peek();
-  const n = current.shapes.length;
+  const n = drawing.peek()?.parts.length ?? 0;
   if (frames?.n === n && what === "drag") return { motion: end(frames), from: "here" };
   if (frames?.n === n && what === "answer" && place.peek() >= 1) return { motion: end(frames), from: "answer" };
   return { motion: new Float32Array(3 * n), from: "rest" };

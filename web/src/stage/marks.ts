@@ -27,11 +27,11 @@ export function paintMarks(
     const i = indexOf.get(contact.parts[0]);
     if (i === undefined) continue;
     const carrier = shapes[i]!;
-    const local = into(placed(carrier, marks.at, i, 1), contact.point);
+    const local = into(placed(carrier, marks.at, i, 1), contact.point as Point);
     const [x, y] = toScreen(view, size, outOf(placed(carrier, motion, i, factor), local));
     const share = contact.force / most;
     const picked = marks.highlit !== null && marks.highlit[0] === contact.point[0] && marks.highlit[1] === contact.point[1];
-    if (share > 1e-3) force(g, [x, y], contact.normal, 8 + longest * Math.sqrt(share), colours.force, colours.paper);
+    if (share > 1e-3) force(g, [x, y], contact.normal as Point, 8 + longest * Math.sqrt(share), colours.force, colours.paper);
     dot(g, x, y, picked ? 6 : share > 1e-3 ? 3.2 : 2, colours.force, colours.paper);
   }
   if (marks.thread) {

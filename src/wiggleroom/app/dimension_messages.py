@@ -1,0 +1,89 @@
+"""What was found as the page reads it, of drawings and of assemblies in space alike; what belongs to space is loaded for space alone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from msgspec import UNSET, UnsetType
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.report.page_messages import answer_message, contacts_message, rings_message
+from wiggleroom.report.path_frames import path_frames
+from wiggleroom.schema.fields import ContactEntry
+from wiggleroom.schema.replies import CheckReply, DragReply, FlexReply, Outline, ShapeReply, Solids
+from wiggleroom.search.answer import Answer
+
+if TYPE_CHECKING:
+    from wiggleroom.disassembly.interlock import Interlock
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
+    from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+    from wiggleroom.spatial.spatial_model import SpatialAssembly
+
+Floats = NDArray[np.float64]
+Shapes = list[Outline] | Solids | UnsetType
+"""What parts look like; unset where the page has it already."""
+
+
+def answer_reply(answer: Answer | SpatialAnswer, command: str) -> FlexReply:
+    """What an answer says."""
+    if isinstance(answer, Answer):
+        return answer_message(answer, command)
+    from wiggleroom.report.spatial_messages import spatial_answer_message
+
+    return spatial_answer_message(answer, command)
+
+
+def check_reply(found: Interlock | SpatialDisassembly, command: str) -> CheckReply:
+    """Whether it comes apart."""
+    from wiggleroom.disassembly.interlock import Interlock
+    from wiggleroom.report.spatial_messages import spatial_check_message
+    from wiggleroom.report.study_messages import check_message
+
+    return check_message(found, command) if isinstance(found, Interlock) else spatial_check_message(found, command)
+
+
+def contact_entries(contacts: Iterable[Any], assembly: Assembly | SpatialAssembly) -> list[ContactEntry]:
+    """Contacts with a force, the strongest first."""
+    if isinstance(assembly, Assembly):
+        return contacts_message(contacts)
+    from wiggleroom.report.spatial_messages import spatial_contacts_message
+
+    return spatial_contacts_message(contacts)
+
+
+def frames_of(assembly: Assembly | SpatialAssembly, points: Floats) -> Floats:
+    """Frames along a way of motions (m, n, 3) or (m, n, 6)."""
+    if isinstance(assembly, Assembly):
+        return path_frames(assembly, points)
+    from wiggleroom.report.spatial_messages import spatial_frames
+
+    return spatial_frames(assembly, points)
+
+
+def still_frame(motion: Floats) -> Floats:
+    """The frame of one motion (n, 3) or (n, 6)."""
+    if motion.shape[1] == 3:
+        return motion[None]
+    from wiggleroom.report.spatial_way import with_quaternions
+
+    return with_quaternions(motion[None])
+
+
+def shapes_of(assembly: Assembly | SpatialAssembly) -> list[Outline] | Solids:
+    """What the parts look like."""
+    if isinstance(assembly, Assembly):
+        return rings_message(assembly.parts)
+    from wiggleroom.report.spatial_messages import solids_message
+
+    return solids_message(assembly)
+
+
+def tell_shapes(content: FlexReply | DragReply | ShapeReply, shapes: Shapes) -> None:
+    """Put into a reply what the parts look like."""
+    if isinstance(shapes, Solids):
+        content.solids = shapes
+    elif shapes is not UNSET:
+        content.rings = shapes

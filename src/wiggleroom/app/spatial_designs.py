@@ -1,0 +1,208 @@
+"""From an assembly in space that is open and a design to the assembly as it is made; the same is kept for the next request."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from wiggleroom.app.design_cache import LruCache
+from wiggleroom.app.open_requests import File
+from wiggleroom.assembly.statements import unknown
+from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.units import UNITS
+from wiggleroom.errors import InputError
+from wiggleroom.report.spatial_messages import spatial_design, spatial_opened
+from wiggleroom.schema.replies import Opened
+from wiggleroom.schema.requests import Design, GoalEntry
+from wiggleroom.spatial.spatial_assembly import assemble_spatial, goal_findings
+from wiggleroom.spatial.spatial_model import (
+    SpatialAssembly,
+    SpatialDrawing,
+    SpatialGoal,
+    SpatialPull,
+    SpatialTurn,
+    Weight,
+)
+
+MAX_SHAPES, MAX_ROLES = 6, 6
+"""So many designs' solids are kept, and so many assemblies of them with roles."""
+
+
+class SpatialDesignCache:
+    """Assemblies of one drawing in space.
+
+    Parameters
+    ----------
+    drawing : SpatialDrawing
+    """
+
+    def __init__(self, drawing: SpatialDrawing) -> None:
+        self._drawing = drawing
+        self._names = {p.name: None for p in drawing.parts}
+        self._made: LruCache[SpatialAssembly] = LruCache(MAX_SHAPES)
+        self._assemblies: LruCache[SpatialAssembly] = LruCache(MAX_ROLES)
+
+    def gap(self, design: Design) -> float:
+        """The gap of a design [mm]."""
+        return self._drawing.gap if design.gap is None else design.gap
+
+    def shape(self, design: Design) -> Hashable:
+        """What the solids as made depend on."""
+        return self.gap(design), tuple(sorted(design.extra.items()))
+
+    def body(self, design: Design) -> Hashable:
+        """What all but the question depends on."""
+        return self.shape(design), tuple(sorted(design.fixed)), tuple(map(tuple, design.glue))
+
+    def drawing(self, design: Design) -> SpatialDrawing:
+        """The drawing with the roles of a design.
+
+        Raises
+        ------
+        InputError
+            If the design names parts that are not there, or asks what makes no sense.
+        """
+        named = [("fixed", n) for n in design.fixed] + [("extra", n) for n in design.extra]
+        named += [("glue", n) for group in design.glue for n in group]
+        wrong = [f"{what}: {unknown(name, self._names)}" for what, name in named if name not in self._names]
+        if wrong:
+            raise InputError(wrong)
+        fixed = set(design.fixed)
+        parts = tuple(replace(p, fixed=p.name in fixed) for p in self._drawing.parts)
+        used = replace(self._drawing, parts=parts, gap=self.gap(design), glue=tuple(map(tuple, design.glue)))
+        used = replace(used, goals=spatial_goals_of(design))
+        wrong = goal_findings(used, used.goals)
+        if wrong:
+            raise InputError(wrong)
+        return used
+
+    def assembly(self, design: Design) -> SpatialAssembly:
+        """Parts as made for a design, without its question: the same object for the same bodies.
+
+        Raises
+        ------
+        InputError
+            With everything that is wrong, one line each.
+        """
+        used = replace(self.drawing(design), goals=())
+        inward = {name: extra / 2 for name, extra in design.extra.items()}
+        made = self._made.get(self.shape(design), lambda: assemble_spatial(used, inward=inward))
+        return self._assemblies.get(self.body(design), lambda: SpatialAssembly(used, made.made))
+
+
+def spatial_goals_of(design: Design) -> tuple[SpatialGoal, ...]:
+    """Goals of a design.
+
+    Raises
+    ------
+    InputError
+        If an entry asks for nothing, for two things at once, or for something of the plane.
+    """
+    if isinstance(design.goals, str):
+        if design.goals == "weight":
+            return (Weight((0.0, 0.0, -1.0)),)
+        message = f'goals: "{design.goals}" is a question about drawings; in space pull, twist, or let parts sink'
+        raise InputError(message)
+    return tuple(_goal(k, entry) for k, entry in enumerate(design.goals))
+
+
+def _goal(k: int, entry: GoalEntry) -> SpatialGoal:
+    where = f"goals[{k}]"
+    if entry.w is not None or isinstance(entry.turn, str):
+        message = f'{where}: in space give "direction" or "turn" as three numbers'
+        raise InputError(message)
+    if (entry.direction is None) == (entry.turn is None):
+        message = f'{where}: must have either "direction" or "turn"'
+        raise InputError(message)
+    if entry.turn is not None:
+        return SpatialTurn(entry.part, _three(where, entry.turn), entry.weight)
+    point = None if entry.point is None else _three(where, entry.point)
+    return SpatialPull(entry.part, _three(where, entry.direction or ()), point, entry.weight)
+
+
+def _three(where: str, values: Sequence[float]) -> tuple[float, float, float]:
+    if len(values) != 3:
+        message = f"{where}: has {len(values)} numbers; in space it must be three"
+        raise InputError(message)
+    x, y, z = values
+    return x, y, z
+
+
+def spatial_opened_reply(file: File, designs: SpatialDesignCache, design: Design | None) -> Opened:
+    """Reply to `open`: solids as they are made, or as drawn where that cannot be, and what is asked, as a design."""
+    assert not isinstance(file.drawing, Drawing)
+    asked = design or spatial_design(file.drawing)
+    drawing = designs.drawing(asked)
+    try:
+        assembly = designs.assembly(asked)
+    except InputError:
+        assembly = assemble_spatial(replace(drawing, goals=()), gap=0.0)
+    reply = spatial_opened(drawing, assembly, file.name)
+    if not drawing.goals and len(drawing.parts) > 1:
+        reply.pulled = suggested_pull(assembly)
+    return reply
+
+
+def suggested_pull(assembly: SpatialAssembly) -> GoalEntry:
+    """A pull for an assembly that asks for none: the part farthest from what is fixed, away from it along an axis."""
+    at = assembly.reference
+    fixed = np.array([p.fixed for p in assembly.parts])
+    if not fixed.any():
+        fixed[largest_part(assembly)] = True
+    away = at - at[fixed].mean(axis=0)
+    k = int(np.where(fixed, -1.0, np.linalg.norm(away, axis=1)).argmax())
+    along = int(np.abs(away[k]).argmax())
+    direction = [0.0, 0.0, 0.0]
+    direction[along] = 1.0 if away[k, along] >= 0 else -1.0
+    return GoalEntry(assembly.parts[k].name, direction=tuple(direction))
+
+
+def largest_part(assembly: SpatialAssembly) -> int:
+    """Index of the part of the largest volume."""
+    return int(np.argmax([m.volume for m in assembly.made]))
+
+
+def designed_file(text: str, design: Design) -> str:
+    """The text of a file of format wiggleroom/2 with the gap, the roles and the question of a design.
+
+    Raises
+    ------
+    InputError
+        If the design says what such a file cannot.
+    """
+    if design.extra:
+        raise InputError(
+            "assembly file: extra gaps of single parts cannot be written in space; set them to 0, or draw the parts so"
+        )
+    if design.goals == "weight":
+        raise InputError("assembly file: it cannot ask how parts sink; pull a part, or give --weight -z to the command")
+    content: dict[str, Any] = json.loads(text)
+    mm = UNITS.get(content.get("unit", "mm"), 1.0)
+    if design.gap is not None:
+        content["gap"] = design.gap / mm
+    for part in content["parts"]:
+        part["fixed"] = part["name"] in design.fixed
+        if not part["fixed"]:
+            del part["fixed"]
+    content["glue"] = design.glue
+    content["pull"] = [_entry(goal, mm) for goal in design.goals if isinstance(goal, GoalEntry)]
+    for key in ("glue", "pull"):
+        if not content[key]:
+            del content[key]
+    return json.dumps(content, indent=1, ensure_ascii=False) + "\n"
+
+
+def _entry(goal: GoalEntry, mm: float) -> dict[str, Any]:
+    """One entry of `pull`."""
+    found: dict[str, Any] = {"part": goal.part}
+    if goal.direction is not None:
+        found["direction"] = list(goal.direction)
+    if goal.point is not None:
+        found["point"] = [x / mm for x in goal.point]
+    if goal.turn is not None:
+        found["turn"] = list(goal.turn)
+    return found if goal.weight == 1 else found | {"weight": goal.weight}

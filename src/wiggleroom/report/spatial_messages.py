@@ -1,0 +1,182 @@
+"""Assemblies in space and what was found about them, as the page reads it: the words and numbers of its protocol."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.errors import InputError
+from wiggleroom.report.answer_words import few, number, unit
+from wiggleroom.report.solid_page import packed
+from wiggleroom.report.spatial_table import (
+    check_sentence,
+    departure_words,
+    spatial_certainty,
+    spatial_headline,
+    spatial_sentence,
+)
+from wiggleroom.report.spatial_way import along_way, with_quaternions
+from wiggleroom.schema.fields import ContactEntry
+from wiggleroom.schema.replies import CheckReply, FlexReply, LeavingEntry, Opened, PartShape, Solids, SolidShape
+from wiggleroom.schema.requests import Design, GoalEntry, Goals
+from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialDrawing, SpatialGoal, SpatialPull, SpatialTurn
+from wiggleroom.verdict import Verdict
+
+Floats = NDArray[np.float64]
+
+MAX_FRAMES = 64
+"""Frames of a way."""
+MAX_FRAME_MOTIONS = 60_000
+"""Motions of parts in all frames of a way together; at least two frames."""
+DOWN = (0.0, 0.0, -1.0)
+
+
+def spatial_opened(drawing: SpatialDrawing, assembly: SpatialAssembly, name: str) -> Opened:
+    """An assembly in space and what it asks; solids as they are in `assembly`."""
+    reference = assembly.reference
+    corners = np.vstack([m.surface.vertices @ p.R.T + p.at for p, m in zip(assembly.parts, assembly.made, strict=True)])
+    (x0, y0, _), (x1, y1, _) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+    return Opened(
+        name=name,
+        gap=drawing.gap,
+        notes=list(drawing.notes),
+        size=(x0, y0, x1, y1),
+        parts=[
+            PartShape(part.name, (float(at[0]), float(at[1]), 0.0), [])
+            for part, at in zip(assembly.parts, reference, strict=True)
+        ],
+        ignore=list(drawing.ignore),
+        design=spatial_design(drawing),
+        dimension=3,
+        solids=solids_message(assembly),
+    )
+
+
+def spatial_design(drawing: SpatialDrawing) -> Design:
+    """What an assembly in space asks, as a design.
+
+    Raises
+    ------
+    InputError
+        If parts sink in another direction than -z, or are pulled besides.
+    """
+    return Design(
+        gap=drawing.gap,
+        fixed=[part.name for part in drawing.parts if part.fixed],
+        glue=[list(group) for group in drawing.glue],
+        goals=_goals(drawing.goals),
+    )
+
+
+def _goals(goals: tuple[SpatialGoal, ...]) -> Goals:
+    entries = []
+    for goal in goals:
+        match goal:
+            case SpatialPull(part, direction, point, weight):
+                entries.append(GoalEntry(part, direction=direction, point=point, weight=weight))
+            case SpatialTurn(part, axis, weight):
+                entries.append(GoalEntry(part, turn=axis, weight=weight))
+            case _ if goal.direction == DOWN and goal.weight == 1 and len(goals) == 1:
+                return "weight"
+            case _:
+                raise InputError("weight: in the page everything sinks in -z, and nothing else is pulled")
+    return entries
+
+
+def solids_message(assembly: SpatialAssembly) -> Solids:
+    """Surfaces about their reference points; parts that are alike share theirs."""
+    reference = assembly.reference
+    shapes: list[SolidShape] = []
+    of: list[int] = []
+    known: dict[tuple[int, bytes], int] = {}
+    for part, made, at in zip(assembly.parts, assembly.made, reference, strict=True):
+        key = (id(made), part.R.tobytes())
+        if key not in known:
+            known[key] = len(shapes)
+            world = made.surface.vertices @ part.R.T + part.at
+            shapes.append(SolidShape(packed(world - at, "<f4"), packed(made.surface.faces, "<u4")))
+        of.append(known[key])
+    return Solids(shapes, of, [(float(x), float(y), float(z)) for x, y, z in reference])
+
+
+def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:
+    """What an answer says, in the words of the commands."""
+    return FlexReply(
+        objective=answer.objective,
+        verdict=answer.verdict,
+        headline=spatial_headline(answer),
+        facts=spatial_facts(answer),
+        sure=spatial_sure(answer),
+        at_most=answer.at_most,
+        leaves=list(answer.leaves),
+        turns=list(answer.turns),
+        contacts=spatial_contacts_message(answer.contacts),
+        collision_free=bool(answer.collision_free),
+        path=answer.path,
+        seconds=answer.seconds.get("total", 0.0),
+        command=command,
+    )
+
+
+def spatial_contacts_message(contacts: Iterable[SpatialContact]) -> list[ContactEntry]:
+    """Contacts with a force, the strongest first."""
+    return [ContactEntry(c.parts, c.point, c.normal, c.force) for c in contacts if c.force > 0]
+
+
+def spatial_facts(answer: SpatialAnswer) -> list[str]:
+    """Facts under the headline: verdict, size of the question, and how sure it is."""
+    found = [f"{answer.verdict}", f"gap {number(answer.assembly.gap)} mm", f"{len(answer.assembly.parts)} parts"]
+    if answer.verdict is Verdict.UNBOUNDED and answer.leaves:
+        found.append(f"leaves: {few(answer.leaves)}")
+    if answer.verdict is Verdict.UNBOUNDED and answer.turns:
+        found.append(f"turns: {few(answer.turns)}")
+    return [*found, spatial_certainty(answer)]
+
+
+def spatial_sure(answer: SpatialAnswer) -> list[tuple[str, str]]:
+    """How sure an answer is, and what it cost: a word and a sentence each."""
+    found = "nothing stops it" if answer.objective is None else f"{number(answer.objective, 6)} {unit(answer.goals)}"
+    return [
+        ("found", found.strip()),
+        ("verdict", f"{answer.verdict.value}: {spatial_sentence(answer)}"),
+        ("checked", f"{spatial_certainty(answer)}; deepest overlap {number(answer.deepest_overlap, 2)} mm"),
+        ("at most", "no bound is worked out in space"),
+        ("search", "one climb from rest; a higher hill may remain unfound"),
+        ("solved", f"{answer.solver} on {answer.model}, {answer.rounds} rounds, {answer.iterations} iterations"),
+        ("seconds", ", ".join(f"{stage} {spent:.2f}" for stage, spent in answer.seconds.items())),
+    ]
+
+
+def spatial_check_message(found: SpatialDisassembly, command: str) -> CheckReply:
+    """Whether it comes apart, who leaves in which order and how, and how sure that is."""
+    return CheckReply(
+        verdict=found.verdict,
+        certainty=found.certainty,
+        words=f"{found.verdict}: {check_sentence(found)}",
+        sure=[
+            ("verdict", f"{found.verdict}: {check_sentence(found)}"),
+            ("certainty", found.certainty),
+            ("took", f"{found.seconds:.2f} seconds, {found.questions} questions"),
+        ],
+        escapes=[LeavingEntry(list(e.parts), departure_words(found, e)) for e in found.escapes],
+        spins=[],
+        remains=list(found.remains),
+        border=None,
+        command=command,
+    )
+
+
+def spatial_frames(assembly: SpatialAssembly, points: Floats) -> Floats:
+    """Motions (k, n, 7) along a way (m, n, 6), evenly along it: displacements [mm] and quaternions x, y, z, w.
+
+    Between two frames positions go straight and turns about one constant axis, as between way-points; the first and the last of
+    the way are as they are.
+    """
+    if len(points) == 1:
+        return with_quaternions(points)
+    most = max(2, min(MAX_FRAMES, MAX_FRAME_MOTIONS // max(1, len(assembly.parts))))
+    return with_quaternions(along_way(assembly, points, np.linspace(0.0, 1.0, most)))

@@ -1,0 +1,310 @@
+"""Parts in space that are dragged while somebody looks: every motion that is shown is free, and so is the way there."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wiggleroom.assembly.statements import unknown
+from wiggleroom.deadline import Deadline
+from wiggleroom.errors import InputError, Stop, go_on
+from wiggleroom.spatial.rigid import RigidBodies, SpatialPose, near_pieces
+from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram, build_planes
+from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
+from wiggleroom.spatial.spatial_answer import SpatialAnswer, SpatialContact
+from wiggleroom.spatial.spatial_approach import SpatialApproach
+from wiggleroom.spatial.spatial_contact_forces import spatial_contacts
+from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal
+from wiggleroom.spatial.spatial_path_check import refined
+from wiggleroom.spatial.spatial_prepare import REACH, SpatialPrepared, prepare_spatial
+from wiggleroom.verdict import SolverStatus
+
+Floats = NDArray[np.float64]
+
+MAX_PREPARED = 4
+"""So many designs are kept ready."""
+ARRIVED = 1e-3
+"""A grip this share of the clearance from its target has arrived."""
+MAX_TARGET_DISTANCE = 3.0
+"""A target further from the grip than this multiple of the size is moved nearer: parts that come free stay in sight."""
+MAX_ROUNDS = 12
+"""So often the program is built anew where the hand led the part among others."""
+MIN_GAIN = 1e-3
+"""A round that comes nearer by less than this share of the distance is the last one."""
+MAX_DOUBLINGS = 7
+"""So often the time is doubled that the same drag may take."""
+ITERATIONS, TOLERANCE = 60, 1e-5
+"""A drag is solved with at most so many iterations, to this share of the distance."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialDrag:
+    """Where a dragged part came to.
+
+    Parameters
+    ----------
+    motion : (n, 6) float64 [mm, rad]
+        Motions of all parts; no two overlap there, nor anywhere on the way that led there.
+    settled : bool
+        True where the part cannot come nearer by going on; False where time ran out.
+    reached : (x, y, z) [mm]
+        Where the grip is now.
+    distance : float [mm]
+        From there to the target.
+    contacts : tuple of SpatialContact
+        What holds the part, with the forces against a pull of 1 at the grip.
+    blocking : tuple of names
+        Parts that touch the dragged one and hold it.
+    """
+
+    motion: Floats
+    settled: bool
+    reached: tuple[float, float, float]
+    distance: float
+    contacts: tuple[SpatialContact, ...] = ()
+    blocking: tuple[str, ...] = ()
+
+
+class SpatialLive:
+    """An assembly in space whose design is changed, and whose parts are dragged, while somebody looks.
+
+    Examples
+    --------
+    >>> from wiggleroom.spatial.spatial_assembly import assemble_spatial
+    >>> from wiggleroom.spatial.spatial_file import read_spatial
+    >>> text = '''{"format": "wiggleroom/2", "parts": [{"name": "floor", "boxes": [[0, 0, 0, 9, 9, 1]], "fixed": true},
+    ...            {"name": "block", "boxes": [[0, 0, 0, 2, 2, 2]], "at": [4, 4, 3]}]}'''
+    >>> live = SpatialLive()
+    >>> live.take(assemble_spatial(read_spatial(text)))
+    >>> round(live.drag("block", (5, 5, 4), (5, 5, 9)).distance, 6)
+    0.0
+    """
+
+    def __init__(self) -> None:
+        self._ready: OrderedDict[int, SpatialPrepared] = OrderedDict()
+        self._now: SpatialPrepared | None = None
+        self._motion: Floats | None = None
+        self._asked: object = None
+        self._times = 0
+        self._end: tuple[SpatialPrepared, tuple[SpatialGoal, ...], Floats] | None = None
+
+    def take(self, assembly: SpatialAssembly) -> None:
+        """Go on with this design; another one than before begins at rest.
+
+        Raises
+        ------
+        InputError
+            If nothing can move.
+        TouchingError
+            If two parts touch at rest.
+        """
+        key = id(assembly)
+        if key not in self._ready:
+            self._ready[key] = prepare_spatial(assembly)
+        self._ready.move_to_end(key)
+        while len(self._ready) > MAX_PREPARED:
+            self._ready.popitem(last=False)
+        if self._now is not self._ready[key]:
+            self._now, self._motion = self._ready[key], None
+
+    @property
+    def ready(self) -> SpatialPrepared:
+        """The present design, prepared."""
+        if self._now is None:
+            raise InputError("nothing is open: open a drawing first")
+        return self._now
+
+    @property
+    def assembly(self) -> SpatialAssembly:
+        """The present design."""
+        return self.ready.assembly
+
+    def settle(
+        self,
+        goals: Sequence[SpatialGoal],
+        *,
+        stop: Stop | None = None,
+        progress: Callable[[int, float], None] | None = None,
+    ) -> SpatialAnswer:
+        """Return the answer of `wiggleroom.flex`; a drag may begin at its end.
+
+        Raises
+        ------
+        InputError
+            If nothing is fixed or pulled.
+        StoppedError
+            If it was asked to stop.
+        """
+        answer = flex_spatial(self.ready, tuple(goals), stop=stop, progress=progress)
+        go_on(stop)
+        if answer.path == "checked" and answer.collision_free:
+            self._end = (self.ready, tuple(goals), answer.motion)
+        return answer
+
+    def drag(
+        self,
+        part: str,
+        grip: Sequence[float],
+        target: Sequence[float],
+        *,
+        start: str = "here",
+        goals: Sequence[SpatialGoal] | None = None,
+        within: int | None = None,
+        seconds: float = 0.4,
+        stop: Stop | None = None,
+    ) -> SpatialDrag:
+        """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
+
+        First the part alone goes straight. Where that is not free, the program of the separating planes is solved with every iterate
+        inside all rows, its way is checked for all pairs of parts, and from as far as it is free it goes on.
+
+        Parameters
+        ----------
+        part : str
+        grip : (x, y, z) [mm]
+            The point, where it lies at rest.
+        target : (x, y, z) [mm]
+        start : str
+            "here", where the last drag ended, "rest", or "answer", the end of what was found for these goals.
+        goals : optional
+        within : int, optional
+            So many bodies may move, those nearest to the part; all others stand. By default all.
+        seconds : float
+            After that time the best motion so far is returned, not settled; asked the same again it takes twice as long.
+        stop : optional
+            Anything with `is_set()`.
+
+        Raises
+        ------
+        InputError
+            If there is no such part, or it cannot move.
+        """
+        ready = self.ready
+        names = ready.assembly.names
+        if part not in names:
+            message = f"drag: {unknown(part, dict.fromkeys(names))}"
+            raise InputError(message)
+        if len(grip) != 3 or len(target) != 3:
+            raise InputError("drag: in space grip and target have three numbers each")
+        group = ready.grouping
+        body = int(group.body_of[names.index(part)])
+        if not group.bodies.moves[body]:
+            message = f'"{part}" is fixed: let it go before you drag it'
+            raise InputError(message)
+        asked = (part, tuple(grip), tuple(target))
+        self._times = self._times + 1 if asked == self._asked else 0  # a large program needs longer than the first look
+        self._asked = asked
+        until = Deadline(seconds * 2 ** min(self._times, MAX_DOUBLINGS), stop)
+        arm = np.array(grip, dtype=float) - group.bodies.at[body]
+        away = np.subtract(target, grip)
+        far, most = float(np.linalg.norm(away)), MAX_TARGET_DISTANCE * ready.size
+        aim = np.add(grip, away * min(1.0, most / far) if far > 0 else away)
+        motion = self._begun(start, goals)
+        search = _Drag(ready, body, arm, aim, self._loose(body, motion, within), until)
+        motion, settled, contacts = search.run(motion)
+        self._motion = motion
+        reached = search.grip(group.pose_of(motion))
+        blocking = dict.fromkeys(n for c in contacts if part in c.parts for n in c.parts if n != part)
+        x, y, z = reached.tolist()
+        whole = within is None or bool(search.bodies.moves.sum() == group.bodies.moves.sum())
+        distance = float(np.linalg.norm(np.subtract(target, reached)))
+        return SpatialDrag(motion, settled and (whole or not contacts), (x, y, z), distance, contacts, tuple(blocking))
+
+    def _begun(self, start: str, goals: Sequence[SpatialGoal] | None) -> Floats:
+        """Motion (n, 6) at which a drag begins."""
+        rest = np.zeros((len(self.ready.assembly.parts), 6))
+        if start == "answer" and self._end is not None and goals is not None:
+            ready, asked, motion = self._end
+            return motion if ready is self.ready and asked == tuple(goals) else rest
+        return self._motion if start == "here" and self._motion is not None else rest
+
+    def _loose(self, body: int, motion: Floats, within: int | None) -> RigidBodies:
+        """The bodies, those that are not among the nearest `within` of one of them held fast."""
+        group = self.ready.grouping
+        bodies = group.bodies
+        if within is None or within >= len(bodies.at):
+            return bodies
+        pose = group.pose_of(motion)
+        far = np.linalg.norm(pose.T - pose.T[body], axis=1)
+        near = np.zeros(len(far), dtype=bool)
+        near[np.argsort(far, kind="stable")[:within]] = True
+        return replace(bodies, free=bodies.free & near[:, None])
+
+
+@dataclass(eq=False)
+class _Drag:
+    """One drag of one body."""
+
+    ready: SpatialPrepared
+    body: int
+    arm: Floats
+    aim: Floats
+    bodies: RigidBodies
+    until: Deadline
+
+    def grip(self, pose: SpatialPose) -> Floats:
+        """Where the grip is (3,) [mm]."""
+        return np.asarray(pose.T[self.body] + pose.R[self.body] @ self.arm)
+
+    def run(self, motion: Floats) -> tuple[Floats, bool, tuple[SpatialContact, ...]]:
+        """Motion (n, 6) at the end, whether that settles it, and what holds it."""
+        group = self.ready.grouping
+        near = ARRIVED * self.ready.clearance
+        for _ in range(MAX_ROUNDS):
+            left = self.aim - self.grip(group.pose_of(motion))
+            distance = float(np.linalg.norm(left))
+            if distance <= near:
+                return motion, True, ()
+            ahead = self._straight(motion, left)
+            if ahead is not None:
+                motion = ahead
+                continue
+            after, done = self._solved(motion, distance)
+            now = float(np.linalg.norm(self.aim - self.grip(group.pose_of(after))))
+            if now >= distance:  # no nearer: it stays where it was
+                return motion, done is not None, done or ()
+            motion = after
+            if done is not None and now > distance * (1 - MIN_GAIN):
+                return motion, True, done
+            if self.until.is_set():
+                return motion, False, ()
+        return motion, True, ()
+
+    def _straight(self, motion: Floats, left: Floats) -> Floats | None:
+        """Motion after the body alone has gone straight, as its locks let it; None where it meets something or comes no nearer."""
+        step = left * self.bodies.free[self.body, :3]
+        if np.linalg.norm(left - step) >= np.linalg.norm(left) * (1 - MIN_GAIN):
+            return None
+        mine = np.flatnonzero(self.ready.grouping.body_of == self.body).tolist()
+        end = motion.copy()
+        end[mine, :3] += step
+        return None if self.ready.checker.doubtful(motion, end, first=True, only=mine) else end
+
+    def _solved(self, motion: Floats, distance: float) -> tuple[Floats, tuple[SpatialContact, ...] | None]:
+        """Motion as far as the way to the nearest point is free, and the contacts there; None where it is not the end."""
+        ready = self.ready
+        begin = ready.grouping.pose_of(motion)
+        goal = SpatialApproach(self.body, self.arm, self.aim, begin, self.bodies.radius, distance)
+        pieces = near_pieces(self.bodies, begin, REACH * ready.clearance)
+        program = build_planes(self.bodies, goal, pieces, length=ready.clearance, rest=begin)
+        solver = SeparatingPlaneSolver(
+            program, inside=True, most=ITERATIONS, tolerance=TOLERANCE, horizon=np.inf, stop=self.until
+        )
+        found = solver.solve()
+        way, whole = refined(ready, program, found.way or [program.start])
+        if ready.checker.overlaps(motion, way[0]):
+            return motion, None
+        ended = whole and found.status is SolverStatus.CONVERGED
+        return way[-1], _held(ready, program, found) if ended else None
+
+
+def _held(
+    ready: SpatialPrepared, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
+) -> tuple[SpatialContact, ...]:
+    """Contacts with their forces."""
+    return spatial_contacts(ready.assembly, ready.grouping, program, found)

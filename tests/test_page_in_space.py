@@ -1,0 +1,290 @@
+"""The page with an assembly in space, in a real browser against the real server."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import struct
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import wiggleroom as wr
+from tests.app_client import Served
+from tests.test_page import answered, visiting
+from wiggleroom.cli.options import QuestionOptions
+from wiggleroom.cli.serve_command import first_request
+
+pytestmark = pytest.mark.slow
+
+EXAMPLES = Path(__file__).parents[1] / "examples"
+LID = {
+    "format": "wiggleroom/2",
+    "gap": 0.4,
+    "parts": [
+        {
+            "name": "case",
+            "outline": [[0, 0], [60, 0], [60, 40], [0, 40]],
+            "holes": [[[10, 10], [50, 10], [50, 30], [10, 30]]],
+            "thickness": 20,
+            "fixed": True,
+        },
+        {"name": "block", "boxes": [[10, 10, 0, 50, 30, 36]], "lock": ["rx", "ry"]},
+    ],
+    "pull": [{"part": "block", "direction": [1, 0, 0]}],
+}
+"""A block that stands out of a frame of its size: with a gap g it moves by g in x and in y, and nothing stops it in z."""
+
+
+@pytest.fixture(scope="module")
+def lid(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
+    path = tmp_path_factory.mktemp("lid") / "lid.json"
+    path.write_text(json.dumps(LID))
+    one = Served(first_request(str(path), QuestionOptions()))
+    try:
+        yield one
+    finally:
+        one.close()
+
+
+def middle(page: Any) -> tuple[float, float]:
+    box = page.locator(".stage canvas").bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
+def picture(page: Any) -> bytes:
+    page.wait_for_timeout(300)
+    return page.locator(".stage").screenshot()
+
+
+def reached(page: Any) -> str:
+    """What the headline says when a drag has come to its end."""
+    page.locator("#answer", has_text=re.compile("moved")).wait_for(timeout=60_000)
+    return page.locator("#answer").inner_text()
+
+
+def saved(page: Any, words: str) -> bytes:
+    page.get_by_role("button", name="Save", exact=True).click()
+    with page.expect_download(timeout=60_000) as download:
+        page.get_by_role("menuitem", name=words).first.click()
+    return Path(download.value.path()).read_bytes()
+
+
+def test_it_opens_answers_and_turns_by_mouse_and_keys(browser: Any, lid: Served) -> None:
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        assert "no overlap, way from rest checked" in page.locator(".facts").first.inner_text()
+        before = picture(page)
+        x, y = middle(page)
+        page.mouse.move(x - 350, y + 200)
+        page.mouse.down()
+        page.mouse.move(x - 250, y + 160, steps=4)
+        page.mouse.up()
+        turned = picture(page)
+        assert turned != before
+        page.locator(".stage canvas").focus()
+        page.keyboard.press("ArrowLeft")
+        assert picture(page) != turned
+        page.keyboard.press("0")
+        assert "aria-label" in page.locator(".stage canvas").evaluate("c => c.getAttributeNames()")
+        answered(page, "block moves 0.4 mm in +x")  # looking changes no answer
+
+
+def test_a_dragged_part_stops_where_the_closed_form_says(browser: Any, lid: Served) -> None:
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        x, y = middle(page)
+        page.mouse.move(x, y)
+        page.mouse.down()
+        page.mouse.move(x + 160, y + 90, steps=8)
+        said = reached(page)
+        line = page.locator(".facts").first.inner_text()
+        page.mouse.up()
+        assert "held by case" in line
+        moved = float(re.search(r"moved ([\d.]+) mm", said).group(1))  # type: ignore[union-attr]
+        assert 0.3 < moved < 60  # it may also have risen out of the frame
+        assert page.locator(".selection .name").inner_text() == "block"
+        page.keyboard.press("Escape")
+        answered(page, "block moves 0.4 mm in +x")
+
+
+def test_gap_pull_twist_fix_and_extra_gap_by_hand(browser: Any, lid: Served) -> None:
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        page.get_by_label("gap, mm", exact=True).fill("0.8")
+        page.keyboard.press("Enter")
+        answered(page, "block moves 0.8 mm in +x")
+        page.get_by_label("axis for block").select_option("-y")
+        answered(page, "block moves 0.8 mm in -y")
+        page.keyboard.press(".")
+        page.locator(".stage canvas").focus()
+        page.keyboard.press(".")
+        page.get_by_label("what is asked of block").select_option("twist")
+        answered(page, "block turns")
+        page.get_by_label("axis for block").select_option("+z")
+        page.get_by_label("what is asked of block").select_option("pull")
+        answered(page, "nothing stops block in +z")
+        page.get_by_label("axis for block").select_option("other")
+        for axis, value in (("x", "0.6"), ("y", "0"), ("z", "0")):
+            box = page.get_by_label(f"{axis} of the direction for block")
+            if box.count():
+                box.fill(value)
+                page.keyboard.press("Enter")
+        answered(page, "block moves 0.8 mm in +x")
+        page.keyboard.press("Control+z")
+
+
+def test_check_plays_the_way_out_and_the_largest_gap_is_said(browser: Any, lid: Served) -> None:
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        page.get_by_role("tab", name="Come apart").click()
+        page.get_by_role("button", name="Check", exact=True).click()
+        page.locator(".verdict").wait_for(timeout=60_000)
+        assert page.locator(".verdict").inner_text().lower() == "comes apart"
+        assert page.locator("#answer").inner_text().startswith("block leaves straight in")
+        way = page.get_by_label("place on the way from rest")
+        first = way.input_value()
+        page.wait_for_timeout(200)
+        assert way.input_value() != first  # it plays
+        page.get_by_role("button", name="Find it").click()
+        page.locator(".strong", has_text="largest gap").wait_for(timeout=60_000)
+        assert "no gap holds it together" in page.locator(".strong", has_text="largest gap").inner_text()
+
+
+def test_the_exploded_view_and_seeing_past_a_part_change_the_picture_alone(browser: Any, lid: Served) -> None:
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        whole = picture(page)
+        page.get_by_label("exploded view").fill("1")
+        assert picture(page) != whole
+        page.get_by_label("exploded view").fill("0")
+        page.locator(".stage canvas").focus()
+        page.keyboard.press(".")  # chooses the first part
+        chosen = picture(page)
+        page.keyboard.press("h")
+        assert picture(page) != chosen
+        answered(page, "block moves 0.4 mm in +x")
+
+
+def test_a_part_is_dragged_by_keys_and_goes_back(browser: Any, lid: Served) -> None:
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        page.locator(".stage canvas").focus()
+        page.keyboard.press(".")
+        page.keyboard.press(".")
+        assert page.locator(".selection .name").inner_text() == "block"
+        for _ in range(3):
+            page.keyboard.press("Shift+ArrowUp")
+        assert "block moved" in reached(page)
+        page.keyboard.press("Escape")
+        answered(page, "block moves 0.4 mm in +x")
+
+
+def test_what_is_saved_is_what_is_seen(browser: Any, lid: Served, tmp_path: Path) -> None:
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        page.get_by_label("gap, mm", exact=True).fill("0.6")
+        page.keyboard.press("Enter")
+        answered(page, "block moves 0.6 mm in +x")
+        (tmp_path / "design.json").write_bytes(saved(page, "Assembly file"))
+        assert wr.flex(wr.read(tmp_path / "design.json")).objective == pytest.approx(0.6, abs=1e-6)
+        assert struct.unpack("<4s", saved(page, "Model of the moved parts")[:4]) == (b"glTF",)
+        assert json.loads(saved(page, "Answer in numbers"))["dimension"] == 3
+        assert b"<svg" in saved(page, "Picture")
+
+
+def test_an_upload_opens_no_other_file_and_says_so_in_one_line(browser: Any, lid: Served, tmp_path: Path) -> None:
+    (tmp_path / "pin.stl").write_text("solid pin\nendsolid pin\n")
+    parts = [{"name": "pin", "mesh": "pin.stl"}, {"name": "lid", "outline": "sheet.svg#lid", "thickness": 3}]
+    (tmp_path / "named.json").write_text(json.dumps({"format": "wiggleroom/2", "parts": parts}))
+    with visiting(browser, lid) as page:
+        answered(page, "block moves 0.4 mm in +x")
+        page.locator("#file").set_input_files(tmp_path / "named.json")
+        page.locator(".findings li").nth(1).wait_for(timeout=60_000)
+        lines = page.locator(".findings li").all_inner_texts()
+        assert len(lines) == 2
+        assert all("names another file, which is not opened" in line for line in lines)
+        answered(page, "block moves 0.4 mm in +x")  # what was open stays
+        (tmp_path / "own.json").write_text(json.dumps(LID | {"gap": 0.2}))
+        page.locator("#file").set_input_files(tmp_path / "own.json")
+        answered(page, "block moves 0.2 mm in +x")
+
+
+def test_a_file_that_names_meshes_opens_from_the_command_line(browser: Any) -> None:
+    path = EXAMPLES / "45_tetrahedra" / "plate.json"
+    served = Served(first_request(str(path), QuestionOptions(pull=("t3-3:+z",))))
+    try:
+        with visiting(browser, served) as page:
+            answered(page, "t3-3 moves 0.3519 mm in +z", 120)
+    finally:
+        served.close()
+
+
+def test_a_page_cannot_send_files_beside_a_drawing(lid: Served) -> None:
+    with lid.visit() as page:
+        text = base64.b64encode(json.dumps(LID).encode()).decode()
+        number = page.send("open", name="a.json", data=text, beside={"../x.stl": ""})
+        said = page.until(number, "failed")
+        assert "command line only" in said["findings"][0]
+
+
+def test_long_work_in_space_stops_within_a_second(lid: Served) -> None:
+    text = (EXAMPLES / "44_six_piece_burr" / "burr.json").read_bytes()
+    with lid.visit() as page:
+        page.until(page.send("open", name="burr.json", data=base64.b64encode(text).decode()), "opened")
+        page.design = {"fixed": ["stick1"], "goals": [{"part": "stick2", "direction": [1, 0, 0]}]}
+        page.ask("flex")  # kernels are there
+        for kind, more in (("check", {}), ("limit", {}), ("sample", {"spread": 0.01, "draws": 2000})):
+            page.send(kind, **more)
+            time.sleep(0.5)
+            began = time.perf_counter()
+            page.send("cancel", of=kind)
+            page.ask("release")
+            assert time.perf_counter() - began < 1.5
+
+
+def test_questions_of_drawings_are_refused_in_space_in_one_line(lid: Served) -> None:
+    with lid.visit() as page:
+        page.until(
+            page.send("open", name="lid.json", data=base64.b64encode(json.dumps(LID).encode()).decode()), "opened"
+        )
+        asked = [("reach", {"part": "block", "grip": [0, 0]}), ("wiggle", {}), ("plan", {}), ("prove", {})]
+        asked += [("space", {"a": "case", "b": "block"}), ("save", {"what": "cut-svg"})]
+        asked += [("drag", {"part": "block", "grip": [0, 0], "target": [1, 0]})]
+        for kind, more in asked:
+            said = page.until(page.send(kind, **more), "failed")
+            assert said["kind"] == "failed"
+            assert len(said["findings"]) == 1
+        page.design = {"fixed": ["case"], "goals": [{"part": "block", "turn": "cw"}]}
+        assert "three numbers" in page.until(page.send("flex"), "failed")["findings"][0]
+
+
+def test_axe_finds_nothing_in_light_dark_and_on_a_phone(browser: Any, lid: Served) -> None:
+    axe = Path(__file__).parents[1] / "web" / "node_modules" / "axe-core" / "axe.min.js"
+    if not axe.is_file():
+        pytest.skip("axe-core comes with the page's own packages: cd web && npm ci")
+    for width, height, scheme in ((1280, 720, "light"), (1440, 900, "dark"), (390, 844, "light")):
+        with visiting(browser, lid, bypass_csp=True, color_scheme=scheme) as page:
+            page.set_viewport_size({"width": width, "height": height})
+            answered(page, "block moves 0.4 mm in +x")
+            page.locator(".stage canvas").focus()
+            page.keyboard.press(".")
+            page.evaluate(axe.read_text())
+            assert page.evaluate("axe.run().then(r => r.violations.map(v => v.id))") == []
+            assert page.evaluate("document.documentElement.scrollWidth") <= width
+
+
+def test_the_samples_in_space_open(browser: Any) -> None:
+    served = Served(None)
+    try:
+        with visiting(browser, served) as page:
+            page.locator(".sample", has_text="burr").click()
+            answered(page, "stick3")
+            page.reload()
+            answered(page, "stick3")
+    finally:
+        served.close()
