@@ -54,7 +54,7 @@ class Corners:
 
 
 @dataclass(frozen=True, eq=False)
-class Joint:
+class CongruentJoint:
     """Strips of two bodies along each other, to look for in other pairs."""
 
     material: PairMaterial
@@ -141,7 +141,7 @@ class KnownJoints:
     """Joints that were met so far, found again by the angles of their corners."""
 
     def __init__(self) -> None:
-        self.joints: list[Joint] = []
+        self.joints: list[CongruentJoint] = []
         self._by_angle: dict[int, set[int]] = {}
 
     def congruence(self, material: PairMaterial) -> Congruence:
@@ -157,7 +157,7 @@ class KnownJoints:
                 motion = self.joints[number].motion_onto(pair, corners)
                 if motion is not None:
                     return Congruence(number, swapped, *motion)
-        return self._added(Joint(material))
+        return self._added(CongruentJoint(material))
 
     def _added(self, joint: Joint) -> Congruence:
         number = len(self.joints)
@@ -171,7 +171,7 @@ def _angle_keys(angles: Floats) -> list[int]:
     return np.round(angles / (10 * ANGLE_TOLERANCE)).astype(np.int64).tolist()
 
 
-def congruent_joints(materials: Sequence[PairMaterial]) -> tuple[list[Joint], list[Congruence]]:
+def congruent_joints(materials: Sequence[PairMaterial]) -> tuple[list[CongruentJoint], list[Congruence]]:
     """Joints that differ, and which of them each pair holds."""
     known = KnownJoints()
     found = [known.congruence(material) for material in materials]

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from wiggleroom.bound.congruent_joints import Congruence, KnownJoints
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.limited_tightening import tightened
-from wiggleroom.bound.outer_regions import Placement, links_about, material_of, placement
+from wiggleroom.bound.outer_regions import JointPlacement, links_about, material_of, placement
 from wiggleroom.bound.trigonometric_envelopes import support
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import Stop
@@ -137,7 +137,7 @@ def quick_bound(
     pockets = [m for m in made if m is not None]
     number = np.cumsum([m is not None for m in made]) - 1
     kind = np.full(len(first), -1, dtype=np.int64)
-    places: dict[int, Placement] = {}
+    places: dict[int, JointPlacement] = {}
     for c, one in zip(wanted.tolist(), held, strict=True):
         if made[one.joint] is not None:
             kind[c] = number[one.joint]

@@ -75,7 +75,7 @@ def outer_regions(
 
 
 @dataclass(frozen=True, eq=False)
-class Placement:
+class JointPlacement:
     """Where a joint lies in a pair of bodies.
 
     Parameters
@@ -92,16 +92,16 @@ class Placement:
     angle: float
 
 
-def placement(them: Bodies, a: int, b: int, pivot: Floats, held: Congruence) -> Placement:
+def placement(them: Bodies, a: int, b: int, pivot: Floats, held: Congruence) -> JointPlacement:
     """Placement of a joint in bodies `a` and `b`, of which `pivot` (2,) [mm] in the frame of `a` is the origin of the pair's material."""
     x, y, angle = them.rest[a]
     at = turn(pivot + held.shift, float(angle)) + np.array([x, y])
     one = b if held.swapped else a
     axes = float(angle + held.angle - them.rest[one, 2])
-    return Placement(held.swapped, turn(at - them.rest[one, :2], -float(them.rest[one, 2])), axes)
+    return JointPlacement(held.swapped, turn(at - them.rest[one, :2], -float(them.rest[one, 2])), axes)
 
 
-def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, places: Sequence[Placement]) -> JointConstraints:
+def links_about(them: Bodies, a: Ints, b: Ints, kind: Ints, places: Sequence[JointPlacement]) -> JointConstraints:
     """Links of pairs (P,) that have a region each, about the pivots of their joints."""
     swapped = np.array([p.swapped for p in places], dtype=bool)
     one, two = np.where(swapped, b, a), np.where(swapped, a, b)
