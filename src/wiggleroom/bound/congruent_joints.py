@@ -159,7 +159,7 @@ class KnownJoints:
                     return Congruence(number, swapped, *motion)
         return self._added(CongruentJoint(material))
 
-    def _added(self, joint: Joint) -> Congruence:
+    def _added(self, joint: CongruentJoint) -> Congruence:
         number = len(self.joints)
         self.joints.append(joint)
         for key in _angle_keys(joint.reference_angles):
