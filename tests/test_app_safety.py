@@ -302,3 +302,13 @@ def test_processes_may_not_take_all_memory() -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     assert resource.RLIM_INFINITY != int(done.stdout) <= whole / 2
+
+
+@pytest.mark.parametrize(("option", "text"), [("ignore", "a,b"), ("gap_of", "a,b:0.1")])
+def test_serve_says_which_options_it_does_not_take(option, text):
+    from wiggleroom.cli.options import QuestionOptions
+    from wiggleroom.cli.serve_command import first_request
+    from wiggleroom.errors import InputError
+
+    with pytest.raises(InputError, match="is not taken; write"):
+        first_request("examples/drawings/pyjigsaw_4x5.svg", QuestionOptions(**{option: (text,)}))

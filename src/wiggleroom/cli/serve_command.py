@@ -72,9 +72,13 @@ def first_request(file: str, asked: QuestionOptions) -> bytes:
     from wiggleroom.errors import InputError
     from wiggleroom.questions import is_spatial_file
 
-    if is_spatial_file(file):
-        if asked.ignore:
-            raise InputError('serve: --ignore is not taken in space; write "ignore" in the file')
+    in_space = is_spatial_file(file)
+    for option, given, field in (("ignore", asked.ignore, "ignore"), ("gap-of", asked.gap_of, "gaps")):
+        if given:
+            where = "the file" if in_space else f"an assembly file, as wiggleroom convert --{option} does,"
+            message = f'serve: --{option} is not taken; write "{field}" in {where} and open that'
+            raise InputError(message)
+    if in_space:
         return first_open_in_space(Path(file), read_in_space(file, asked).drawing)
     drawing = asked_drawing(file, asked)
     return first_open(Path(file), drawing, asked.unit, asked.flatten, asked.gap, read_options(asked))
