@@ -10,7 +10,7 @@ import wiggleroom as wr
 from tests.flexing import random_assembly
 from tests.oracle import random_joints
 from tests.oracle.slices import Slices
-from wiggleroom.bound.congruent_joints import Joint, congruent_joints
+from wiggleroom.bound.congruent_joints import CongruentJoint, congruent_joints
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.freespace.outer.outer_region import outer_region, pivot_of
 from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of
@@ -76,7 +76,7 @@ def test_strips_lie_in_their_bodies_and_have_no_edges_without_direction(seed: in
     ground = survey(random_assembly(seed))
     for a, b, clearance in zip(ground.near.a, ground.near.b, ground.near.clearance, strict=True):
         whole = PairMaterial(ground.geometry[a], ground.geometry[b], float(clearance))
-        strips = Joint(whole).strips
+        strips = CongruentJoint(whole).strips
         for strip, body in ((strips.a, whole.a), (strips.b, whole.b)):
             assert strip.is_valid
             assert shapely.difference(strip, shapely.buffer(body, whole.margin)).area == 0
@@ -92,7 +92,7 @@ def test_regions_of_strips_hold_all_true_slices(seed: int) -> None:
     clearance = float(shapely.distance(a, seen))
     pivot, lever = pivot_of(a, seen, 3 * clearance)
     whole = PairMaterial(*(shapely.transform(g, lambda p: p - pivot) for g in (a, seen)), clearance)
-    region = outer_region(Joint(whole).strips, lever, 4.0)
+    region = outer_region(CongruentJoint(whole).strips, lever, 4.0)
     if region is None:
         return
     slices = Slices(a, b, tuple(apart))

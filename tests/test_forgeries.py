@@ -131,9 +131,9 @@ def one_body_of_two_names_and_one_outline() -> Content:
 
 
 def a_slot_filled() -> Content:
-    """A triangle more on the last tab leaves it a tenth of its room."""
+    """A triangle more on the last tab leaves it a fifth of its room."""
     made = wr.assemble(four()).parts
-    outer, tip = made[3].regions[0].outer, [[-0.60, 0.150], [-0.605, 0.1312], [-0.595, 0.1272]]
+    outer, tip = made[3].regions[0].outer, [[-0.60, 0.146], [-0.605, 0.1312], [-0.595, 0.1272]]
     whole = shapely.union_all([shapely.Polygon(outer), shapely.Polygon(tip)])
     ring = shapely.get_coordinates(shapely.orient_polygons(whole))[:-1]
     parts = (*made[:3], dataclasses.replace(made[3], regions=(wr.Region(ring),)))
@@ -720,7 +720,7 @@ def multipliers(change: Callable[[list], None]) -> Forgery:
 
 
 def scaled(*factors: int, goal: float = 1.0, unit: float = 1.0) -> Forgery:
-    """Forgery of force (x, y), moment, both slopes and both couplings."""
+    """Forgery of force (x, y), moment, both slopes, both couplings and the curvature."""
 
     def change(row: list) -> None:
         row[0] *= unit
@@ -751,17 +751,20 @@ PROOFS: dict[str, Forgery] = {
     "as it is": lambda c: None,
     "no multipliers": put("proof", best(NOTHING)),
     "no multipliers in any": multipliers(lambda row: row.__setitem__(2, [])),
-    "no forces": scaled(0, 0, 1, 1, 1, 1, 1),
-    "twice the forces": scaled(2, 2, 1, 1, 1, 1, 1),
-    "forces the other way": scaled(-1, -1, 1, 1, 1, 1, 1),
-    "no moments": scaled(1, 1, 0, 1, 1, 1, 1),
-    "twice the moments": scaled(1, 1, 2, 1, 1, 1, 1),
-    "moments the other way": scaled(1, 1, -1, 1, 1, 1, 1),
-    "no slopes": scaled(1, 1, 1, 0, 0, 1, 1),
-    "slopes the other way": scaled(1, 1, 1, -1, -1, 1, 1),
-    "no couplings": scaled(1, 1, 1, 1, 1, 0, 0),
-    "couplings the other way": scaled(1, 1, 1, 1, 1, -1, -1),
-    "couplings exchanged": multipliers(lambda row: row.__setitem__(2, [[*r[:6], r[7], r[6]] for r in row[2]])),
+    "no forces": scaled(0, 0, 1, 1, 1, 1, 1, 1),
+    "twice the forces": scaled(2, 2, 1, 1, 1, 1, 1, 1),
+    "forces the other way": scaled(-1, -1, 1, 1, 1, 1, 1, 1),
+    "no moments": scaled(1, 1, 0, 1, 1, 1, 1, 1),
+    "twice the moments": scaled(1, 1, 2, 1, 1, 1, 1, 1),
+    "moments the other way": scaled(1, 1, -1, 1, 1, 1, 1, 1),
+    "no slopes": scaled(1, 1, 1, 0, 0, 1, 1, 1),
+    "slopes the other way": scaled(1, 1, 1, -1, -1, 1, 1, 1),
+    "no couplings": scaled(1, 1, 1, 1, 1, 0, 0, 1),
+    "couplings the other way": scaled(1, 1, 1, 1, 1, -1, -1, 1),
+    "no curvatures": scaled(1, 1, 1, 1, 1, 1, 1, 0),
+    "twice the curvatures": scaled(1, 1, 1, 1, 1, 1, 1, 2),
+    "curvatures the other way": scaled(1, 1, 1, 1, 1, 1, 1, -1),
+    "couplings exchanged": multipliers(lambda row: row.__setitem__(2, [[*r[:6], r[7], r[6], *r[8:]] for r in row[2]])),
     "all halved": scaled(unit=0.5),
     "all doubled": scaled(unit=2.0, goal=2.0),
     "all the other way": scaled(unit=-1.0),

@@ -149,6 +149,7 @@ def test_no_bound_below_a_checked_motion_often(seed):
     look(seed)
 
 
+@pytest.mark.searches
 @pytest.mark.parametrize("how", [mirrored, lambda d: scaled(d, 100.0), lambda d: displaced(d, 0.7, (300.0, -200.0))])
 def test_same_chain_otherwise(how):
     drawing = row_of([blocks.block("swallowtail", 0.02)] * 5)
@@ -158,6 +159,7 @@ def test_same_chain_otherwise(how):
     )  # how far it is tightened hangs on the iterations of the search
 
 
+@pytest.mark.searches
 def test_stated_in_json_terminal_and_picture(tmp_path, capsys, command):
     file, out, picture = (tmp_path / name for name in ("chain.json", "out.json", "out.svg"))
     assert command("make", "chain", "10", "--joint", "tee", "--gap", "0.02", "-o", file) == 0
@@ -207,6 +209,7 @@ def test_studies_ask_for_none():
     assert answer.at_most is None
 
 
+@pytest.mark.searches
 def test_a_proof_that_finds_nothing_leaves_the_quick_bound():
     answer = wr.flex(wr.patterns.chain(10, joint="tee", gap=0.01))
     done = wr.prove(answer, 0.001, seconds=1e-6)
