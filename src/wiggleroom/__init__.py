@@ -4,7 +4,7 @@
 >>> assembly = wr.patterns.chain(3, joint="tee", gap=0.02)
 >>> answer = wr.flex(assembly, wr.Pull("b3", (0, 1)))
 >>> str(answer.verdict)
-'optimal'
+'proven'
 """
 
 from __future__ import annotations

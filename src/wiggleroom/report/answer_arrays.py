@@ -26,7 +26,7 @@ def answer_arrays(answer: Answer) -> dict[str, NDArray[Any]]:
     >>> import wiggleroom as wr
     >>> arrays = answer_arrays(wr.flex(wr.patterns.chain(3, gap=0.02)))
     >>> arrays["motion"].shape, str(arrays["verdict"])
-    ((3, 3), 'optimal')
+    ((3, 3), 'proven')
     """
     names = answer.assembly.names
     place = {name: k for k, name in enumerate(names)}
