@@ -14,15 +14,25 @@ from playwright.sync_api import sync_playwright
 
 ROOT = Path(__file__).parents[2]
 SERVE = "import sys; from wiggleroom.cli import main; sys.exit(main())"
-ASKED = ["serve", "examples/drawings/pyjigsaw_4x5.svg", "--gap", "1", "--fix", "p1", "--pull", "p20:+x", "--no-browser"]
+JIGSAW = [
+    "serve",
+    "examples/drawings/pyjigsaw_4x5.svg",
+    "--gap",
+    "1",
+    "--fix",
+    "p1",
+    "--pull",
+    "p20:+x",
+    "--no-browser",
+]
+BOX = ["serve", "examples/40_box_with_a_lid/box.json", "--pull", "lid:+x", "--no-browser"]
 
 
-IN_SPACE = ["serve", "examples/40_box_with_a_lid/box.json", "--pull", "lid:+x", "--no-browser"]
-
-
-def draw_in_space() -> None:
-    """Serve the box, drag its lid, and keep what is seen."""
-    program = subprocess.Popen([sys.executable, "-c", SERVE, *IN_SPACE], cwd=ROOT, stdout=subprocess.PIPE, text=True)
+def draw_dragged(
+    words: list[str], grip: tuple[float, float], by: tuple[int, int], rest: int, name: str, gaps: tuple[str, ...] = ()
+) -> None:
+    """Serve a file, drag what lies at `grip` (shares of the stage) `by` pixels, and keep what is seen after a `rest` [ms]."""
+    program = subprocess.Popen([sys.executable, "-c", SERVE, *words], cwd=ROOT, stdout=subprocess.PIPE, text=True)
     assert program.stdout is not None
     try:
         address = program.stdout.readline().strip()
@@ -31,15 +41,19 @@ def draw_in_space() -> None:
             page = browser.new_page(viewport={"width": 1280, "height": 800}, color_scheme="light")
             page.goto(address)
             page.locator("#answer[data-settled=true]").wait_for(timeout=120_000)
+            for gap in gaps:  # the curve grows
+                page.fill(".gapbox input", gap)
+                page.press(".gapbox input", "Enter")
+                page.wait_for_timeout(2500)
             box = page.locator(".stage canvas").bounding_box()
             assert box is not None
-            x, y = box["x"] + 0.5 * box["width"], box["y"] + 0.42 * box["height"]
+            x, y = box["x"] + grip[0] * box["width"], box["y"] + grip[1] * box["height"]
             page.mouse.move(x, y)
             page.mouse.down()
-            page.mouse.move(x + 80, y - 30, steps=12)
+            page.mouse.move(x + by[0], y + by[1], steps=12)
             page.locator("#answer", has_text="moved").wait_for()
-            page.wait_for_timeout(1000)
-            page.screenshot(path=ROOT / "docs" / "pictures" / "page_in_space.png")
+            page.wait_for_timeout(rest)
+            page.screenshot(path=ROOT / "docs" / "pictures" / name)
             browser.close()
     finally:
         program.terminate()
@@ -47,34 +61,9 @@ def draw_in_space() -> None:
 
 
 def main() -> None:
-    """Serve the jigsaw, drag one of its pieces, and keep what is seen."""
-    draw_in_space()
-    program = subprocess.Popen([sys.executable, "-c", SERVE, *ASKED], cwd=ROOT, stdout=subprocess.PIPE, text=True)
-    assert program.stdout is not None
-    try:
-        address = program.stdout.readline().strip()
-        with sync_playwright() as play:
-            browser = play.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
-            page = browser.new_page(viewport={"width": 1280, "height": 800}, color_scheme="light")
-            page.goto(address)
-            page.locator("#answer[data-settled=true]").wait_for()
-            for gap in ("0.5", "1.5", "1"):  # the curve grows
-                page.fill(".gapbox input", gap)
-                page.press(".gapbox input", "Enter")
-                page.wait_for_timeout(2500)
-            box = page.locator(".stage canvas").bounding_box()
-            assert box is not None
-            x, y = box["x"] + 0.49 * box["width"], box["y"] + 0.45 * box["height"]
-            page.mouse.move(x, y)
-            page.mouse.down()
-            page.mouse.move(x + 110, y - 60, steps=12)
-            page.locator("#answer", has_text="moved").wait_for()
-            page.wait_for_timeout(7000)  # notes have gone
-            page.screenshot(path=ROOT / "docs" / "pictures" / "page.png")
-            browser.close()
-    finally:
-        program.terminate()
-        program.wait(20)
+    """Draw both pictures."""
+    draw_dragged(BOX, (0.5, 0.42), (80, -30), 1000, "page_in_space.png")
+    draw_dragged(JIGSAW, (0.49, 0.45), (110, -60), 7000, "page.png", ("0.5", "1.5", "1"))  # by then notes have gone
 
 
 if __name__ == "__main__":

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import msgspec
 import numpy as np
@@ -17,6 +18,9 @@ from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import FlexReply, Opened, Outline, PartShape
 from wiggleroom.schema.requests import Design, Goals
 from wiggleroom.search.answer import Answer, Contact
+
+if TYPE_CHECKING:
+    from wiggleroom.spatial.spatial_answer import SpatialAnswer
 
 OUTLINE_DIGITS = 7
 """Outlines are told to so many digits of the drawing's size: no finer than eyes and screens."""
@@ -65,16 +69,30 @@ def digits_of(size: float) -> int:
 
 def answer_message(answer: Answer, command: str) -> FlexReply:
     """What an answer says, in the words of the commands."""
+    return flex_reply(
+        answer, command, headline(answer), facts(answer), answer_sure(answer), contacts_message(answer.contacts)
+    )
+
+
+def flex_reply(
+    answer: Answer | SpatialAnswer,
+    command: str,
+    headline: str,
+    facts: list[str],
+    sure: list[tuple[str, str]],
+    contacts: list[ContactEntry],
+) -> FlexReply:
+    """An answer of either dimension with its words and contacts."""
     return FlexReply(
         objective=answer.objective,
         verdict=answer.verdict,
-        headline=headline(answer),
-        facts=facts(answer),
-        sure=answer_sure(answer),
+        headline=headline,
+        facts=facts,
+        sure=sure,
         at_most=answer.at_most,
         leaves=list(answer.leaves),
         turns=list(answer.turns),
-        contacts=contacts_message(answer.contacts),
+        contacts=contacts,
         collision_free=bool(answer.collision_free),
         path=answer.path,
         seconds=answer.seconds.get("total", 0.0),

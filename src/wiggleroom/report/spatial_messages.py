@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.report.answer_words import few, number, unit
+from wiggleroom.report.page_messages import flex_reply
 from wiggleroom.report.solid_page import packed
 from wiggleroom.report.spatial_table import (
     check_sentence,
@@ -105,20 +106,13 @@ def solids_message(assembly: SpatialAssembly) -> Solids:
 
 def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:
     """What an answer says, in the words of the commands."""
-    return FlexReply(
-        objective=answer.objective,
-        verdict=answer.verdict,
-        headline=spatial_headline(answer),
-        facts=spatial_facts(answer),
-        sure=spatial_sure(answer),
-        at_most=answer.at_most,
-        leaves=list(answer.leaves),
-        turns=list(answer.turns),
-        contacts=spatial_contacts_message(answer.contacts),
-        collision_free=bool(answer.collision_free),
-        path=answer.path,
-        seconds=answer.seconds.get("total", 0.0),
-        command=command,
+    return flex_reply(
+        answer,
+        command,
+        spatial_headline(answer),
+        spatial_facts(answer),
+        spatial_sure(answer),
+        spatial_contacts_message(answer.contacts),
     )
 
 

@@ -91,7 +91,9 @@ def solve_with_ipopt(
     if watch.status:
         status = watch.status
     else:
-        watch.see(np.array(out["x"]).ravel(), 0.0, np.array(out["g"]).ravel(), -np.array(out["lam_g"]).ravel())
+        watch.see(
+            np.array(out["x"]).ravel(), -float(out["f"]), np.array(out["g"]).ravel(), -np.array(out["lam_g"]).ravel()
+        )
         status = SolverStatus.CONVERGED if solver.stats()["success"] else SolverStatus.FAILED
     return _solution(program, watch, status, unit)
 
