@@ -252,7 +252,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
   if (about.design === design.peek()) {
     state.waiting.value = false;
     state.answer.value = about;
-    if (reply.settled && reply.objective && reply.at_most === null && state.can("prove")) ask("bound", { design: about.design });
+    if (reply.settled && reply.objective && reply.at_most === null && !inSpace() && state.can("prove")) ask("bound", { design: about.design });
     if (trouble === "flex") state.findings.value = [];
     if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       magnify(reachOf(ways[0]));

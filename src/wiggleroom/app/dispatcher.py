@@ -35,7 +35,7 @@ ANSWERS = {
     "save": "save_requests",
 }
 """Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
-OF_DRAWINGS = ("reach", "wiggle", "plan", "prove", "space")
+OF_DRAWINGS = ("reach", "wiggle", "plan", "prove", "bound", "space")
 """What is not answered in space."""
 
 
