@@ -46,7 +46,7 @@ LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
 CARRYING_ASSEMBLY = 100
 """In larger assemblies rounds begin with multipliers."""
-AUDIT_EVERY = 1.2e-3
+AUDIT_EVERY = 2e-3
 """Between two audits of a path that is still growing lie so many seconds of processor time for each body: each costs a fiftieth of that
 beyond the audit of its pieces, which is not repeated at the end."""
 FULL_TURN = 2.0 * np.pi + 0.5

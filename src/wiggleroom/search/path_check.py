@@ -27,8 +27,8 @@ MAX_SPLITS = 12
 """A piece of the path is halved at most this often."""
 SPLIT_BATCH = 32
 """So many pieces are halved before the audit looks again, the first ones first: where one of them fails, the rest is of no use."""
-LATE_PIECES = 10_000
-"""So many pieces, times bodies, are audited at once after a request to stop: about a tenth of a second."""
+LATE_PIECES, MIN_LATE_PIECES = 40_000, 4
+"""So many pieces, times bodies, are audited at once after a request to stop, but no fewer pieces: some tenths of a second."""
 MAX_UNKNOWN_SPLITS = 3
 """The same where the pair that may overlap on it is not in its program."""
 
@@ -158,7 +158,7 @@ def _audited(
     before = begun[:-1]
     while True:
         stopped = stop is not None and stop.is_set()
-        end = len(points) if not stopped else 1 + max(1, LATE_PIECES // len(ready.bodies.fixed))
+        end = len(points) if not stopped else 1 + max(MIN_LATE_PIECES, LATE_PIECES // len(ready.bodies.fixed))
         ahead, rest = points[:end], points[end:]
         audit = audit_path(ready.outlines, _waypoints(ready, segments, ahead), late)
         free = audit.free
