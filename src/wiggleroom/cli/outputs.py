@@ -89,7 +89,7 @@ class StudyOutputs(PictureOutputs):
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
 class FilmOutputs(StudyOutputs):
-    """The same of what has ways, and so films.
+    """The same of what has paths, and so films.
 
     Parameters
     ----------

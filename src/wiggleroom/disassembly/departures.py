@@ -28,22 +28,22 @@ Burden = Callable[[Floats, NDArray[np.bool_], Ints], int]
 
 @dataclass(frozen=True, eq=False)
 class Departure:
-    """Parts that leave together, and the way to there.
+    """Parts that leave together, and the path to there.
 
     Parameters
     ----------
     parts : (k,) int64
-    way : (k, n, 3) float64 [mm, mm, rad]
+    path : (k, n, 3) float64 [mm, mm, rad]
         Motions of all parts about their reference points, from where the departure before ended (the first from rest) to where `parts`
         are beyond all others; straight in between. Parts that left before stay where they were put, out of the game.
     there : (n,) bool
         Parts that had not left before.
     moves : (k - 1,) int64
-        Number of the move that each piece of the way belongs to.
+        Number of the move that each piece of the path belongs to.
     """
 
     parts: Ints
-    way: Floats
+    path: Floats
     there: NDArray[np.bool_]
     moves: Ints
 
@@ -62,7 +62,7 @@ class Disassembly:
     around : Enclosed or None
         What lies in closed holes among them.
     questions, unanswered : int
-        Largest motions that were searched in all stages, and how many of them found no end whose way is certain.
+        Largest motions that were searched in all stages, and how many of them found no end whose path is certain.
     states, turned : int
         States to which slides and turns of single bodies led, and those in which every body was turned both ways.
     """
@@ -147,19 +147,19 @@ def disassemble(
         so_far.unanswered += stage.unanswered
         so_far.states += stage.states
         so_far.turned += stage.turned
-        if stage.way is None:
+        if stage.path is None:
             return _ended(so_far, stage, around)
         bodies = ground.bodies
         who = np.array([p for b in stage.who for p in bodies.members[b]])
-        way = np.repeat(so_far.motion[None], len(stage.way), 0)
-        way[:, alive] += of_parts(left, bodies, stage.way)
+        path = np.repeat(so_far.motion[None], len(stage.path), 0)
+        path[:, alive] += of_parts(left, bodies, stage.path)
         there = np.zeros(n, dtype=np.bool_)
         there[alive] = True
-        so_far.departures.append(Departure(np.sort(alive[who]), way, there, stage.moves))
-        so_far.motion = way[-1]
+        so_far.departures.append(Departure(np.sort(alive[who]), path, there, stage.moves))
+        so_far.motion = path[-1]
         effort = replace(effort, passages=PassagesByGap())  # the others lie elsewhere now
         stay = np.setdiff1d(np.arange(len(alive)), who)
-        so_far.left = without(displaced(left, of_parts(left, bodies, stage.way)[-1]), who)
+        so_far.left = without(displaced(left, of_parts(left, bodies, stage.path)[-1]), who)
         so_far.alive = alive[stay]
         wanted -= set(names[alive[who]])
         alone = len(np.unique(bodies.body_of[stay])) < 2 or all(p.fixed for p in so_far.left.parts)

@@ -207,8 +207,8 @@ def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Fl
 
 
 def _states(step: Step) -> Iterator[Floats]:
-    """States on the way of a step, from its beginning to its end."""
-    yield step.way[0]
-    for one, other in pairwise(step.way):
+    """States on the path of a step, from its beginning to its end."""
+    yield step.path[0]
+    for one, other in pairwise(step.path):
         for t in np.arange(1, LOOKS + 1) / LOOKS:
             yield one + t * (other - one)

@@ -1,4 +1,4 @@
-"""Plans: in which order and along which ways parts are taken apart, and, backwards, put together."""
+"""Plans: in which order and along which paths parts are taken apart, and, backwards, put together."""
 
 from __future__ import annotations
 
@@ -88,11 +88,11 @@ class Plan(Drawable):
         return tuple(step.leaves for step in self.steps if step.leaves)
 
     @property
-    def way(self) -> Floats:
+    def path(self) -> Floats:
         """Motions (k, n, 3) [mm, mm, rad] of all parts along the whole plan, from rest."""
         if not self.steps:
             return np.zeros((1, len(self.assembly.parts), 3))
-        return np.concatenate([self.steps[0].way[:1], *(step.way[1:] for step in self.steps)])
+        return np.concatenate([self.steps[0].path[:1], *(step.path[1:] for step in self.steps)])
 
 
 def plan(
@@ -104,7 +104,7 @@ def plan(
     progress: Callable[[Progress], None] | None = None,
     seconds: float | None = None,
 ) -> Plan:
-    """Plan how an assembly is taken apart: which parts leave, in which order, along which ways.
+    """Plan how an assembly is taken apart: which parts leave, in which order, along which paths.
 
     Fixed parts stand; where none is fixed, the largest part stands.
 

@@ -39,7 +39,7 @@ class PlanSample:
     plan : Plan
     spread : Spread
     clearance : (d,) float64 [mm]
-        Least clearance of every draw on the ways of the plan as they are; not above 0 where it does not go together.
+        Least clearance of every draw on the paths of the plan as they are; not above 0 where it does not go together.
     failing : tuple of int
         In how many draws each step, from the first, is the one that does not go; the last entry: where parts overlap at rest.
     """
@@ -74,7 +74,7 @@ class PlanRanking:
     parts : tuple of names
         The most important first.
     gain : (n,) float64 [mm per mm]
-        How much the least clearance of the plan, its ways fitted anew, grows per mm of extra gap round each of these parts.
+        How much the least clearance of the plan, its paths fitted anew, grows per mm of extra gap round each of these parts.
     """
 
     plan: Plan
@@ -108,7 +108,7 @@ class SmallestGap:
 
 
 def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, stop: Stop | None = None) -> PlanSample:
-    """How often parts whose gaps vary go together along the ways of a plan.
+    """How often parts whose gaps vary go together along the paths of a plan.
 
     Parameters
     ----------
@@ -150,7 +150,7 @@ def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, 
 
 
 def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
-    """Which gap to enlarge so that a plan has more room: extra gap round one part after the other, ways fitted anew.
+    """Which gap to enlarge so that a plan has more room: extra gap round one part after the other, paths fitted anew.
 
     Raises
     ------
@@ -175,7 +175,7 @@ def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
 
 
 def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
-    """The smallest gap of the whole assembly at which a plan works, its ways fitted anew at every gap.
+    """The smallest gap of the whole assembly at which a plan works, its paths fitted anew at every gap.
 
     Raises
     ------
@@ -216,7 +216,7 @@ def _at_gap(
     fitted = eased(made, ground, steps)
     for k, step in enumerate(fitted):
         there = np.flatnonzero(step.there)
-        audit = audit_path(only(made, there), step.way[:, there])
+        audit = audit_path(only(made, there), step.path[:, there])
         if not audit.free:
             first = audit.piece.argmin()
             return None, (k, (made.names[there[audit.a[first]]], made.names[there[audit.b[first]]]))
@@ -234,7 +234,7 @@ def _least(assembly: Assembly, steps: tuple[Step, ...]) -> tuple[float, int]:
     ground, found = survey(assembly), []
     for k, step in enumerate(steps):
         there = np.flatnonzero(step.there)
-        if not audit_path(only(assembly, there), step.way[:, there]).free:
+        if not audit_path(only(assembly, there), step.path[:, there]).free:
             return 0.0, k
         found.append(measured(assembly, ground, step).clearance)
     return min(found), int(np.argmin(found))

@@ -14,7 +14,7 @@ FILMS = (".gif", ".mp4", FILM_SVG)
 PAGE = ".html"
 ANSWERS = (*STILLS, *FILMS, PAGE)
 STUDIES = (*STILLS, PAGE)
-"""Endings of pictures of an answer, and of everything that has no way to make a film of."""
+"""Endings of pictures of an answer, and of everything that has no path to make a film of."""
 
 
 def ending(path: PurePath) -> str:

@@ -210,10 +210,10 @@ def _study(found: StudyReply) -> dict[str, Any]:
 
 
 def _check(checked: Checked, command: str) -> dict[str, Any]:
-    """A verdict with the ways of those that leave."""
+    """A verdict with the paths of those that leave."""
     found = checked.found
-    ways = [packed_frames(found.assembly, escape.path) for escape in found.escapes]
-    return {"check": StandaloneCheck(check_message(found, command, checked.border), ways)}
+    paths = [packed_frames(found.assembly, escape.path) for escape in found.escapes]
+    return {"check": StandaloneCheck(check_message(found, command, checked.border), paths)}
 
 
 def _about(answer: Answer, command: str) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Which gap a maker may leave: the largest that keeps a motion small or the parts together, the smallest that fits.
 
 Parts only get smaller as the gap grows, so what can be moved at one gap can be moved at any larger one: the largest motion never
-falls, a way apart stays one, and parts that fit beside each other still do. Each question therefore has one border, which is
+falls, a path apart stays one, and parts that fit beside each other still do. Each question therefore has one border, which is
 enclosed between a gap that answers it and one that was seen not to.
 """
 
