@@ -161,8 +161,8 @@ def read_question(
     return assembly
 
 
-def see_no_page(file: str, *places: Path | None, spatial: bool = False) -> None:
-    """See that no page is asked for of curves in space; with `spatial` the file is known to be in space.
+def refuse_page(file: str, *places: Path | None, spatial: bool = False) -> None:
+    """Check that no page is asked for of curves in space; with `spatial` the file is known to be in space.
 
     Raises
     ------

@@ -50,7 +50,7 @@ class SheetOptions:
         return bool(self.thickness) or self.hints is not None
 
     def check(self, file: str, *, in_plane: bool = False) -> None:
-        """See that the options go with the file; whether burn alone makes sense, as it does for a puzzle in the plane.
+        """Check that the options go with the file; whether burn alone makes sense, as it does for a puzzle in the plane.
 
         Raises
         ------

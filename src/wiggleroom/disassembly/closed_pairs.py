@@ -151,7 +151,9 @@ def _slides_apart(ready: Prepared, a: int, b: int, stop: Stop | None) -> bool:
     return found.path is not None
 
 
-def surer(ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None) -> ClosedPairs:
+def decide_more_pairs(
+    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None
+) -> ClosedPairs:
     """Look again, with many more boxes, at pairs that were not decided, for as long as that can still tie all bodies together.
 
     The group with the fewest such pairs comes first: where none of them is closed, the others need not be looked at.

@@ -14,9 +14,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.disassembly.clearance import distances
-from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
+from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
 from wiggleroom.disassembly.enclosure import enclosed_by_held
-from wiggleroom.disassembly.explore import EXIT_TESTS, MAX_QUESTIONS, ask, escape_path, explore
+from wiggleroom.disassembly.escape_search import EXIT_TESTS, MAX_QUESTIONS, ask, escape_path, search_for_escape
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
@@ -120,7 +120,7 @@ def next_stage(
     targets: Ints,
     stop: Stop | None,
     tell: Callable[[Progress], None],
-    burden: Callable[[Ints], int] | None = None,
+    holding_cost: Callable[[Ints], int] | None = None,
 ) -> Stage:
     """The next parts that leave, those first that are cheapest to find.
 
@@ -146,7 +146,7 @@ def next_stage(
     still = MoveSequence(rest, NO_BODIES)
     tell(Progress("straight ways"))
     found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
-    first = _roomiest(ground, found, targets, burden)
+    first = _with_largest_clearance(ground, found, targets, holding_cost)
     if first is not None and _wanted(first.who, targets):
         return _leave(assembly, ground, still, first)
     tell(Progress("slides"))
@@ -163,14 +163,16 @@ def next_stage(
     return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
 
 
-def _roomiest(
-    ground: Survey, found: list[TranslationEscape], targets: Ints, burden: Callable[[Ints], int] | None
+def _with_largest_clearance(
+    ground: Survey, found: list[TranslationEscape], targets: Ints, holding_cost: Callable[[Ints], int] | None
 ) -> TranslationEscape | None:
     """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not.
 
     Those of the least burden come first, where that is asked.
     """
-    order = [(not _wanted(e.who, targets), 0 if burden is None else burden(e.who), len(e.who)) for e in found]
+    order = [
+        (not _wanted(e.who, targets), 0 if holding_cost is None else holding_cost(e.who), len(e.who)) for e in found
+    ]
     best = [e for e, place in zip(found, order, strict=True) if place == min(order)]
     if len(best) < 2:
         return best[0] if best else None
@@ -236,11 +238,11 @@ def _beyond_slides(
         out = None if rigid.path is None else escape_path(ready, stands, known.group, rigid.path, stop=stop)
         if out is not None and (stage := _leave_moving(assembly, ground, still, *out)).path is not None:
             return stage
-    known = surer(ready, known, effort.passages, stop)
+    known = decide_more_pairs(ready, known, effort.passages, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     loose = slid.states > 1 and slid.whole and slid.on_lattice
-    searched = explore(simpler, stands, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
+    searched = search_for_escape(simpler, stands, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
     if searched.path is not None and searched.exit is not None:
         path = of_bodies(assembly, bodies, of_parts(assembly, simpler.bodies, searched.path))
         stage = _leave_moving(assembly, ground, still, path, searched.exit)

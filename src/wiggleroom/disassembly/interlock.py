@@ -16,9 +16,9 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.departures import Departure, Disassembly, disassemble
+from wiggleroom.disassembly.disassembly_sequence import Departure, Disassembly, disassemble
 from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
-from wiggleroom.disassembly.explore import MAX_QUESTIONS
+from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.drawing.model import Turn

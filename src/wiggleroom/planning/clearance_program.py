@@ -29,7 +29,7 @@ SAMPLE_DISTANCE = 0.04
 MAX_SAMPLES = 40
 REACH = 4.0
 """Corners nearer than this multiple of the clearance, and of how far way-points may move, count."""
-PLENTY = 1.0
+SUFFICIENT_CLEARANCE = 1.0
 """Pieces that are not the narrowest need no more than this multiple of the typical clearance."""
 WEIGHTS = 1.0, 0.1, 1e-3
 """Of the least clearance, of the mean of those of all pieces, and of the distance that way-points are moved."""
@@ -40,7 +40,7 @@ MIN_GAIN = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Carried:
+class MovingBodies:
     """What moves in a step.
 
     Parameters
@@ -76,7 +76,7 @@ class ClearanceProblem:
     ignored: Ints
     clearance: float
     size: float
-    moving: Carried
+    moving: MovingBodies
 
     def least(self, path: Floats) -> float:
         """Exact least clearance of a path (k, n, 3), up to a share of the size [mm]."""
@@ -88,7 +88,7 @@ class ClearanceProblem:
         return np.array([self.least(path[k : k + 2]) for k in range(len(path) - 1)])
 
 
-def widened(problem: ClearanceProblem, path: Floats, most: int = MAX_PROGRAMS) -> Floats:
+def largest_clearance_path(problem: ClearanceProblem, path: Floats, most: int = MAX_PROGRAMS) -> Floats:
     """The path (k, n, 3) [mm, mm, rad] of the bodies with its way-points, but for the first, where the clearance is largest."""
     trust = problem.clearance
     best = problem.pieces(path)
@@ -110,7 +110,7 @@ def widened(problem: ClearanceProblem, path: Floats, most: int = MAX_PROGRAMS) -
 
 
 def _worth(problem: ClearanceProblem, pieces: Floats) -> float:
-    plenty = np.minimum(pieces, PLENTY * problem.clearance)
+    plenty = np.minimum(pieces, SUFFICIENT_CLEARANCE * problem.clearance)
     return float(WEIGHTS[0] * pieces.min() + WEIGHTS[1] * plenty.mean())
 
 
@@ -158,7 +158,7 @@ def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float)
     cost[free : 2 * free] = WEIGHTS[2] / (unit.ravel() * free)
     cost[2 * free : count - 1] = -WEIGHTS[1] / (k - 1)
     cost[-1] = -WEIGHTS[0]
-    plenty = PLENTY * problem.clearance
+    plenty = SUFFICIENT_CLEARANCE * problem.clearance
     bounds = [
         *zip(-limit, limit, strict=True),
         *zip(np.zeros(free), limit, strict=True),

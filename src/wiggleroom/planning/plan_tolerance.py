@@ -14,7 +14,7 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.disassembly.interlock import with_ground
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.errors import InputError, Stop, TouchingError
-from wiggleroom.planning.easing import eased
+from wiggleroom.planning.path_improvement import improved_steps
 from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.steps import Step, measured
 from wiggleroom.search.prepare import survey
@@ -131,7 +131,7 @@ def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, 
     >>> sample_plan(found, Spread(0.001), draws=5).share
     1.0
     """
-    _see(plan)
+    _check_plan(plan)
     assembly = with_ground(plan.assembly)
     extra = spread.draw(draws, len(assembly.parts), seed)
     found, failing = [], np.zeros(len(plan.steps) + 1, dtype=np.int64)
@@ -157,7 +157,7 @@ def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
     InputError
         If there is no plan.
     """
-    _see(plan)
+    _check_plan(plan)
     assembly = with_ground(plan.assembly)
     least = min(step.clearance for step in plan.steps)
     extra = RANK_SHARE * max(least, 1e-3 * survey(assembly).clearance)
@@ -182,7 +182,7 @@ def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
     InputError
         If there is no plan, or the assembly has no gap of its own that could be made smaller.
     """
-    _see(plan)
+    _check_plan(plan)
     assembly = with_ground(plan.assembly)
     if not assembly.gap > 0:
         finding = f"{assembly.drawing.source or 'the assembly'}: it has no gap that could be made smaller; give one, with --gap"
@@ -213,7 +213,7 @@ def _at_gap(
     if made is None:
         return None, (-1, ())
     ground = survey(made)
-    fitted = eased(made, ground, steps)
+    fitted = improved_steps(made, ground, steps)
     for k, step in enumerate(fitted):
         there = np.flatnonzero(step.there)
         audit = audit_path(only(made, there), step.path[:, there])
@@ -225,7 +225,7 @@ def _at_gap(
 
 def _alone(assembly: Assembly, step: Step) -> Step:
     """A step fitted to other outlines, its first way-point as it is."""
-    fitted = eased(assembly, survey(assembly), [step])
+    fitted = improved_steps(assembly, survey(assembly), [step])
     return fitted[0] if len(fitted) == 1 else step
 
 
@@ -251,7 +251,7 @@ def _made(assembly: Assembly, **options: object) -> Assembly | None:
     return made
 
 
-def _see(plan: Plan) -> None:
+def _check_plan(plan: Plan) -> None:
     if not plan.steps:
         finding = (
             f"{plan.assembly.drawing.source or 'the assembly'}: there is no plan whose tolerances could be looked at"

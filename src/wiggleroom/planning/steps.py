@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.clearance import distances
-from wiggleroom.disassembly.departures import Departure
+from wiggleroom.disassembly.disassembly_sequence import Departure
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.search.prepare import Survey
 

@@ -16,7 +16,7 @@ from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow, turn_radius
 from wiggleroom.report.film_timing import TimedPath, checked_waypoints, ease_in_out
 from wiggleroom.report.layout import View
-from wiggleroom.report.names import name_position, text_at, usual
+from wiggleroom.report.names import common_font_size, name_position, text_at
 from wiggleroom.report.part_paths import PartPath, PartPaths, middle, spot, use
 from wiggleroom.report.text import escape
 
@@ -277,7 +277,7 @@ def _names(
 ) -> list[Track]:
     """Names that go with their parts and stay upright."""
     called = [short(p.name) for p in assembly.parts]
-    size, found = usual(list(zip(called, of, strict=True)), room), []
+    size, found = common_font_size(list(zip(called, of, strict=True)), room), []
     for k, (name, shape) in enumerate(zip(called, of, strict=True)):
         at = name_position(name, shape, tuple(places[0, k].tolist()), size, marks)
         if at is None:

@@ -65,7 +65,7 @@ def allowable_gap(
     >>> found.gap < found.beyond < 1.011 * found.gap
     True
     """
-    see_question(at_most, holds, fits)
+    check_question(at_most, holds, fits)
     deadline = Deadline(seconds, stop)
     if at_most is not None:
         return MotionBorder(
@@ -76,8 +76,8 @@ def allowable_gap(
     return held_gap(assembly, largest_gap(assembly, stop=deadline, progress=progress), deadline)
 
 
-def see_question(at_most: float | None, holds: bool, fits: float | None) -> None:
-    """See that one question is asked.
+def check_question(at_most: float | None, holds: bool, fits: float | None) -> None:
+    """Check that one question is asked.
 
     Raises
     ------

@@ -36,7 +36,7 @@ EXIT_TESTS = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Explored:
+class EscapeSearch:
     """What the search came to.
 
     Parameters
@@ -60,7 +60,7 @@ class Explored:
     unanswered: int
 
 
-def explore(
+def search_for_escape(
     ready: Prepared,
     ground: int,
     group: Ints,
@@ -69,7 +69,7 @@ def explore(
     tell: Callable[[Progress], None],
     most: int = MAX_QUESTIONS,
     only_turns: bool = False,
-) -> Explored:
+) -> EscapeSearch:
     """Pull and turn every group in every direction, look for a straight escape path along each answer, and go on from new places.
 
     Parameters
@@ -90,7 +90,7 @@ def explore(
     """
     bodies = ready.bodies
     if stop is not None and stop.is_set():
-        return Explored(None, None, False, False, 0, 0)
+        return EscapeSearch(None, None, False, False, 0, 0)
     near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
     places = [relative_pose(bodies, near.a, near.b)]
     waiting: deque[Answer | None] = deque([None])
@@ -99,7 +99,7 @@ def explore(
         start = waiting.popleft()
         for goals in _questions(ready, ground, group, nearly, only_turns):
             if questions >= most or (stop is not None and stop.is_set()):
-                return Explored(None, None, False, False, questions, unanswered)
+                return EscapeSearch(None, None, False, False, questions, unanswered)
             questions += 1
             tell(Progress("search", questions))
             answer = ask(ready, goals, start, stop)
@@ -110,14 +110,14 @@ def explore(
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
             found = escape_path(ready, ground, group, motions, EXIT_TESTS, stop)
             if found is not None:
-                return Explored(*found, True, False, questions, unanswered)
+                return EscapeSearch(*found, True, False, questions, unanswered)
             if only_turns:
                 continue
             place = relative_pose(bodies, near.a, near.b, motions[-1])
             if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
                 places.append(place)
                 waiting.append(answer)
-    return Explored(None, None, True, len(places) > MAX_STATES, questions, unanswered)
+    return EscapeSearch(None, None, True, len(places) > MAX_STATES, questions, unanswered)
 
 
 def ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:

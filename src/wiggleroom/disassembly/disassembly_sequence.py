@@ -22,7 +22,7 @@ from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Burden = Callable[[Floats, NDArray[np.bool_], Ints], int]
+HoldingCost = Callable[[Floats, NDArray[np.bool_], Ints], int]
 """Of a state (n, 3) of all parts, those that are there, and those that are to leave."""
 
 
@@ -97,7 +97,7 @@ def disassemble(
     targets: tuple[str, ...] = (),
     effort: EscapeEffort | None = None,
     every: bool = True,
-    burden: Burden | None = None,
+    holding_cost: HoldingCost | None = None,
     stop: Stop | None,
     tell: Callable[[Progress], None],
 ) -> Disassembly:
@@ -139,7 +139,7 @@ def disassemble(
                 return _ended(so_far, stage, around)
             aims = np.unique([ground.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
             stage = next_stage(
-                left, ground, begin, effort, aims.astype(np.int64), stop, tell, _of_bodies(burden, so_far, ground)
+                left, ground, begin, effort, aims.astype(np.int64), stop, tell, _of_bodies(holding_cost, so_far, ground)
             )
         except StoppedError:
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
@@ -168,15 +168,15 @@ def disassemble(
             return _ended(so_far, Stage(end, Certainty.PROVEN, NO_BODIES, None, NO_BODIES), around)
 
 
-def _of_bodies(burden: Burden | None, so_far: _Progress, ground: Survey) -> Callable[[Ints], int] | None:
+def _of_bodies(holding_cost: HoldingCost | None, so_far: _Progress, ground: Survey) -> Callable[[Ints], int] | None:
     """The burden of bodies that leave from where all are now."""
-    if burden is None:
+    if holding_cost is None:
         return None
     alive, members = so_far.alive, ground.bodies.members
     there = np.zeros(len(so_far.motion), dtype=np.bool_)
     there[alive] = True
     motion = so_far.motion
-    return lambda who: burden(motion, there, alive[[p for b in who for p in members[b]]])
+    return lambda who: holding_cost(motion, there, alive[[p for b in who for p in members[b]]])
 
 
 def _ended(so_far: _Progress, stage: Stage, around: Enclosed | None) -> Disassembly:

@@ -14,7 +14,7 @@ from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.disassembly.remaining import only
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.rigid_motions import of_bodies, of_parts
-from wiggleroom.planning.clearance_program import Carried, ClearanceProblem, widened
+from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, largest_clearance_path
 from wiggleroom.planning.steps import STILL, Step, finer
 from wiggleroom.search.prepare import Survey
 
@@ -27,13 +27,15 @@ TURN_PER_PIECE = 0.05
 """Before way-points are moved, pieces turn by at most this [rad]."""
 PIECE_LENGTH = 0.1
 """Nor are they longer than this share of the drawing's size."""
-STRAY = 0.02
+PART_DEVIATION = 0.02
 """Pieces of parts differ from those of bodies by at most about this share of the clearance."""
 KEPT_CLEARANCE = 0.9
 """A way-point is left out where the way without it keeps this share of the clearance."""
 
 
-def eased(assembly: Assembly, ground: Survey, steps: Sequence[Step], stop: Stop | None = None) -> tuple[Step, ...]:
+def improved_steps(
+    assembly: Assembly, ground: Survey, steps: Sequence[Step], stop: Stop | None = None
+) -> tuple[Step, ...]:
     """Steps that do the same with more room: apart, shortened and widened; each is kept only where it certainly is free.
 
     Parameters
@@ -69,7 +71,7 @@ def eased(assembly: Assembly, ground: Survey, steps: Sequence[Step], stop: Stop 
         alone = _one_by_one(assembly, step, free)
         if len(alone) > 1:
             step, todo = alone[0], [*alone[1:], *todo]
-        better = _widened(assembly, ground, step)
+        better = _with_largest_clearance(assembly, ground, step)
         if free(better):
             step = better
         elif not free(step):  # what was gained before is in the way now
@@ -123,20 +125,20 @@ def _one_by_one(assembly: Assembly, step: Step, free: Callable[[Step], bool]) ->
     return found
 
 
-def _widened(assembly: Assembly, ground: Survey, step: Step) -> Step:
+def _with_largest_clearance(assembly: Assembly, ground: Survey, step: Step) -> Step:
     """The step with the largest least clearance that its path allows, and without way-points that it does not need."""
     bodies = ground.bodies
     path = of_bodies(assembly, bodies, step.path)
     who = np.flatnonzero((np.abs(path - path[:1]) > STILL).any(axis=(0, 2)))
     there = np.array([step.there[list(m)].all() for m in bodies.members])
     slide = step.as_one and not np.abs(path[:, who, 2] - path[0, who, 2]).max() > STILL
-    moving = Carried(who, slide)
+    moving = MovingBodies(who, slide)
     problem = ClearanceProblem(bodies, there, ground.ignored, ground.clearance, ground.size, moving)
     path = _shortened(problem, path)
     if not slide:  # slides lie where they are best; other paths need freedom to bend
         path = finer(path, TURN_PER_PIECE, PIECE_LENGTH * ground.size)
-    path = _shortened(problem, widened(problem, path))
-    return replace(step, path=for_parts(assembly, ground, widened(problem, path)))
+    path = _shortened(problem, largest_clearance_path(problem, path))
+    return replace(step, path=for_parts(assembly, ground, largest_clearance_path(problem, path)))
 
 
 def for_parts(assembly: Assembly, ground: Survey, path: Floats) -> Floats:
@@ -146,7 +148,7 @@ def for_parts(assembly: Assembly, ground: Survey, path: Floats) -> Floats:
     """
     bodies = ground.bodies
     arm = assembly.rest[:, :2] - bodies.rest[bodies.body_of, :2]
-    bulge, most = STRAY * ground.clearance, float(np.hypot(*arm.T).max())
+    bulge, most = PART_DEVIATION * ground.clearance, float(np.hypot(*arm.T).max())
     turn = np.sqrt(8 * bulge / most) if most > bulge else TURN_PER_PIECE
     return of_parts(
         assembly, bodies, finer(path, turn) if np.abs(np.diff(path[..., 2], axis=0)).max() > STILL else path
