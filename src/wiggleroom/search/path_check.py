@@ -108,7 +108,7 @@ class CertainPrefix:
         return list(self.points[: last + 1]) or [_Point(0, 0, segments[0].points[0], 0)]
 
 
-def whole_way(
+def check_path(
     ready: Prepared, segments: Sequence[PathSegment], stop: Stop | None = None, known: CertainPrefix | None = None
 ) -> CheckedPath:
     """Check a path that consists of legs, each inside the cells of one program.
