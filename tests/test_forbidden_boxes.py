@@ -65,4 +65,4 @@ def test_a_knob_leaves_its_socket_where_it_is_narrower_than_the_neck(beyond: flo
     plate = shapely.box(-2, -2, 2, 2) - hole - shapely.box(-mouth, 0, mouth, 3)
     found = passage(plate, disc, most=60_000)
     assert found.closed == (beyond < 0)
-    assert (found.way is None) == (beyond < 0)
+    assert (found.path is None) == (beyond < 0)
