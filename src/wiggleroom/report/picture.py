@@ -17,7 +17,7 @@ from wiggleroom.report.answer_words import facts, headline, number
 from wiggleroom.report.arrows import Mark, contact_mark, goal_mark, obstacles
 from wiggleroom.report.layout import View
 from wiggleroom.report.names import names_group
-from wiggleroom.report.part_paths import PartPaths, spot, use
+from wiggleroom.report.part_paths import PartPaths, colour_attributes, line_width, rest_outlines, role, spot, use
 from wiggleroom.report.text import escape
 
 if TYPE_CHECKING:
@@ -128,26 +128,20 @@ def drawn_parts(
         shape, place = shapes.of(part), spot(view, part, pose)
         if rest is not None:
             still.append(use(shape, spot(view, part, tuple(rest[k].tolist()))))
-        kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        fill, stroke = palette.ROLE_COLOURS[kind]
+        fill, stroke = palette.ROLE_COLOURS[role(part, pulled)]
         colours = (fill if tints is None else tints.fill[part.name], stroke)
         drawn.setdefault(colours, []).append(use(shape, place, escape(part.name)))
         places.append((part.name, shape, place))
     tree = obstacles(marks) if marks else shapely.STRtree([])
-    line = min(max(0.02 * room, 0.3), 1.2)
-    defs = "".join(f'<path id="{s.key}" d="{s.path}"/>' for s in shapes.known.values())
-    found = [f"<defs>{defs}</defs>"]
+    line = line_width(room)
+    found = [f"<defs>{shapes.definitions}</defs>"]
     if still:
-        found.append(
-            f'<g fill="none" stroke="{palette.REST}" stroke-width="{0.8 * line:.2f}" stroke-linejoin="round">'
-            + "\n".join(still)
-            + "</g>"
-        )
+        found.append(rest_outlines("\n".join(still), line))
     if assembly.drawing.ignore:  # parts lie above each other: what stands lies at the bottom
         drawn = {palette.ROLE_COLOURS["fixed"]: drawn.pop(palette.ROLE_COLOURS["fixed"]), **drawn}
-    for (fill, stroke), uses in drawn.items():
+    for colours, uses in drawn.items():
         if uses:
-            style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}"'
+            style = colour_attributes(colours, line)
             found.append(f'<g fill-rule="evenodd" {style} stroke-linejoin="round">' + "\n".join(uses) + "</g>")
     found += [mark.svg for mark in marks]
     found.append(names_group(places, pulled | {p.name for p in assembly.parts if p.fixed}, room, tree))
