@@ -1,4 +1,4 @@
-"""Letters that no font on this machine has, so that a PNG cannot show them."""
+"""Missing glyphs: letters that no font on this machine has, so that a PNG cannot show them."""
 
 from __future__ import annotations
 
