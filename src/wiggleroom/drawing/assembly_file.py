@@ -55,7 +55,7 @@ def read_assembly(source: str | Path) -> Drawing:
     """
     text = load(source, opening="{[", name="assembly")
     with _without_garbage_collection():
-        return _Reader(text.name, entry_of(text, FileEntry)).drawing()
+        return _PlanarReader(text.name, entry_of(text, FileEntry)).drawing()
 
 
 @contextmanager
@@ -80,7 +80,7 @@ class _RawOutline(NamedTuple):
     findings: int
 
 
-class _Reader(EntryReader[FileEntry]):
+class _PlanarReader(EntryReader[FileEntry]):
     """Goes through one file and collects what is wrong with it."""
 
     def __init__(self, file: str, entry: FileEntry) -> None:
