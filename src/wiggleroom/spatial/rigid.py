@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.spatial.convex import ConvexPiece
+from wiggleroom.spatial.rotations import exponential, logarithm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -25,7 +26,7 @@ class RigidBodies:
     at : (n, 3) float64 [mm]
         Reference points at rest.
     free : (n, 6) bool
-        Which of x, y, z, rx, ry, rz may change.
+        Which of x, y, z, rx, ry, rz may change; a turn that may not is a component of the rotation vector that stays zero.
     owner : tuple of (k,) int64
         Part of every piece.
     ignored : frozenset of (int, int)
@@ -58,6 +59,21 @@ class RigidBodies:
     def rest(self) -> SpatialPose:
         """Pose at rest."""
         return SpatialPose(self.at.copy(), np.repeat(np.eye(3)[None], len(self.at), axis=0))
+
+    def turn_axes(self, pose: SpatialPose) -> Floats:
+        """Axes (n, 3, 3), as columns in each body's frame, about which its turns are counted.
+
+        Where one turn alone is locked, the rotation vector of the body has no component along that axis e of the world. Such rotations are
+        a great sphere of quaternions. A turn exp(a) from one of them stays there where a is across exp(-w/2) e, w the rotation vector:
+        so the axes of such a body are turned back by half its turn. Those of all others are the axes of its frame.
+
+        Source: Listing's law, Tweed and Vilis 1987.
+        """
+        axes = np.repeat(np.eye(3)[None], len(self.at), axis=0)
+        one = self.free[:, 3:].sum(axis=1) == 2
+        if one.any():
+            axes[one] = exponential(-logarithm(pose.R[one]) / 2)
+        return axes
 
 
 @dataclass(frozen=True, eq=False)

@@ -36,6 +36,9 @@ from wiggleroom.verdict import SolverStatus
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+CONSTANT = 1e-12
+"""Where derivatives by what is free are below this share of all, the objective does not depend on it."""
+
 
 @dataclass(frozen=True, eq=False)
 class SeparatingPlaneSolution:
@@ -149,6 +152,8 @@ class SeparatingPlaneSolver:
         self._errors: list[float] = []
         at = P.linearise(beside_rest(P, self.seed) if start is None else start)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
+        if unit <= CONSTANT * np.abs(P.objective.gradient(at.point.pose) * P.scale).max(initial=0.0):
+            return self._at_rest()
         slack = at.h if self.inside else np.maximum(at.h, SETTINGS.first_slack)
         state = SeparatingPlaneIterate(
             at,
@@ -173,6 +178,13 @@ class SeparatingPlaneSolver:
             error,
             curved,
         )
+
+    def _at_rest(self) -> SeparatingPlaneSolution:
+        """The answer where nothing that is free changes the objective."""
+        start = self.program.start
+        value = self.program.objective.value(start.pose)
+        nothing = np.zeros(self.program.rows)
+        return SeparatingPlaneSolution(start, nothing, value, SolverStatus.CONVERGED, 0, (start,), 0.0, True)
 
     def _curved_down(self, state: SeparatingPlaneIterate) -> bool:
         """True where the condensed matrix is positive definite up to a small share."""
