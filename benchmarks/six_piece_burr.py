@@ -185,7 +185,8 @@ def main() -> None:
     best = max(apart, key=lambda found: (sum(found[0]), -sum(len(as_boxes(p)) for p in found[1])))
     print(f"moves until the next sticks are off: {best[0]}")
     names = ["key", *(f"stick{k}" for k in range(1, 6))]
-    parts = [{"name": n, "boxes": as_boxes(p)} | ({"fixed": True} if n == "stick1" else {}) for n, p in zip(names, best[1], strict=True)]  # fmt: skip
+    parts = [{"name": n, "boxes": as_boxes(p)} for n, p in zip(names, best[1], strict=True)]
+    parts[1]["fixed"] = True
     print(json.dumps({"format": "wiggleroom/2", "gap": GAP, "parts": parts}))
 
 

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from scipy.spatial.transform import Rotation
 
 import wiggleroom as wr
-from tests.test_spatial import PEG, PLATE, sound, spatial
+from tests.test_spatial import PEG, PLATE, sound, spatial, square
 from wiggleroom.spatial.spatial_flex import flex_spatial
 from wiggleroom.spatial.spatial_model import SpatialPull, SpatialTurn
 
@@ -117,7 +117,7 @@ def test_an_arm_that_may_not_roll_reaches_what_sampling_finds(seed: int) -> None
 def test_ipopt_says_the_same_of_locked_parts(seed: int) -> None:
     pytest.importorskip("casadi")
     rng = np.random.default_rng(10 + seed)
-    lock = list(rng.choice(AXES[3:], size=1)) + ["z"]
+    lock = [str(rng.choice(AXES[3:])), "z"]
     assembly = spatial(PLATE, PEG | {"lock": lock})
     goal = SpatialPull("peg", tuple(rng.normal(size=3)), tuple(rng.uniform(-5, 5, 3) * [1, 1, 4]))
     ours, theirs = (wr.flex(assembly, goal, solver=s) for s in ("interior-point", "ipopt"))
@@ -141,7 +141,14 @@ def test_studies_of_a_part_with_one_turn_locked_are_those_of_solving_again() -> 
 def test_a_lock_decides_whether_a_part_can_be_taken_out() -> None:
     # a cap that only moves along z: locked there, it stays
     cap = {"name": "cap", "boxes": [[-4, -4, 0, 4, 4, 2], [-1, -1, -3, 1, 1, 0]]}
-    floor = {"name": "floor", "outline": [[-6, -6], [6, -6], [6, 6], [-6, 6]], "holes": [[[-1.1, -1.1], [1.1, -1.1], [1.1, 1.1], [-1.1, 1.1]]], "thickness": 2, "at": [0, 0, -2.1], "fixed": True}  # fmt: skip
+    floor = {
+        "name": "floor",
+        "outline": square(12),
+        "holes": [square(2.2)],
+        "thickness": 2,
+        "at": [0, 0, -2.1],
+        "fixed": True,
+    }
     assert wr.check(spatial(floor, cap | {"lock": ["ry"]})).verdict == "comes apart"
     held = wr.check(spatial(floor, cap | {"lock": ["z", "ry"]}))
     assert held.verdict == "interlocked"

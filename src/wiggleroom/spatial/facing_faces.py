@@ -81,14 +81,17 @@ def flat_faces(surface: Surface) -> list[FlatFace]:
         bend = float(np.cross(normal[p], normal[q]) @ (ends[1] - ends[0]))
         reflex = bend < -FLAT * float(np.linalg.norm(ends[1] - ends[0]))
         for one, other in ((p, q), (q, p)):
-            borders[one].append(FaceBorder(*(ends @ frames[one].T), other, reflex))
+            start, end = ends @ frames[one].T
+            borders[one].append(FaceBorder(start, end, other, reflex))
     return [
         FlatFace(n, float(at), frame, shapely.union_all([shapely.Polygon(t) for t in some]), tuple(edges))
         for n, at, frame, some, edges in zip(normal, level, frames, triangles, borders, strict=True)
     ]
 
 
-def facing_regions(a: Sequence[FlatFace], b: Sequence[FlatFace], reach: float, slack: float) -> dict[int, shapely.Geometry]:
+def facing_regions(
+    a: Sequence[FlatFace], b: Sequence[FlatFace], reach: float, slack: float
+) -> dict[int, shapely.Geometry]:
     """Regions of faces of `a`, by their index, that face those of `b`, both in one frame.
 
     Parameters

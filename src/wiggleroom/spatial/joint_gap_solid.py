@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -125,14 +126,18 @@ def with_joint_gaps(
     size = float(np.ptp(made.surface.vertices, axis=0).max())
     far = 4 * float(np.abs(made.surface.vertices).max())
     cells = _Cells(faces, patched.patches, depth, further, SAME * size, far)
-    pads, cuts, steps = [], [], []
+    pads: list[Any] = []
+    cuts: list[Any] = []
+    steps: list[Floats] = []
     for patch in patched.patches:
         own = patch.gap / 2 + float(further[patch.face])
         if abs(own - depth[patch.face]) <= SAME * size:
             continue
         found = cells.of(patch)
         if found is None:
-            return None, ["meets another one in a region of too many corners for a gap of its own: simpler faces would do"]
+            return None, [
+                "meets another one in a region of too many corners for a gap of its own: simpler faces would do"
+            ]
         for ring, sides, free in found:
             body, walls = cells.body(patch.face, own, ring, sides, free)
             if body is not None:
@@ -174,7 +179,7 @@ class _Cells:
 
         Cuts go on along the sides of corners that are not convex, and across sides where what these end at changes.
         """
-        todo = [p for p in shapely.get_parts(patch.region)]
+        todo = list(shapely.get_parts(patch.region))
         rim = patch.region.boundary
         found: list[tuple[Floats, list[_Side], list[bool]]] = []
         while todo:
@@ -197,7 +202,9 @@ class _Cells:
                 todo += _halves(polygon, *cut)
                 continue
             middles = (ring + np.roll(ring, -1, axis=0)) / 2
-            inside = [s.other < 0 and rim.distance(shapely.Point(m)) <= self.near for s, m in zip(sides, middles, strict=True)]
+            inside = [
+                s.other < 0 and rim.distance(shapely.Point(m)) <= self.near for s, m in zip(sides, middles, strict=True)
+            ]
             found.append((ring, sides, inside))
         return found
 
@@ -218,8 +225,8 @@ class _Cells:
                     at += (corners @ along)[np.abs(corners @ across) <= self.near].tolist()
         stops = np.unique([0.0, *(t for t in at if self.near < t < length - self.near), length])
         stops = stops[np.concatenate([[True], np.diff(stops) > self.near])]
-        kinds = [self._end(k, borders, start + along * (s + e) / 2) for s, e in zip(stops[:-1], stops[1:], strict=True)]
-        for stop, one, other in zip(stops[1:], kinds[:-1], kinds[1:], strict=False):
+        kinds = [self._end(k, borders, start + along * (s + e) / 2) for s, e in pairwise(stops)]
+        for stop, (one, other) in zip(stops[1:], pairwise(kinds), strict=False):
             if one != other:
                 return start + along * stop, across
         return kinds[0]
@@ -261,7 +268,11 @@ class _Cells:
                     steps.append(-rows[-1] if cut else rows[-1])
                 continue
             # the mitre: a plane through the edges where both faces meet before and after
-            n, level, before = self.faces[side.other].normal, self.faces[side.other].level, float(self.depth[side.other])
+            n, level, before = (
+                self.faces[side.other].normal,
+                self.faces[side.other].level,
+                float(self.depth[side.other]),
+            )
             mitre = (side.depth - before) * face.normal - (own - depth) * n
             across = (own - depth) * (level - before) - (side.depth - before) * (face.level - depth)
             sign = (1.0 if cut else -1.0) * (-1.0 if side.reflex else 1.0) / float(np.linalg.norm(mitre))

@@ -7,7 +7,8 @@ a point c. With B seen from A at q = Ra^T (Tb - Ta), Psi = Ra^T Rb its rows are
     corner v of B's piece:  h = n . (x - c) - d,   x = q + Psi v
 
 Variables are (dT, w) for a body, T <- T + dT, R <- R exp(a), a = axes w, and (alpha, delta) for a plane, n <- (n + N alpha)/|.|,
-d <- (d + delta)/|.| with N two unit vectors across n. `axes` (n, 3, 3) are those, in the body's frame, about which its turns are counted. A pair of bodies sees xi = (tau, a, beta) = (Ra^T (dTb - dTa), a_A, Psi a_B).
+d <- (d + delta)/|.| with N two unit vectors across n. `axes` (n, 3, 3) are those, in the body's frame, about which its turns are counted.
+A pair of bodies sees xi = (tau, a, beta) = (Ra^T (dTb - dTa), a_A, Psi a_B).
 
 Planes of a pair of bodies follow each other: those of pair p are plane[p] .. plane[p + 1], rows of plane k are row[k] .. row[k + 1], the
 first `own[k]` of them belong to A's corners.

@@ -89,7 +89,7 @@ class SpatialModel:
 
     def room(self, whole: float, aim: float) -> Floats:
         """How far the faces of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
-        room = {name: whole for name in self.assembly.names}
+        room = dict.fromkeys(self.assembly.names, whole)
         for joint in self.assembly.drawing.gaps:
             for name in joint.parts:
                 room[name] = min(room[name], joint.gap)
