@@ -123,8 +123,8 @@ def near_pieces(bodies: RigidBodies, pose: SpatialPose, reach: float) -> Ints:
     found = [np.zeros((0, 4), dtype=np.int64)]
     for a, b in near_bodies(low, high, bodies, reach):
         mine, other = slice(start[a], start[a + 1]), slice(start[b], start[b + 1])
-        meets = (lows[mine, None] <= highs[None, other] + reach) & (highs[mine, None] >= lows[None, other] - reach)
-        meets = meets.all(axis=2)
+        along = (lows[mine, None] <= highs[None, other] + reach) & (highs[mine, None] >= lows[None, other] - reach)
+        meets = np.asarray(along.all(axis=2))
         if bodies.ignored:
             parts = [(min(p, q), max(p, q)) for p in bodies.owner[a].tolist() for q in bodies.owner[b].tolist()]
             ignored = np.array([pair in bodies.ignored for pair in parts])
