@@ -187,11 +187,18 @@ class SeparatingPlaneSolver:
         return SeparatingPlaneSolution(start, nothing, value, SolverStatus.CONVERGED, 0, (start,), 0.0, True)
 
     def _curved_down(self, state: SeparatingPlaneIterate) -> bool:
-        """True where the condensed matrix is positive definite up to a small share."""
+        """True where the condensed matrix is positive definite up to a small share.
+
+        Rows weigh at most so much: what is positive definite then is so with their whole weight, whose rounding would hide it.
+        """
         u = state.displacement
         weight = state.proximal(state.complementarity, u)
-        self._system.set(state, state.residuals(weight, u)[0], weight)
-        return self._system.factorise(SETTINGS.least_curvature)
+        dual = state.residuals(weight, u)[0]
+        for most in SETTINGS.most_weights:
+            self._system.set(replace(state, s=np.maximum(state.s, state.lam / most)), dual, weight)
+            if self._system.factorise(SETTINGS.least_curvature):
+                return True
+        return False
 
     def _follow(self, state: SeparatingPlaneIterate) -> tuple[SolverStatus, float, SeparatingPlaneIterate]:
         """Advance the state until it is converged, stopped or escaping; where it gets no further, back to the best iterate."""
