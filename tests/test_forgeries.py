@@ -900,6 +900,41 @@ def test_windows_that_are_forged_are_refused(windowed: Content, name: str) -> No
     assert not verify(forged(windowed, WINDOWS[name])).proven
 
 
+def test_what_one_placement_alone_knows_is_refused(windowed: Content) -> None:
+    """Two joints alike, one of them in rings on both sides: what windows before say of that one does not hold of the other."""
+    known: dict[tuple[int, int], tuple[float, float]] = {}
+    for w in windowed["windows"]:
+        for row in w["placements"]:
+            for b, low, high in zip(row[1:], w["low"][1:], w["high"][1:], strict=True):
+                for key, one, two in (((row[0], b), low, high), ((b, row[0]), -high, -low)):
+                    before = known.get(key, (-math.inf, math.inf))
+                    known[key] = max(before[0], one), min(before[1], two)
+    loops = [r["loops"] for r in windowed["regions"]]
+
+    def turns(p: int) -> tuple[float, float]:
+        a, b, kind, *_ = windowed["pairs"][p]
+        low, high = known.get((a, b), (-math.inf, math.inf))
+        return max(low, loops[kind][0][0]), min(high, loops[kind][-1][0])
+
+    pairs = windowed["pairs"]
+    p, q = next(
+        (p, q)
+        for p in range(len(pairs))
+        for q in range(len(pairs))
+        if pairs[p][2] == pairs[q][2] and turns(p)[1] < 0.99 * turns(q)[1]
+    )
+    low, high = turns(p)
+    step = {"low": [0.0, low], "high": [0.0, high], "turns": [[low, high]], "cuts": []}
+    window = {"pairs": [[p], [q]], "far": [0.0, 10.0], "low": [0.0, low], "high": [0.0, high], "steps": [step]}
+
+    def added(*joints: int) -> Content:
+        rows = {"placements": [pairs[k][:2] for k in joints], "pairs": [[k] for k in joints]}
+        return forged(windowed, put("windows", lambda w: [*w, window | rows]))
+
+    assert verify(added(p)).proven
+    assert "nothing shows that body 1 of a window" in verify(added(p, q)).why
+
+
 # Work.
 
 

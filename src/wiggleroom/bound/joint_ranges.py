@@ -5,7 +5,7 @@ Regions cut alike are cut once. For that the ends of intervals are moved outward
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,6 +129,11 @@ class JointRanges:
     coupled: NDArray[np.bool_]
     cuts: tuple[Facets, ...]
     corner: tuple[Floats, ...]
+
+    def some(self, which: Ints) -> JointRanges:
+        """Of some of the joints."""
+        every = (getattr(self, f.name) for f in fields(self))
+        return JointRanges(*(v[which] if isinstance(v, np.ndarray) else tuple(v[k] for k in which) for v in every))
 
 
 def joint_ranges(

@@ -57,7 +57,7 @@ def tightened(
     many = np.isinf(work) and np.count_nonzero(held) > MANY_BODIES
     if many:
         cuts.unlike = COARSE_NORMALS
-        for known, _ in bounded_windows(them, linkage, cuts, over):
+        for known, _ in bounded_windows(linkage, cuts, over):
             linkage = known
     ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
     weights = goal_weights(goal, len(held))

@@ -31,6 +31,8 @@ Bools = NDArray[np.bool_]
 
 CHAINS = 2
 """So many chains of programs are worked on at once."""
+SIMPLEX_COLUMNS = 600
+"""Programs of more columns, whose basis nobody goes on from, are solved by an interior-point method."""
 RANGE_MARGIN = 1e-4
 """Ranges stay wider by this share, so that facets, which can be refined, hold the program up and not the ranges themselves."""
 
@@ -92,7 +94,7 @@ class RelaxationInRanges:
         """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 8) that prove it, those of rows, and where it is taken."""
         linear = self.linear
         self.program = program = self._program(over)
-        y = program.ask(linear.cost(weights))
+        y = program.ask(linear.cost(weights), interior=len(linear.unit) > SIMPLEX_COLUMNS)
         multipliers = rounded(linear.multipliers(y[None]))
         most = self.lagrangian.most(weights[None], np.zeros(1), multipliers)
         return float(most[0]), multipliers[0], y, program.x * linear.unit
@@ -145,8 +147,7 @@ class RelaxationInRanges:
         body, sign = np.array(asked, dtype=np.int64).reshape(-1, 2).T
         count = len(body)
         if not count:
-            none = np.zeros(0)
-            return TurnCuts(body, sign, none, none, np.zeros((0, len(self.linkage.joints.a), MULTIPLIERS)))
+            return TurnCuts(body, sign, np.zeros(0), np.zeros(0), (), ())
         weights, constant, goal = np.zeros((count, 5 * len(self.linkage.fixed))), np.zeros(count), np.zeros(count)
         weights[np.arange(count), 5 * body + TURN] = sign
         if cutoff is not None:
@@ -154,10 +155,19 @@ class RelaxationInRanges:
             weights, constant, y = weights + goal[:, None] * cutoff.weights, -goal * cutoff.worth, y[:, :-1]
         multipliers = rounded(self.linear.multipliers(y))
         most = self.lagrangian.most(weights, constant, multipliers)
-        width = self.ranges.high[body] - self.ranges.low[body]
-        end = sign * (most + 1e-12 + RANGE_MARGIN * width)
-        news = np.where(sign > 0, end < self.ranges.high[body], end > self.ranges.low[body])
-        return TurnCuts(body[news], sign[news], end[news], goal[news], multipliers[news])
+        joints = [np.flatnonzero(m.any(1)) for m in multipliers]
+        made = TurnCuts(body, sign, most, goal, tuple(joints), tuple(m[p] for m, p in zip(multipliers, joints, strict=True)))
+        return news(made, self.ranges)
+
+
+def news(found: TurnCuts, ranges: AngleRanges) -> TurnCuts:
+    """Of largest values of sign times turn those that cut a range, with the ends that they cut."""
+    body, sign = found.body, found.sign
+    width = ranges.high[body] - ranges.low[body]
+    end = sign * (found.end + 1e-12 + RANGE_MARGIN * width)
+    some = np.flatnonzero(np.where(sign > 0, end < ranges.high[body], end > ranges.low[body]))
+    joints, multipliers = (tuple(rows[k] for k in some) for rows in (found.joints, found.multipliers))
+    return TurnCuts(body[some], sign[some], end[some], found.goal[some], joints, multipliers, found.base)
 
 
 def after_cuts(ranges: AngleRanges, cuts: TurnCuts, turns: TurnDifferences) -> AngleRanges:
@@ -169,13 +179,19 @@ def after_cuts(ranges: AngleRanges, cuts: TurnCuts, turns: TurnDifferences) -> A
     return propagated(narrowed(ranges, low, high), turns)
 
 
-def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
-    """Bodies such that every one lies no more than so many joints from one of them, neighbours one after the other."""
+def joined_bodies(joints: JointConstraints, bodies: Ints) -> dict[int, list[int]]:
+    """For each of some bodies those others of them that it is joined to."""
     near: dict[int, list[int]] = {int(b): [] for b in bodies}
-    for a, b in zip(linkage.joints.a.tolist(), linkage.joints.b.tolist(), strict=True):
+    for a, b in zip(joints.a.tolist(), joints.b.tolist(), strict=True):
         if a in near and b in near:
             near[a].append(b)
             near[b].append(a)
+    return near
+
+
+def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
+    """Bodies such that every one lies no more than so many joints from one of them, neighbours one after the other."""
+    near = joined_bodies(linkage.joints, bodies)
     chosen: list[int] = []
     left = set(near)
     # from the outside inwards: ends of ways matter most
@@ -188,10 +204,10 @@ def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
         for _ in range(hops):
             ball |= {k for j in ball for k in near[j]}
         left -= ball
-    return _chained(linkage.place, np.array(chosen, dtype=np.int64))
+    return chained(linkage.place, np.array(chosen, dtype=np.int64))
 
 
-def _chained(place: Floats, bodies: Ints) -> Ints:
+def chained(place: Floats, bodies: Ints) -> Ints:
     """Bodies in an order in which the nearest one left follows."""
     if not len(bodies):
         return bodies
