@@ -27,7 +27,7 @@ from wiggleroom.bound.joint_multipliers import goal_weights
 from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
 from wiggleroom.bound.neighbourhood_tightening import neighbourhood_cuts
 from wiggleroom.bound.proof_steps import ProofNode
-from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, chained
+from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
 from wiggleroom.bound.window_bounds import WindowProof, bounded_windows
 from wiggleroom.deadline import Deadline
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
@@ -49,8 +49,8 @@ MAX_PROOF_DEPTH = 200
 """So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
 MANY_BODIES = 60
 """With more bodies than this local windows pay, and turns are tightened a neighbourhood at a time."""
-MIN_GAIN = 0.2
-"""Of many bodies facets are few until a sweep cuts the bound's distance from `cut` by less than this share."""
+FIRST_HOPS, MIN_GAIN = 2, 0.2
+"""At first bodies so many joints apart are asked about; nearer ones where the bound's distance from `cut` falls by less than this share."""
 
 
 @dataclass(eq=False)
@@ -117,28 +117,28 @@ class BranchAndBound:
         """Value that no motion within `ranges` exceeds; ends where that is at most `enough`."""
         number = itertools.count()
         best = np.inf
-        coarse = np.isfinite(ranges.far).sum() > MANY_BODIES
-        todo = [(-np.inf, next(number), ranges, np.inf, coarse, self.proof)]
+        hops = FIRST_HOPS if np.isfinite(ranges.far).sum() > MANY_BODIES else 0
+        todo = [(-np.inf, next(number), ranges, np.inf, hops, self.proof)]
         while todo:
             value = min(best, -todo[0][0])
             best = max(value, self.cut)
             self.tell(best, "linear program")
             if best <= enough or self.clock.is_set():
                 return best
-            _, _, ranges, before, coarse, step = heapq.heappop(todo)
+            _, _, ranges, before, hops, step = heapq.heappop(todo)
             if step is not None and step.depth > MAX_PROOF_DEPTH:
                 return best
-            for part, most, more in self._worked(ranges, before, coarse, best, step):
+            for part, most, more in self._worked(ranges, before, hops, best, step):
                 heapq.heappush(
                     todo, (-min(most, value), next(number), part, min(most, value), more, step and step.follow())
                 )
         return self.cut
 
     def _worked(
-        self, ranges: AngleRanges, before: float, coarse: bool, best: float, step: ProofNode | None
-    ) -> list[tuple[AngleRanges, float, bool]]:
-        """What is left of `ranges`, in one or two pieces, what motions there are worth at most, and whether few facets will do."""
-        self.cuts.unlike = COARSE_NORMALS if coarse else FINE_NORMALS
+        self, ranges: AngleRanges, before: float, hops: int, best: float, step: ProofNode | None
+    ) -> list[tuple[AngleRanges, float, int]]:
+        """What is left of `ranges`, in one or two pieces, what motions there are worth at most, and how far apart to ask next."""
+        self.cuts.unlike = COARSE_NORMALS if hops else FINE_NORMALS
         try:
             program = RelaxationInRanges(self.linkage, self.cuts, ranges)
         except InfeasibleRanges as nothing:
@@ -155,12 +155,12 @@ class BranchAndBound:
             return []
         best = min(best, value) if np.isfinite(best) else value
         held = np.flatnonzero(program.linear.column >= 0)
-        moving = held[~self.linkage.fixed[held]]
-        self.tell(max(best, self.cut), f"turns of {len(moving)} bodies")
+        asked = dominating(self.linkage, held, hops)
+        self.tell(max(best, self.cut), f"turns of {len(asked)} of {len(held)} bodies")
         if len(held) > MANY_BODIES:
-            cuts = neighbourhood_cuts(program, multipliers, chained(self.linkage.place, moving), self.cutoff, self.clock.is_set)
+            cuts = neighbourhood_cuts(program, multipliers, asked, self.cutoff, self.clock.is_set)
         else:
-            cuts = program.turn_cuts(chained(self.linkage.place, moving), self.cutoff, self.clock.is_set)
+            cuts = program.turn_cuts(asked, self.cutoff, self.clock.is_set)
         left = after_cuts(ranges, cuts, self.linkage.turns)
         if step is not None:
             step.cuts = cuts
@@ -170,16 +170,16 @@ class BranchAndBound:
             return []
         gain = (before - value) / (before - self.cut) if np.isfinite(before) else np.inf
         share = (left.high - left.low)[held] / np.maximum((ranges.high - ranges.low)[held], 1e-300)
-        if coarse:
-            return [(left, value, gain > MIN_GAIN)]
+        if hops:
+            return [(left, value, hops if gain > MIN_GAIN else hops - 1)]
         if max(gain, float((1 - share).max(initial=0.0))) > MIN_REDUCTION or self.clock.is_set():
-            return [(left, value, False)]
+            return [(left, value, 0)]
         if self._sharpen(program, y):
-            return [(left, value, False)]
+            return [(left, value, 0)]
         body, middle, halves = self._halves(program, x, left)
         if step is not None:
             step.split = body, middle
-        return [(part, value, False) for part in halves]
+        return [(part, value, 0) for part in halves]
 
     def _sharpen(self, program: RelaxationInRanges, y: Floats) -> bool:
         """Make the intervals narrower whose facets hold the program up; False where all are narrow enough."""

@@ -24,8 +24,8 @@ from wiggleroom.solve.dual_linear_program import DualLinearProgram
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-CORE_HOPS, MARGIN_HOPS = 1, 3
-"""Turns of bodies so many joints from the middle of a neighbourhood are asked for, which reaches so many joints further."""
+REACH, CORE = 4, 1
+"""A neighbourhood is all bodies so many joints from its middle; it tells the turns of those that are so many joints from there."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,19 +53,19 @@ def neighbourhood_cuts(
         weights,
         size,
     )
-    near = joined_bodies(program.linkage.joints, bodies)
+    near = joined_bodies(program.linkage.joints, np.flatnonzero(program.linear.column >= 0))
     left, cores = set(bodies.tolist()), []
     for b in bodies.tolist():
         if b in left:
-            cores.append(sorted(ball(near, [b], CORE_HOPS) & left))
-            left -= set(cores[-1])
+            cores.append((b, sorted(_ball(near, b, CORE) & left)))
+            left -= set(cores[-1][1])
 
-    def cut(core: list[int]) -> TurnCuts | None:
-        inside = with_fixed(program, ball(near, core, MARGIN_HOPS))
+    def cut(middle: int, core: list[int]) -> TurnCuts | None:
+        inside = _with_fixed(program, _ball(near, middle, REACH))
         return None if over() else _Neighbourhood(program, loads, inside).cuts(core, cutoff, over)
 
     with ThreadPoolExecutor(CHAINS) as pool:
-        found = [one for one in pool.map(cut, cores) if one is not None]
+        found = [one for one in pool.map(cut, *zip(*cores, strict=True)) if one is not None] if cores else []
     if not found:
         return TurnCuts(bodies[:0], bodies[:0], np.zeros(0), np.zeros(0), (), (), multipliers)
     body, sign, end, goal = (np.concatenate([getattr(f, k) for f in found]) for k in ("body", "sign", "end", "goal"))
@@ -73,15 +73,15 @@ def neighbourhood_cuts(
     return news(TurnCuts(body, sign, end, goal, joints, rows, multipliers), program.ranges)
 
 
-def ball(near: dict[int, list[int]], middle: list[int], hops: int) -> set[int]:
-    """Bodies no more than so many joints away from some."""
-    found = set(middle)
+def _ball(near: dict[int, list[int]], middle: int, hops: int) -> set[int]:
+    """Bodies no more than so many joints away from one."""
+    found = {middle}
     for _ in range(hops):
         found |= {k for j in found for k in near[j]}
     return found
 
 
-def with_fixed(program: RelaxationInRanges, bodies: set[int]) -> Ints:
+def _with_fixed(program: RelaxationInRanges, bodies: set[int]) -> Ints:
     """Some bodies and all fixed ones that they are joined to."""
     joints, fixed = program.linkage.joints, program.linkage.fixed
     inside = np.zeros(len(fixed), dtype=bool)

@@ -204,10 +204,10 @@ def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
         for _ in range(hops):
             ball |= {k for j in ball for k in near[j]}
         left -= ball
-    return chained(linkage.place, np.array(chosen, dtype=np.int64))
+    return _chained(linkage.place, np.array(chosen, dtype=np.int64))
 
 
-def chained(place: Floats, bodies: Ints) -> Ints:
+def _chained(place: Floats, bodies: Ints) -> Ints:
     """Bodies in an order in which the nearest one left follows."""
     if not len(bodies):
         return bodies
