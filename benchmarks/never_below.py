@@ -148,7 +148,7 @@ def a_grid(seed: int) -> Case:
 
 
 def mixed(seed: int) -> Case:
-    """Small assemblies with another clearance round every part, one joint tighter than all others, up to three parts fixed, mirrored, turned."""
+    """Small assemblies with another clearance round every part, up to three parts fixed, some mirrored, all turned."""
     rng = np.random.default_rng([seed, 11])
     made = random_assembly(seed)
     size = max(made.gap, 1e-3)

@@ -106,9 +106,7 @@ def quick_bound(
     them, cells = drawn or found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
-    first, label = classes(
-        them, cells.a, cells.b, relative_pose(them, cells.a, cells.b), CONGRUENCE_TOLERANCE
-    )
+    first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b), CONGRUENCE_TOLERANCE)
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
     known_joints, pivots = KnownJoints(), np.zeros((len(first), 2))

@@ -6,6 +6,7 @@ Regions cut alike are cut once. For that the ends of intervals are moved outward
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -132,8 +133,11 @@ class JointRanges:
 
     def some(self, which: Ints) -> JointRanges:
         """Of some of the joints."""
-        every = (getattr(self, f.name) for f in fields(self))
-        return JointRanges(*(v[which] if isinstance(v, np.ndarray) else tuple(v[k] for k in which) for v in every))
+        every: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
+        arrays = {k: v[which] for k, v in every.items() if isinstance(v, np.ndarray)}
+        return JointRanges(
+            **arrays, cuts=tuple(self.cuts[p] for p in which), corner=tuple(self.corner[p] for p in which)
+        )
 
 
 def joint_ranges(

@@ -10,7 +10,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.congruent_joints import CONGRUENCE_TOLERANCE, STRIP_WIDTHS, Congruence, CongruentJoint, congruent_joints
+from wiggleroom.bound.congruent_joints import (
+    CONGRUENCE_TOLERANCE,
+    STRIP_WIDTHS,
+    Congruence,
+    CongruentJoint,
+    congruent_joints,
+)
 from wiggleroom.bound.joint_constraints import JointConstraints
 from wiggleroom.freespace.outer.caging_surface import CagingSurface, caging_surface
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of, reached_slices

@@ -19,7 +19,7 @@ from wiggleroom.bound.joint_constraints import (
     narrowed,
     propagated,
 )
-from wiggleroom.bound.joint_multipliers import MULTIPLIERS, TURN, LagrangianBound
+from wiggleroom.bound.joint_multipliers import TURN, LagrangianBound
 from wiggleroom.bound.joint_ranges import JointRanges, RegionCuts, joint_ranges
 from wiggleroom.bound.linear_relaxation import LinearRelaxation, relaxation
 from wiggleroom.bound.proof_steps import TurnCuts, rounded
@@ -156,7 +156,9 @@ class RelaxationInRanges:
         multipliers = rounded(self.linear.multipliers(y))
         most = self.lagrangian.most(weights, constant, multipliers)
         joints = [np.flatnonzero(m.any(1)) for m in multipliers]
-        made = TurnCuts(body, sign, most, goal, tuple(joints), tuple(m[p] for m, p in zip(multipliers, joints, strict=True)))
+        made = TurnCuts(
+            body, sign, most, goal, tuple(joints), tuple(m[p] for m, p in zip(multipliers, joints, strict=True))
+        )
         return news(made, self.ranges)
 
 
@@ -166,7 +168,7 @@ def news(found: TurnCuts, ranges: AngleRanges) -> TurnCuts:
     width = ranges.high[body] - ranges.low[body]
     end = sign * (found.end + 1e-12 + RANGE_MARGIN * width)
     some = np.flatnonzero(np.where(sign > 0, end < ranges.high[body], end > ranges.low[body]))
-    joints, multipliers = (tuple(rows[k] for k in some) for rows in (found.joints, found.multipliers))
+    joints, multipliers = tuple(found.joints[k] for k in some), tuple(found.multipliers[k] for k in some)
     return TurnCuts(body[some], sign[some], end[some], found.goal[some], joints, multipliers, found.base)
 
 
