@@ -844,12 +844,13 @@ def test_a_split_needs_both_sides(honest: Content) -> None:
 
 @pytest.fixture(scope="module")
 def windowed() -> Content:
-    """Certificate of a small grid whose proof looks at windows first."""
-    from wiggleroom.bound import branch_and_bound
+    """Certificate of a small grid whose proof looks at windows first and then at one neighbourhood after the other."""
+    from wiggleroom.bound import branch_and_bound, neighbourhood_tightening
 
     made = wr.patterns.grid(3, 3, joint="tee", gap=GAP)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(branch_and_bound, "MANY_BODIES", 4)
+        patch.setattr(neighbourhood_tightening, "REACH", 2)
         return proof_of(made, wr.Pull(made.names[-1], (0, 1)), within=0.01)
 
 
@@ -926,6 +927,40 @@ def test_what_one_placement_alone_knows_is_refused(windowed: Content) -> None:
 
     assert "window" not in why(0)
     assert "nothing shows that body 2 of a window" in why(0, 1)
+
+
+def in_step(change: Callable[[Content], Any]) -> Forgery:
+    """Forgery of all steps that are about multipliers of the whole."""
+
+    def forge(content: Content) -> None:
+        for step in steps(content):
+            if "base" in step:
+                change(step)
+
+    return forge
+
+
+BASES: dict[str, Forgery] = {
+    "no base": in_step(lambda s: s.pop("base")),
+    "an empty base": in_step(lambda s: s.update(base=NOTHING)),
+    "twice the base": in_step(lambda s: s["base"].__setitem__(0, 2 * s["base"][0])),
+    "the base the other way": in_step(lambda s: [r.__setitem__(k, -r[k]) for r in s["base"][2] for k in range(1, 9)]),
+    "a pair of the base twice": in_step(lambda s: s["base"][2].append(s["base"][2][0])),
+    "a pair of no body": in_step(lambda s: s["base"][2].append([99] + [0] * 8)),
+    "a base with a word": in_step(lambda s: s["base"].__setitem__(0, "1")),
+    "a negative weight": in_step(lambda s: [c[3].__setitem__(1, -1.0) for c in s["cuts"]]),
+    "a base in a window": in_window(lambda w: w["steps"][0].update(base=NOTHING)),
+    "a base beside the best": put("proof", lambda s: {**s, "best": s.get("best", NOTHING), "base": NOTHING}),
+}  # fmt: skip
+
+
+def test_steps_about_multipliers_of_the_whole_are_verified(windowed: Content) -> None:
+    assert any(s.get("base") and s["cuts"] for s in steps(windowed))
+
+
+@pytest.mark.parametrize("name", BASES)
+def test_a_forged_base_is_refused(windowed: Content, name: str) -> None:
+    assert not verify(forged(windowed, BASES[name])).proven
 
 
 # Work.
