@@ -146,7 +146,9 @@ class BranchAndBound:
                 step.at(ranges, None)
                 step.empty = nothing.pair
             return []
-        most, multipliers, y, x = program.largest(self.weights, self.clock.is_set)
+        held = np.flatnonzero(program.linear.column >= 0)
+        many = len(held) > MANY_BODIES
+        most, multipliers, y, x = program.largest(self.weights, self.clock.is_set, interior=many)
         value = min(before, most)
         if step is not None:
             step.at(ranges, program.at)
@@ -154,10 +156,9 @@ class BranchAndBound:
         if value <= self.cut:
             return []
         best = min(best, value) if np.isfinite(best) else value
-        held = np.flatnonzero(program.linear.column >= 0)
         asked = dominating(self.linkage, held, hops)
         self.tell(max(best, self.cut), f"turns of {len(asked)} of {len(held)} bodies")
-        if len(held) > MANY_BODIES:
+        if many:
             cuts = neighbourhood_cuts(program, multipliers, asked, self.cutoff, self.clock.is_set)
         else:
             cuts = program.turn_cuts(asked, self.cutoff, self.clock.is_set)

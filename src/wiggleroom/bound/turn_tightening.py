@@ -31,8 +31,6 @@ Bools = NDArray[np.bool_]
 
 CHAINS = 2
 """So many chains of programs are worked on at once."""
-SIMPLEX_COLUMNS = 600
-"""Programs of more columns, whose basis nobody goes on from, are solved by an interior-point method."""
 RANGE_MARGIN = 1e-4
 """Ranges stay wider by this share, so that facets, which can be refined, hold the program up and not the ranges themselves."""
 
@@ -90,11 +88,16 @@ class RelaxationInRanges:
         )
         self.lagrangian = LagrangianBound(linkage.fixed, linkage.joints, self.at, ranges, linkage.deviation)
 
-    def largest(self, weights: Floats, over: Callable[[], bool]) -> tuple[float, Floats, Floats, Floats]:
-        """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 8) that prove it, those of rows, and where it is taken."""
+    def largest(
+        self, weights: Floats, over: Callable[[], bool], *, interior: bool = False
+    ) -> tuple[float, Floats, Floats, Floats]:
+        """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 8) that prove it, those of rows, and where it is taken.
+
+        By an `interior`-point method large programs are quicker, and `turn_cuts` with a cutoff has nothing to begin from.
+        """
         linear = self.linear
         self.program = program = self._program(over)
-        y = program.ask(linear.cost(weights), interior=len(linear.unit) > SIMPLEX_COLUMNS)
+        y = program.ask(linear.cost(weights), interior=interior)
         multipliers = rounded(linear.multipliers(y[None]))
         most = self.lagrangian.most(weights[None], np.zeros(1), multipliers)
         return float(most[0]), multipliers[0], y, program.x * linear.unit
