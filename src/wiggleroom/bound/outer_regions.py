@@ -137,5 +137,7 @@ def _region(
     """Region of one pair, None where the joint is open or it was `over` first."""
     if not certify:
         return outer_region(material, lever, limit, over)
-    slices = reached_slices(material, lever, limit, over)
-    return None if slices is None else caging_surface(material, slices, over)
+    # chords are checked in every pair by themselves: of strips only their own size matters
+    own = PairMaterial(material.a, material.b, material.clearance)
+    slices = reached_slices(own, lever, limit, over)
+    return None if slices is None else caging_surface(own, slices, over)
