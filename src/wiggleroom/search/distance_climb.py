@@ -59,7 +59,7 @@ def climbed(search: LocalSearch, start: Start, further: int = 0) -> Start | Incu
         return start
     rest = program.variables(start.inner)
     begin = nudged(program, rest)
-    solution = _climb(search, start, program, begin)
+    solution = _climb(search, start, program, begin, audited=True)
     for k in range(0 if search.large else further):
         if solution.status is not SolverStatus.CONVERGED or search.stopped:
             break
@@ -79,11 +79,14 @@ def climbed(search: LocalSearch, start: Start, further: int = 0) -> Start | Incu
         return Incumbent(motion, value, program, solution, active, (), rest, CLIMB_TOLERANCE, start.mu)
 
 
-def _climb(search: LocalSearch, start: Start, program: DistanceProgram, begin: Floats) -> Solution:
-    """One climb."""
+def _climb(
+    search: LocalSearch, start: Start, program: DistanceProgram, begin: Floats, *, audited: bool = False
+) -> Solution:
+    """One climb; `audited` now and then where it is the one that counts if it is stopped."""
     solution = interior_point.solve(
         program, begin, mu=start.mu, tolerance=CLIMB_TOLERANCE, horizon=ESCAPE_DISTANCE * search.ready.size,
         balanced=False, stop=search.stop, progress=lambda iteration, value: search.tell(Progress("solve", 0, iteration, value)),
+        **(search.along((), program, program.variables(start.inner)) if audited else {}),
     )  # fmt: skip
     search.iterations += solution.iterations
     return solution

@@ -102,9 +102,13 @@ class DualLinearProgram:
         other.highs.addCol(-low, 0.0, highspy.kHighsInf, len(used), used, -row[used])
         return other
 
-    def ask(self, cost: Floats) -> Floats:
-        """Multipliers (m,) of the rows, positive where a row's upper side holds; where it ended is left in `x`."""
+    def ask(self, cost: Floats, *, interior: bool = False) -> Floats:
+        """Multipliers (m,) of the rows, positive where a row's upper side holds; where it ended is left in `x`.
+
+        `interior` solves it by an interior-point method that leaves no basis to go on from: many times as quick for a large program.
+        """
         self.highs.changeRowsBounds(len(self.every), self.every, cost, cost)
+        self.highs.setOptionValue("solver", "ipm" if interior else "simplex")
         self.highs.run()
         found = self.highs.getSolution()
         y = np.zeros(self.count + self.more)
@@ -131,12 +135,14 @@ def _solver(highspy: Any, over: Callable[[], bool]) -> Any:
         answer.user_interrupt = over()
 
     solver.setCallback(interrupt, None)
-    solver.startCallback(highspy.cb.HighsCallbackType.kCallbackSimplexInterrupt)
+    for kind in ("kCallbackSimplexInterrupt", "kCallbackIpmInterrupt"):
+        solver.startCallback(getattr(highspy.cb.HighsCallbackType, kind))
     for option, value in (
         ("output_flag", False),
         ("threads", 1),
         ("solver", "simplex"),
         ("presolve", "off"),
+        ("run_crossover", "off"),
     ):
         solver.setOptionValue(option, value)
     return solver

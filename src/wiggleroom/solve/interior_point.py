@@ -181,6 +181,7 @@ def solve(
     balanced: bool = True,
     stop: Stop | None = None,
     progress: Callable[[int, float], None] | None = None,
+    reached: Callable[[Floats], None] | None = None,
 ) -> Solution:
     """Largest objective from a point strictly inside all rows.
 
@@ -205,6 +206,8 @@ def solve(
         Whether the multipliers must be in balance with the objective at the end; without, only the motion is of use.
     stop, progress : optional
         Asked and told (iteration, objective) every iteration.
+    reached : callable, optional
+        Told every point from which the next program can start.
 
     Returns
     -------
@@ -214,7 +217,7 @@ def solve(
     matrix, retraction = factor(program.pattern), Retraction(program)
     unit = barrier_unit(program.linearise(begin))
     farthest = SETTINGS.max_step_share * horizon / program.length
-    watch = _Monitor(tolerance, horizon, enough, balanced, stop, progress, begin, mu)
+    watch = _Monitor(tolerance, horizon, enough, balanced, stop, progress, reached, begin, mu)
 
     def at_start(u: Floats, mu: float, least: float, lam: Floats | None = None) -> Iterate:
         at = program.linearise(u)
@@ -272,6 +275,7 @@ class _Monitor:
     balanced: bool
     stop: Stop | None
     progress: Callable[[int, float], None] | None
+    reached: Callable[[Floats], None] | None
     begin: Floats
     first_mu: float
     iterations: int = 0
@@ -333,6 +337,8 @@ class _Monitor:
             self.way.append(state.u)
             if k == 0 or gap > WARM_START_GAP * max(abs(value), 1.0):
                 self.inner = state.u, self.mu, state.lam
+                if self.reached is not None:
+                    self.reached(state.u)
             if state.at.value >= self.enough:
                 return SolverStatus.ENOUGH
         if (
