@@ -40,7 +40,7 @@ from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.simplified_outlines import contact_places, prepare_outlines, prepare_simplified
 from wiggleroom.search.turn_in_place import better_climb, turned_in_place
 from wiggleroom.solve import solver_named
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import Verdict
 
 MAX_REFINEMENTS, MIN_REFINEMENT = 4, 1e-4

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.search.incumbent import Start
 from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
-from wiggleroom.solve.interior_point import Solution, barrier_unit
+from wiggleroom.solve.interior_point import barrier_unit
+from wiggleroom.solve.solution import Solution
 
 
 def carried_start(start: Start, program: Program, solution: Solution, fresh: NDArray[np.bool_]) -> Start:

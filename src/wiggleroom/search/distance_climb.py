@@ -22,7 +22,7 @@ from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
 from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
 from wiggleroom.solve import interior_point
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]

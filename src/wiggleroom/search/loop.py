@@ -22,7 +22,7 @@ from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
 from wiggleroom.search.path_check import CheckedPath, whole_way
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import interior_point
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]

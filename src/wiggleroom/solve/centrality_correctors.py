@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.newton_step import Iterate, max_step, newton
+from wiggleroom.solve.newton_step import Direction, Iterate, max_step, newton
 from wiggleroom.solve.row_operations import add_share, centring_goal, step_length
 
 Floats = NDArray[np.float64]
-Direction = tuple[Floats, Floats, Floats]
 
 MAX_CORRECTORS = 4
 ASPIRED_STEP = 0.3

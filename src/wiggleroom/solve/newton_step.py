@@ -12,6 +12,8 @@ from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.row_operations import eliminated, multiplier_change, step_length
 
 Floats = NDArray[np.float64]
+Direction = tuple[Floats, Floats, Floats]
+"""Changes of variables, slacks and multipliers."""
 
 MIN_SHIFT = 1e-11
 """Added to the diagonal always."""
@@ -46,7 +48,7 @@ class Iterate:
         return self.proximal_share * max(abs(self.at.value) / self.unit, 1.0) / max(dot(self.u, self.u), 1.0)
 
 
-def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
+def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> Direction:
     """Directions (du, ds, dlam) that change s * lam by `goal` and remove both residuals, to first order."""
     s, lam, at = state.s, state.lam, state.at
     change = np.empty_like(s)
