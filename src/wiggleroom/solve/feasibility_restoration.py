@@ -33,7 +33,7 @@ def restore_feasibility(state: Iterate, matrix: Factor, retraction: Retraction, 
         shift = max(state.shift, 1e-2)
         while not matrix.update(data, shift):
             shift *= 10
-        step = NewtonStep.to_boundary(state, newton(state, matrix, primal, dual, mu - state.s * state.lam), shift)
+        step = NewtonStep.to_boundary(newton(state, matrix, primal, dual, mu - state.s * state.lam), shift)
         if large and step.primal < SETTINGS.min_restoring_step:
             return _lifted(state, matrix, retraction)
         take_step(state, step, retraction)

@@ -7,9 +7,10 @@ there. Independent parts of the tree run on both cores. Source: Duff and Reid 19
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from llvmlite import ir
@@ -23,6 +24,7 @@ from wiggleroom.solve.nested_dissection import EliminationTree, dissect
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+T = TypeVar("T")
 
 SUBTREE_DEPTH = 3
 """Nodes at this depth are the roots of independent subtrees."""
@@ -67,8 +69,8 @@ class Multifrontal:
         self._order = (block * tree.order[:, None] + np.arange(block)).ravel()
         self._widest = block * int((np.diff(tree.first) + np.diff(tree.border_start)).max())
         self._libraries = _libraries()
-        threads = min(2, os.cpu_count() or 1, len(self._shares) - 1)
-        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self._threads = max(1, min(2, os.cpu_count() or 1, len(self._shares) - 1))
+        self._pool = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
 
     @property
     def operations(self) -> float:
@@ -85,18 +87,38 @@ class Multifrontal:
             return _factorise(nodes, *self._plan, data, shift, np.empty(8, np.int32))
 
         with self._libraries.limit(limits=1):  # fronts are small: threads of a library would cost more than they save
-            each = map(done, subtrees) if self._pool is None else self._pool.map(done, subtrees)
-            fine = all(list(each))
+            fine = all(self._on_threads(done, subtrees))
         with self._libraries.limit(limits=1 if self._widest < MIN_THREADED_FRONT else None):
             return fine and done(top)
 
     def solve(self, right: Floats) -> Floats:
         """Solution of the factorised system."""
-        tree, x, out = self._tree, right[self._order], np.empty(len(right))
-        room = np.empty(len(right))
-        _substitute(tree.first, tree.border_start, tree.border, self._panel, self._block, self._factor, x, room)
+        *subtrees, top = self._shares
+        x, out, longest = right[self._order], np.empty(len(right)), self._widest
+        table = self._tree.first, self._tree.border_start, self._tree.border, self._panel, self._block, self._factor
+        groups = [subtrees[k :: self._threads] for k in range(self._threads)]
+
+        def forward(group: list[Ints]) -> Floats:
+            above = np.zeros(len(x))  # what nodes of other shares are told; each thread has its own
+            for nodes in group:
+                _forward(nodes, *table, x, above, np.empty(longest))
+            return above
+
+        def backward(group: list[Ints]) -> None:
+            for nodes in group:
+                _backward(nodes, *table, x, np.empty(longest))
+
+        for above in self._on_threads(forward, groups):
+            x += above
+        _forward(top, *table, x, x, np.empty(longest))
+        _backward(top, *table, x, np.empty(longest))
+        self._on_threads(backward, groups)
         out[self._order] = x
         return out
+
+    def _on_threads(self, work: Callable[[Any], T], items: list[Any]) -> list[T]:
+        """Results of `work` for some items."""
+        return list(map(work, items) if self._pool is None else self._pool.map(work, items))
 
 
 @cache
@@ -293,10 +315,12 @@ def _gather(A, C, stack, begin, places, block, width, high, tall):
 
 
 @njit(fastmath=True, **NO_ALLOCATION)
-def _substitute(first, border_start, border, panel, block, factor, x, room):
-    """Solve in place, forward and backward, for a right-hand side in the order of elimination."""
-    nodes = len(first) - 1
-    for t in range(nodes):
+def _forward(nodes, first, border_start, border, panel, block, factor, x, above, room):
+    """Solve with the factor in place for some nodes in order; what is left for nodes beyond the last of them goes to `above`."""
+    if len(nodes) == 0:
+        return
+    end = block * first[nodes[-1] + 1]
+    for t in nodes:
         width, high = block * (first[t + 1] - first[t]), block * (border_start[t + 1] - border_start[t])
         tall, at = width + high, block * first[t]
         below = room[:high]
@@ -311,9 +335,16 @@ def _substitute(first, border_start, border, panel, block, factor, x, room):
                 below[r] += column[width + r] * v
         for k in range(high // block):
             q = block * border[border_start[t] + k]
+            target = x if q < end else above
             for i in range(block):
-                x[q + i] -= below[block * k + i]
-    for t in range(nodes - 1, -1, -1):
+                target[q + i] -= below[block * k + i]
+
+
+@njit(fastmath=True, **NO_ALLOCATION)
+def _backward(nodes, first, border_start, border, panel, block, factor, x, room):
+    """Solve with the transposed factor in place for some nodes, the last one first."""
+    for n in range(len(nodes) - 1, -1, -1):
+        t = nodes[n]
         width, high = block * (first[t + 1] - first[t]), block * (border_start[t + 1] - border_start[t])
         tall, at = width + high, block * first[t]
         below = room[:high]

@@ -11,7 +11,8 @@ from wiggleroom.program.retraction import Retraction
 from wiggleroom.solve.centrality_correctors import corrected
 from wiggleroom.solve.factorisation import Factor
 from wiggleroom.solve.interior_point_settings import SETTINGS, settings_for
-from wiggleroom.solve.newton_step import MIN_SHIFT, Direction, Iterate, dot, max_step, newton
+from wiggleroom.solve.newton_step import MIN_SHIFT, Direction, Iterate, dot, newton
+from wiggleroom.solve.row_operations import corrector_goal, gap_after
 
 Floats = NDArray[np.float64]
 
@@ -38,12 +39,12 @@ class NewtonStep:
     shift: float
 
     @classmethod
-    def to_boundary(cls, state: Iterate, direction: Direction, shift: float) -> NewtonStep:
-        """All of a direction (du, ds, dlam), or most of the way to where a slack or a multiplier becomes nothing."""
-        du, ds, dl = direction
-        far, dfar = max_step(state.s, ds), max_step(state.lam, dl)
+    def to_boundary(cls, direction: Direction, shift: float) -> NewtonStep:
+        """All of a direction, or most of the way to where a slack or a multiplier becomes nothing."""
         share = SETTINGS.fraction_to_boundary
-        return cls(du, ds, dl, share * far if far < 1 else 1.0, share * dfar if dfar < 1 else 1.0, shift)
+        primal = share * direction.primal if direction.primal < 1 else 1.0
+        dual = share * direction.dual if direction.dual < 1 else 1.0
+        return cls(direction.u, direction.s, direction.lam, primal, dual, shift)
 
     def capped(self, longest: float) -> NewtonStep:
         """The same, but no body moves further than `longest` [program.length] at once."""
@@ -69,25 +70,22 @@ def predictor_corrector_step(
     settings = settings_for(len(state.u))
     data = at.condensed(lam / s, lam, retraction.balance(dual, at), 1.0 / state.unit)
     shift = MIN_SHIFT if state.shift <= 1e-8 else state.shift / 5
-    found = None
+    found, goal = None, np.empty_like(s)
     for attempt in range(16):
         if not matrix.update(data, shift + state.proximal_weight):
             shift = max(10 * shift, 1e-5)
             continue
-        _, ds, dl = newton(state, matrix, primal, dual, -s * lam)
-        after = dot(s + max_step(s, ds) * ds, lam + max_step(lam, dl) * dl) / max(len(s), 1)
+        predictor = newton(state, matrix, primal, dual, -s * lam)
+        after = gap_after(s, predictor.s, lam, predictor.lam, predictor.primal, predictor.dual) / max(len(s), 1)
         centring = (after / mu) ** 3 if mu > 0 else 0.0
         if infeasibility_ratio > 0.3:  # feasibility must not fall behind complementarity
             centring = max(centring, min(settings.max_centring, infeasibility_ratio))
-        goal = (
-            max(centring * mu, least)
-            - s * lam
-            - np.clip(ds * dl, -SETTINGS.max_correction * mu, SETTINGS.max_correction * mu)
-        )
+        mean = max(centring * mu, least)
+        corrector_goal(s, predictor.s, lam, predictor.lam, mean, SETTINGS.max_correction * mu, goal)
         direction = newton(state, matrix, primal, dual, goal)
         if mu * len(s) < settings.corrected_gap * max(abs(at.value) / state.unit, 1.0):
-            direction = corrected(state, matrix, direction, max(centring * mu, least))
-        found = NewtonStep.to_boundary(state, direction, shift)
+            direction = corrected(state, matrix, direction, mean)
+        found = NewtonStep.to_boundary(direction, shift)
         if found.primal > SETTINGS.min_step_length or attempt >= 5:
             break
         shift = max(10 * shift, 1e-6)
