@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.batches import THREADS, in_batches
@@ -16,6 +15,9 @@ from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.constraint_rows import Regions, rows_of
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.sparsity_pattern import Pattern, pattern
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -244,6 +246,8 @@ class Linearised:
 
     def jacobian(self) -> sp.csr_matrix:
         """The whole Jacobian (R, 3F), for checks and for solvers that want it."""
+        import scipy.sparse as sp  # slow to import, and not always needed
+
         P = self.program
         pair = np.repeat(np.arange(len(P.cells.a)), np.diff(P.cells.row))
         c, s = self.turn[pair].T

@@ -6,11 +6,9 @@ import os
 from typing import Any, Protocol
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.program.sparsity_pattern import Pattern
-from wiggleroom.solve.multifrontal import Multifrontal
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -55,6 +53,8 @@ def factor(pattern: SparsePattern) -> Factor:
     if len(pattern.indptr) <= MAX_SIMPLICIAL_ROWS:
         return Plain(pattern)
     if isinstance(pattern, Pattern):
+        from wiggleroom.solve.multifrontal import Multifrontal  # with what it needs of scipy it is slow to import
+
         return Multifrontal(pattern.at, pattern.indptr, pattern.indices, BODY_VARIABLES)
     try:
         return Supernodal(pattern)
@@ -66,6 +66,8 @@ class Plain:
     """qdldl: one column at a time."""
 
     def __init__(self, pattern: SparsePattern) -> None:
+        import scipy.sparse as sp
+
         self._diagonal = pattern.diagonal
         n = len(pattern.indptr) - 1
         self._matrix = sp.csc_matrix((np.zeros(len(pattern.indices)), pattern.indices, pattern.indptr), shape=(n, n))
@@ -97,6 +99,7 @@ class Supernodal:
 
     def __init__(self, pattern: SparsePattern) -> None:
         import rslab
+        import scipy.sparse as sp
 
         n = len(pattern.indptr) - 1
         upper = sp.csc_matrix(
