@@ -30,7 +30,7 @@ from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.drawing.assembly_writer import write_assembly
 from wiggleroom.program.sparsity_pattern import pattern
 from wiggleroom.search.prepare import survey
-from wiggleroom.solve.multifrontal import Multifrontal
+from wiggleroom.solve.multifrontal import FrontalPlan
 
 GAP = 0.01
 LEAST_FACTORISATIONS = 30
@@ -133,7 +133,7 @@ def factor_operations(assembly: Assembly) -> float:
     slot = np.full(len(bodies.fixed), -1)
     slot[free] = np.arange(len(free))
     found = pattern(ground.near.a, ground.near.b, slot, bodies.rest[free, :2])
-    return Multifrontal(found.at, found.indptr, found.indices, 3).operations
+    return FrontalPlan(found.at, found.indptr, found.indices, 3).operations
 
 
 def beside(figure: str, asked: float) -> str:

@@ -12,7 +12,7 @@ from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.maximise import witness
 from wiggleroom.program.distance_program import build_distances
 from wiggleroom.search.prepare import prepare
-from wiggleroom.solve.multifrontal import Multifrontal
+from wiggleroom.solve.multifrontal import FrontalPlan, Multifrontal
 
 
 def block_matrix(at, block, reach, rng):
@@ -51,7 +51,7 @@ def test_multifrontal_solves(block, shape):
     }[shape]
     matrix, own = block_matrix(at, block, 1.5 if shape != "one place" else 1.0, rng)
     stored = upper(matrix, own)
-    factor = Multifrontal(at, stored.indptr.astype(np.int64), stored.indices.astype(np.int64), block)
+    factor = Multifrontal(FrontalPlan(at, stored.indptr.astype(np.int64), stored.indices.astype(np.int64), block))
     right = rng.standard_normal(len(matrix))
     for shift in (0.0, 2.5):
         assert factor.update(stored.data, shift)

@@ -274,7 +274,9 @@ def _sum(terms: list[Floats]) -> Floats:
     return terms[0]
 
 
-def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float) -> Program:
+def build(
+    bodies: Bodies, cells: Regions, objective: Objective, *, length: float, like: Program | None = None
+) -> Program:
     """Put all pairs and the objective into one program.
 
     Parameters
@@ -285,10 +287,17 @@ def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float
     objective : Objective
     length : float [mm]
         Typical clearance; variables and rows are scaled by it.
+    like : Program, optional
+        Another one for the same bodies and objective: where its pairs are the same ones too, both share a pattern.
 
     Source: Mind the Gap, Eq. (4); glue and fixed parts are eliminated instead of added as equations.
     """
     rows = rows_of(bodies, cells)
+    if like is not None and _alike(like, bodies, cells, objective, length):
+        return Program(
+            bodies, objective, cells, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, like.slot, like.free,
+            like.scale, length, like.pattern, like.coupled_at,
+        )  # fmt: skip
     free = np.flatnonzero(~bodies.fixed)
     slot = np.full(len(bodies.fixed), -1, dtype=np.int64)
     slot[free] = np.arange(len(free))
@@ -307,3 +316,9 @@ def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float
         bodies, objective, cells, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, slot, free, scale.ravel(),
         length, replace(whole, block_at=whole.block_at[: len(own)]), whole.block_at[at],
     )  # fmt: skip
+
+
+def _alike(like: Program, bodies: Bodies, cells: Regions, objective: Objective, length: float) -> bool:
+    """True where a program has the same bodies, pairs and objective."""
+    same = like.bodies is bodies and like.objective is objective and like.length == length
+    return same and np.array_equal(like.cells.a, cells.a) and np.array_equal(like.cells.b, cells.b)

@@ -20,7 +20,7 @@ def carried_start(start: Start, program: Program, solution: Solution, fresh: NDA
     if lam is None:
         return start
     forces = wrenches(program.linearise(solution.inner), lam)
-    renewed = build(program.bodies, start.cells, program.objective, length=program.length)
+    renewed = build(program.bodies, start.cells, program.objective, length=program.length, like=program)
     at = renewed.linearise(renewed.variables(start.inner))
     given = np.full(renewed.rows, np.nan)
     given[~fresh[start.cells.pair]] = lam[~fresh[program.cells.pair]]

@@ -265,7 +265,8 @@ class LocalSearch:
     def _round(self, start: Start) -> Incumbent:
         """Build and solve the program of some cells."""
         began = time.perf_counter()
-        program = build(self.ready.bodies, start.cells, self.objective, length=self.ready.clearance)
+        before = start.segments[-1].program if start.segments else None
+        program = build(self.ready.bodies, start.cells, self.objective, length=self.ready.clearance, like=before)
         self.rounds += 1
         number, begin = self.rounds, program.variables(start.inner)
         tolerance = self.policy.rough if start.tolerance is None else start.tolerance

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from typing import Any, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,8 @@ MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
 """Up to so many rows one column at a time is the quickest, and from so many on nested dissection and threads pay."""
 BODY_VARIABLES = 3
 """Of a body in the plane."""
+_PLANS: WeakKeyDictionary[Pattern, Any] = WeakKeyDictionary()
+"""Plans of multifrontal factorisations: programs of the same pairs share a pattern."""
 
 
 class SparsePattern(Protocol):
@@ -53,9 +56,14 @@ def factor(pattern: SparsePattern) -> Factor:
     if len(pattern.indptr) <= MAX_SIMPLICIAL_ROWS:
         return Plain(pattern)
     if isinstance(pattern, Pattern):
-        from wiggleroom.solve.multifrontal import Multifrontal  # with what it needs of scipy it is slow to import
+        from wiggleroom.solve.multifrontal import (  # with what it needs of scipy it is slow to import
+            FrontalPlan,
+            Multifrontal,
+        )
 
-        return Multifrontal(pattern.at, pattern.indptr, pattern.indices, BODY_VARIABLES)
+        if pattern not in _PLANS:
+            _PLANS[pattern] = FrontalPlan(pattern.at, pattern.indptr, pattern.indices, BODY_VARIABLES)
+        return Multifrontal(_PLANS[pattern])
     try:
         return Supernodal(pattern)
     except ImportError:

@@ -32,8 +32,8 @@ MIN_THREADED_FRONT = 1500
 """From so many rows in the largest front on, the linear-algebra library may use its own threads for the last fronts."""
 
 
-class Multifrontal:
-    """Cholesky factor of a symmetric matrix of blocks, whose pattern stays the same while its numbers change.
+class FrontalPlan:
+    """What a factorisation does, whatever the numbers are: elimination tree, and where everything lies.
 
     Parameters
     ----------
@@ -47,55 +47,69 @@ class Multifrontal:
 
     def __init__(self, at: Floats, indptr: Ints, indices: Ints, block: int) -> None:
         column = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
-        tree = dissect(at, *_neighbours(indices // block, column // block, len(at)))
+        self.tree = tree = dissect(at, *_neighbours(indices // block, column // block, len(at)))
         nodes = len(tree.parent)
-        panel, target, owner = _targets(
+        self.block = block
+        self.panel, target, owner = _targets(
             tree.first, tree.border_start, tree.border, tree.place, np.repeat(np.arange(nodes), np.diff(tree.first)),
             indices, column, block,
         )  # fmt: skip
         source = np.argsort(owner, kind="stable")
         entry = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=nodes))])
         in_parent = _places_in_parent(tree.first, tree.border_start, tree.border, tree.parent)
-        self._shares, region = _shares(tree)
-        place, workplace, size = _stack_places(
-            tree.border_start, tree.child, tree.sibling, region, len(self._shares), block
+        self.shares, region = _shares(tree)
+        place, workplace, self.stack = _stack_places(
+            tree.border_start, tree.child, tree.sibling, region, len(self.shares), block
         )
-        self._tree, self._block, self._panel = tree, block, panel
-        self._factor = np.empty(panel[-1])
-        self._plan = (
-            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, panel, place, workplace, entry,
-            target[source], source, block, self._factor, np.empty(size), *_ADDRESSES,
+        self.assembly = (
+            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, self.panel, place, workplace, entry,
+            target[source], source, block,
         )  # fmt: skip
-        self._order = (block * tree.order[:, None] + np.arange(block)).ravel()
-        self._widest = block * int((np.diff(tree.first) + np.diff(tree.border_start)).max())
-        self._libraries = _libraries()
-        self._threads = max(1, min(2, os.cpu_count() or 1, len(self._shares) - 1))
-        self._pool = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
+        self.order = (block * tree.order[:, None] + np.arange(block)).ravel()
+        self.widest = block * int((np.diff(tree.first) + np.diff(tree.border_start)).max())
 
     @property
     def operations(self) -> float:
         """Floating-point operations of one factorisation."""
-        wide = self._block * np.diff(self._tree.first).astype(float)
-        high = self._block * np.diff(self._tree.border_start).astype(float)
+        wide = self.block * np.diff(self.tree.first).astype(float)
+        high = self.block * np.diff(self.tree.border_start).astype(float)
         return float((wide**3 / 3 + wide**2 * high + wide * high**2).sum())
+
+
+class Multifrontal:
+    """Cholesky factor of a symmetric matrix of blocks, whose pattern stays the same while its numbers change.
+
+    Parameters
+    ----------
+    plan : FrontalPlan
+        Of its pattern; several factors may share it.
+    """
+
+    def __init__(self, plan: FrontalPlan) -> None:
+        self._plan, self._factor = plan, np.empty(plan.panel[-1])
+        self._work = *plan.assembly, self._factor, np.empty(plan.stack), *_ADDRESSES
+        self._libraries = _libraries()
+        self._threads = max(1, min(2, os.cpu_count() or 1, len(plan.shares) - 1))
+        self._pool = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
 
     def update(self, data: Floats, shift: float) -> bool:
         """Factorise with `shift` added to the diagonal; False where the matrix is not positive definite."""
-        *subtrees, top = self._shares
+        *subtrees, top = self._plan.shares
 
         def done(nodes: Ints) -> bool:
-            return _factorise(nodes, *self._plan, data, shift, np.empty(8, np.int32))
+            return _factorise(nodes, *self._work, data, shift, np.empty(8, np.int32))
 
         with self._libraries.limit(limits=1):  # fronts are small: threads of a library would cost more than they save
             fine = all(self._on_threads(done, subtrees))
-        with self._libraries.limit(limits=1 if self._widest < MIN_THREADED_FRONT else None):
+        with self._libraries.limit(limits=1 if self._plan.widest < MIN_THREADED_FRONT else None):
             return fine and done(top)
 
     def solve(self, right: Floats) -> Floats:
         """Solution of the factorised system."""
-        *subtrees, top = self._shares
-        x, out, longest = right[self._order], np.empty(len(right)), self._widest
-        table = self._tree.first, self._tree.border_start, self._tree.border, self._panel, self._block, self._factor
+        plan, tree = self._plan, self._plan.tree
+        *subtrees, top = plan.shares
+        x, out, longest = right[plan.order], np.empty(len(right)), plan.widest
+        table = tree.first, tree.border_start, tree.border, plan.panel, plan.block, self._factor
         groups = [subtrees[k :: self._threads] for k in range(self._threads)]
 
         def forward(group: list[Ints]) -> Floats:
@@ -113,7 +127,7 @@ class Multifrontal:
         _forward(top, *table, x, x, np.empty(longest))
         _backward(top, *table, x, np.empty(longest))
         self._on_threads(backward, groups)
-        out[self._order] = x
+        out[plan.order] = x
         return out
 
     def _on_threads(self, work: Callable[[Any], T], items: list[Any]) -> list[T]:
