@@ -51,13 +51,15 @@ def test_correctors_lengthen_steps_and_keep_the_rows(program):
         primal, dual, gap, _ = state.residuals()
         mean = gap / len(primal)
         plain = newton(state, matrix, primal, dual, 0.3 * mean - state.s * state.lam)
-        before = sum(max_step(x, dx) for x, dx in ((state.s, plain[1]), (state.lam, plain[2])))
-        du, ds, dl = corrected(state, matrix, tuple(part.copy() for part in plain), 0.3 * mean)
-        after = sum(max_step(x, dx) for x, dx in ((state.s, ds), (state.lam, dl)))
+        before = plain.primal + plain.dual
+        assert np.allclose(before, max_step(state.s, plain.s) + max_step(state.lam, plain.lam), rtol=1e-12)
+        better = corrected(state, matrix, plain, 0.3 * mean)
+        after = max_step(state.s, better.s) + max_step(state.lam, better.lam)
+        assert np.allclose(after, better.primal + better.dual, rtol=1e-12)
         assert after >= before
         longer.append(after - before)
         # slacks still follow the rows to first order, here by the Jacobian as a matrix
-        assert np.allclose(state.at.jacobian() @ du - ds, primal, atol=1e-9 * np.abs(ds).max())
+        assert np.allclose(state.at.jacobian() @ better.u - better.s, primal, atol=1e-9 * np.abs(better.s).max())
     assert max(longer) > 0.1
 
 

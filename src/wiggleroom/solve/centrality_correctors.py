@@ -30,7 +30,7 @@ LONG = 0.99
 
 
 def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float) -> Direction:
-    """The direction, changed so that longer steps are possible along it; products should come near `mean`."""
+    """The direction, changed in place so that longer steps are possible along it; products should come near `mean`."""
     s, lam = state.s, state.lam
     goal, none, shares = np.empty_like(s), np.zeros_like(s), np.array(SHARES)
     still, steps, dual_steps = np.zeros_like(direction.u), np.empty(len(SHARES)), np.empty(len(SHARES))
