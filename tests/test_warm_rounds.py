@@ -134,7 +134,7 @@ def test_order_and_handedness_of_the_parts_change_nothing():
 def test_ends_of_large_programs_lie_inside_all_rows(monkeypatch):
     """Rows that the last iterate violates are lifted, and that costs next to nothing of the objective."""
     seen = []
-    kept = interior_point._restore_feasibility
+    kept = interior_point.restore_feasibility
 
     def restored(state, *more):
         before = state.at
@@ -142,7 +142,7 @@ def test_ends_of_large_programs_lie_inside_all_rows(monkeypatch):
         seen.append((before.h.min(), out.at.h.min(), before.value, out.at.value))
         return out
 
-    monkeypatch.setattr(interior_point, "_restore_feasibility", restored)
+    monkeypatch.setattr(interior_point, "restore_feasibility", restored)
     witness(wr.patterns.grid(16, 15, joint="dovetail", gap=0.01))
     below = [entry for entry in seen if entry[0] < 0]
     assert below

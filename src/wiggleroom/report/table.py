@@ -70,7 +70,7 @@ def _parts(answer: Answer) -> Table:
     names, moved = answer.assembly.names, np.hypot(answer.motion[:, 0], answer.motion[:, 1]).tolist()
     farthest = max(moved)
     order = sorted(range(len(names)), key=lambda k: (names[k] not in asked, -round(moved[k], 9), k))
-    moves = answer.motion.any(axis=1).tolist()
+    moves = (answer.motion != 0).any(axis=1).tolist()
     still = [k for k in order if not moves[k]]
     order = [k for k in order if moves[k]]
     found = columns("part", "dx mm", "dy mm", "turn deg")
