@@ -52,13 +52,13 @@ def gap(
     """
     import math
 
-    from wiggleroom.cli.in_space import read_in_space, see_no_page, with_dimension
+    from wiggleroom.cli.in_space import read_in_space, refuse_page, with_dimension
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError
 
     outputs.check(file)
-    see_no_page(file, None if holds else outputs.picture)
+    refuse_page(file, None if holds else outputs.picture)
     if kerf is not None and not (math.isfinite(kerf) and kerf >= 0):
         wrong = f"--kerf {kerf:g}: it must be 0 or more"
         raise InputError(wrong)
@@ -66,7 +66,8 @@ def gap(
         raise InputError("gap: ask one question: --at-most 0.5, --holds or --fits 0.1")
     command = command_line()
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
-        from wiggleroom.questions import allowable_gap, is_spatial_file
+        from wiggleroom.drawing.dimension import is_spatial_file
+        from wiggleroom.questions import allowable_gap
 
         assembly = read_in_space(file, asked, stop=stop) if is_spatial_file(file) else read(file, asked, stop)
 

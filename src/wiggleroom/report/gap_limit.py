@@ -12,7 +12,7 @@ from wiggleroom.report.answer_words import goals_text, number, unit
 from wiggleroom.report.plots import curve
 from wiggleroom.report.separability_picture import Checked, picture_of_check
 from wiggleroom.report.table import columns
-from wiggleroom.schema.results import GapResult, GapTrial
+from wiggleroom.schema.gap_schema import GapResult, GapTrial
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.verdict import Certainty
 
@@ -125,8 +125,8 @@ def kerf_sentences(found: AllowableGap, kerf: float) -> list[str]:
     offset = found.cut_offset(kerf)
     if found.gap is None or offset is None:
         return []
-    way = "outward" if offset >= 0 else "inward"
-    lines = [f"with a kerf of {number(kerf)} mm: offset the cut by {number(abs(offset))} mm {way}, drawing as it is"]
+    side = "outward" if offset >= 0 else "inward"
+    lines = [f"with a kerf of {number(kerf)} mm: offset the cut by {number(abs(offset))} mm {side}, drawing as it is"]
     if found.gap >= kerf:
         lines.append(f"or cut along the lines of: wiggleroom convert FILE cut.svg --gap {number(found.gap - kerf)}")
     return lines

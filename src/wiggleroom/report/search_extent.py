@@ -1,10 +1,10 @@
-"""How far a search for ways out went, in words and as JSON."""
+"""How far a search for escape paths went, in words and as JSON."""
 
 from __future__ import annotations
 
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.planning.plan import Plan
-from wiggleroom.schema.results import StateSearchEntry
+from wiggleroom.schema.disassembly_schema import StateSearchEntry
 
 
 def extent(found: Interlock | Plan) -> str:
