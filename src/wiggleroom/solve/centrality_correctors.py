@@ -48,5 +48,6 @@ def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float)
             break
         for whole, part in ((direction.u, more.u), (direction.s, more.s), (direction.lam, more.lam)):
             add_share(whole, part, SHARES[best])
+        del more, whole, part  # in assemblies of a million parts these arrays count
         direction = replace(direction, primal=float(steps[best]), dual=float(dual_steps[best]))
     return direction

@@ -82,6 +82,7 @@ def predictor_corrector_step(
             centring = max(centring, min(settings.max_centring, infeasibility_ratio))
         mean = max(centring * mu, least)
         corrector_goal(s, predictor.s, lam, predictor.lam, mean, SETTINGS.max_correction * mu, goal)
+        del predictor  # in assemblies of a million parts these arrays count
         direction = newton(state, matrix, primal, dual, goal)
         if mu * len(s) < settings.corrected_gap * max(abs(at.value) / state.unit, 1.0):
             direction = corrected(state, matrix, direction, mean)
