@@ -100,11 +100,12 @@ class Run:
 
 
 def run(words: Sequence[str], said: Path) -> Run:
-    """Run Python with some arguments in a new process."""
+    """Run Python with some arguments in a new process; it may keep byte code, as where it is installed."""
+    environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
     began = time.perf_counter()
     with (
         said.open("w") as text,
-        subprocess.Popen([sys.executable, *words], stdout=text, stderr=subprocess.STDOUT) as process,
+        subprocess.Popen([sys.executable, *words], stdout=text, stderr=subprocess.STDOUT, env=environment) as process,
     ):
         _, status, used = os.wait4(process.pid, 0)
         process.returncode = os.waitstatus_to_exitcode(status)
