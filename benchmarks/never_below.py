@@ -16,6 +16,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+import shapely.ops
 from tests.audit import as_assembly
 from tests.flex_truth import Ground, climbed, value_of
 from tests.flexing import displaced, random_assembly, random_goals, row_of
@@ -28,16 +29,19 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.bound import branch_and_bound
 from wiggleroom.bound.branch_and_bound import BranchAndBound, Deadline
+from wiggleroom.bound.confined_pairs import confined_pairs
 from wiggleroom.bound.dual_bound import quick_bound
-from wiggleroom.bound.joint_constraints import first_ranges
+from wiggleroom.bound.joint_constraints import first_ranges, narrowed
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.drawing.model import Goal
+from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import survey
 
 SHARES, SECONDS = (0.5, 0.98), 0.4
 WINDOW_SECONDS = 1.0
+CONFINED_SECONDS = 8.0
 ROUNDING = 1e-11
 OPEN = {"finger"}
 """Joints that do not close."""
@@ -139,6 +143,28 @@ def a_grid(seed: int) -> Case:
     return assembly, goals, None if answer.objective is None or answer.path != "checked" else answer.objective
 
 
+def a_tray(seed: int) -> Case:
+    """A board cut by straight lines into two to four pieces, in a frame round it: pairs that only the frame keeps together."""
+    rng = np.random.default_rng([seed, 11])
+    wide, high = (float(x) for x in rng.uniform(8, 25, 2))
+    board = shapely.box(0, 0, wide, high)
+    if rng.integers(2):
+        board = board.union(shapely.box(wide - 0.1, 0.3 * high, wide + 2, 0.6 * high))
+    pieces = [board]
+    for _ in range(int(rng.integers(1, 4))):
+        pieces.sort(key=shapely.area)
+        piece = pieces.pop()
+        angle = float(rng.choice([0.0, np.pi / 2, rng.uniform(0, np.pi)]))
+        along = 100 * np.array([np.cos(angle), np.sin(angle)])
+        middle = shapely.get_coordinates(piece.centroid)[0] + rng.uniform(-1, 1, 2)
+        pieces += shapely.ops.split(piece, shapely.LineString([middle - along, middle + along])).geoms
+    frame = board.buffer(3, join_style="mitre").difference(board)
+    drawing = row_of([frame, *pieces], pitch=0.0)
+    drawing = displaced(drawing, float(rng.uniform(-np.pi, np.pi)), tuple(rng.uniform(-50, 50, 2)), seed)
+    assembly = assemble(drawing, gap=float(np.exp(rng.uniform(np.log(0.02), np.log(0.3)))))
+    return _climbed(assembly, random_goals(assembly, seed), seed)
+
+
 def _climbed(assembly: Assembly, goals: tuple[Goal, ...], seed: int) -> Case:
     answer = wr.flex(assembly, goals)
     if answer.objective is None or answer.path != "checked":
@@ -152,8 +178,10 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
     """Bounds that are asked for too little; infinite where joints do not close."""
     ground = survey(assembly)
     goal = objective(assembly, ground.bodies, goals)
-    links, regions = outer_regions(ground, lambda: False)
-    ranges = first_ranges(ground.bodies.fixed, links, regions)
+    links, closed = outer_regions(ground, lambda: False)
+    ranges = first_ranges(ground.bodies.fixed, links, closed)
+    regions = [region for region in closed if isinstance(region, OuterRegion)]
+    links, regions, ranges = confined_pairs(ground, links, regions, ranges, ProcessorTime(CONFINED_SECONDS).is_set)
     if not isinstance(goal, PointMotion) or not (ground.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
         return [np.inf]
     found = []
@@ -165,7 +193,7 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
         bounding = BranchAndBound(
             ground, links, [*regions], goal, cut, Deadline(None, ProcessorTime(seconds)), lambda *_: None
         )
-        found.append(bounding.run(bounding.first(), cut))
+        found.append(bounding.run(narrowed(bounding.first(), ranges.low, ranges.high), cut))
         branch_and_bound.MANY_BODIES = before
         WINDOWS[0] += len(bounding.windows)
     return found
@@ -188,6 +216,7 @@ KINDS: dict[str, Callable[[int], Case]] = {
     "several": several,
     "glued": glued,
     "grid": a_grid,
+    "tray": a_tray,
 }
 
 
