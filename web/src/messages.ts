@@ -222,11 +222,12 @@ export interface SolidShape {
   triangles: string; // base64 of uint32, three vertices each
 }
 
-/** Parts in space as they are made: each shape once, which one a part has, and its reference point at rest. */
+/** Parts in space as they are made: each shape once, which one a part has, its reference point at rest, and where it is set aside. */
 export interface Solids {
   shapes: SolidShape[];
   of: number[];
   reference: [number, number, number][]; // [mm]
+  aside: [number, number, number][]; // by how much in an exploded view that doubles distances [mm]
 }
 
 /** A drawing, and what it asks as a design. */

@@ -7,7 +7,7 @@ import { type CheckReply, type Design, type Finding, type Frames, type Kind, typ
 import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
-import { known, lead, leadTo } from "./stage/lead.ts";
+import { lead, origin } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import * as state from "./state.ts";
@@ -104,7 +104,7 @@ function askFlex(): void {
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
 export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
-  const wanted: Wanted = { design: design.peek(), part, grip, target, from: known().from };
+  const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin() };
   leads(wanted, sameShape());
   state.dragging.value = { part, grip };
   if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
@@ -116,7 +116,8 @@ export function askDrag(part: string, grip: Point | Triple, target: Point | Trip
 
 /** In the plane the part follows the hand at once; in space its ghost does, until the answer comes. */
 function leads({ part, grip, target }: Wanted, shaped: boolean): void {
-  if (!inSpace()) leadTo(part, grip as Point, target as Point, shaped);
+  const free = origin() !== "rest" || shown.peek().what === "rest";
+  if (!inSpace()) lead.value = { part, grip: grip as Point, target: target as Point, shaped: shaped && free };
 }
 
 function sendDrag(wanted: Wanted): void {
@@ -303,7 +304,7 @@ function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
     if (next || !about.reply.settled) leads(newest, sameShape() && !about.reply.rings);
     else lead.value = null; // the truth is there
   }
-  if (next) sendDrag({ ...next, from: known().from });
+  if (next) sendDrag({ ...next, from: origin() });
 }
 
 export function showMode(which: number): void {

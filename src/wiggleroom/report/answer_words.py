@@ -7,9 +7,10 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
+from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
 from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
+from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal, SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import Verdict
 
 MAX_NAME_LENGTH = 40
@@ -103,6 +104,14 @@ def goals_text(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
     """
     more = f" and {len(goals) - most} more" if len(goals) > most else ""
     return ", ".join(ask(g) for g in goals[:most]) + more
+
+
+def assembly_lines(assembly: Assembly | SpatialAssembly) -> list[str]:
+    """What an assembly is, in two lines: its size and gap, then what stands and what is asked."""
+    fixed = [part.name for part in assembly.parts if part.fixed]
+    stands = f"{few(fixed)} {'stands' if len(fixed) == 1 else 'stand'}" if fixed else "nothing stands"
+    wanted = f"asked: {goals_text(assembly.goals, 3)}" if assembly.goals else "nothing is asked"
+    return [f"{len(assembly.parts)} parts, gap {number(assembly.gap)} mm", f"{stands}; {wanted}"]
 
 
 def unit(goals: tuple[Goal | SpatialGoal, ...]) -> str:

@@ -77,11 +77,15 @@ class SolidShape(Struct):
 
 
 class Solids(Struct):
-    """Parts in space as they are made: each shape once, which one a part has, and its reference point at rest."""
+    """Parts in space as they are made: each shape once, which one a part has, its reference point at rest, and where it is set aside."""
 
     shapes: list[SolidShape]
     of: list[int]
     reference: Annotated[list[tuple[float, float, float]], Meta(description="[mm]")]
+    aside: Annotated[
+        list[tuple[float, float, float]],
+        Meta(description="by how much in an exploded view that doubles distances [mm]"),
+    ]
 
 
 class Opened(Reply, kw_only=True):
