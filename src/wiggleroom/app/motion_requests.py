@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 QUICK_SECONDS = 0.1
 """A quick answer takes about so long [s]."""
+MAX_QUICK_BODIES = 100
+"""Of larger assemblies a quick answer from rest would say nothing yet; they have one where an answer at another gap is near."""
 MAX_QUICK_ANSWERS = 10
 """So many quick answers are looked for before the full one."""
 NEIGHBOURHOODS = (64, 512, None)
@@ -62,6 +64,8 @@ def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
     live = document.live(design)
     if not isinstance(live, Live):
         return True  # in space there is no quicker answer
+    if len(live.ready.bodies.fixed) > MAX_QUICK_BODIES and not live.follows(goals):
+        return True
     last: float | None = None
     for _ in range(MAX_QUICK_ANSWERS):
         result = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)

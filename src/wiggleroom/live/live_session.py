@@ -193,6 +193,10 @@ class Live:
         seconds = time.perf_counter() - began
         return LiveResult(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
 
+    def follows(self, goals: Goal | Sequence[Goal] | None = None) -> bool:
+        """Whether `flex` would begin at the end of an answer to these goals, at this gap or one nearby."""
+        return self._ends.near(self._asked(goals), self._design) is not None
+
     def flex(
         self, goals: Goal | Sequence[Goal] | None = None, *, seconds: float = 0.1, stop: Stop | None = None
     ) -> LiveResult:
