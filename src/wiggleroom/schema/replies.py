@@ -109,6 +109,7 @@ class ShapeReply(Reply, tag="shape", kw_only=True):
 
     rings: list[Outline] = []
     solids: Solids | UnsetType = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class FlexReply(Reply, tag="flex", kw_only=True):
@@ -128,8 +129,9 @@ class FlexReply(Reply, tag="flex", kw_only=True):
     seconds: float
     command: Command
     settled: Annotated[bool, Meta(description="false where a fuller answer is to come")] = True
-    rings: Annotated[list[Outline] | UnsetType, Meta(description="where the outlines changed a moment ago")] = UNSET
+    rings: Annotated[list[Outline] | UnsetType, Meta(description="where the page shows others")] = UNSET
     solids: Annotated[Solids | UnsetType, Meta(description="in space, as the outlines")] = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class DragReply(Reply, tag="drag", kw_only=True):
@@ -144,6 +146,7 @@ class DragReply(Reply, tag="drag", kw_only=True):
     settled: bool
     rings: list[Outline] | UnsetType = UNSET
     solids: Solids | UnsetType = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class ReachReply(Reply, tag="reach", kw_only=True):
