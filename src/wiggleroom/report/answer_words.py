@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
-from wiggleroom.search.answer import Answer, Contact
-from wiggleroom.spatial.spatial_model import SpatialAssembly, SpatialGoal, SpatialPull, SpatialTurn, Weight
+from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
+    from wiggleroom.search.answer import Answer, Contact
+    from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 MAX_NAME_LENGTH = 40
 """Longer names are cut in the middle [characters]."""

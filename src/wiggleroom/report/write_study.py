@@ -32,8 +32,8 @@ from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 
-Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan | FreeSpace
-StudyResult = Interlock | LargestGap | Study
+Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan
+StudyResult = Interlock | LargestGap | FreeSpace | Study
 """As the questions return them; a check and a largest gap are drawn as `Checked`."""
 
 
@@ -72,7 +72,7 @@ def in_space(found: StudyResult) -> SpatialFound | None:
     return None
 
 
-def as_checked(found: StudyResult) -> Study:
+def as_checked(found: StudyResult) -> Study | FreeSpace:
     """What is drawn of a result: of a largest gap the state on one of its sides.
 
     Raises
@@ -99,7 +99,7 @@ def _side(found: LargestGap) -> Any:
     return side
 
 
-def _picture(found: Study, command: str) -> str:
+def _picture(found: Study | FreeSpace, command: str) -> str:
     match found:
         case Checked():
             return picture_of_check(found, command=command)
