@@ -58,7 +58,7 @@ function painter(canvas: HTMLCanvasElement): () => void {
       motion, factor: factor(), chosen: chosen.peek(), hovered: hand ? -1 : (at.get(state.hovered.peek() ?? "") ?? -1), held: moving ? NONE : held, colours: colours(),
     };
     if (changing) {
-      clear(g, size.peek(), ratio, scene.colours);
+      clear(g, scene.colours);
       paint(g, size.peek(), ratio, view.peek(), scene, rough);
       current.motion = motion;
     } else {

@@ -25,10 +25,10 @@ const NAMED = 70;
 const GHOST = 2;
 
 /** The empty ground. */
-export function clear(g: CanvasRenderingContext2D, size: Size, ratio: number, colours: Colours): void {
+export function clear(g: CanvasRenderingContext2D, colours: Colours): void {
   g.setTransform(1, 0, 0, 1, 0, 0);
   g.fillStyle = colours.paper;
-  g.fillRect(0, 0, size.width * ratio, size.height * ratio);
+  g.fillRect(0, 0, g.canvas.width, g.canvas.height);
 }
 
 /** Draws all parts but those under the hand; `rough` leaves out thin lines, for frames that come too slowly. */

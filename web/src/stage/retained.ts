@@ -101,7 +101,7 @@ function* repainting(onto: Bitmap, now: Picture, change?: Damage): Generator<voi
     motion = onto.painted.slice();
     for (const i of change.parts) motion.set(scene.motion.subarray(3 * i, 3 * i + 3), 3 * i);
   }
-  clear(g, size, ratio, scene.colours);
+  clear(g, scene.colours);
   yield* painting(g, size, ratio, view, { ...scene, motion }, false, change?.region);
   g.restore();
   onto.painted = motion;
