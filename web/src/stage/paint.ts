@@ -188,9 +188,27 @@ function names(g: CanvasRenderingContext2D, size: Size, ratio: number, view: Vie
     const below = scene.roles[i] === "pulled" ? 20 : 0; // beside the foot of the arrow
     g.globalAlpha = 0.78;
     g.fillStyle = scene.blame ? inkOn(blameColour(scene.colours.blame, scene.blame[i]!)) : scene.colours.ink;
-    g.fillText(name.length > 14 ? `${name.slice(0, 12)}…` : name, x, y + below, one.width * view.scale - 12);
+    g.fillText(cut(g, name, NAME_SHARE * one.width * view.scale), x, y + below);
   }
   g.globalAlpha = 1;
+}
+
+/** Names take this share of the width of a part. */
+const NAME_SHARE = 0.6;
+const cuts = new Map<string, string>();
+
+/** A name, or as much of its beginning as is no wider than `room` [px]. */
+function cut(g: CanvasRenderingContext2D, name: string, room: number): string {
+  const key = `${Math.floor(room / 8)} ${name}`;
+  let found = cuts.get(key);
+  if (found === undefined) {
+    const letters = [...name];
+    found = name;
+    while (letters.length > 1 && g.measureText(found).width > room) found = `${(letters.pop(), letters.join(""))}…`;
+    if (cuts.size > 4000) cuts.clear();
+    cuts.set(key, found);
+  }
+  return found;
 }
 
 /** Dark or light ink, whichever is read better on a colour given as rgb(r,g,b). */
