@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
+from wiggleroom.displayable import Displayable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
@@ -31,7 +32,7 @@ NEIGHBOUR_REACH = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class Prepared(Displayable):
     """An assembly made ready for questions.
 
     Parameters
