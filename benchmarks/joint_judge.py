@@ -114,4 +114,6 @@ def _closed(drawn: DrawnSheet, of: Sequence[str], poses: Mapping[str, tuple[Floa
         turn, move = poses[of[k]]
         ends.append(drawn.rows[k].ends @ turn[:, :2].T + move)
     apart = min(np.abs(ends[0] - other).max() for other in (ends[1], ends[1][::-1]))
-    return bool(apart < (APART if square else APART_SLANTED))
+    # In a joint as deep as two plates each of them lies half a plate beside its middle.
+    spare = abs(drawn.rows[i].depth - drawn.rows[j].depth) / 2
+    return bool(apart < spare + (APART if square else APART_SLANTED))

@@ -20,7 +20,7 @@ from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import assemble_sheet
 from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
-from wiggleroom.mating.hints import Hints, Join, read_hints
+from wiggleroom.mating.hints import EdgeReference, Hints, read_hints
 from wiggleroom.mating.plates_writer import fixed_axis_turns
 
 SHEETS = Path(__file__).parent / "sheets"
@@ -140,7 +140,7 @@ def test_a_join_that_is_told_is_kept(tmp_path: Path) -> None:
         low, high = np.array(plate.polygon.bounds[:2]), np.array(plate.polygon.bounds[2:])
         near = np.abs([middle[0] - low[0], middle[0] - high[0], middle[1] - low[1], middle[1] - high[1]])
         sides.append(("left", "right", "bottom", "top")[int(np.argmin(near))])
-    join = Join((names[first.panels[0]], names[first.panels[1]]), (sides[0], sides[1]))
+    join = tuple(EdgeReference(names[row], side) for row, side in zip(first.panels, sides, strict=True))
     found = assemble_sheet(sheet, 3, hints=Hints(joins=(join,)))
     assert found.sure
     assert len(found.joints) == 12

@@ -10,6 +10,7 @@ import { kept } from "./stage/kept.ts";
 import { known, lead, leadTo } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
+import { assembled, forgetSheet, laid } from "./sheet.ts";
 import * as state from "./state.ts";
 
 let socket: Socket | null = null;
@@ -230,6 +231,8 @@ function take(reply: Reply, ways: Frames[]): void {
     case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.coloured.value = true; return;
     case "prove": return proved(about(reply));
     case "bound": return bounded(about(reply));
+    case "assembled": assembled.value = reply; if (["assemble", "lay"].includes(trouble)) state.findings.value = []; return;
+    case "lay": return laid(reply);
     case "saved": return download(reply);
     case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
   }
@@ -350,6 +353,7 @@ function opened(reply: Opened): void {
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
+  forgetSheet();
   state.selected.value = null;
   state.many.value = new Set();
   state.solved.value = [];

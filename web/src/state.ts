@@ -73,7 +73,7 @@ export const outlined = signal<ReadonlySet<string>>(new Set());
 /** How far parts in space are taken apart in the picture, 0 to 1.5. */
 export const exploded = signal(0);
 
-export type Tab = "answer" | "gaps" | "vary" | "apart" | "space" | "study" | "sure";
+export type Tab = "answer" | "gaps" | "vary" | "apart" | "space" | "sheet" | "study" | "sure";
 export const tab = signal<Tab>("answer");
 export const sheetOpen = signal(false);
 export const helpOpen = signal(false);

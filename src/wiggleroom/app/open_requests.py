@@ -48,6 +48,10 @@ class File:
         How finely curves were flattened; None where there are none.
     text : str
         Of a file in space, as it is.
+    data : bytes
+        Of a drawing, as it is: it may be a cutting sheet.
+    options : ReadOptions
+        What is read of a drawing.
     """
 
     name: str
@@ -56,6 +60,8 @@ class File:
     unit: str | None = None
     flatten: float | None = None
     text: str = ""
+    data: bytes = b""
+    options: ReadOptions = dataclasses.field(default_factory=ReadOptions)
 
 
 def opened(request: OpenRequest) -> File:
@@ -80,7 +86,8 @@ def opened(request: OpenRequest) -> File:
             drawing, flatten = _read(path, request)
         except InputError as problem:
             raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
-    return File(name, request.path or name, drawing, request.unit, flatten)
+    how = _options(request)
+    return File(name, request.path or name, drawing, request.unit, flatten, data=request.data, options=how)
 
 
 def first_open(
@@ -177,10 +184,14 @@ def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
     )
 
 
+def _options(request: OpenRequest) -> ReadOptions:
+    return ReadOptions(request.only, request.skip, request.join, request.solid)
+
+
 def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
     """The drawing, and how finely its curves were flattened."""
     unit, flatten, gap = request.unit, request.flatten, request.gap
-    options = ReadOptions(request.only, request.skip, request.join, request.solid)
+    options = _options(request)
     if path.suffix.lower() == ".json":
         return read_drawing(path, unit=unit, gap=gap), None
     if flatten is None and gap:

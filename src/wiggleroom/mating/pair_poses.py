@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from wiggleroom.mating.beam_search import BeamState
 from wiggleroom.mating.candidates import VOTING
 from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE, finger_length, finger_setback, line_shifts
-from wiggleroom.mating.flanks import FlankLine, SheetPlate, joint_angles
+from wiggleroom.mating.edge_constraints import JoinedEdges
+from wiggleroom.mating.flanks import FlankLine, SheetPlate, bits, flank_rows, joint_angles
 
 Floats = NDArray[np.float64]
 LONG_ROW = 4
@@ -72,10 +73,15 @@ class PairPoseTable:
             if key[::-1] in self._known:
                 self._known[key] = _inverse(self._known[key[::-1]])
             else:
-                self._known[key] = self._worked_out(a, b)
+                self._known[key] = self._worked_out(a, b, self.bench.constraints.between(a, b))
         return self._known[key]
 
-    def _worked_out(self, a: int, b: int) -> PairPoses:
+    def unjoined(self, a: int, b: int) -> PairPoses:
+        """The same as if nothing had been said of the two."""
+        return self._worked_out(a, b, [])
+
+    def _worked_out(self, a: int, b: int, joins: Sequence[JoinedEdges]) -> PairPoses:
+        """Poses in which every join holds; these need not close whole rows."""
         bench = self.bench
         found = list(_line_poses(bench.plates[a], bench.plates[b], bench.tolerance))
         for angle in self.angles:
@@ -85,7 +91,10 @@ class PairPoseTable:
         turns, moves = (np.concatenate(values) for values in zip(*found, strict=True))
         met_a, met_b = bench.met_flags(a, b, turns, moves)
         fine = met_a.any(axis=1)
-        if self.whole:
+        for join in joins:
+            for met, edge in zip((met_a, met_b), join.flanks, strict=True):
+                fine &= met[:, list(flank_rows(edge))].sum(axis=1) >= join.least
+        if self.whole and not joins:
             fine &= _meets_whole_rows(bench.plates[a], met_a) & _meets_whole_rows(bench.plates[b], met_b)
         turns, moves = turns[fine], moves[fine]
         met_a, met_b, blocked_a, blocked_b = bench.masks(a, b, turns, moves)
@@ -94,7 +103,11 @@ class PairPoseTable:
         keep, marks = [], set()
         for k in np.argsort(-count, kind="stable").tolist():
             mark = corners[k].tobytes()
-            if odd[k] > count[k] or mark in marks or bench.volume(a, b, turns[k], moves[k]) > bench.most:
+            if (
+                (odd[k] > count[k] and not joins)
+                or mark in marks
+                or bench.volume(a, b, turns[k], moves[k]) > bench.most
+            ):
                 continue
             marks.add(mark)
             keep.append(k)
@@ -125,26 +138,6 @@ def _meets_whole_rows(plate: SheetPlate, met: NDArray[np.bool_]) -> NDArray[np.b
     spare = (row.sum(axis=0) >= LONG_ROW).astype(np.float32)
     broken = (met.astype(np.float32) @ row > 0) & (left > spare)
     return ~broken.any(axis=1)
-
-
-def bits(flags: NDArray[np.bool_]) -> list[int]:
-    """Every row of `flags` (k, n) as an integer whose bit i is flag i.
-
-    Examples
-    --------
-    >>> bits(np.array([[True, False, True], [False, True, False]]))
-    [5, 2]
-    """
-    packed = np.packbits(flags, axis=1, bitorder="little")
-    return [int.from_bytes(row.tobytes(), "little") for row in packed]
-
-
-def flank_rows(mask: int) -> Iterator[int]:
-    """Numbers of the bits that are set, ascending."""
-    while mask:
-        low = mask & -mask
-        yield low.bit_length() - 1
-        mask ^= low
 
 
 def _line_poses(a: SheetPlate, b: SheetPlate, tolerance: float) -> Iterator[tuple[Floats, Floats]]:

@@ -9,6 +9,7 @@ import { Apart } from "./Apart.tsx";
 import { Findings } from "./Findings.tsx";
 import { Gaps } from "./Gaps.tsx";
 import { Joints, Ranked } from "./Ranked.tsx";
+import { Sheet } from "./Sheet.tsx";
 import { Space } from "./Space.tsx";
 import { Study } from "./Study.tsx";
 import { Sure } from "./Sure.tsx";
@@ -23,7 +24,7 @@ export const pages = computed<Page[]>(() => {
   const page = (name: Tab, words: string, Shown: ComponentType, there: boolean = true): Page[] => (there ? [{ name, words, Shown }] : []);
   const told = standalone.value;
   if (!told) {
-    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space, !inSpace()), ...page("sure", "How sure", Sure)];
+    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space, !inSpace()), ...page("sure", "How sure", Sure), ...page("sheet", "Sheet", Sheet, !inSpace())];
   }
   return [
     ...page("answer", "Answer", Answer, answer.value !== null), ...page("gaps", "Whose gap", Ranked, ranking.value !== null),
