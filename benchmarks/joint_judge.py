@@ -52,7 +52,9 @@ def panels_of_rows(drawn: DrawnSheet, panels: Mapping[str, shapely.Polygon]) -> 
         line = shapely.LineString(row.ends)
         share = [panels[name].intersection(line).length / max(line.length, 1e-9) for name in names]
         best = int(np.argmax(share))
-        found.append(names[best] if share[best] > 0.1 else "")
+        # Holes that are drawn beside all panels, to drill after, make small outlines of their own: no panel holds the row.
+        whole = panels[names[best]].convex_hull.intersection(line).length > 0.8 * line.length
+        found.append(names[best] if share[best] > 0.1 and whole else "")
     return found
 
 

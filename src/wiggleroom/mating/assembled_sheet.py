@@ -11,8 +11,11 @@ from numpy.typing import NDArray
 from wiggleroom.errors import Stop
 from wiggleroom.mating.beam_search import BeamState, Effort, Placement, extent, grow
 from wiggleroom.mating.closed_search import Closed, closed_placements
+from wiggleroom.mating.congruence import congruent
+from wiggleroom.mating.contact import MET_TOLERANCE
 from wiggleroom.mating.cutting_sheet import CuttingSheet
 from wiggleroom.mating.edge_constraints import EdgeConstraints, edge_constraints, without_skipped
+from wiggleroom.mating.edge_ends import aligned_ends
 from wiggleroom.mating.flanks import SheetPlate, bits, plates_of
 from wiggleroom.mating.hints import Hints
 from wiggleroom.mating.known import known_starts, with_fixed_plates
@@ -158,7 +161,9 @@ def assemble_sheet(
     plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
     constraints = edge_constraints(sheet, plates, hints)
     bench = BeamState(_told_apart(plates, constraints.named), constraints)
-    tables = PairPoseTable(bench, whole=True), PairPoseTable(bench, whole=False)
+    tables = (
+        PairPoseTable(bench, whole=True, aligned=True), PairPoseTable(bench, whole=True), PairPoseTable(bench, whole=False),
+    )  # fmt: skip
     found, doubts = _bodies(bench, tables, hints, stop, progress)
     bodies, unplaced = with_fixed_plates(bench, [_outward(bench, refined(bench, body)) for body in found], constraints)
     notes = [*sheet.notes]
@@ -181,7 +186,7 @@ def assemble_sheet(
             f"{sum(len(rows) for rows in left.values())} flanks meet nothing, of {_listed(names, list(left))}"
         )
     doubts += _not_kept(constraints, bodies)
-    loose = _loose(bench, tables[0], bodies, unplaced)
+    loose = _loose(bench, tables[1], bodies, unplaced)
     if loose:
         fits = (
             "no edge of it fits another panel: it lies"
@@ -272,8 +277,12 @@ def _body(
     name = bench.plates[starts[0].rows[0]].name
     best: tuple[int, Placement] | None = None
     doubts: list[str] = []
-    for table in tables:
-        closed = closed_placements(bench, starts, left, table, share=share, stop=stop)
+    aligned = closed_placements(bench, starts, left, tables[0], share=share, max_open_lines=0, stop=stop)
+    for table in tables[1:]:
+        # What has edges that end together is likelier, but it counts as sure only where nothing else fits.
+        spare = {"max_open_lines": 0} if aligned.placements else {}
+        closed = closed_placements(bench, starts, left, table, share=share, stop=stop, **spare)
+        closed = _merged(bench, aligned, closed)
         if not closed.placements:
             continue
         placed = _best(bench, closed.placements)
@@ -296,6 +305,23 @@ def _body(
     return best[1], doubts
 
 
+def _merged(bench: BeamState, aligned: Closed, closed: Closed) -> Closed:
+    """What two searches found; whether there is nothing else, the second one says."""
+    if not aligned.placements:
+        return closed
+    kinds = [plate.kind for plate in bench.plates]
+    found = list(aligned.placements)
+    for each in closed.placements if closed.open_lines == 0 else []:
+        panels = [
+            [(kinds[row], turn, move) for row, turn, move in zip(one.rows, one.turns, one.moves, strict=True)]
+            for one in (each, *aligned.placements)
+        ]
+        tolerance = MET_TOLERANCE * bench.tolerance
+        if not any(congruent(bench.isometries, panels[0], other, tolerance) for other in panels[1:]):
+            found.append(each)
+    return Closed(found, 0, closed.exhausted)
+
+
 def _open_share(bench: BeamState, placed: Placement) -> float:
     """Share of the needed flanks of a placement that meet nothing."""
     needed = sum(int(bench.plates[row].needed.sum()) for row in placed.rows)
@@ -308,9 +334,16 @@ def _complete(bench: BeamState, placed: Placement, left: frozenset[int]) -> bool
 
 
 def _best(bench: BeamState, placements: list[Placement]) -> Placement:
-    """The placement in which the most flanks meet; of several the one whose panels press least on each other, then the smallest."""
+    """The placement in which the most flanks meet; of several the one whose edges end together, then the one whose panels press least.
+
+    Of placements that are equal in this, too, the smallest one.
+    """
     most = max(_met(bench, each) for each in placements)
     equal = [each for each in placements if _met(bench, each) == most]
+    if len(equal) == 1:
+        return equal[0]
+    together = [aligned_ends(bench, each) for each in equal]
+    equal = [each for each, ends in zip(equal, together, strict=True) if ends > max(together) - 0.5]
     if len(equal) == 1:
         return equal[0]
     drawn = [plate.thickness for plate in bench.plates]

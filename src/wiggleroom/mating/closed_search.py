@@ -84,6 +84,7 @@ def closed_placements(
     table: PairPoseTable,
     *,
     share: float = 1.0,
+    max_open_lines: int = SETTINGS.max_open_lines,
     stop: Stop | None = None,
 ) -> Closed:
     """Assemblies that hold the panels of one of `starts` and leave as few lines of needed flanks open as possible.
@@ -98,6 +99,8 @@ def closed_placements(
     table : PairPoseTable
     share : float in (0, 1)
         Of the poses that are tried at most.
+    max_open_lines : int
+        Lines of flanks that may stay open.
 
     Notes
     -----
@@ -112,7 +115,7 @@ def closed_placements(
     search = _ExhaustiveSearch(bench, frozenset(free), table, stop)
     most = share * SETTINGS.max_poses
     found = search.closed(starts, 0, int(most))
-    for spare in range(1, SETTINGS.max_open_lines + 1):
+    for spare in range(1, max_open_lines + 1):
         if found.placements:
             break
         found = search.closed(starts, spare, int(SETTINGS.open_share * most))
@@ -259,7 +262,7 @@ class _ExhaustiveSearch:
         """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank."""
         state, bench = node.state, self.bench
         row = state.rows[place]
-        found: list[tuple[int, _Partial]] = []
+        found: list[tuple[int, float, _Partial]] = []
         for kind, other in waiting.items():
             poses = self.table.between(row, other)
             hopeless = self._hopeless[other]
@@ -280,8 +283,8 @@ class _ExhaustiveSearch:
                     tried[mark] = self._joined(node, place, other, turn, move, met, mine)
                 joined = tried[mark]
                 if joined is not None:
-                    found.append(joined)
-        return [child for _, child in sorted(found, key=lambda item: -item[0])]
+                    found.append((joined[0], float(poses.together[k]), joined[1]))
+        return [child for *_, child in sorted(found, key=lambda item: (-item[0], -item[1]))]
 
     def _joined(
         self, node: _Partial, place: int, other: int, turn: Floats, move: Floats, met: int, mine: int
