@@ -53,7 +53,8 @@ def panels_of_rows(drawn: DrawnSheet, panels: Mapping[str, shapely.Polygon]) -> 
         share = [panels[name].intersection(line).length / max(line.length, 1e-9) for name in names]
         best = int(np.argmax(share))
         # Holes that are drawn beside all panels, to drill after, make small outlines of their own: no panel holds the row.
-        whole = panels[names[best]].convex_hull.intersection(line).length > 0.8 * line.length
+        reach = shapely.minimum_rotated_rectangle(panels[names[best]]).exterior.length / 2
+        whole = reach > 0.8 * line.length
         found.append(names[best] if share[best] > 0.1 and whole else "")
     return found
 

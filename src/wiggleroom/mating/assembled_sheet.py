@@ -226,9 +226,9 @@ def _told_apart(plates: Sequence[SheetPlate], named: frozenset[int]) -> tuple[Sh
 def _not_kept(constraints: EdgeConstraints, bodies: Sequence[Placement]) -> list[str]:
     """What was said of edges of panels that are not in one body."""
     return [
-        f"{each.words}: said to belong together, but not all of these panels are placed in one body"
-        for each in (*constraints.joins, *constraints.flush)
-        if not any(set(each.panels) <= set(body.rows) for body in bodies)
+        f"{words}: said to belong together, but not all of these panels are placed in one body"
+        for panels, words in constraints.pairs
+        if not any(set(panels) <= set(body.rows) for body in bodies)
     ]
 
 

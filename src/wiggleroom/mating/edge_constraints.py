@@ -122,7 +122,14 @@ class EdgeConstraints:
     @property
     def named(self) -> frozenset[int]:
         """Panels of which something was said: none of them may stand for one that is congruent."""
-        return frozenset(row for each in (*self.joins, *self.flush, *self.poses) for row in each.panels)
+        return frozenset(row for panels, _ in self.pairs for row in panels) | frozenset(
+            row for pose in self.poses for row in pose.panels
+        )
+
+    @property
+    def pairs(self) -> list[tuple[tuple[int, int], str]]:
+        """Panels whose edges belong together, and what was said of them."""
+        return [(join.panels, join.words) for join in self.joins] + [(pair.panels, pair.words) for pair in self.flush]
 
     def between(self, a: int, b: int) -> list[JoinedEdges]:
         """Joins of two panels, seen from panel `a`."""

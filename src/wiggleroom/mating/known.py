@@ -30,7 +30,8 @@ def known_starts(
     InputError
         If two edges of a join do not fit each other, or panels overlap where hints put them.
     """
-    pairs = [each.panels for each in (*constraints.poses, *constraints.joins) if set(each.panels) <= free]
+    said = [pose.panels for pose in constraints.poses] + [join.panels for join in constraints.joins]
+    pairs = [panels for panels in said if set(panels) <= free]
     if not pairs:
         return []
     states = [bench.start(pairs[0][0])]

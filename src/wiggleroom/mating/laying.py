@@ -2,7 +2,7 @@
 
 A person says which point of the loose panel is to be next to which point of a placed one. Of all turns by quarters that
 fit this, and all shifts near by at which planes of the loose panel meet planes of the others, the ones count in which the most
-area is in contact and no material is shared.
+panels are touched, then the most area, and no material is shared.
 """
 
 from __future__ import annotations
@@ -40,8 +40,6 @@ class LayingSettings:
         Faces that face each other at this share of the thickness still guide the panel, such as those of a groove.
     flush_weight : float
         Length of flush edges times thickness counts so much against area in contact.
-    onto_weight : float > 1
-        Contact with the panel that was named counts so many times.
     max_ways : int
         So many poses are given at most.
     """
@@ -51,7 +49,6 @@ class LayingSettings:
     max_shifts: int = 7
     clearance: float = 0.4
     flush_weight: float = 0.5
-    onto_weight: float = 3.0
     max_ways: int = 8
 
 
@@ -144,28 +141,35 @@ def _laid(
     place = home.rows.index(base)
     turn, move = home.turns[place], home.moves[place]
     point, target = at - plate.centre, turn[:, :2] @ (there - other.centre) + move
-    own, is_edge = _nearest_edge(plate, point)
-    its, on_edge = _nearest_edge(other, there - other.centre)
+    own, is_edge, _ = _nearest_edge(plate, point)
+    its, on_edge, corner = _nearest_edge(other, there - other.centre)
     along, out, normal = turn[:, :2] @ its, turn[:, :2] @ [its[1], -its[0]], turn[:, 2]
     inner = np.zeros((3, 3))  # the panel's frame seen from that of its edge: along, outward, up
     inner[:2, 0], inner[:2, 1] = own, (own[1], -own[0])
     inner[:, 2] = np.cross(inner[:, 0], inner[:, 1])
     anchor = inner.T @ np.append(point, 0.0)
     mine = _planes([row], inner.T[None], np.zeros((1, 3)), bench, np.eye(3))
-    ranked: list[tuple[float, Floats, Floats]] = []
+    ranked: list[tuple[int, float, Floats, Floats]] = []
     for frame in _frames(along, out, normal, is_edge, on_edge):
         go_on(stop)
         theirs = _planes(home.rows, home.turns, home.moves, bench, frame)
+        named = theirs.owner == base
+        if on_edge:  # then it is the narrow side that is touched
+            outward, place_of_edge = frame.T @ out, frame.T @ (turn[:, :2] @ corner + move)
+            axis = int(np.argmax(np.abs(outward)))
+            named &= (theirs.axis == axis) & (theirs.sign * outward[axis] > 0)
+            named &= np.abs(theirs.low[:, axis] - place_of_edge[axis]) < 0.1 * plate.thickness
         near = frame.T @ target - anchor
         shifts = [_snaps(mine, theirs, axis, near[axis], plate.thickness) for axis in range(3)]
-        for shift in itertools.product(*shifts):
-            score = _contact(mine, theirs, np.array(shift), base, plate.thickness)
-            if score > 0:
-                ranked.append((score - 0.01 * float(np.abs(shift - near).sum()), frame, np.array(shift)))
-    ranked.sort(key=lambda each: -each[0])
+        for each in itertools.product(*shifts):
+            shift = np.array(each)
+            touched, score = _contact(mine, theirs, shift, named, plate.thickness)
+            if touched:
+                ranked.append((touched, score - 0.01 * float(np.abs(shift - near).sum()), frame, shift))
+    ranked.sort(key=lambda each: (-each[0], -each[1]))
     found: list[tuple[Floats, Floats]] = []
     marks: set[tuple[float, ...]] = set()
-    for _, frame, shift in ranked:
+    for *_, frame, shift in ranked:
         pose = frame @ inner.T, frame @ shift
         mark = tuple(np.round([*pose[0].ravel(), *pose[1]], 2))
         if mark in marks or bench.overlaps(home, row, *pose):
@@ -177,14 +181,14 @@ def _laid(
     return found
 
 
-def _nearest_edge(plate: SheetPlate, point: Floats) -> tuple[Floats, bool]:
-    """Direction of the straight edge that is nearest to a point, and whether it is near; of a face that of the longest edge."""
+def _nearest_edge(plate: SheetPlate, point: Floats) -> tuple[Floats, bool, Floats]:
+    """Direction of the straight edge that is nearest to a point, whether it is near, and its beginning; of a face of the longest edge."""
     here, there = _edges(plate)
     apart = shapely.distance(shapely.linestrings(np.stack([here, there], axis=1)), shapely.Point(point))
     long = np.hypot(*(there - here).T)
     near = bool(apart.min() < SETTINGS.edge_reach * plate.thickness)
     k = int(np.argmin(np.where(long > plate.thickness, apart, np.inf))) if near else int(np.argmax(long))
-    return (there[k] - here[k]) / long[k], near
+    return (there[k] - here[k]) / long[k], near, here[k]
 
 
 def _edges(plate: SheetPlate) -> tuple[Floats, Floats]:
@@ -253,27 +257,26 @@ def _snaps(mine: BoundaryPlanes, theirs: BoundaryPlanes, axis: int, near: float,
     return shifts[np.argsort(np.abs(shifts - near))][: SETTINGS.max_shifts].tolist()  # type: ignore[no-any-return]
 
 
-def _contact(mine: BoundaryPlanes, theirs: BoundaryPlanes, shift: Floats, base: int, thickness: float) -> float:
-    """Area [mm2] at which planes touch or guide each other, and flush length times thickness; 0 without contact to the base."""
+def _contact(
+    mine: BoundaryPlanes, theirs: BoundaryPlanes, shift: Floats, named: NDArray[np.bool_], thickness: float
+) -> tuple[int, float]:
+    """How many panels are touched, and area [mm2] at which planes touch or guide each other with flush length times thickness.
+
+    Both 0 where none of the planes is touched that were named.
+    """
     low, high = mine.low + shift, mine.high + shift
-    same_axis = mine.axis[:, None] == theirs.axis
-    rows, columns = np.nonzero(same_axis)
+    rows, columns = np.nonzero(mine.axis[:, None] == theirs.axis)
     axis = mine.axis[rows]
     gap = (theirs.low[columns, axis] - low[rows, axis]) * mine.sign[rows]
     shared = np.minimum(high[rows], theirs.high[columns]) - np.maximum(low[rows], theirs.low[columns])
     shared[np.arange(len(rows)), axis] = 1.0
     area = np.clip(shared, 0.0, None).prod(axis=1)
     opposed = mine.sign[rows] != theirs.sign[columns]
-    touching = opposed & (np.abs(gap) < 0.02 * thickness)
-    guided = opposed & (gap > 0) & (gap < SETTINGS.clearance * thickness)
-    named = theirs.owner[columns] == base
-    weight = np.where(named, SETTINGS.onto_weight, 1.0)
-    if not (area[(touching | guided) & named] > 0.1 * thickness**2).any():
-        return 0.0
+    touching = opposed & (np.abs(gap) < 0.02 * thickness) & (area > 0.1 * thickness**2)
+    guided = opposed & (gap > 0) & (gap < SETTINGS.clearance * thickness) & (area > 0.1 * thickness**2)
+    if not (touching | guided)[named[columns]].any():
+        return 0, 0.0
     flush = ~opposed & (np.abs(gap) < 0.02 * thickness) & (shared.min(axis=1) > -0.02 * thickness)
     length = np.sort(np.clip(shared, 0.0, None), axis=1)[:, -1] * thickness
-    return float(
-        (weight * area)[touching].sum()
-        + 0.5 * (weight * area)[guided].sum()
-        + SETTINGS.flush_weight * length[flush].sum()
-    )
+    touched = len(np.unique(theirs.owner[columns[touching | guided]]))
+    return touched, float(area[touching].sum() + 0.5 * area[guided].sum() + SETTINGS.flush_weight * length[flush].sum())
