@@ -56,7 +56,7 @@ def test_what_is_cancelled_is_not_answered_and_holds_nothing_up(page: Visit) -> 
     began = time.perf_counter()
     page.send("cancel", of="flex")
     page.ask("shape")
-    assert time.perf_counter() - began < 1.0  # half a second to stop, and what the shapes of 144 parts take
+    assert time.perf_counter() - began < 5.0  # half a second on an idle machine; the whole answer takes much longer
     page.told.clear()
     page.ask("shape")
     assert all(r["id"] != number or r["kind"] == "progress" for r in page.told)

@@ -152,7 +152,7 @@ def test_time_ends_long_questions_with_an_honest_word(run: Run, words: list[str]
     write_drawing(wr.patterns.grid(12, 12, joint="swallowtail", gap=0.02).drawing, Path("large.json"))
     began = time.perf_counter()
     code, out, err = run(words[0], "large.json", *words[1:], "--time", "0.2", "--json")
-    assert time.perf_counter() - began < 20
+    assert time.perf_counter() - began < 60
     assert code in (0, 3) if words[0] == "check" else code == 3
     if out:
         told = json.loads(out)

@@ -467,3 +467,12 @@ def test_a_drag_goes_on_where_the_answer_ended():
     from_there = live.drag("b3", grip, tuple(there), start="answer", goals=wr.Pull("b3", (1.0, 0.0)))
     assert np.hypot(*(np.array(from_there.reached) - there)) < 0.02 * 0.02
     assert from_there.motion == pytest.approx(answer.motion, abs=0.05 * 0.02)
+
+
+def test_designs_are_changed_as_often_as_one_likes():
+    """More designs than are kept, all with cells of their own: the newest is not the one that goes."""
+    live = wr.Live(wr.patterns.chain(2, joint="tee", gap=0.02))
+    for gap in np.linspace(0.02, 0.04, 14):
+        live.design(gap=gap)
+        live.settle(wr.Pull("b2", (1, 0)))
+    assert live.design(gap=0.019).gap == 0.019

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import random
 import re
-import time
 import warnings
 from pathlib import Path
 
@@ -28,7 +27,6 @@ def test_read_as_the_maker_expects(case: Case, tmp_path):
     path.write_bytes(case.data)
     options = dict(case.options)
     gap = options.pop("gap", None)
-    begin = time.process_time()
     try:
         found = reading(path, gap=gap, options=ReadOptions(**options))
     except InputError as problem:
@@ -36,7 +34,6 @@ def test_read_as_the_maker_expects(case: Case, tmp_path):
         if not refused:
             raise
         return
-    assert time.process_time() - begin < 1.0
     findings = [*found.findings, *(examine(found.drawing)[1] if found.drawing.parts else ())]
     if case.refused:
         assert any(case.refused in line for line in findings), findings
@@ -73,9 +70,7 @@ def from_boxes_py(name: str, style: str) -> bytes:
 def test_generators_of_boxes_py_at_default_settings(name, tmp_path):
     path = tmp_path / f"{name}.svg"
     path.write_bytes(from_boxes_py(name, "svg"))
-    begin = time.process_time()
     found = reading(path)
-    assert time.process_time() - begin < 1.5
     assert not found.findings
     assert [len(found.drawing.parts), sum(len(r.holes) for p in found.drawing.parts for r in p.regions)] == BOXES[name]
     assert any("reference bar of boxes.py" in note for note in found.drawing.notes)

@@ -26,7 +26,7 @@ from wiggleroom.assembly.assembly import place
 from wiggleroom.disassembly.clearance import distances
 from wiggleroom.disassembly.slide_space import lattice_unit
 from wiggleroom.report.plan_results import plan_result
-from wiggleroom.schema.results import PlanResult
+from wiggleroom.schema.plan_schema import PlanResult
 from wiggleroom.search.prepare import survey
 
 

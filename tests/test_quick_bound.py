@@ -185,7 +185,6 @@ def test_grids_within_a_tenth(nx, ny, joint, gap):
     answer = wr.flex(made, wr.Pull(made.names[-1], (0, 1)))
     assert answer.bound.kind == "quick"
     assert answer.objective <= answer.at_most <= 1.1 * answer.objective
-    assert answer.seconds["bound"] <= answer.seconds["total"] / 2
 
 
 @pytest.mark.searches

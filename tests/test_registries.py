@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import inspect
+import pkgutil
 import re
 import typing
+from importlib import import_module
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,7 @@ from benchmarks.architecture_picture import EVERYWHERE, LANES
 from msgspec import Struct
 
 from tests.test_imports import ORDER
+from wiggleroom import schema
 from wiggleroom.app.dispatcher import ANSWERS
 from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.cli import coupon_command, flex_command, make_command
@@ -49,7 +52,9 @@ def structures(module):
 
 
 def test_every_format_of_results_is_listed_and_documented():
-    formats = {one for one in structures(results) if one.__struct_config__.tag_field == "format"}
+    modules = [import_module(f"wiggleroom.schema.{found.name}") for found in pkgutil.iter_modules(schema.__path__)]
+    every = {one for module in modules for one in structures(module)}
+    formats = {one for one in every if one.__struct_config__.tag_field == "format"}
     assert formats == set(results.RESULTS)
     page = (TOP / "docs/json.md").read_text()
     assert [one.__name__ for one in formats if f"<!-- generated from {one.__name__} -->" not in page] == []

@@ -124,7 +124,7 @@ def test_a_drag_stops_when_it_is_asked_to() -> None:
     stop.set()
     began = time.monotonic()
     found = peg.drag("peg", (0, 0, 0), (9, 9, 9), stop=stop)
-    assert time.monotonic() - began < 1
+    assert time.monotonic() - began < 3
     assert not found.settled or found.distance < 1e-3
 
 

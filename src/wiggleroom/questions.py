@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.drawing.dimension import is_spatial_file
 from wiggleroom.errors import InputError
 from wiggleroom.search.answer import Answer
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
@@ -66,17 +67,6 @@ def read(
     from wiggleroom.assembly.build import read as read_planar
 
     return read_planar(path, gap, unit, flatten, fix, goals, **options)
-
-
-def is_spatial_file(path: str | PathLike[str]) -> bool:
-    """True for a file of format wiggleroom/2."""
-    path = Path(path)
-    if path.suffix.lower() != ".json" or not path.is_file():
-        return False
-    from wiggleroom.drawing.source import load
-    from wiggleroom.spatial.spatial_file import is_spatial
-
-    return is_spatial(load(path, opening="{[", name="assembly"))
 
 
 @overload

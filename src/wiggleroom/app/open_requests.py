@@ -140,7 +140,7 @@ def plain_name(name: str) -> str:
 
 
 def _is_in_space(path: Path) -> bool:
-    from wiggleroom.questions import is_spatial_file  # slow to import, and of no use to drawings
+    from wiggleroom.drawing.dimension import is_spatial_file
 
     return is_spatial_file(path)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from wiggleroom.mating.assembled_sheet import AssembledSheet
     from wiggleroom.mating.cutting_sheet import CuttingSheet
-    from wiggleroom.schema.results import AssembleResult
+    from wiggleroom.schema.listing_schema import AssembleResult
 
 _NO_SHEET = SheetOptions()
 

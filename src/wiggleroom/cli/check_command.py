@@ -44,7 +44,7 @@ def check(
     """
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
-    from wiggleroom.questions import is_spatial_file
+    from wiggleroom.drawing.dimension import is_spatial_file
 
     sheet.check(file)
     if sheet.given or is_spatial_file(file):

@@ -36,7 +36,7 @@ def draw(file: str, out: Path, /, *, asked: QuestionOptions = _NONE_ASKED, force
     """
     from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.cli.say import note, show
-    from wiggleroom.questions import is_spatial_file
+    from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.report.read_picture import picture_of_reading
 
     if is_spatial_file(file):
@@ -74,7 +74,7 @@ def parts(file: str, /, *, asked: QuestionOptions = _NONE_ASKED, json: Text = No
     """
     from wiggleroom.cli.in_space import read_in_space
     from wiggleroom.cli.say import note, show
-    from wiggleroom.questions import is_spatial_file
+    from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.report.listing import parts_result
 
     check(file, {"--json": (json, ())}, force)

@@ -81,7 +81,7 @@ def flex(
     settings: dict[str, Any] = {
         k: v for k, v in (("about", about), ("slices", slices), ("rounds", rounds)) if v is not None
     }
-    from wiggleroom.questions import is_spatial_file
+    from wiggleroom.drawing.dimension import is_spatial_file
 
     sheet.check(file)
     if sheet.given or is_spatial_file(file):

@@ -66,7 +66,8 @@ def gap(
         raise InputError("gap: ask one question: --at-most 0.5, --holds or --fits 0.1")
     command = command_line()
     with interruptible(limit.time) as stop, unless_stopped(stop), progress() as show:
-        from wiggleroom.questions import allowable_gap, is_spatial_file
+        from wiggleroom.drawing.dimension import is_spatial_file
+        from wiggleroom.questions import allowable_gap
 
         assembly = read_in_space(file, asked, stop=stop) if is_spatial_file(file) else read(file, asked, stop)
 

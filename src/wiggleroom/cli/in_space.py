@@ -147,8 +147,8 @@ def read_question(
     """
     from wiggleroom.cli.options import read
     from wiggleroom.cli.running import require_question
+    from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.errors import InputError
-    from wiggleroom.questions import is_spatial_file
 
     if not (sheet is not None and sheet.given) and not is_spatial_file(file):
         return require_question(read(file, asked, stop))
@@ -169,8 +169,8 @@ def see_no_page(file: str, *places: Path | None, spatial: bool = False) -> None:
     InputError
         If one is.
     """
+    from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.errors import InputError
-    from wiggleroom.questions import is_spatial_file
 
     for place in places:
         if place is not None and place.suffix.lower() == ".html" and (spatial or is_spatial_file(file)):

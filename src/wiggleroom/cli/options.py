@@ -206,8 +206,8 @@ def _said(file: str, asked: QuestionOptions) -> tuple[Drawing, list[str], list[G
     """What the file says, and the parts that stand and the goals that the options name."""
     from wiggleroom.cli.say import note
     from wiggleroom.drawing import read_drawing
+    from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.errors import InputError
-    from wiggleroom.questions import is_spatial_file
 
     if is_spatial_file(file):
         answering = "flex, check, rank, tighten, sweep, sample, gap, draw and parts"

@@ -63,8 +63,8 @@ def plan(
     from wiggleroom.cli.asking import direction
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
+    from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.errors import InputError
-    from wiggleroom.questions import is_spatial_file
 
     if is_spatial_file(file):
         finding = f"plan is for drawings; {file} is an assembly in space: wiggleroom check says whether it comes apart"

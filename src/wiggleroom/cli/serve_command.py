@@ -69,8 +69,8 @@ def first_request(file: str, asked: QuestionOptions) -> bytes:
     """The request that opens a file; raises InputError where it cannot be read or the options do not fit it."""
     from wiggleroom.app.open_requests import first_open, first_open_in_space
     from wiggleroom.cli.in_space import read_in_space
+    from wiggleroom.drawing.dimension import is_spatial_file
     from wiggleroom.errors import InputError
-    from wiggleroom.questions import is_spatial_file
 
     in_space = is_spatial_file(file)
     for option, given, field in (("ignore", asked.ignore, "ignore"), ("gap-of", asked.gap_of, "gaps")):

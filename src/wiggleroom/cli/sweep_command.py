@@ -53,8 +53,8 @@ def sweep(
     wanted = None if gaps is None else _gaps(gaps)
     if prove is not None:
         from wiggleroom.cli.proving import check_proof
+        from wiggleroom.drawing.dimension import is_spatial_file
         from wiggleroom.errors import InputError
-        from wiggleroom.questions import is_spatial_file
 
         if is_spatial_file(file):
             wrong = f"--prove is for drawings; {file} is an assembly in space: leave it out"

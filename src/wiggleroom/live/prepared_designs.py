@@ -120,8 +120,8 @@ class PreparedDesigns:
         """Keep a design; the oldest goes, but one that others can be carried from stays."""
         self._kept[key] = design
         if len(self._kept) > MAX_CACHED:
-            kept = list(self._kept)
-            self._kept.pop(next((k for k in kept if not self._kept[k].proven), kept[0]))
+            older = [other for other in self._kept if other != key]
+            self._kept.pop(next((k for k in older if not self._kept[k].proven), older[0]))
 
     def _with_roles(self, fixed: Collection[str] | None, glue: Sequence[Sequence[str]] | None) -> Drawing:
         """Return the drawing with other parts fixed and glued."""

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wiggleroom.drawing.model import Closer, Goal, Pull, Towards, Translation, Turn, W
-from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTurn, Weight
 from wiggleroom.verdict import Verdict
+
+if TYPE_CHECKING:
+    from wiggleroom.search.answer import Answer, Contact
 
 MAX_NAME_LENGTH = 40
 """Longer names are cut in the middle [characters]."""

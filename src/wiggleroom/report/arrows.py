@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -14,7 +15,9 @@ from wiggleroom.drawing.model import Goal, Pull, Towards, Turn, W
 from wiggleroom.report import palette
 from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View
-from wiggleroom.search.answer import Answer
+
+if TYPE_CHECKING:
+    from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]
 

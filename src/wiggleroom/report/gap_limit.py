@@ -12,7 +12,7 @@ from wiggleroom.report.answer_words import goals_text, number, unit
 from wiggleroom.report.plots import curve
 from wiggleroom.report.separability_picture import Checked, picture_of_check
 from wiggleroom.report.table import columns
-from wiggleroom.schema.results import GapResult, GapTrial
+from wiggleroom.schema.gap_schema import GapResult, GapTrial
 from wiggleroom.sensitivity.gap_trials import AllowableGap, Trial
 from wiggleroom.verdict import Certainty
 

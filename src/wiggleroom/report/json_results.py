@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.drawing.plain import plain
 from wiggleroom.schema.fields import ContactEntry, PartMotion
-from wiggleroom.schema.results import BoundEntry, FlexResult, PeriodEntry, SearchEntry
+from wiggleroom.schema.flex_schema import BoundEntry, FlexResult, PeriodEntry, SearchEntry
 from wiggleroom.search.answer import Answer, Contact
 from wiggleroom.verdict import Verdict
 

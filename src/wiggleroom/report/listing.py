@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import asdict
 
 from wiggleroom.assembly.inventory import InventoryRow
-from wiggleroom.schema.results import PartListing, PartsResult
+from wiggleroom.schema.listing_schema import PartListing, PartsResult
 
 
 def parts_result(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -18,7 +19,9 @@ from wiggleroom.report.layout import View
 from wiggleroom.report.names import names_group
 from wiggleroom.report.part_paths import PartPaths, spot, use
 from wiggleroom.report.text import escape
-from wiggleroom.search.answer import Answer
+
+if TYPE_CHECKING:
+    from wiggleroom.search.answer import Answer
 
 Floats = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from wiggleroom.planning.steps import STILL, Step
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.report.search_extent import extent, search_entry
 from wiggleroom.schema.fields import PartMotion
-from wiggleroom.schema.results import (
+from wiggleroom.schema.plan_schema import (
     PlanAssemblyEntry,
     PlanGapEntry,
     PlanRankEntry,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.mating.planar_assembly import PlanarAssembly
 from wiggleroom.report.sheet_record import sheet_point
-from wiggleroom.schema.results import AssembleResult, SheetJointEntry, UnmatchedEntry
+from wiggleroom.schema.listing_schema import AssembleResult, SheetJointEntry, UnmatchedEntry
 
 if TYPE_CHECKING:
     from rich.console import Group

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.report.answer_words import headline, number, per_gap, short
 from wiggleroom.report.table import columns
-from wiggleroom.schema.results import JointImportance, PartImportance, RankResult
+from wiggleroom.schema.study_schema import JointImportance, PartImportance, RankResult
 from wiggleroom.sensitivity.rank import Ranking
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.planning.plan import Plan
-from wiggleroom.schema.results import StateSearchEntry
+from wiggleroom.schema.disassembly_schema import StateSearchEntry
 
 
 def extent(found: Interlock | Plan) -> str:

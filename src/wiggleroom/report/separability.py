@@ -15,8 +15,8 @@ from wiggleroom.drawing.model import Pull
 from wiggleroom.report.answer_words import few, number, towards
 from wiggleroom.report.leaving_picture import inside
 from wiggleroom.report.search_extent import extent, search_entry
+from wiggleroom.schema.disassembly_schema import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.schema.fields import PartMotion
-from wiggleroom.schema.results import CheckResult, EscapeEntry, LargestGapEntry, SeparabilityEntry
 from wiggleroom.search.answer import Answer, witnessed
 from wiggleroom.verdict import Certainty, Separability, Verdict
 

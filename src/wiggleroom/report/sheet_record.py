@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wiggleroom.mating.assembled_sheet import AssembledSheet
-from wiggleroom.schema.results import AssembleResult, SheetJointEntry, UnmatchedEntry
+from wiggleroom.schema.listing_schema import AssembleResult, SheetJointEntry, UnmatchedEntry
 
 if TYPE_CHECKING:
     from rich.console import Group

@@ -21,7 +21,7 @@ from wiggleroom.report.names import label, usual
 from wiggleroom.report.part_paths import PartPaths, spot, use
 from wiggleroom.report.stacked_slices import rings, slices_box, stack
 from wiggleroom.report.text import escape
-from wiggleroom.schema.results import AuditEntry, CellEntry, SliceEntry, SpaceResult
+from wiggleroom.schema.free_space_schema import AuditEntry, CellEntry, SliceEntry, SpaceResult
 
 if TYPE_CHECKING:
     from rich.console import Group

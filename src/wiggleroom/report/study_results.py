@@ -10,7 +10,7 @@ from msgspec import UNSET
 
 from wiggleroom.report.answer_words import goals_text, headline, number, rounded_up, short, unit
 from wiggleroom.report.table import columns
-from wiggleroom.schema.results import (
+from wiggleroom.schema.study_schema import (
     CheckedDraws,
     RandomChoices,
     SampleResult,

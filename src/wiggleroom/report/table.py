@@ -19,12 +19,13 @@ from wiggleroom.report.answer_words import (
     short,
     verdict_sentence,
 )
-from wiggleroom.search.answer import Answer
 from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
     from rich.console import Group, RenderableType
     from rich.table import Table
+
+    from wiggleroom.search.answer import Answer
 
 MAX_PARTS = 12
 """Rows of the table of parts, those that move furthest."""

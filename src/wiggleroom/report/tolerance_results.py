@@ -10,7 +10,7 @@ from wiggleroom.drawing.model import Tolerance
 from wiggleroom.report.answer_words import goals_text, number, short, unit
 from wiggleroom.report.plots import bars
 from wiggleroom.report.table import columns
-from wiggleroom.schema.results import ContributionEntry, CornerEntry, TolerancesResult
+from wiggleroom.schema.gap_schema import ContributionEntry, CornerEntry, TolerancesResult
 from wiggleroom.search.answer import Answer
 from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.verdict import Certainty

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from msgspec import Meta, Struct
 
@@ -25,6 +25,10 @@ AtMost = Annotated[
 ]
 Command = Annotated[str, Meta(description="the command that answers the same")]
 Notes = Annotated[list[str], Meta(description="what was assumed or left out when the file was read, one line each")]
+PathState = Annotated[
+    Literal["checked", "not checked"], Meta(description="whether no two parts overlap anywhere on the path from rest")
+]
+Seconds = Annotated[float, Meta(description="[s]")]
 
 
 class PartMotion(Struct):

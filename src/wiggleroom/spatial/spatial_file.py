@@ -10,12 +10,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.assembly_schema import convert, decode_json
+from wiggleroom.drawing.assembly_schema import convert
+from wiggleroom.drawing.dimension import SPATIAL_FORMAT
 from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST
 from wiggleroom.drawing.model import Region
 from wiggleroom.drawing.rings import clean_ring
-from wiggleroom.drawing.source import Source, load
+from wiggleroom.drawing.source import load
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.mesh_file import read_mesh
 from wiggleroom.spatial.rotations import fixed_axes
@@ -31,21 +32,9 @@ from wiggleroom.spatial.spatial_model import (
     SpatialPull,
     SpatialTurn,
 )
-from wiggleroom.spatial.spatial_schema import SPATIAL_FORMAT, SolidEntry, SpatialFileEntry, SpatialPullEntry
+from wiggleroom.spatial.spatial_schema import SolidEntry, SpatialFileEntry, SpatialPullEntry
 
 MOST_PARTS = 20_000
-
-
-def is_spatial(source: Source) -> bool:
-    """True for the text of a file of format wiggleroom/2.
-
-    >>> is_spatial(Source("a.json", '{"format": "wiggleroom/2", "parts": []}'))
-    True
-    """
-    if f'"{SPATIAL_FORMAT}"' not in source.text:
-        return False
-    raw = decode_json(source)
-    return isinstance(raw, dict) and raw.get("format") == SPATIAL_FORMAT
 
 
 def read_spatial(source: str | Path, *, alone: bool = False) -> SpatialDrawing:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from wiggleroom.drawing.assembly_schema import Entry, HeadEntry, Point
 
-SPATIAL_FORMAT = "wiggleroom/2"
 Triple = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 

@@ -1,0 +1,72 @@
+"""What `parts` and `assemble` write with `--json`."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from msgspec import UNSET, Meta, Struct, UnsetType
+
+from wiggleroom.schema.fields import Command, Mm, Names, Notes, Pair, Point
+
+
+class PartListing(Struct):
+    """One part as drawn."""
+
+    name: str
+    layer: str
+    x: Annotated[float, Meta(description="reference point [mm]")]
+    y: Mm
+    width: Annotated[float, Meta(description="of the box round it [mm]")]
+    height: Mm
+    area: Annotated[float, Meta(description="[mm2]")]
+    pieces: int
+    holes: int
+    fixed: bool
+
+
+class PartsResult(Struct, tag_field="format", tag="wiggleroom.parts/1", kw_only=True):
+    """What a file holds: `wiggleroom parts --json`."""
+
+    parts: list[PartListing]
+    notes: Notes
+    findings: Annotated[list[str], Meta(description="what is wrong with the file, one line each")]
+    command: Command
+
+
+class SheetJointEntry(Struct, kw_only=True):
+    """Two panels that hold each other; in space their flanks meet, in the plane stretches of their outlines."""
+
+    name: str
+    panels: Pair
+    flanks: Annotated[int | UnsetType, Meta(description="pairs of flanks that meet; in space")] = UNSET
+    length: Annotated[float | UnsetType, Meta(description="of the contact [mm]; in the plane")] = UNSET
+    on_sheet: Annotated[
+        tuple[Point, Point], Meta(description="where the sheet shows it on the one and the other panel [mm], y up")
+    ]
+
+
+class UnmatchedEntry(Struct, kw_only=True):
+    """What a placed panel holds ready and nothing meets."""
+
+    panel: str
+    on_sheet: Annotated[list[Point], Meta(description="where the sheet shows it [mm], y up")]
+
+
+class AssembleResult(Struct, tag_field="format", tag="wiggleroom.assemble/1", kw_only=True):
+    """A cutting sheet put together: `wiggleroom assemble --json`."""
+
+    certainty: Annotated[
+        Literal["sure", "not sure"], Meta(description="sure: everything fits, and nothing else does as well")
+    ]
+    doubts: Annotated[list[str], Meta(description="why it is not sure, one line each")]
+    panels: Annotated[int, Meta(description="how many the sheet has")]
+    placed: int
+    bodies: Annotated[list[Names], Meta(description="panels that hold together")]
+    joints: list[SheetJointEntry]
+    unmatched: list[UnmatchedEntry]
+    unplaced: Names
+    loose: Annotated[Names, Meta(description="those of them of which no edge fits another panel")]
+    burn: Annotated[float, Meta(description="taken off every outline [mm]: as the cut does")]
+    relief: Annotated[float, Meta(description="taken off besides, so that nothing presses at rest [mm]")]
+    notes: Notes
+    command: Command
