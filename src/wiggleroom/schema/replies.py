@@ -20,8 +20,8 @@ from wiggleroom.schema.fields import (
     Point,
     Ring,
 )
+from wiggleroom.schema.listing_schema import SheetJointEntry, UnmatchedEntry
 from wiggleroom.schema.requests import Design, GoalEntry, PlateHint
-from wiggleroom.schema.results import SheetJointEntry, UnmatchedEntry
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 Terms = Annotated[list[tuple[str, str]], Meta(description="a word and a sentence each")]
