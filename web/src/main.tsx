@@ -37,7 +37,7 @@ function Page() {
         {!onSheet() && <><Selection /><Player /></>}
         <Drop />
       </main>
-      <GapStrip />
+      {!onSheet() && <GapStrip />}
       <Panel />
       <Help />
       <Spoken />

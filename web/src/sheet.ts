@@ -12,6 +12,9 @@ export type Tool = "join" | "flush" | "lay" | "body" | "skip";
 
 const NONE: SheetHints = { join: [], flush: [], groups: [], plate: [], skip: [] };
 
+/** Requests about sheets. */
+export const ofSheet = (kind: string): boolean => kind === "assemble" || kind === "lay";
+
 export const thickness = signal(3);
 /** By how much outlines are drawn larger; null: as the sheet says. */
 export const burn = signal<number | null>(null);

@@ -20,6 +20,8 @@ export const workerState = signal<"ready" | "lost" | "restarted">("ready");
 export const findings = signal<Finding[]>([]);
 /** The finding that is shown in the picture. */
 export const pointed = signal<Finding | null>(null);
+/** What failed last: its findings go when it succeeds. */
+export const trouble = signal("");
 export const notice = signal("");
 export const opening = signal("");
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wiggleroom.app.open_requests import saved_name
-from wiggleroom.app.reporter import Reporter
+from wiggleroom.app.reporter import Reporter, on_the_page
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
@@ -27,7 +27,9 @@ if TYPE_CHECKING:
 def assemble(document: Document, request: AssembleRequest, out: Reporter) -> None:
     """The panels of the sheet that is open put together in space."""
     found, hints = _assembled(document.file, request, out)
-    out.reply(assembled_message(found, hints, request.thickness, _command(document.file, request)))
+    reply = assembled_message(found, hints, request.thickness, _command(document.file, request))
+    reply.doubts = [on_the_page(doubt) for doubt in reply.doubts]
+    out.reply(reply)
 
 
 def lay(document: Document, request: LayRequest, out: Reporter) -> None:

@@ -36,7 +36,9 @@ interface Said { title: string; line: string; tone: "" | "guess" | "warn" }
 const NOTHING = 2e-3;
 
 function said(): Said {
-  const sheet = tab.value === "sheet" && !inSpace() ? assembled.value : null;
+  const onSheet = tab.value === "sheet" && !inSpace();
+  const sheet = onSheet ? assembled.value : null;
+  if (onSheet && !sheet) return { title: `${drawing.value!.parts.length} panels on the sheet`, line: "give the thickness of the material, then Assemble", tone: "" };
   if (sheet) return { title: sheet.headline, line: sheet.doubts[0] ?? "every flank meets another, and no other way to put the panels together does as well", tone: sheet.certainty === "sure" ? "" : "warn" };
   const { what, label } = shown.value;
   const about = answer.value;

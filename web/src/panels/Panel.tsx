@@ -3,7 +3,8 @@
 import { computed } from "@preact/signals";
 import { inSpace } from "../design.ts";
 import type { ComponentType } from "preact";
-import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
+import { ofSheet } from "../sheet.ts";
+import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab, trouble } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
 import { Findings } from "./Findings.tsx";
@@ -62,7 +63,7 @@ export function Panel() {
           >{words}</button>
         ))}
       </div>
-      <Findings />
+      {(open.name !== "sheet" || trouble.value === "open" || ofSheet(trouble.value)) && <Findings />}
       <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
     </aside>
   );

@@ -13,7 +13,7 @@ import { Section } from "./Section.tsx";
 const SIDES = ["left", "right", "bottom", "top"] as const;
 const TOOLS: { name: sheet.Tool; words: string; how: string }[] = [
   { name: "join", words: "Join", how: "Press two edges that hold each other." },
-  { name: "lay", words: "Lay", how: "Press the loose panel where it touches, then the panel that it lies on, near that place. Next to an outline means its edge." },
+  { name: "lay", words: "Lay", how: "Press the loose panel where it touches, then the panel that it lies on, there. On an outline means the edge." },
   { name: "flush", words: "Flush", how: "Press two edges that end in one plane." },
   { name: "body", words: "One body", how: "Press all panels of one body, then One body of these." },
   { name: "skip", words: "No part", how: "Press what is no part of it, such as a template." },

@@ -32,13 +32,13 @@ function Flat({ found }: { found: Assembled }) {
   const [width, height] = [Math.max(...xs) + margin - x0, Math.max(...ys) + margin - y0];
   const colour = new Map(found.joints.map(({ name }, k) => [name, `hsl(${sheet.hueOf(k)} 70% ${isDark() ? 62 : 38}%)`]));
   const place = new Map(found.placed.map((name, k) => [name, k]));
-  const size = Math.max(width, height) / 70;
+  const size = Math.max(width, height) / 50;
   /** A place of the sheet under the pointer [mm]; without one, the middle of the panel. */
   const under = (event: MouseEvent | KeyboardEvent, panel: SheetPanel): Point => {
     const matrix = picture.current?.getScreenCTM()?.inverse();
     if (!("clientX" in event) || !matrix || event.detail === 0) return panel.centre;
     const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix);
-    return [round(at.x), round(-at.y)];
+    return snapped(panel, [at.x, -at.y], SNAP / Math.abs(picture.current!.getScreenCTM()!.a));
   };
   const panelPressed = (event: MouseEvent | KeyboardEvent, panel: SheetPanel): void => {
     sheet.chosen.value = panel.name;
@@ -51,7 +51,7 @@ function Flat({ found }: { found: Assembled }) {
   };
   const picked = sheet.picked.value;
   return (
-    <div class="sheet">
+    <div class="sheet" data-broad={width > 1.7 * height}>
       <svg ref={picture} viewBox={`${x0} ${y0} ${width} ${height}`} role="group" aria-label="cutting sheet">
         {found.panels.map((panel) => {
           const lit = sheet.chosen.value === panel.name || picked.some((one) => one.panel === panel.name);
@@ -85,6 +85,26 @@ function Flat({ found }: { found: Assembled }) {
       </svg>
     </div>
   );
+}
+
+/** So near to an outline a press means it [px]. */
+const SNAP = 9;
+
+/** A point of a panel, moved onto the outline where that is near. */
+export function snapped(panel: SheetPanel, [x, y]: Point, reach: number): Point {
+  let best: Point = [x, y];
+  let least = reach;
+  for (const ring of panel.rings) {
+    ring.forEach(([x0, y0], k) => {
+      const [x1, y1] = ring[(k + 1) % ring.length]!;
+      const [dx, dy] = [x1 - x0, y1 - y0];
+      const t = Math.min(1, Math.max(0, ((x - x0) * dx + (y - y0) * dy) / (dx * dx + dy * dy || 1)));
+      const at: Point = [x0 + t * dx, y0 + t * dy];
+      const far = Math.hypot(x - at[0], y - at[1]);
+      if (far < least) [least, best] = [far, at];
+    });
+  }
+  return [round(best[0]), round(best[1])];
 }
 
 const STATES = { placed: "placed", waiting: "not placed", loose: "loose" } as const;
