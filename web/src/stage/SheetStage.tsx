@@ -113,7 +113,7 @@ const round = (value: number): number => Math.round(value * 100) / 100;
 /** What makes a piece of the picture a button, by pointer and by keys. */
 function pressable(label: string, pressed: boolean, act: (event: MouseEvent | KeyboardEvent) => void) {
   return {
-    role: "button" as const, tabIndex: 0, "aria-label": label, "aria-pressed": pressed,
+    role: "button" as const, tabindex: 0, "aria-label": label, "aria-pressed": pressed,
     onClick: (event: MouseEvent) => act(event),
     onKeyDown: (event: KeyboardEvent) => {
       if (event.key !== "Enter" && event.key !== " ") return;
