@@ -1,10 +1,9 @@
 """A person who knows the design, for measurements: says one thing at a time about a sheet that is not right.
 
 The person knows which rows of fingers the generator drew, and of generators that draw two boxes which panels are of one. What is
-said is one of these, the first that there is: the panels of one box (`groups`), outlines that are no part of the whole (`skip`), or of the
-panel of which most rows are open, how it is joined (`join`), or where it stands (`[[plate]]`) where a joint is as deep as two plates.
-Of all ways to lay one of its rows into an open one of a panel that stands the one is said that closes the most joints without
-sharing material.
+said is one of these, the first that there is: the panels of one box (`groups`), outlines that are no part of the whole (`skip`), or how
+one panel is joined (`join`), or where it stands (`[[plate]]`) where a joint is as deep as two plates. Of all ways to lay an open row of
+a panel into one of a panel that stands the one is said that closes the most joints without sharing material.
 """
 
 from __future__ import annotations
@@ -52,10 +51,10 @@ def next_hint(
     named = {edge.panel for pair in said.joins for edge in pair[:1]} | {plate.panel for plate in said.plates}
     waiting = sorted((name for name in joints.open if name not in named), key=lambda name: -len(joints.open[name]))
     waiting.sort(key=lambda name: name in poses)
+    best: tuple[int, str, str, Pose, Pose, JointRow, JointRow] | None = None
     for name in waiting:
         others = {other: pose for other, pose in poses.items() if other != name}
         open_now = judge_joints(drawn, panels, others)
-        best: tuple[int, str, Pose, JointRow, JointRow] | None = None
         for row in open_now.open.get(name, []):
             for other in others:
                 for partner in open_now.open.get(other, []):
@@ -66,14 +65,13 @@ def next_hint(
                         if closed > max(joints.closed, best[0] if best else 0) and not _shares(
                             panels, others, name, pose, thickness
                         ):
-                            best = closed, other, pose, row, partner
-        if best is not None:
-            _, other, pose, row, partner = best
-            if abs(row.depth - partner.depth) > 0.1 * thickness or row.angle != 90.0:
-                plate = _fixed(panels, name, other, pose, others[other])
-                return replace(said, plates=(*said.plates, plate))
-            return replace(said, joins=(*said.joins, (_edge(name, row), _edge(other, partner))))
-    return None
+                            best = closed, name, other, pose, others[other], row, partner
+    if best is None:
+        return None
+    _, name, other, pose, home, row, partner = best
+    if abs(row.depth - partner.depth) > 0.1 * thickness or row.angle != 90.0:
+        return replace(said, plates=(*said.plates, _fixed(panels, name, other, pose, home)))
+    return replace(said, joins=(*said.joins, (_edge(name, row), _edge(other, partner))))
 
 
 def _edge(name: str, row: JointRow) -> EdgeReference:
