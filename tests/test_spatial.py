@@ -1,4 +1,4 @@
-"""Assemblies in space: the program's derivatives, answers against closed forms, ends and ways against a collision library."""
+"""Assemblies in space: the program's derivatives, answers against closed forms, ends and paths against a collision library."""
 
 from __future__ import annotations
 
@@ -272,7 +272,7 @@ def test_the_public_functions_take_both_dimensions(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("family", [spatial_overlaps.burr, spatial_overlaps.pegs, spatial_overlaps.cells])
-def test_no_end_and_no_way_overlaps_by_the_collision_library(family) -> None:
+def test_no_end_and_no_path_overlaps_by_the_collision_library(family) -> None:
     rng = np.random.default_rng(7)
     for _ in range(3):
         drawing, shapes = family(rng)

@@ -153,9 +153,9 @@ def test_paths_are_judged_alike_in_batches(monkeypatch):
     answer = witness(wr.patterns.grid(6, 5, joint="tee", gap=0.02))
     cut = answer.waypoints[[0, len(answer.waypoints) // 2, -1]].copy()
     cut[-1, 3:9, 0] += 0.4
-    whole = [path_audit.audit_path(answer.assembly, way) for way in (answer.waypoints, cut)]
+    whole = [path_audit.audit_path(answer.assembly, waypoints) for waypoints in (answer.waypoints, cut)]
     monkeypatch.setattr(path_audit, "STOP_CHECK_CORNERS", 200)
-    split = [path_audit.audit_path(answer.assembly, way) for way in (answer.waypoints, cut)]
+    split = [path_audit.audit_path(answer.assembly, waypoints) for waypoints in (answer.waypoints, cut)]
     assert whole[0].free
     assert not whole[1].free
     for one, other in zip(whole, split, strict=True):

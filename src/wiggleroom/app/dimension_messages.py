@@ -67,7 +67,7 @@ def still_frame(motion: Floats) -> Floats:
     """The frame of one motion (n, 3) or (n, 6)."""
     if motion.shape[1] == 3:
         return motion[None]
-    from wiggleroom.report.spatial_way import with_quaternions
+    from wiggleroom.report.spatial_path import with_quaternions
 
     return with_quaternions(motion[None])
 

@@ -44,7 +44,7 @@ class PassagesByGap:
         if any(g <= gap for g, _ in seen) and any(g >= gap for g, _ in seen):
             return seen[0][1]
         found = passage()
-        if found is None or found.way is not None:
+        if found is None or found.path is not None:
             self._open[key] = gap, found
         elif found.closed:
             (self._held if found.held else self._closed)[key] = gap, found

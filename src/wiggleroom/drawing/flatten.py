@@ -46,7 +46,7 @@ class Curved:
         points = [start for start, _ in self.loops]
         points += [end for _, loop in self.loops for *_, end in loop]
         points += [point for row in self.cubics for point in row[1:3]]
-        points += [centre + sign * way for centre, u, v, *_ in self.arcs for way in (u, v) for sign in (1, -1)]
+        points += [centre + sign * axis for centre, u, v, *_ in self.arcs for axis in (u, v) for sign in (1, -1)]
         flat = np.array(points).view(np.float64).reshape(-1, 2)
         return float(np.abs(flat).max()), float(np.ptp(flat, axis=0).max()) if np.isfinite(flat).all() else np.inf
 

@@ -149,8 +149,8 @@ class _Edges:
 
     @property
     def along(self) -> Floats:
-        way = self.end - self.start
-        return way / np.hypot(*way.T)[:, None]
+        direction = self.end - self.start
+        return direction / np.hypot(*direction.T)[:, None]
 
     @property
     def outward(self) -> NDArray[np.bool_]:
@@ -226,9 +226,9 @@ def _once(a: Ints, b: Ints, point: Floats, edge: Floats) -> Ints:
     """Rows that say something new."""
     if not len(a):
         return np.zeros(0, dtype=np.int64)
-    way = edge[:, 1] - edge[:, 0]
-    way = way / np.hypot(*way.T)[:, None]
-    key = np.column_stack([a, b, np.round(point), np.round(way / (10 * ANGLE_TOLERANCE))]) + 0.0
+    direction = edge[:, 1] - edge[:, 0]
+    direction = direction / np.hypot(*direction.T)[:, None]
+    key = np.column_stack([a, b, np.round(point), np.round(direction / (10 * ANGLE_TOLERANCE))]) + 0.0
     return np.sort(np.unique(key, axis=0, return_index=True)[1])
 
 

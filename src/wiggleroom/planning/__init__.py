@@ -1,1 +1,1 @@
-"""Plans: ways of taking apart and putting together, made ready for hands and robots."""
+"""Plans: paths of taking apart and putting together, made ready for hands and robots."""

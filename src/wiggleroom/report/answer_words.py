@@ -80,7 +80,7 @@ def spatial_ask(goal: SpatialGoal) -> str:
 
 
 def ask(goal: Goal | SpatialGoal) -> str:
-    """One goal in a few words: the part and the way it is pulled or turned."""
+    """One goal in a few words: the part and the direction in which it is pulled or turned."""
     match goal:
         case SpatialPull() | SpatialTurn() | Weight():
             return spatial_ask(goal)

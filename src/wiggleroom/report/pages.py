@@ -8,7 +8,7 @@ import numpy as np
 from msgspec.structs import asdict
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.compare.monte_carlo import Audit
+from wiggleroom.compare.monte_carlo import SampledAccuracy
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
@@ -182,7 +182,9 @@ def page_of_tolerances(found: WorstCase, *, command: str = "") -> str:
     return standalone_page(title, **told)
 
 
-def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
+def page_of_space(
+    space: FreeSpace, assembly: Assembly, judged: SampledAccuracy | None = None, *, command: str = ""
+) -> str:
     """Free space of a pair as one HTML page: the solid to be turned, slices, cells, and how they were judged."""
     result = space_result(space, judged, command)
     cells = [(k + 1, c.walls, *c.angles_deg) for k, c in enumerate(result.cells)]
@@ -210,10 +212,10 @@ def _study(found: StudyReply) -> dict[str, Any]:
 
 
 def _check(checked: Checked, command: str) -> dict[str, Any]:
-    """A verdict with the ways of those that leave."""
+    """A verdict with the paths of those that leave."""
     found = checked.found
-    ways = [packed_frames(found.assembly, escape.path) for escape in found.escapes]
-    return {"check": StandaloneCheck(check_message(found, command, checked.border), ways)}
+    paths = [packed_frames(found.assembly, escape.path) for escape in found.escapes]
+    return {"check": StandaloneCheck(check_message(found, command, checked.border), paths)}
 
 
 def _about(answer: Answer, command: str) -> dict[str, Any]:

@@ -26,7 +26,7 @@ def draw(
     command: str = "",
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Write a picture (.svg, .png) or a report (.html) of an answer or a study; of an answer, and of ways out, a film too.
+    """Write a picture (.svg, .png) or a report (.html) of an answer or a study; of an answer, and of escape paths, a film too.
 
     Of answers in space there are models too (.glb).
 

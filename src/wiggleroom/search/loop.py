@@ -19,7 +19,7 @@ from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
 from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
-from wiggleroom.search.path_check import CheckedPath, whole_way
+from wiggleroom.search.path_check import CheckedPath, check_path
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import interior_point
 from wiggleroom.solve.interior_point import Solution
@@ -259,7 +259,7 @@ class LocalSearch:
     def checked_path(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""
         if self.checked is None or self.checked[0] is not found:
-            self.checked = found, whole_way(self.ready, found.path, self.stop)
+            self.checked = found, check_path(self.ready, found.path, self.stop)
         return self.checked[1]
 
     def _round(self, start: Start) -> Incumbent:

@@ -71,7 +71,7 @@ class _Point:
     depth: int
 
 
-def whole_way(ready: Prepared, segments: Sequence[PathSegment], stop: Stop | None = None) -> CheckedPath:
+def check_path(ready: Prepared, segments: Sequence[PathSegment], stop: Stop | None = None) -> CheckedPath:
     """Check a path that consists of legs, each inside the cells of one program.
 
     Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help. Once it is asked to

@@ -157,7 +157,7 @@ def worst_case(
     True
     """
     given = tuple(assembly.drawing.tolerances if tolerances is None else tolerances)
-    _see(given, limit)
+    _check_question(given, limit)
     drawing = assembly.drawing
     middle = _made(drawing, [(t, 0.0) for t in given])
     ranking = rank(middle, goals, stop=stop)
@@ -181,7 +181,7 @@ def worst_case(
     return WorstCase(nominal, loosest, tightest, misfit, tuple(some), limit, cut)
 
 
-def _see(given: Sequence[Tolerance], limit: float | None) -> None:
+def _check_question(given: Sequence[Tolerance], limit: float | None) -> None:
     wrong = (
         []
         if given

@@ -253,14 +253,14 @@ def leaf_at(x, y, z, middle, first):
 @njit(**OPTIONS)
 def search_boxes(
     middle, level, state, first, upper, count, pause, origin, scale, deepest, wrap, turning, asked, goals,
-    a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way, visits,
+    a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, path, visits,
 ):  # fmt: skip
     """Split the mixed boxes on the cheapest paths from rest to goals, again and again, until one path is free or none is left.
 
     Goals are boxes at the rim of the window and those that may hold motions worth more than asked[5]; a free one must hold a motion worth
     more than asked[6]. `goals` paths are looked at in every round.
 
-    Returns how it ended, the number of boxes, and how many boxes of `way` are filled, from rest to the goal. Above `pause` boxes it
+    Returns how it ended, the number of boxes, and how many boxes of `path` are filled, from rest to the goal. Above `pause` boxes it
     returns too; called again, it goes on. visits[0] counts the boxes gone over and what splitting them takes; above visits[1] it gives up.
     """
     most = len(level)
@@ -298,11 +298,11 @@ def search_boxes(
         for e in range(found):
             length, cut, n = 0, 0, ends[e]
             while n >= 0:
-                way[length] = n
+                path[length] = n
                 length += 1
                 n = before[n]
             for k in range(length):
-                n = way[k]
+                n = path[k]
                 if first[n] >= 0:  # split on another path already
                     cut += 1
                     continue
@@ -329,7 +329,7 @@ def search_boxes(
                         b_edge, b_disc, b_kid,
                     )  # fmt: skip
             if cut == 0:
-                way[:length] = way[:length][::-1].copy()
+                path[:length] = path[:length][::-1].copy()
                 return FOUND, count, length
 
 

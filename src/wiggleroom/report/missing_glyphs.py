@@ -14,7 +14,7 @@ MAX_LETTERS = 200
 """So many different letters are looked for."""
 
 
-def missing_letters(texts: Iterable[str], *, own_font_only: bool = False) -> str:
+def missing_glyphs(texts: Iterable[str], *, own_font_only: bool = False) -> str:
     """Letters of some texts that neither the package's font nor one of the system has, in order of code.
 
     Each is set as the pictures set it, and compared with what is set for a letter that does not exist.
