@@ -21,11 +21,11 @@ from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import only
+from wiggleroom.displayable import Displayable, Drawable
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
 from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.maximise import witness
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.verdict import Certainty, Separability, Tightness
@@ -43,7 +43,7 @@ MIN_REFINED_SECONDS = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Escape:
+class Escape(Displayable):
     """Parts that leave together.
 
     Parameters

@@ -12,6 +12,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.escape import EscapeEffort
 from wiggleroom.disassembly.interlock import Interlock, interlock
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.flatten import finer_below
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.loop import Progress, silent
@@ -30,7 +31,7 @@ NOT_HELD = {"comes apart", "gone"}
 
 
 @dataclass(frozen=True, eq=False)
-class LargestGap:
+class LargestGap(Drawable):
     """Where interlock is lost.
 
     Parameters

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly, place
+from wiggleroom.assembly.assembly import place
 from wiggleroom.compare.monte_carlo import SampledAccuracy, about_pivot
 from wiggleroom.freespace.free_space import FreeSlices, FreeSpace
 from wiggleroom.freespace.slices import Slice
@@ -140,12 +140,7 @@ def _judged(judged: SampledAccuracy) -> list[str]:
 
 
 def space_picture(
-    space: FreeSpace,
-    assembly: Assembly,
-    judged: SampledAccuracy | None = None,
-    *,
-    command: str = "",
-    framed: bool = True,
+    space: FreeSpace, judged: SampledAccuracy | None = None, *, command: str = "", framed: bool = True
 ) -> str:
     """Free space as an SVG picture: the solid over (x, y, angle), the two parts beside it, and some slices.
 
@@ -158,7 +153,7 @@ def space_picture(
     head, below = frame.header(title if framed else "", facts, 900.0)
     solid, wide, tall = stack(space, palette.MARGIN, below + 16)
     left = palette.MARGIN + wide + 20
-    pair, pair_tall = _pair(space, assembly, left, below + 40)
+    pair, pair_tall = _pair(space, left, below + 40)
     row = below + 16 + max(tall, pair_tall + 40) + 24
     canvas = max(left + SIDE_WIDTH, palette.MARGIN + TILES_PER_ROW * (TILE_SIZE + 24)) + palette.MARGIN
     tiles, bottom = _slices(space, palette.MARGIN, row)
@@ -172,8 +167,9 @@ def space_picture(
     return frame.document(canvas, bottom + 24, title, facts, command, body)
 
 
-def _pair(space: FreeSpace, assembly: Assembly, left: float, top: float) -> tuple[str, float]:
+def _pair(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
     """Both parts at rest in the axes of the first, and how tall that is [px]."""
+    assembly = space.assembly
     rows = [assembly.names.index(n) for n in space.parts]
     parts, at_a = [assembly.parts[k] for k in rows], assembly.rest[rows[0]]
     turn = -float(at_a[2])
