@@ -260,10 +260,10 @@ class LocalSearch:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
         if self.best is None:
             return 0.0, False
-        way = self.checked_path(self.best)
-        if way.sure:
+        checked = self.checked_path(self.best)
+        if checked.sure:
             return self.best.value, self.unlimited
-        return self.objective.value(way.motions[max(way.certain, 1) - 1]), False
+        return self.objective.value(checked.motions[max(checked.certain, 1) - 1]), False
 
     def checked_path(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""

@@ -52,7 +52,7 @@ class SeparatingPlaneSolution:
     value : float
     status : SolverStatus
     iterations : int
-    way : tuple of SeparatingPlanePoint
+    path : tuple of SeparatingPlanePoint
         Points inside all rows, from the start.
     error : float
         Largest of complementarity and imbalance, in units of the objective.
@@ -65,7 +65,7 @@ class SeparatingPlaneSolution:
     value: float
     status: SolverStatus
     iterations: int
-    way: tuple[SeparatingPlanePoint, ...]
+    path: tuple[SeparatingPlanePoint, ...]
     error: float
     curved_down: bool
 
@@ -96,7 +96,7 @@ class _BestIterate:
 
     error: float
     state: SeparatingPlaneIterate
-    way: int
+    path: int
 
 
 @dataclass(eq=False)
@@ -139,7 +139,7 @@ class SeparatingPlaneSolver:
     stop: Stop | None = None
     progress: Callable[[int, float], None] | None = None
     iterations: int = 0
-    way: list[SeparatingPlanePoint] = field(default_factory=list)
+    path: list[SeparatingPlanePoint] = field(default_factory=list)
 
     def solve(
         self, start: SeparatingPlanePoint | None = None, mu: float = SETTINGS.first_mu
@@ -164,17 +164,17 @@ class SeparatingPlaneSolver:
             P.start.pose,
             SETTINGS.anchored if self.inside else SETTINGS.loose,
         )
-        self.way = [P.start]
+        self.path = [P.start]
         status, error, state = self._follow(state)
         curved = status is SolverStatus.CONVERGED and self._curved_down(state)
-        last = state.at if state.at.point is self.way[-1] else P.linearise(self.way[-1], state.at.value)
+        last = state.at if state.at.point is self.path[-1] else P.linearise(self.path[-1], state.at.value)
         return SeparatingPlaneSolution(
             last.point,
             state.lam * unit / P.length,
             last.value,
             status,
             self.iterations,
-            tuple(self.way),
+            tuple(self.path),
             error,
             curved,
         )
@@ -221,7 +221,7 @@ class SeparatingPlaneSolver:
             wrong = max(float(np.abs(d).max(initial=0.0)) for d in (dual, dual_planes))
             legal = self._legal(state.at)
             if legal is not None:
-                self.way.append(legal)
+                self.path.append(legal)
             error = max(gap, infeasible, min(unheld, 1e3)) / size
             if k >= SETTINGS.least_iterations and wrong < SETTINGS.balanced and legal is not None:
                 enough = max(self.tolerance * size, 5 * rows * self._floor)
@@ -239,7 +239,7 @@ class SeparatingPlaneSolver:
                     self.iterations += 1
                     continue
                 if error < best.error:
-                    best = _BestIterate(error, state, len(self.way))
+                    best = _BestIterate(error, state, len(self.path))
             if self.stop is not None and self.stop.is_set():
                 return SolverStatus.STOPPED, error, state
             moved = np.abs(state.at.point.pose.T - self.program.bodies.at).max(initial=0.0)
@@ -267,7 +267,7 @@ class SeparatingPlaneSolver:
                 continue
             state, before = following, value
         if best.error < SETTINGS.acceptable:
-            del self.way[best.way :]
+            del self.path[best.path :]
             return SolverStatus.CONVERGED, best.error, best.state
         return SolverStatus.FAILED, error, state
 
@@ -284,7 +284,7 @@ class SeparatingPlaneSolver:
         self.watched = self.watched[~joins]
         self.program = build_planes(P.bodies, P.objective, pieces, length=P.length, rest=P.start.pose)
         planes, rows = rows_of(P, self.program)
-        self.way = [carried(point, planes, self.program) for point in self.way]
+        self.path = [carried(point, planes, self.program) for point in self.path]
         self._start_system()
         at = self.program.linearise(carried(state.at.point, planes, self.program), state.at.value)
         s = np.maximum(at.h, SETTINGS.first_slack)

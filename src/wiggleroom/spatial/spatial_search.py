@@ -1,4 +1,4 @@
-"""Rounds of the program in space: missed pairs, two modes of the solver, and the checked way."""
+"""Rounds of the program in space: missed pairs, two modes of the solver, and the checked path."""
 
 from __future__ import annotations
 
@@ -44,23 +44,23 @@ class SearchEnd:
     ----------
     program : SeparatingPlaneProgram
     found : SeparatingPlaneSolution
-    way : (k, n, 6) float64 [mm, rad]
+    path : (k, n, 6) float64 [mm, rad]
         Motions of the parts from rest.
     whole : bool
-        True where the way is free as far as the solution.
+        True where the path is free as far as the solution.
     leaving : tuple of int
-        Parts that go on straight for ever at the end of the way, which then ends beyond the solution.
+        Parts that go on straight for ever at the end of the path, which then ends beyond the solution.
     """
 
     program: SeparatingPlaneProgram
     found: SeparatingPlaneSolution
-    way: Floats
+    path: Floats
     whole: bool
     leaving: tuple[int, ...] = ()
 
     @property
     def good(self) -> bool:
-        """True where the end is an answer and the way there is free."""
+        """True where the end is an answer and the path there is free."""
         return bool(self.leaving) or (
             self.whole and self.found.status in (SolverStatus.CONVERGED, SolverStatus.ESCAPING)
         )
@@ -68,7 +68,7 @@ class SearchEnd:
 
 @dataclass(eq=False)
 class SpatialSearch:
-    """Rounds of the program for one question; the best motion whose way is checked wins."""
+    """Rounds of the program for one question; the best motion whose path is checked wins."""
 
     ready: SpatialPrepared
     objective: SumOfTerms
@@ -100,14 +100,14 @@ class SpatialSearch:
         return best
 
     def value(self, done: SearchEnd) -> float:
-        """Objective at the end of the way that is certain."""
+        """Objective at the end of the path that is certain."""
         value = 0.0
-        for motion in done.way:
+        for motion in done.path:
             value = self.objective.value(self.ready.grouping.pose_of(motion), value)
         return value
 
     def _attempt(self, seed: int | None, damped: bool = False) -> SearchEnd:
-        """Solve, and check the way; pairs of pieces outside the program that meet on it join, and it is solved again from rest.
+        """Solve, and check the path; pairs of pieces outside the program that meet on it join, and it is solved again from rest.
 
         With a `seed` iterates stay inside all rows, from that start; without one slacks run ahead. `damped`: rows are
         damped, and pairs of pieces that do not face each other join only where they meet.
@@ -162,8 +162,8 @@ class SpatialSearch:
         return self.pieces[near], self.pieces[~near]
 
     def _checked(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> SearchEnd:
-        """The end with its way, as far as that is free."""
-        return SearchEnd(program, found, *refined(self.ready, program, found.way or [program.start]))
+        """The end with its path, as far as that is free."""
+        return SearchEnd(program, found, *refined(self.ready, program, found.path or [program.start]))
 
     def _departed(self, done: SearchEnd) -> SearchEnd:
         """The same end where what is pulled can go on straight for ever from it, else unchanged."""
@@ -171,13 +171,13 @@ class SpatialSearch:
         total = np.sum([t.direction for t in pulls], axis=0) if pulls else np.zeros(3)
         if len(pulls) < len(self.objective.terms) or not total.any():
             return done
-        if np.abs(done.way[-1, :, :3]).max() < DEPARTED * self.ready.size:
+        if np.abs(done.path[-1, :, :3]).max() < DEPARTED * self.ready.size:
             return done
-        departure = StraightDeparture(self.ready, done.way[-1], total / np.linalg.norm(total))
+        departure = StraightDeparture(self.ready, done.path[-1], total / np.linalg.norm(total))
         leaving = departure.parts_with(sorted({t.body for t in pulls}))
         if not leaving:
             return done
-        return replace(done, way=np.concatenate([done.way, departure.end(leaving)[None]]), leaving=tuple(leaving))
+        return replace(done, path=np.concatenate([done.path, departure.end(leaving)[None]]), leaving=tuple(leaving))
 
     def _asked_to_stop(self) -> bool:
         return self.stop is not None and self.stop.is_set()
@@ -188,7 +188,7 @@ class SpatialSearch:
         known = {tuple(sorted(((a, i), (b, j)))) for a, i, b, j in self.pieces.tolist()}
         new: dict[object, list[int]] = {}
         met = False
-        for point in found.way[:: max(1, len(found.way) // 40)] + found.way[-1:]:
+        for point in found.path[:: max(1, len(found.path) // 40)] + found.path[-1:]:
             for who in near_pieces(bodies, point.pose, self.ready.clearance / 2).tolist():
                 key = tuple(sorted(((who[0], who[1]), (who[2], who[3]))))
                 if key in known or key in new:
