@@ -2,7 +2,7 @@
 
 The search knows outlines and the two ends of a step alone, and measures by general polygon geometry at dense samples. It begins with the
 step's own way and with straight and bent ones between its ends, and keeps whatever random change of way-points widens the
-narrowest place. No way has more room than there is where it begins: that ends the search early.
+narrowest place. No path has more room than there is where it begins: that ends the search early.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ POINTS, SAMPLES = 8, 6
 TOLD = 0.1
 """Plans say clearances up to this share of the drawing's size."""
 BENT = 3
-"""So many bent ways are begun with."""
+"""So many bent paths are begun with."""
 
 
 class Room:
@@ -41,7 +41,7 @@ class Room:
         self.shapes = [shapes[k] for k in self.moving]
         self.as_one = step.as_one
         still = [k for k in np.flatnonzero(step.there) if k not in self.moving]
-        self.others = shapely.union_all([_at(shapes[k], self.rest[k] + step.way[0, k]) for k in still])
+        self.others = shapely.union_all([_at(shapes[k], self.rest[k] + step.path[0, k]) for k in still])
         shapely.prepare(self.others)
         self.size = assembly.size
         self.radius = np.array([shapely.hausdorff_distance(s, shapely.Point(0, 0)) for s in self.shapes])
@@ -54,12 +54,12 @@ class Room:
             least = min([least, *(shapely.distance(p, q) for k, p in enumerate(placed) for q in placed[:k])])
         return float(least)
 
-    def least(self, way: Floats) -> tuple[float, int]:
-        """Least distance at samples of a way (k, m, 3), and the piece where it is."""
+    def least(self, path: Floats) -> tuple[float, int]:
+        """Least distance at samples of a path (k, m, 3), and the piece where it is."""
         worst, piece = np.inf, 0
-        for k in range(len(way) - 1):
+        for k in range(len(path) - 1):
             for t in np.linspace(0, 1, SAMPLES + 1)[int(k > 0) :]:
-                apart = self.here(way[k] + t * (way[k + 1] - way[k]))
+                apart = self.here(path[k] + t * (path[k + 1] - path[k]))
                 if apart < worst:
                     worst, piece = apart, k
         return worst, piece
@@ -70,9 +70,9 @@ def _at(shape: shapely.Geometry, pose: Floats) -> shapely.Geometry:
 
 
 def widest(assembly: Assembly, step: Step, trials: int, seed: int = 0) -> float:
-    """Largest least distance of any way between the ends of a step that the search finds [mm]."""
+    """Largest least distance of any path between the ends of a step that the search finds [mm]."""
     room, random = Room(assembly, step), np.random.default_rng(seed)
-    own = (room.rest + step.way)[:, room.moving]
+    own = (room.rest + step.path)[:, room.moving]
     limit = min(room.here(own[0]), TOLD * room.size)
     if not step.leaves:
         limit = min(limit, room.here(own[-1]))
@@ -84,13 +84,13 @@ def widest(assembly: Assembly, step: Step, trials: int, seed: int = 0) -> float:
         bent[1:-1, :, :2] += random.normal(0, 0.05 * room.size, 2)
         begins.append(bent)
     for begin in begins:
-        way, (least, piece) = begin, room.least(begin)
+        path, (least, piece) = begin, room.least(begin)
         for _ in range(trials // len(begins)):
             if best > 0.99 * limit:
                 return min(best, TOLD * room.size)
-            trial = way.copy()
-            k = piece + int(random.integers(2)) if random.random() < 0.5 else int(random.integers(1, len(way)))
-            k = min(max(k, 1), len(way) - 2)
+            trial = path.copy()
+            k = piece + int(random.integers(2)) if random.random() < 0.5 else int(random.integers(1, len(path)))
+            k = min(max(k, 1), len(path) - 2)
             scale = 0.1 * room.size * 10 ** random.uniform(-3, 0)
             change = random.normal(0, scale, (1 if room.as_one else len(room.moving), 3))
             change = np.repeat(change, len(room.moving), 0) if room.as_one else change
@@ -98,16 +98,16 @@ def widest(assembly: Assembly, step: Step, trials: int, seed: int = 0) -> float:
             trial[k] += change
             found = room.least(trial)
             if found[0] >= least:
-                way, (least, piece) = trial, found
+                path, (least, piece) = trial, found
         best = max(best, least)
     return min(best, TOLD * room.size)
 
 
-def _resampled(way: Floats) -> Floats:
-    """The way with about the wanted number of way-points; those it has are kept."""
-    out = [way[:1]]
-    each = max(1, POINTS // (len(way) - 1))
-    for one, other in pairwise(way):
+def _resampled(path: Floats) -> Floats:
+    """The path with about the wanted number of way-points; those it has are kept."""
+    out = [path[:1]]
+    each = max(1, POINTS // (len(path) - 1))
+    for one, other in pairwise(path):
         out.append(one + (other - one) * (np.arange(1, each + 1) / each)[:, None, None])
     return np.concatenate(out)
 

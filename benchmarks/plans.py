@@ -1,6 +1,6 @@
 """Plans measured: `python -m benchmarks.plans [trays N | families]` prints a line for each puzzle, and medians of the trays.
 
-Trays are judged by an exhaustive search on the grid, which knows nothing of gaps and turns. Every step's way is judged anew by polygon
+Trays are judged by an exhaustive search on the grid, which knows nothing of gaps and turns. Every step's path is judged anew by polygon
 intersections at dense samples.
 """
 
@@ -19,17 +19,17 @@ from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.planning.plan import Plan
 
 SAMPLES = 12
-"""Poses looked at on every piece of a way."""
+"""Poses looked at on every piece of a path."""
 
 
 def deepest(found: Plan) -> float:
-    """Largest common area of two parts anywhere on a plan's way, at samples [mm2]; parts that left are out of the game."""
+    """Largest common area of two parts anywhere on a plan's path, at samples [mm2]; parts that left are out of the game."""
     assembly = found.assembly
     shapes = [shapely.union_all([shapely.Polygon(r.outer, r.holes) for r in p.regions]) for p in assembly.parts]
     worst = 0.0
     for step in found.steps:
         moving = {assembly.names.index(n) for n in step.parts}
-        for one, other in pairwise(step.way):
+        for one, other in pairwise(step.path):
             for t in np.linspace(0, 1, SAMPLES):
                 pose = assembly.rest + one + t * (other - one)
                 at = [shapely.transform(s, lambda p, q=q: place(p, q)) for s, q in zip(shapes, pose, strict=True)]

@@ -1,7 +1,7 @@
-"""Random assemblies in space: no overlap at any end nor on any checked way, judged by the collision library python-fcl.
+"""Random assemblies in space: no overlap at any end nor on any checked path, judged by the collision library python-fcl.
 
 `python -m benchmarks.spatial_overlaps 200 1` judges 200 assemblies from seed 1, families in turn; every other one of those whose parts
-are made of boxes is also asked whether it comes apart, and all states on the ways out are judged. The judge makes its own shapes from
+are made of boxes is also asked whether it comes apart, and all states on the escape paths are judged. The judge makes its own shapes from
 the numbers that the assembly was drawn with; it shares neither pieces nor axes nor way-points' neighbours with the program.
 """
 
@@ -288,13 +288,13 @@ class Judge:
 
 def between(start, end, share):
     turn = Rotation.from_rotvec(start[:, 3:])
-    way = (turn.inv() * Rotation.from_rotvec(end[:, 3:])).as_rotvec()
-    moved = (turn * Rotation.from_rotvec(share * way)).as_rotvec()
+    change = (turn.inv() * Rotation.from_rotvec(end[:, 3:])).as_rotvec()
+    moved = (turn * Rotation.from_rotvec(share * change)).as_rotvec()
     return np.hstack([start[:, :3] + share * (end[:, :3] - start[:, :3]), moved])
 
 
 def worst_on(judge, waypoints):
-    """Deepest overlap along a way, its end included."""
+    """Deepest overlap along a path, its end included."""
     worst = judge.depth(waypoints[-1])
     for one, other in itertools.pairwise(waypoints):
         for share in np.linspace(0, 1, BETWEEN, endpoint=False):

@@ -13,7 +13,7 @@ import pytest
 LOCAL = "ends in a local optimum: some joints of a long chain take the other one of two nearly equal ends"
 KNOWN = {  # each by the end of its test's name; the list may only get shorter
     "test_chain_turned_and_far_away_is_the_same[arrow-0.03-10]": LOCAL,
-    "test_search_comes_to_an_end[7]": "comes apart, but the solver jumps between two pieces of a cell: the way is cut back",
+    "test_search_comes_to_an_end[7]": "comes apart, but the solver jumps between two pieces of a cell: the path is cut back",
     "test_more_random_pairs[tab_pair-39]": "two edges end to end that no line of an outline parts: no cell is found, flex refuses",
 }
 
@@ -36,10 +36,10 @@ def from_rest_only(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPat
     """Climb from rest alone, in tests that are not marked `searches`: going on beyond the nearest hill would take most of their time."""
     if "searches" in request.keywords:
         return
-    from wiggleroom import maximise
+    from wiggleroom import flex_walls
 
-    monkeypatch.setattr(maximise, "_in_own_frame", lambda *_: None)
-    monkeypatch.setattr(maximise, "_searched", lambda climb, _, *about: maximise.answer_of(climb, *about[:3]))
+    monkeypatch.setattr(flex_walls, "_in_own_frame", lambda *_: None)
+    monkeypatch.setattr(flex_walls, "_searched", lambda climb, query, _: flex_walls._answer(climb, query))
 
 
 @pytest.fixture

@@ -16,7 +16,7 @@ from wiggleroom.search.answer import Answer
 
 Motion = np.ndarray
 DEEP = 1e-9  # share of the size that parts may overlap
-BETWEEN = 20  # points looked at on every piece of a way, at least
+BETWEEN = 20  # points looked at on every piece of a path, at least
 STRIDE = 2e-3  # share of the size that a part moves from one of them to the next, at most
 
 
@@ -113,11 +113,11 @@ def _placed(shape: shapely.Polygon, at: np.ndarray, move: np.ndarray, edges: boo
 
 def _close(corners: np.ndarray, edges: np.ndarray, within: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Indices (2, m) of corners and edges that are close, the distance (m,) and the edge's outward normal (m, 2)."""
-    way = edges[:, 1] - edges[:, 0]
-    long = np.hypot(*way.T)
-    normal = np.column_stack([way[:, 1], -way[:, 0]]) / long[:, None]
+    edge = edges[:, 1] - edges[:, 0]
+    long = np.hypot(*edge.T)
+    normal = np.column_stack([edge[:, 1], -edge[:, 0]]) / long[:, None]
     off = corners[:, None] - edges[None, :, 0]
-    away, along = (off * normal).sum(-1), (off * way).sum(-1) / long
+    away, along = (off * normal).sum(-1), (off * edge).sum(-1) / long
     found = np.nonzero((np.abs(away) < within) & (along > -1e-9 * long) & (along < long * (1 + 1e-9)))
     return np.array(found), away[found], normal[found[1]]
 
@@ -161,7 +161,7 @@ def value_of(assembly: Assembly, goals: Iterable[Goal], motions: Motion) -> np.n
 
 
 def check_safe(answer: Answer, ground: Ground | None = None) -> None:
-    """What every answer promises: no overlap, fixed parts still, rest included, the way free if it is said to be."""
+    """What every answer promises: no overlap, fixed parts still, rest included, the path free if it is said to be."""
     assembly = answer.assembly
     ground = ground or Ground(assembly)
     still = [p.fixed for p in assembly.parts]
@@ -223,13 +223,13 @@ def climbed(answer: Answer, ground: Ground, seed: int = 0, rounds: int = 80, sta
 def _beside(answer: Answer, ground: Ground, seed: int) -> Motion | None:
     """A motion without overlap near the answer's."""
     rng = np.random.default_rng(seed)
-    way = between(answer.waypoints)
-    way = way[value_of(answer.assembly, answer.goals, way) < answer.objective * (1 - 1e-5)]
+    path = between(answer.waypoints)
+    path = path[value_of(answer.assembly, answer.goals, path) < answer.objective * (1 - 1e-5)]
     reach = min(answer.assembly.gap or np.inf, np.abs(answer.motion[:, :2]).max() + 1e-6 * ground.size)
     lever = np.array([1.0, 1.0, len(ground.at) / ground.size])
     for share in (0.003, 1e-3, 1e-4, 0):
         noise = rng.standard_normal((100, len(ground.free), 3)) * lever * reach * share
-        moves = way[-1 - rng.integers(0, min(30, len(way)), 100)]
+        moves = path[-1 - rng.integers(0, min(30, len(path)), 100)]
         moves[:, ground.free] += noise
         good = ground.free_of_overlap(moves)
         if good.any():

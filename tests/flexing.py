@@ -64,12 +64,12 @@ def box(name: str, x0: float, y0: float, x1: float, y1: float, fixed: bool = Fal
 
 def _points(change: np.ndarray, flip: bool, parts: Iterable[Part]) -> tuple[Part, ...]:
     """Parts whose own corners are multiplied by a matrix, their order turned round where it mirrors."""
-    way = -1 if flip else 1
+    order = -1 if flip else 1
     return tuple(
         replace(
             p,
             regions=tuple(
-                Region((r.outer @ change)[::way], tuple((h @ change)[::way] for h in r.holes)) for r in p.regions
+                Region((r.outer @ change)[::order], tuple((h @ change)[::order] for h in r.holes)) for r in p.regions
             ),
         )
         for p in parts

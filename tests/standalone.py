@@ -18,9 +18,9 @@ def told(html: str) -> dict[str, Any]:
     return dict(json.loads(found[1]))
 
 
-def frames(way: dict[str, Any]) -> NDArray[np.float32]:
-    """Motions (k, n, 3) of a way."""
-    return np.frombuffer(base64.b64decode(way["data"]), "<f4").reshape(way["k"], way["n"], 3)
+def frames(packed: dict[str, Any]) -> NDArray[np.float32]:
+    """Motions (k, n, 3) of a path."""
+    return np.frombuffer(base64.b64decode(packed["data"]), "<f4").reshape(packed["k"], packed["n"], 3)
 
 
 def rows(told: dict[str, Any], title: str) -> list[list[Any]]:

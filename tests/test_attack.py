@@ -24,15 +24,15 @@ def peg_in_a_hole() -> Ground:
 
 def test_the_judge_finds_an_overlap_between_way_points_and_measures_it() -> None:
     ground = peg_in_a_hole()
-    way = np.zeros((3, 2, 3))
-    way[1, 1, 0] = 0.5
-    assert ground.overlap_on(way) is None
-    way[1, 1, 0] = 0.75
-    found = ground.overlap_on(way)
+    waypoints = np.zeros((3, 2, 3))
+    waypoints[1, 1, 0] = 0.5
+    assert ground.overlap_on(waypoints) is None
+    waypoints[1, 1, 0] = 0.75
+    found = ground.overlap_on(waypoints)
     assert found is not None
     assert found.parts == ("plate", "peg")
     turned = np.zeros((2, 2, 3))
-    turned[1, 1] = 0.45, 0.45, np.pi  # half a turn in a corner: only the way overlaps
+    turned[1, 1] = 0.45, 0.45, np.pi  # half a turn in a corner: only the path overlaps
     assert ground.overlap(turned[1]) is None
     assert ground.overlap_on(turned) is not None
 

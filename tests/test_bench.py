@@ -117,8 +117,8 @@ def test_the_arc_comes_out_by_turning_about_its_centre_only() -> None:
     centre = (CENTRE[0] + 0.5, CENTRE[1])
     for angle in np.linspace(0, -70, 141):  # the tongue slides along itself, then it is out
         assert not shapely.intersects(a, shapely.affinity.rotate(b, angle, origin=centre)), angle
-    for way in np.linspace(0, 2 * np.pi, 24, endpoint=False):
-        shifts = [shapely.affinity.translate(b, s * np.cos(way), s * np.sin(way)) for s in np.linspace(0, 0.5, 200)]
+    for angle in np.linspace(0, 2 * np.pi, 24, endpoint=False):
+        shifts = [shapely.affinity.translate(b, s * np.cos(angle), s * np.sin(angle)) for s in np.linspace(0, 0.5, 200)]
         assert shapely.intersects(a, shifts).any()
 
 
@@ -186,18 +186,18 @@ def test_methods_against_the_true_optimum() -> None:
 
 @pytest.mark.searches
 @pytest.mark.parametrize("puzzle", [p for p in PUZZLES if p.truth == APART], ids=lambda p: p.name)
-def test_what_comes_apart_does_so_along_a_way_without_overlap(puzzle) -> None:
+def test_what_comes_apart_does_so_along_a_path_without_overlap(puzzle) -> None:
     assembly = puzzle.assembly()
     ready = wr.prepare(assembly)
     answers = (ready.flex(goal) for goal in interlock._goals(assembly))
     answer = next(a for a in answers if a.verdict == "unbounded" and a.leaves)
     parts = [[shapely.transform(polygon(p), lambda q, p=p: _placed(q, p.at)) for _ in (0,)] for p in assembly.parts]
-    way = answer.waypoints
-    for first, last in pairwise(way):
+    path = answer.waypoints
+    for first, last in pairwise(path):
         for share in np.linspace(0, 1, 5):
             assert pose_depth(parts, assembly.rest[:, :2], first + share * (last - first)) <= 1e-7 * assembly.size
     gone = [assembly.names.index(name) for name in answer.leaves]
-    assert np.hypot(*(way[-1, gone, :2]).T).max() > 0.5 * assembly.size
+    assert np.hypot(*(path[-1, gone, :2]).T).max() > 0.5 * assembly.size
 
 
 def _placed(points: np.ndarray, at: tuple[float, float, float]) -> np.ndarray:

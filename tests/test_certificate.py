@@ -124,7 +124,7 @@ def test_one_digit_of_the_proof_changed_and_sealed_says_nothing_false(proven, se
 
 
 def numbers(node, path=()):
-    """Ways to all numbers of a certificate."""
+    """Places of all numbers of a certificate."""
     if isinstance(node, dict):
         return [p for k, v in node.items() for p in numbers(v, (*path, k))]
     if isinstance(node, list):
@@ -150,10 +150,10 @@ def test_a_changed_proof_says_nothing_false(proven, count):
     """Numbers of regions, pairs and multipliers, changed and sealed again: whatever verifies is not below the truth."""
     answer, content = proven
     rng = random.Random(1)
-    ways = [p for p in numbers(content) if p[0] not in STATEMENT]
+    places = [p for p in numbers(content) if p[0] not in STATEMENT]
     truth = answer.objective
     refused = 0
-    for path in rng.sample(ways, count):
+    for path in rng.sample(places, count):
         node = content
         for key in path:
             node = node[key]

@@ -1,4 +1,4 @@
-"""Films: what moves must be where the way says, the files must be what their names say."""
+"""Films: what moves must be where the path says, the files must be what their names say."""
 
 from __future__ import annotations
 
@@ -54,26 +54,26 @@ def test_between_way_points_the_centroid_goes_straight_and_glue_holds() -> None:
     end = np.zeros((3, 3))
     end[1, 2] = end[2, 2] = turn  # turn both about the origin
     end[2, :2] = [31 * math.cos(turn) - 31, 31 * math.sin(turn)]
-    way = TimedPath(assembly, np.stack([np.zeros((3, 3)), end]))
-    half = way.at(np.array([way.length / 2]))[0]
+    timed = TimedPath(assembly, np.stack([np.zeros((3, 3)), end]))
+    half = timed.at(np.array([timed.length / 2]))[0]
     start, stop = np.array([30.5, 0.0]), 30.5 * np.array([math.cos(turn), math.sin(turn)])
     for k in (1, 2):  # the middle of the glued body, as either part carries it
         np.testing.assert_allclose(moved(half[k], rest[k], (30.5, 0.0)), (start + stop) / 2, atol=1e-9)
-    np.testing.assert_allclose(way.at(np.array([way.length]))[0], end, atol=1e-9)
+    np.testing.assert_allclose(timed.at(np.array([timed.length]))[0], end, atol=1e-9)
 
 
-def test_the_way_is_shared_out_by_its_length() -> None:
+def test_the_path_is_shared_out_by_its_length() -> None:
     assembly = row(2).assembly
     points = np.zeros((4, 2, 3))
     points[1:, 1, 1] = [1.0, 1.0, 4.0]  # with a point that stands still
-    way = TimedPath(assembly, points)
-    assert way.length == pytest.approx(4.0)
-    np.testing.assert_allclose(way.at(np.array([0.0, 1.0, 2.0, 4.0]))[:, 1, 1], [0, 1, 2, 4], atol=1e-12)
+    timed = TimedPath(assembly, points)
+    assert timed.length == pytest.approx(4.0)
+    np.testing.assert_allclose(timed.at(np.array([0.0, 1.0, 2.0, 4.0]))[:, 1, 1], [0, 1, 2, 4], atol=1e-12)
     assert ease_in_out(11)[1] < 0.05
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (0, 5, 3), (2, 4, 3), (2, 5, 2)])
-def test_a_way_of_another_shape_is_refused(shape: tuple[int, ...], tmp_path: Path) -> None:
+def test_a_path_of_another_shape_is_refused(shape: tuple[int, ...], tmp_path: Path) -> None:
     with pytest.raises(wr.InputError, match="way-points"):
         film(row(5).assembly, np.zeros(shape), tmp_path / "a.svg")
     with pytest.raises(wr.InputError, match="finite"):
@@ -158,7 +158,7 @@ def test_what_moves_far_but_is_held_does_not_fade() -> None:
     assert (ends < (x + wide, y + high)).all()
 
 
-def test_frames_follow_the_way_in_pixels() -> None:
+def test_frames_follow_the_path_in_pixels() -> None:
     pytest.importorskip("PIL")
     from PIL import Image
 

@@ -182,8 +182,8 @@ def test_block_between_two_plates_turns_without_end_where_they_are_wide_apart():
 
 @pytest.mark.parametrize("point", [(0.0, 0.0), (-30.0, 20.0), (-300.0, 200.0)], ids=str)
 @pytest.mark.parametrize("joint", ["tee", "round", "hook"])
-def test_way_is_free_wherever_the_reference_points_are(joint, point):
-    """Outlines drawn in assembly coordinates, "at" left out: the way between way-points must be free for these motions too."""
+def test_path_is_free_wherever_the_reference_points_are(joint, point):
+    """Outlines drawn in assembly coordinates, "at" left out: the path between way-points must be free for these motions too."""
     answer = wr.flex(assemble(about(chain(joint, 6, 0.03).drawing, point)))
     check_safe(answer)
 
@@ -432,7 +432,7 @@ def test_tighter_joint_counts_most_where_its_lever_is_long():
     assert near > far
 
 
-def test_a_joint_takes_the_way_of_a_congruent_one_and_no_other_joint_notices() -> None:
+def test_a_joint_takes_the_path_of_a_congruent_one_and_no_other_joint_notices() -> None:
     ready = wr.prepare(chain("tee", 4))
     them, cells = ready.bodies, ready.cells
     motion = wr.flex(chain("tee", 4)).warm_start.motion * np.array([[0.0], [0.3], [0.7], [1.0]])

@@ -61,7 +61,7 @@ def test_thirty_parts(seed):
 
 @pytest.mark.parametrize("seed", FEW)
 def test_search_comes_to_an_end(seed):
-    """Nobody stopped it, so it has a verdict, and knows a way."""
+    """Nobody stopped it, so it has a verdict, and knows a path."""
     answer = ask(seed)
     assert answer.verdict != "stopped"
     assert answer.path == "checked"

@@ -15,7 +15,7 @@ import pytest
 import wiggleroom as wr
 from wiggleroom.drawing import read_drawing, write_drawing
 from wiggleroom.provenance import is_own
-from wiggleroom.report.letters import missing_letters
+from wiggleroom.report.missing_glyphs import missing_glyphs
 
 Run = Callable[..., tuple[int, str, str]]
 
@@ -169,9 +169,9 @@ def test_time_that_makes_no_sense(run: Run) -> None:
 
 
 def test_letters_that_no_font_has_are_named(run: Run) -> None:
-    assert missing_letters(["Größe œuvre 3 mm²"]) == ""
+    assert missing_glyphs(["Größe œuvre 3 mm²"]) == ""
     rare = "漢\U000131af\U00012000"  # Chinese, a hieroglyph, cuneiform
-    nowhere = missing_letters([rare])[:1]
+    nowhere = missing_glyphs([rare])[:1]
     if not nowhere:
         pytest.skip("fonts of this machine have even these letters")
     svg = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewBox="0 0 20 10">'

@@ -83,9 +83,9 @@ def test_it_carries_the_answer_as_it_is() -> None:
     assert flex["objective"] == case.objective
     assert flex["command"] == "wiggleroom flex it.json"
     assert len(flex["contacts"]) == sum(c.force > 0 for c in case.contacts)
-    way = frames(one["way"])
-    np.testing.assert_allclose(way[0], case.waypoints[0], atol=1e-12)
-    np.testing.assert_allclose(way[-1], case.motion, rtol=1e-6, atol=1e-9)
+    path = frames(one["way"])
+    np.testing.assert_allclose(path[0], case.waypoints[0], atol=1e-12)
+    np.testing.assert_allclose(path[-1], case.motion, rtol=1e-6, atol=1e-9)
     assert page["opened"]["design"]["goals"][0]["part"] == "b3"
     again = wr.rank(case.assembly, by="differences", workers=1)  # whose gap matters is said by the answer's own forces
     for name, value in zip(case.assembly.names, again.looser, strict=True):

@@ -1,4 +1,4 @@
-"""Does it come apart: assemblies of known truth, ways audited by dense sampling, proofs against independent floods."""
+"""Does it come apart: assemblies of known truth, paths audited by dense sampling, proofs against independent floods."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def made(gap: float = 0.0, fixed: str = "wall", **shapes: shapely.Polygon) -> As
 
 
 def deepest(assembly: Assembly, found: wr.Interlock, between: int = 25) -> float:
-    """Largest common area of two parts anywhere along all ways, parts that left before excepted, by dense sampling."""
+    """Largest common area of two parts anywhere along all paths, parts that left before excepted, by dense sampling."""
     shapes = [shapely.union_all([shapely.Polygon(r.outer, r.holes) for r in p.regions]) for p in assembly.parts]
     names, gone, worst = assembly.names, set(), 0.0
     glued = [set(g) for g in assembly.drawing.glue]
@@ -100,7 +100,7 @@ def corridor(*boxes: tuple[float, float, float, float]) -> shapely.Polygon:
     ],
     ids=["L", "back", "S", "too long"],
 )
-def test_ways_with_corners(channels, block, verdict):
+def test_paths_with_corners(channels, block, verdict):
     assembly = made(1.0, wall=corridor(*channels), block=shapely.box(*block))
     found = wr.check(assembly)
     assert found.verdict == verdict
@@ -182,12 +182,12 @@ def test_a_pair_is_closed_where_a_plain_flood_stays_inside(family, gap):
     pivot = (1.0, 0.0)
     a, b = (shapely.transform(s, lambda c: c - pivot) for s in (a, b))
     found = passage(a, b, most=200_000)
-    assert found.closed != (found.way is not None)
-    if found.closed:  # a flood on a grid may miss a way, but must not find one that is not there
+    assert found.closed != (found.path is not None)
+    if found.closed:  # a flood on a grid may miss a path, but must not find one that is not there
         assert not _flooded(a, b, gap / 4, gap / 2)
     else:
         assert not collision.overlaps(
-            *(shapely.transform(s, lambda c: c - found.pivot) for s in (a, b)), found.way, np.zeros(2)
+            *(shapely.transform(s, lambda c: c - found.pivot) for s in (a, b)), found.path, np.zeros(2)
         ).any()
 
 

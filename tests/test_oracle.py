@@ -93,7 +93,7 @@ def test_the_witness_reaches_the_value_and_is_free(case):
     assert collision.pose_depth([[p] for p in case.parts], case.at, case.witness) < 1e-12
     for share in np.linspace(
         0, 1, 21
-    ):  # a straight way from rest is free in all these cases but for the slack of a pin
+    ):  # a straight path from rest is free in all these cases but for the slack of a pin
         depth = collision.pose_depth([[p] for p in case.parts], case.at, share * case.witness)
         assert depth < (1e-12 if case.name != "lever on a pin" else 1e-2)
 

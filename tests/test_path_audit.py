@@ -1,4 +1,4 @@
-"""The audit of ways: what it calls free is free by polygons of shapely, and it calls free what keeps clear."""
+"""The audit of paths: what it calls free is free by polygons of shapely, and it calls free what keeps clear."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def made_of(tmp_path: Path, *parts: Json, **more: object) -> Assembly:
     return wr.read(str(file))
 
 
-def way(count: int, who: int, *motions: tuple[float, float, float]) -> np.ndarray:
+def waypoints_of(count: int, who: int, *motions: tuple[float, float, float]) -> np.ndarray:
     """Way-points of one of some parts, from rest."""
     out = np.zeros((len(motions) + 1, count, 3))
     out[1:, who] = motions
@@ -40,7 +40,7 @@ def least_distance(ground: Ground, waypoints: np.ndarray) -> float:
     return min(float(shapely.distance(shapes[i], shapes[j]).min()) for i, j in ground.pairs)
 
 
-def random_ways(ground: Ground, rng: np.random.Generator) -> list[np.ndarray]:
+def random_paths(ground: Ground, rng: np.random.Generator) -> list[np.ndarray]:
     """Pieces on which some parts move a little or far, and turn little or fast."""
     n, out = len(ground.names), []
     for _ in range(8):
@@ -58,14 +58,14 @@ def test_free_is_free_and_clear_is_called_free(tmp_path: Path, kind: int) -> Non
     file = tmp_path / f"{name}.json"
     file.write_text(json.dumps(made))
     assembly, ground, rng = wr.read(str(file)), Ground(made), np.random.default_rng(kind)
-    for waypoints in random_ways(ground, rng):
+    for waypoints in random_paths(ground, rng):
         audit, overlap = audit_path(assembly, waypoints), ground.overlap_on(waypoints)
         assert overlap is None or not audit.free, f"{overlap}"
         if overlap is None and least_distance(ground, waypoints) > 1e-4 * ground.size:
             assert audit.free
 
 
-def test_the_way_of_an_answer_is_free_and_the_same_way_with_a_corner_cut_is_not() -> None:
+def test_the_path_of_an_answer_is_free_and_the_same_path_with_a_corner_cut_is_not() -> None:
     assembly = wr.patterns.chain(4, joint="swallowtail", gap=0.02)
     answer = wr.flex(assembly)
     assert audit_path(assembly, answer.waypoints).free
@@ -83,9 +83,9 @@ def test_a_part_that_lies_in_the_material_of_another_overlaps(tmp_path: Path) ->
     inside[:, 1, 0] = -15
     audit = audit_path(assembly, inside)
     assert (audit.a.tolist(), audit.b.tolist(), audit.certain) == ([0], [1], 0)
-    through = audit_path(assembly, way(2, 1, (-15, 0, 0)))
+    through = audit_path(assembly, waypoints_of(2, 1, (-15, 0, 0)))
     assert (through.doubtful.tolist(), through.certain) == ([True], 1)
-    assert audit_path(assembly, way(2, 1, (0, 30, 0), (-40, 30, 0))).free
+    assert audit_path(assembly, waypoints_of(2, 1, (0, 30, 0), (-40, 30, 0))).free
 
 
 def test_a_part_in_a_hole_is_free_until_it_meets_the_rim(tmp_path: Path) -> None:
@@ -93,17 +93,17 @@ def test_a_part_in_a_hole_is_free_until_it_meets_the_rim(tmp_path: Path) -> None
     pebble = part("pebble", box(4.5, 4.5, 5.5, 5.5))
     assembly = made_of(tmp_path, ring, pebble)
     assert (
-        audit_path(assembly, way(2, 1, (2.5, 0, 0), (0, 0, 7), (-2.5, -2.5, 0))).certain == 2
+        audit_path(assembly, waypoints_of(2, 1, (2.5, 0, 0), (0, 0, 7), (-2.5, -2.5, 0))).certain == 2
     )  # turning in the corner does not fit
-    assert audit_path(assembly, way(2, 1, (2.5, 0, 0), (-2.5, 2.5, 0))).free
-    assert not audit_path(assembly, way(2, 1, (20, 0, 0))).free
+    assert audit_path(assembly, waypoints_of(2, 1, (2.5, 0, 0), (-2.5, 2.5, 0))).free
+    assert not audit_path(assembly, waypoints_of(2, 1, (20, 0, 0))).free
 
 
 def test_a_rod_that_turns_fast_is_followed_round(tmp_path: Path) -> None:
     rod, post = part("rod", box(-5, -0.05, 5, 0.05)), part("post", disc(0.1, 8, (3, 2)), fixed=True)
     assembly = made_of(tmp_path, rod, post)
-    assert not audit_path(assembly, way(2, 0, (0, 0, np.pi))).free  # half a turn: both ends are clear
-    assert audit_path(assembly, way(2, 0, (0, 0, -0.5), (0, 0, 0.5))).free
+    assert not audit_path(assembly, waypoints_of(2, 0, (0, 0, np.pi))).free  # half a turn: both ends are clear
+    assert audit_path(assembly, waypoints_of(2, 0, (0, 0, -0.5), (0, 0, 0.5))).free
 
 
 @pytest.mark.parametrize(("deep", "free"), [(-1e-12, True), (0.5 * INSET, True), (100 * INSET, False)])
@@ -111,18 +111,18 @@ def test_sliding_along_a_wall_is_free_and_a_scratch_is_not(tmp_path: Path, deep:
     floor, brick = part("floor", box(0, -1, 10, 0), fixed=True), part("brick", box(1, 0.1, 2, 1.1))
     assembly = made_of(tmp_path, floor, brick)
     down = -0.1 - deep * assembly.size
-    assert audit_path(assembly, way(2, 1, (0, down, 0), (7, down, 0))).free is free
+    assert audit_path(assembly, waypoints_of(2, 1, (0, down, 0), (7, down, 0))).free is free
 
 
 def test_collinear_sides_and_touching_corners_are_no_overlap(tmp_path: Path) -> None:
     one, other = part("one", box(0, 0, 1, 1), fixed=True), part("other", box(1.5, 0, 2.5, 1))
     assembly = made_of(tmp_path, one, other)
-    assert audit_path(assembly, way(2, 1, (-0.5, 0, 0), (-0.5, 1, 0), (-1.5, 1, 0))).free
+    assert audit_path(assembly, waypoints_of(2, 1, (-0.5, 0, 0), (-0.5, 1, 0), (-1.5, 1, 0))).free
 
 
 def test_glued_and_ignored_parts_do_not_count(tmp_path: Path) -> None:
     shapes = [part("a", box(0, 0, 1, 1), fixed=True), part("b", box(2, 0, 3, 1)), part("c", box(3, 0, 4, 1))]
-    through = way(3, 1, (-2, 0, 0))
+    through = waypoints_of(3, 1, (-2, 0, 0))
     through[1, 2] = -2, 0, 0
     assert audit_path(made_of(tmp_path, *shapes, glue=[["b", "c"]]), through).certain == 1
     assert audit_path(made_of(tmp_path, *shapes, glue=[["b", "c"]], ignore=[["a", "b"], ["a", "c"]]), through).free
@@ -132,14 +132,14 @@ def test_concave_parts_may_nest(tmp_path: Path) -> None:
     cup = cut(box(0, 0, 4, 4), box(1, 1, 3, 5))
     block = wider(box(1, 1, 3, 4), -0.05)
     assembly = made_of(tmp_path, part("cup", cup, fixed=True), part("block", block))
-    assert audit_path(assembly, way(2, 1, (0, 9, 0))).free
-    assert audit_path(assembly, way(2, 1, (0.04, 0.5, 0.01), (-0.04, 3, -0.01), (5, 9, 3))).free is False
-    assert audit_path(assembly, way(2, 1, (0, 0, 0.2))).certain == 1
+    assert audit_path(assembly, waypoints_of(2, 1, (0, 9, 0))).free
+    assert audit_path(assembly, waypoints_of(2, 1, (0.04, 0.5, 0.01), (-0.04, 3, -0.01), (5, 9, 3))).free is False
+    assert audit_path(assembly, waypoints_of(2, 1, (0, 0, 0.2))).certain == 1
 
 
 @pytest.mark.parametrize(("scale", "away"), [(1e-4, 0.0), (1e4, 0.0), (1.0, 1e5)])
 def test_where_it_is_and_how_large_make_no_difference(tmp_path: Path, scale: float, away: float) -> None:
     one, other = (shapely.transform(s, lambda p: p * scale + away) for s in (box(0, 0, 1, 1), box(1.01, 0, 2.01, 1)))
     assembly = made_of(tmp_path, part("a", one, fixed=True), part("b", other))
-    assert audit_path(assembly, way(2, 1, (-0.00999 * scale, 0, 0))).free
-    assert not audit_path(assembly, way(2, 1, (-0.0102 * scale, 0, 0))).free
+    assert audit_path(assembly, waypoints_of(2, 1, (-0.00999 * scale, 0, 0))).free
+    assert not audit_path(assembly, waypoints_of(2, 1, (-0.0102 * scale, 0, 0))).free

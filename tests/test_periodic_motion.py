@@ -20,7 +20,7 @@ from wiggleroom.geometry.rotational_symmetry import symmetry_order
 MECHANISMS = Path(__file__).parents[1] / "examples" / "23_mechanisms"
 DRAWN = runpy.run_path(str(MECHANISMS / "draw.py"))
 SAMPLES = 400
-"""States of a way at which all parts are tested for overlap."""
+"""States of a path at which all parts are tested for overlap."""
 
 
 def assembled(made: dict, folder: Path, gap: float = 0.0) -> wr.Assembly:
@@ -58,10 +58,10 @@ def centroids(assembly: wr.Assembly) -> np.ndarray:
 
 def gone_twice(answer: wr.Answer) -> np.ndarray:
     """Motions along the second round: every part turned about its centroid by the period's turn, then moved as in the first."""
-    period, way = answer.period, answer.waypoints[answer.period.first :]
-    share = np.linspace(0, len(way) - 1, SAMPLES)
-    low = np.minimum(share.astype(int), len(way) - 2)
-    first = way[low] + (share - low)[:, None, None] * (way[low + 1] - way[low])
+    period, path = answer.period, answer.waypoints[answer.period.first :]
+    share = np.linspace(0, len(path) - 1, SAMPLES)
+    low = np.minimum(share.astype(int), len(path) - 2)
+    first = path[low] + (share - low)[:, None, None] * (path[low + 1] - path[low])
     arm = centroids(answer.assembly)
     c, s = np.cos(period.turn), np.sin(period.turn)
     shift = arm - np.column_stack([c * arm[:, 0] - s * arm[:, 1], s * arm[:, 0] + c * arm[:, 1]])

@@ -36,10 +36,10 @@ def outlines_at(assembly, motion):
     return [shapely.transform(s, lambda p, q=q: place(p, q)) for s, q in zip(shapes, pose, strict=True)]
 
 
-def nearest(assembly, way, there, moving, between=20):
-    """Largest overlap (area) of any two parts on a way, and least distance of those that move from others, by dense sampling."""
+def nearest(assembly, path, there, moving, between=20):
+    """Largest overlap (area) of any two parts on a path, and least distance of those that move from others, by dense sampling."""
     overlap, least = 0.0, np.inf
-    for one, other in pairwise(way):
+    for one, other in pairwise(path):
         for t in np.linspace(0, 1, between):
             at = outlines_at(assembly, one + t * (other - one))
             for i in np.flatnonzero(there):
@@ -52,20 +52,20 @@ def nearest(assembly, way, there, moving, between=20):
 
 
 def see_free(found):
-    """Every step begins where the one before ended, and nothing overlaps on its way."""
+    """Every step begins where the one before ended, and nothing overlaps on its path."""
     assembly, last = found.assembly, np.zeros((len(found.assembly.parts), 3))
     gone = set()
     for step in found.steps:
-        np.testing.assert_allclose(step.way[0], last, atol=1e-9)
+        np.testing.assert_allclose(step.path[0], last, atol=1e-9)
         assert {assembly.names[k] for k in np.flatnonzero(~step.there)} == gone
         moving = {assembly.names.index(n) for n in step.parts}
-        overlap, least = nearest(assembly, step.way, step.there, moving)
+        overlap, least = nearest(assembly, step.path, step.there, moving)
         assert overlap < 1e-6
         if step.as_one:
             assert step.clearance <= least + 1e-9
         still = [k for k in range(len(last)) if k not in moving]
-        assert not np.ptp(step.way[:, still], axis=0).any()
-        last, gone = step.way[-1], gone | set(step.leaves)
+        assert not np.ptp(step.path[:, still], axis=0).any()
+        last, gone = step.path[-1], gone | set(step.leaves)
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.3])
@@ -118,7 +118,7 @@ def test_a_bar_slides_turns_and_slides_on(turn):
     see_free(found)
     assert min(step.clearance for step in found.steps) > 0.5  # at rest all have 0.6
     bar = found.assembly.names.index("bar")
-    assert abs(found.way[-1, bar, 2]) == pytest.approx(np.pi / 2, abs=0.2)
+    assert abs(found.path[-1, bar, 2]) == pytest.approx(np.pi / 2, abs=0.2)
 
 
 def test_trays_full_of_squares():
@@ -146,7 +146,7 @@ def test_pinwheels_leave_at_once_and_off_their_contacts(count):
     assert found.verdict == "comes apart"
     assert len(found.steps[0].parts) == count - 1
     see_free(found)
-    # at rest neighbours are 0.3 apart, and no way from there has more
+    # at rest neighbours are 0.3 apart, and no path from there has more
     assert found.steps[0].clearance > 0.25
     assert min(step.clearance for step in found.steps) > 0.15
 
@@ -170,10 +170,10 @@ def test_the_ball_of_errors_is_the_largest_under_which_a_step_still_goes(case):
         moving = [assembly.names.index(n) for n in step.parts]
 
         def overlap(shift, turn=0.0, step=step, moving=moving):
-            """Largest overlap on the way of what moves, put wrong by a shift and a turn."""
+            """Largest overlap on the path of what moves, put wrong by a shift and a turn."""
             worst = 0.0
             for t in np.linspace(0, 1, 15):
-                at = outlines_at(found.assembly, step.way[0] + t * (step.way[-1] - step.way[0]))
+                at = outlines_at(found.assembly, step.path[0] + t * (step.path[-1] - step.path[0]))
                 others = shapely.union_all([at[k] for k in np.flatnonzero(step.there) if k not in moving])
                 mine = shapely.union_all([at[k] for k in moving])
                 origin = tuple(np.mean([at[k].centroid.coords[0] for k in moving], axis=0))
@@ -279,13 +279,13 @@ def test_swept_distances_are_those_of_dense_samples(turn):
     assembly = assembled(parts, "wall", gap=0.0)
     bodies = survey(assembly).bodies
     for _ in range(20):
-        way = np.zeros((2, 2, 3))
-        way[:, 1, :2] = random.uniform(-10, 15, (2, 2))
-        way[:, 1, 2] = random.uniform(-turn, turn, 2)
-        got = distances(bodies, way, np.ones(2, dtype=bool), np.zeros(0, dtype=np.int64), 30.0)[0, 1]
+        path = np.zeros((2, 2, 3))
+        path[:, 1, :2] = random.uniform(-10, 15, (2, 2))
+        path[:, 1, 2] = random.uniform(-turn, turn, 2)
+        got = distances(bodies, path, np.ones(2, dtype=bool), np.zeros(0, dtype=np.int64), 30.0)[0, 1]
         from wiggleroom.geometry.rigid_motions import of_parts
 
-        _, truth = nearest(assembly, of_parts(assembly, bodies, way), np.ones(2, dtype=bool), {1}, 200)
+        _, truth = nearest(assembly, of_parts(assembly, bodies, path), np.ones(2, dtype=bool), {1}, 200)
         assert got <= truth + 1e-9
         assert got >= truth - 0.15 - 0.01 * truth or truth == 0
 

@@ -27,8 +27,8 @@ ROUNDING = 1e-11
 def in_hull(points, corners):
     """Whether points lie within the convex hull of corners, as far as 400 directions tell."""
     rng = np.random.default_rng(0)
-    way = rng.standard_normal((400, 3)) / np.ptp(corners, axis=0)
-    return ((points @ way.T).max(0) <= (corners @ way.T).max(0)).all()
+    direction = rng.standard_normal((400, 3)) / np.ptp(corners, axis=0)
+    return ((points @ direction.T).max(0) <= (corners @ direction.T).max(0)).all()
 
 
 def around(a, b, pivot, clearance):

@@ -36,7 +36,7 @@ def bent_corridor(goal, size=0.9):
     return assemble(Drawing(tuple(parts), goals=(goal,), gap=0.0))
 
 
-def test_finds_the_way_round_the_bend_and_proves_it():
+def test_finds_the_path_round_the_bend_and_proves_it():
     up = wr.Pull("peg", (0, 1))
     near = wr.flex(bent_corridor(up), search=0)
     answer = wr.flex(bent_corridor(up))
@@ -110,12 +110,12 @@ def test_no_sampled_motion_is_worth_more_than_the_proof(seed):
     peg = shapely.box(-half, -half, half, half)
     boxes = MotionBoxes(1, room, peg, d, np.zeros(2), 0.0, 100_000)
     truth = (0.5 - half) * np.abs(d).sum()
-    closed, way = boxes.beyond(truth * 1.0001, truth * 1.0009, 5_000_000)
+    closed, path = boxes.beyond(truth * 1.0001, truth * 1.0009, 5_000_000)
     assert closed
-    assert way is None
-    closed, way = boxes.beyond(truth * 0.5, truth * 0.6, 5_000_000)
+    assert path is None
+    closed, path = boxes.beyond(truth * 0.5, truth * 0.6, 5_000_000)
     assert not closed
-    assert d @ way[-1, :2] > truth * 0.5
+    assert d @ path[-1, :2] > truth * 0.5
 
 
 def test_tree_keeps_new_states_only():

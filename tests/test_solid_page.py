@@ -27,7 +27,7 @@ def unpacked(text: str, kind: str) -> np.ndarray:
     return np.frombuffer(base64.b64decode(text), dtype=kind)
 
 
-def test_the_page_carries_parts_way_and_contacts() -> None:
+def test_the_page_carries_parts_path_and_contacts() -> None:
     answer = wr.flex(spatial(PLATE, PEG), wr.Turn("peg", (0, 0, 1)))
     page = page_of_spatial_answer(answer, "wiggleroom flex peg.json")
     data = scene(page)
@@ -58,7 +58,7 @@ def test_names_are_data_and_only_the_bundle_may_run() -> None:
     assert "unsafe" not in policy
 
 
-def test_a_way_apart_is_a_page_too_and_answers_draw_themselves(tmp_path: Path) -> None:
+def test_a_path_apart_is_a_page_too_and_answers_draw_themselves(tmp_path: Path) -> None:
     found = wr.check(spatial(PLATE, PEG))
     data = scene(page_of_separation(found))
     assert len(data["times"]) == sum(len(e.path) for e in found.escapes)

@@ -141,7 +141,7 @@ def test_multipliers_are_derivatives_of_the_optimum(solver):
 
 @BOTH
 @pytest.mark.parametrize("name", PROBLEMS)
-def test_the_way_and_the_inner_point_are_strictly_inside(name, solver):
+def test_the_path_and_the_inner_point_are_strictly_inside(name, solver):
     program = problem(name)
     solution = solver_named(solver)(program, tolerance=USUAL)
     assert len(solution.way) >= 3

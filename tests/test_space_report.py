@@ -21,7 +21,7 @@ from tests.standalone import rows, told
 from tests.test_html import tags
 from wiggleroom.assembly.build import assemble
 from wiggleroom.cli import main
-from wiggleroom.compare.monte_carlo import about_pivot, audit
+from wiggleroom.compare.monte_carlo import about_pivot, sampled_accuracy
 from wiggleroom.drawing.model import Drawing, Part
 from wiggleroom.report.json_results import to_json
 from wiggleroom.report.pages import page_of_space
@@ -45,7 +45,7 @@ def peg(at: tuple[float, float, float] = (0.0, 0.0, 0.0), off: float = 0.0) -> w
 @pytest.mark.parametrize("case", [peg(), peg(off=40.0), peg((300.0, -20.0, 0.7), 3.0)], ids=["plain", "far", "turned"])
 def test_the_record_is_true_of_a_peg_in_a_square_hole(case: wr.Assembly) -> None:
     space = wr.free_space(case, "plate", "peg")
-    record = json.loads(to_json(space_result(space, audit(space, case, 2000), "c")))
+    record = json.loads(to_json(space_result(space, sampled_accuracy(space, case, 2000), "c")))
     assert record["closed"] is True
     np.testing.assert_allclose(record["angles_deg"], [-FULL, FULL], atol=1e-3)
     for one in record["slices"]:
@@ -65,7 +65,7 @@ def test_the_record_is_true_of_a_peg_in_a_square_hole(case: wr.Assembly) -> None
 def test_the_audit_agrees_with_another_one(joint: str) -> None:
     chain = wr.patterns.chain(2, joint=joint, gap=0.02)
     space = wr.free_space(chain, "b1", "b2")
-    ours = audit(space, chain, 4000, seed=3)
+    ours = sampled_accuracy(space, chain, 4000, seed=3)
     a, b = chain.parts
     theirs = other_audit(space, polygon(a), polygon(b), chain.rest[1, :2] - chain.rest[0, :2], 4000, seed=3)
     assert (ours.unsafe, ours.samples) == (theirs.unsafe, theirs.samples) == (0, 4000)
@@ -77,9 +77,9 @@ def test_the_audit_finds_cells_that_lie(monkeypatch: pytest.MonkeyPatch) -> None
     chain = wr.patterns.chain(2, joint="tee", gap=0.02)
     space = wr.free_space(chain, "b1", "b2")
     monkeypatch.setattr(type(space), "contains", lambda self, relative: np.ones(len(relative), dtype=bool))
-    assert audit(space, chain, 1000).unsafe > 500
+    assert sampled_accuracy(space, chain, 1000).unsafe > 500
     monkeypatch.setattr(type(space), "contains", lambda self, relative: np.zeros(len(relative), dtype=bool))
-    found = audit(space, chain, 1000)
+    found = sampled_accuracy(space, chain, 1000)
     assert found.lost == found.free > 50
 
 
@@ -107,10 +107,10 @@ def test_open_spaces_and_glue_are_shown_too() -> None:
     )
     case = assemble(Drawing(parts, glue=(("b", "c"),)), gap=0.0)
     space = wr.free_space(case, "a", "b")
-    found = audit(space, case, 1000)
+    found = sampled_accuracy(space, case, 1000)
     assert found.unsafe == 0
     assert space_result(space, found, "").reach > 0
-    assert "open" in space_picture(space, case, found)
+    assert "open" in space_picture(space, found)
     assert volume(space) > 0
 
 
@@ -156,7 +156,7 @@ def test_bad_questions_are_refused(
 def test_names_are_text_on_the_page() -> None:
     parts = (Part("<b>a", (block(6.0, hole=2.0),), fixed=True), Part("<script>", (block(1.8),)))
     case = assemble(Drawing(parts), gap=0.0)
-    page = page_of_space(wr.free_space(case, *case.names), case, command="<script>")
+    page = page_of_space(wr.free_space(case, *case.names), command="<script>")
     kinds = [tag for tag, _ in tags(page)]
     assert kinds.count("script") == 3  # what is told, the 3D view, and the page's code
     assert "b" not in kinds
@@ -165,7 +165,7 @@ def test_names_are_text_on_the_page() -> None:
 @pytest.mark.parametrize("case", [peg((300.0, -20.0, 0.7)), wr.patterns.chain(2, joint="swallowtail", gap=0.02)])
 def test_the_page_carries_all_slices(case: wr.Assembly) -> None:
     space = wr.free_space(case, *case.names)
-    page = told(page_of_space(space, case))
+    page = told(page_of_space(space))
     assert [area for _, area in rows(page, "Slices")] == pytest.approx([s.area for s in space.slices])
     regions = about_pivot(space)
     for one in page["space"]["slices"]:
@@ -182,7 +182,7 @@ def ring_area(ring: list[list[float]]) -> float:
 def test_the_solid_turns_in_the_browser(browser: Any, tmp_path: Path) -> None:
     case, wrong = wr.patterns.chain(2, joint="tee", gap=0.02), []
     space = wr.free_space(case, "b1", "b2")
-    (tmp_path / "space.html").write_text(page_of_space(space, case, audit(space, case, 200)))
+    (tmp_path / "space.html").write_text(page_of_space(space, sampled_accuracy(space, case, 200)))
     at = browser.new_page()
     at.on("pageerror", lambda error: wrong.append(str(error)))
     at.on("request", lambda asked: None if asked.url.startswith("file:") else wrong.append(asked.url))

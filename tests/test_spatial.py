@@ -1,4 +1,4 @@
-"""Assemblies in space: the program's derivatives, answers against closed forms, ends and ways against a collision library."""
+"""Assemblies in space: the program's derivatives, answers against closed forms, ends and paths against a collision library."""
 
 from __future__ import annotations
 
@@ -277,7 +277,7 @@ def test_the_public_functions_take_both_dimensions(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("family", [spatial_overlaps.burr, spatial_overlaps.pegs, spatial_overlaps.cells])
-def test_no_end_and_no_way_overlaps_by_the_collision_library(family) -> None:
+def test_no_end_and_no_path_overlaps_by_the_collision_library(family) -> None:
     rng = np.random.default_rng(7)
     for _ in range(3):
         drawing, shapes = family(rng)
@@ -404,3 +404,12 @@ def test_parts_glued_to_what_stands_do_not_end_a_check_with_an_error() -> None:
     found = wr.check(spatial(base, post, lid, glue=[["base", "post"]]))
     assert [e.parts for e in found.escapes] == [("lid",)]
     assert found.remains == ("base", "post")
+
+
+@pytest.mark.parametrize("glue", [[["base", "post"], ["post", "lid"]], [["post", "lid"], ["base", "post"]]])
+def test_what_is_glued_to_what_stands_through_others_cannot_be_pulled(glue: list[list[str]]) -> None:
+    base = {"name": "base", "boxes": [[0, 0, 0, 10, 10, 1]], "fixed": True}
+    post = {"name": "post", "boxes": [[0, 0, 2, 1, 1, 5]]}
+    lid = {"name": "lid", "boxes": [[2, 2, 2, 8, 8, 3]]}
+    with pytest.raises(wr.InputError, match='"lid" cannot be moved'):
+        spatial(base, post, lid, glue=glue, pull=[{"part": "lid", "direction": [0, 0, 1]}])

@@ -1,4 +1,4 @@
-"""Films and models of ways in space: they begin at rest and end where the answer ends."""
+"""Films and models of paths in space: they begin at rest and end where the answer ends."""
 
 from __future__ import annotations
 
@@ -41,9 +41,9 @@ def test_a_model_holds_the_end_and_its_animation_begins_at_rest(answer: SpatialA
         found = np.frombuffer(binary, "<f4", entry["count"] * width, view["byteOffset"])
         return found.reshape(-1, width)
 
-    way = content["animations"][0]
-    by = {c["target"]["path"]: way["samplers"][c["sampler"]]["output"] for c in way["channels"]}
-    assert {content["nodes"][c["target"]["node"]]["name"] for c in way["channels"]} == {"peg"}
+    animation = content["animations"][0]
+    by = {c["target"]["path"]: animation["samplers"][c["sampler"]]["output"] for c in animation["channels"]}
+    assert {content["nodes"][c["target"]["node"]]["name"] for c in animation["channels"]} == {"peg"}
     shift, turn = values(by["translation"], 3), values(by["rotation"], 4)
     x, y, z, w = turn[0]
     first = trimesh.transformations.quaternion_matrix([w, x, y, z])[:3, :3]

@@ -40,7 +40,7 @@ def test_random_burrs_come_apart_by_whole_steps_as_the_cells_say(pieces: int) ->
         assert bool(found.offsets) == truth
 
 
-def test_a_way_by_whole_steps_is_free_by_the_collision_library() -> None:
+def test_a_path_by_whole_steps_is_free_by_the_collision_library() -> None:
     # a drawer behind a door that must be slid up first, in a cabinet
     cabinet = [[0, 0, 0, 10, 6, 1], [0, 0, 5, 10, 6, 6], [0, 0, 1, 10, 1, 5], [0, 5, 1, 10, 6, 5], [0, 1, 1, 1, 5, 5]]
     drawer, door = [[1, 1, 1, 9, 5, 5]], [[10, 0, 0, 11, 6, 6]]
@@ -60,13 +60,13 @@ def test_a_way_by_whole_steps_is_free_by_the_collision_library() -> None:
     grid = lattice(ready)
     found = lattice_search(grid, None)
     assert found.complete
-    way = lattice_motions(ready, grid, found)
+    path = lattice_motions(ready, grid, found)
     boxes = [
         [spatial_overlaps.box(np.add(b[:3], 0.05), np.subtract(b[3:], 0.05)) for b in part]
         for part in (cabinet + rails, drawer, door)
     ]
     judge = spatial_overlaps.Judge(boxes, assembly.reference, [True, False, False])
-    for one, other in itertools.pairwise(way):
+    for one, other in itertools.pairwise(path):
         for share in (0.0, 0.5, 1.0):
             assert judge.depth(spatial_overlaps.between(one, other, share)) < spatial_overlaps.SHALLOW
     checked = check_spatial(assembly)

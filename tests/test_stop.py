@@ -149,10 +149,10 @@ def test_check_of_a_thousand_parts_stops_in_any_stage(
 
 def test_an_audit_that_is_asked_to_stop_vouches_for_nothing() -> None:
     pair = wr.patterns.chain(2, joint="tee", gap=0.01)
-    way = np.zeros((3, 2, 3))
-    way[1:, 1, 0] = 0.002, 0.004
-    assert audit_path(pair, way).free
-    audit = audit_path(pair, way, stop=AfterSeconds(0.0))
+    waypoints = np.zeros((3, 2, 3))
+    waypoints[1:, 1, 0] = 0.002, 0.004
+    assert audit_path(pair, waypoints).free
+    audit = audit_path(pair, waypoints, stop=AfterSeconds(0.0))
     assert not audit.free
     assert audit.certain == 1
 

@@ -15,13 +15,13 @@ import wiggleroom as wr
 def off_centre(count: int, seed: int, folder) -> tuple[wr.Assembly, float, Ground]:
     """A disc in a round hole, pulled at a point beside its middle; what a circle reaches, less what the hole's corners may take."""
     rng = np.random.default_rng([seed, count])
-    off, way = rng.uniform(0.02, 0.6) * np.array(drawing.anywhere(rng)), np.array(drawing.anywhere(rng))
+    off, direction = rng.uniform(0.02, 0.6) * np.array(drawing.anywhere(rng)), np.array(drawing.anywhere(rng))
     gap = float(rng.uniform(0.02, 0.04))
     plate = drawing.cut(drawing.box(-2, -2, 2, 2), drawing.disc(1 + gap, count))
     parts = [drawing.part("plate", plate, fixed=True), drawing.part("disc", drawing.disc(1, count))]
-    made = drawing.assembly(parts, [drawing.pull("disc", way, off.tolist())])
+    made = drawing.assembly(parts, [drawing.pull("disc", direction, off.tolist())])
     (folder / "made.json").write_text(json.dumps(made))
-    reach = float(np.hypot(*off) - way @ off + (1 + gap) * np.cos(np.pi / count) - 1)
+    reach = float(np.hypot(*off) - direction @ off + (1 + gap) * np.cos(np.pi / count) - 1)
     return wr.read(folder / "made.json"), reach, Ground(made)
 
 

@@ -52,7 +52,7 @@ def read_log(out: Path) -> list[Finding]:
 
 
 def save(out: Path, finding: Finding) -> None:
-    """Write an assembly to ask again, what was wrong, and the better way where there is one."""
+    """Write an assembly to ask again, what was wrong, and the better path where there is one."""
     made = draw(finding.number)[1]
     name = f"{finding.family}_{finding.number}"
     (out / f"{name}.json").write_text(json.dumps(made, indent=1), encoding="utf-8")

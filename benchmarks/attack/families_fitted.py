@@ -83,10 +83,10 @@ def bayonets(rng: Random) -> Json:
 def mazes(rng: Random) -> Json:
     """A slider in a winding channel."""
     width, points = rng.uniform(0.25, 0.4), [np.zeros(2)]
-    way = rng.integers(4)
+    quarter = rng.integers(4)
     for _ in range(int(rng.integers(3, 7))):
-        way = (way + rng.choice([-1, 1])) % 4
-        step = np.array([np.cos(way * np.pi / 2), np.sin(way * np.pi / 2)]) * rng.uniform(0.6, 1.4)
+        quarter = (quarter + rng.choice([-1, 1])) % 4
+        step = np.array([np.cos(quarter * np.pi / 2), np.sin(quarter * np.pi / 2)]) * rng.uniform(0.6, 1.4)
         points.append(points[-1] + step)
     channel = draw.band(points, width)
     plate = draw.cut(draw.wider(channel.envelope, 0.4), channel)

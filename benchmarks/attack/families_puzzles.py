@@ -138,10 +138,10 @@ def pegs_in_slots(rng: Random) -> Json:
     slots = []
     for k in range(2):
         points = [np.array([apart * k, 0.0])]
-        way = int(rng.integers(4))
+        quarter = int(rng.integers(4))
         for _ in range(int(rng.integers(2, 5))):
-            way = (way + int(rng.choice([-1, 1]))) % 4
-            angle = way * np.pi / 2 + rng.uniform(-0.3, 0.3)
+            quarter = (quarter + int(rng.choice([-1, 1]))) % 4
+            angle = quarter * np.pi / 2 + rng.uniform(-0.3, 0.3)
             points.append(points[-1] + rng.uniform(0.2, 0.6) * np.array([np.cos(angle), np.sin(angle)]))
         slots.append(draw.band(points, width))
     room = draw.union(*slots)

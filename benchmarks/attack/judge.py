@@ -85,16 +85,16 @@ def ask(family: str, number: int, made: Json, programs: int = PROGRAMS) -> Findi
 
 
 def _judge_motion(ground: Ground, answer, out: Finding) -> None:
-    way = answer.waypoints
-    if np.abs(way[0]).max() > 0 or np.abs(way[:, ground.fixed]).max(initial=0.0) > 0:
+    path = answer.waypoints
+    if np.abs(path[0]).max() > 0 or np.abs(path[:, ground.fixed]).max(initial=0.0) > 0:
         out.wrong.append("way: it does not begin at rest, or moves what is fixed")
-    if not np.array_equal(way[-1], answer.motion):
+    if not np.array_equal(path[-1], answer.motion):
         out.wrong.append("way: it does not end at the motion")
     found = ground.overlap(answer.motion)
     if found is not None:
         out.wrong.append(f"end: {found}")
     if answer.path == "checked":
-        found = ground.overlap_on(way)
+        found = ground.overlap_on(path)
         if found is not None:
             out.wrong.append(f"way: {found}")
     else:
@@ -128,11 +128,11 @@ def _judge_value(ground: Ground, answer, number: int, programs: int, out: Findin
 
 
 def _confirm(ground: Ground, best: Reached, out: Finding, said: str) -> None:
-    """Say it where the better way holds when it is looked at once more, as a whole."""
-    way = np.array(best.way)
-    if ground.overlap_on(way) is None:
+    """Say it where the better path holds when it is looked at once more, as a whole."""
+    path = np.array(best.path)
+    if ground.overlap_on(path) is None:
         out.wrong.append(said)
-        out.better = way.tolist()
+        out.better = path.tolist()
 
 
 def _judge_check(ground: Ground, wr, assembly, answer, out: Finding) -> None:

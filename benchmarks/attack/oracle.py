@@ -1,4 +1,4 @@
-"""Judge of motions and ways: polygons by shapely, adaptive subdivision by a Lipschitz bound; it reads the file itself."""
+"""Judge of motions and paths: polygons by shapely, adaptive subdivision by a Lipschitz bound; it reads the file itself."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ TOLERANCE = 1.5e-9
 MOST_LEVELS = 7
 """Pieces are halved at most so often where parts touch."""
 MOST_LOOKS = 30_000
-"""Positions of a pair that are looked at on a way, at most."""
+"""Positions of a pair that are looked at on a path, at most."""
 
 
 @dataclass(frozen=True)
 class Overlap:
-    """Where two parts overlap on a way: how deep [mm], and at which piece and share of it."""
+    """Where two parts overlap on a path: how deep [mm], and at which piece and share of it."""
 
     parts: tuple[str, str]
     depth: float
@@ -163,10 +163,10 @@ class Ground:
             if "turn" in one:
                 total += angle * (1 if one["turn"] == "ccw" else -1)
                 continue
-            way = np.array(one["direction"]) / np.hypot(*one["direction"])
+            direction = np.array(one["direction"]) / np.hypot(*one["direction"])
             arm = np.array(one.get("point", self.rest[p, :2])) - self.rest[p, :2]
             c, s = np.cos(angle) - 1, np.sin(angle)
-            total += float(way @ (x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1]))
+            total += float(direction @ (x + c * arm[0] - s * arm[1], y + s * arm[0] + c * arm[1]))
         return total
 
     def slope(self, motion: Floats) -> Floats:
@@ -177,11 +177,11 @@ class Ground:
             if "turn" in one:
                 out[p, 2] += 1 if one["turn"] == "ccw" else -1
                 continue
-            way = np.array(one["direction"]) / np.hypot(*one["direction"])
+            direction = np.array(one["direction"]) / np.hypot(*one["direction"])
             arm = np.array(one.get("point", self.rest[p, :2])) - self.rest[p, :2]
             c, s = np.cos(motion[p, 2]), np.sin(motion[p, 2])
-            out[p, :2] += way
-            out[p, 2] += float(way @ (-s * arm[0] - c * arm[1], c * arm[0] - s * arm[1]))
+            out[p, :2] += direction
+            out[p, 2] += float(direction @ (-s * arm[0] - c * arm[1], c * arm[0] - s * arm[1]))
         return out
 
 

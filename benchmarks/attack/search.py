@@ -24,7 +24,7 @@ MOST_AWAY = 4.0
 class Reached:
     """A state reached from rest: way-points (k, n, 3) and the goal's value at the last."""
 
-    way: list[Floats]
+    path: list[Floats]
     value: float
 
 
@@ -55,7 +55,7 @@ class Climber:
 
     def climb(self, begin: Reached, wish: Floats | None, most: int) -> Reached:
         """Go uphill from a state: of the goal, or of a random wish (n, 3)."""
-        way, at, step = list(begin.way), begin.way[-1], FIRST_STEP * self.ground.size
+        path, at, step = list(begin.path), begin.path[-1], FIRST_STEP * self.ground.size
         gained = 0
         for _ in range(most):
             if (
@@ -80,9 +80,9 @@ class Climber:
                 if gained > 3:
                     break
                 continue
-            way.append(after)
+            path.append(after)
             at, step = after, min(2 * step, LARGEST_STEP * self.ground.size)
-        return Reached(way, self.ground.value(at))
+        return Reached(path, self.ground.value(at))
 
     def _wish(self) -> Floats:
         wish = np.zeros_like(self.lever)
@@ -182,14 +182,14 @@ def _edges(shape: shapely.Polygon) -> Floats:
 
 def _nearest(corner: Floats, edges: Floats) -> tuple[Floats, Floats, Floats]:
     """Distance (c, m) of corners from edges, the nearest points and the directions from there to the corners."""
-    way = edges[:, 1] - edges[:, 0]
-    long = np.hypot(*way.T)
+    edge = edges[:, 1] - edges[:, 0]
+    long = np.hypot(*edge.T)
     off = corner[:, None] - edges[None, :, 0]
-    along = np.clip((off * way).sum(-1) / long**2, 0.0, 1.0)
-    spot = edges[None, :, 0] + along[..., None] * way
+    along = np.clip((off * edge).sum(-1) / long**2, 0.0, 1.0)
+    spot = edges[None, :, 0] + along[..., None] * edge
     apart = corner[:, None] - spot
     far = np.hypot(apart[..., 0], apart[..., 1])
-    outward = np.column_stack([way[:, 1], -way[:, 0]]) / long[:, None]
+    outward = np.column_stack([edge[:, 1], -edge[:, 0]]) / long[:, None]
     tiny = 1e-9 * long.max()
     normal = np.where((far < tiny)[..., None], outward, apart / np.maximum(far, tiny)[..., None])
     return far, spot, normal

@@ -115,8 +115,8 @@ def linkage() -> dict[str, object]:
     reach, rod, rocker = np.hypot(80.0, 30.0), 75.0, 55.0  # crank 30, ground 80: 30 + 80 < 75 + 55
     along = (rod**2 - rocker**2 + reach**2) / (2 * reach)
     across = np.sqrt(rod**2 - along**2)
-    way = (np.array(d) - b) / reach
-    c = tuple(b + along * way + across * np.array([-way[1], way[0]]))
+    forward = (np.array(d) - b) / reach
+    c = tuple(b + along * forward + across * np.array([-forward[1], forward[0]]))
     spots = {"a": a, "b": b, "c": c, "d": d}
 
     def link(one: str, other: str) -> Polygon:

@@ -70,7 +70,7 @@ class MissingExtraError(WiggleroomError):
 
 
 def see_extra(extra: str, what: str, *libraries: str) -> None:
-    """See that the libraries of an extra are installed, without importing them.
+    """Check that the libraries of an extra are installed, without importing them.
 
     Parameters
     ----------

@@ -166,20 +166,20 @@ def _swapped(sides: np.ndarray) -> np.ndarray:
 def _clipped(sides: np.ndarray, box: tuple[float, float, float, float]) -> np.ndarray:
     """Sides (k, 2, 2) cut off just outside the box (Liang and Barsky 1984); those that miss it are left out."""
     over = 0.02 * (box[2] - box[0])
-    start, way = sides[:, 0], sides[:, 1] - sides[:, 0]
+    start, edge = sides[:, 0], sides[:, 1] - sides[:, 0]
     low, high = np.array(box[:2]) - over - start, np.array(box[2:]) + over - start
-    flat = way == 0
-    one, two = (d / np.where(flat, 1, way) for d in (low, high))
+    flat = edge == 0
+    one, two = (d / np.where(flat, 1, edge) for d in (low, high))
     one[flat] = np.where(low[flat] <= 0, -np.inf, np.inf)
     two[flat] = np.where(high[flat] >= 0, np.inf, -np.inf)
     enter = np.maximum(np.minimum(one, two).max(axis=1), 0)
     leave = np.minimum(np.maximum(one, two).min(axis=1), 1)
     keep = enter < leave
-    sides, start, way, enter, leave = (v[keep] for v in (sides, start, way, enter[:, None], leave[:, None]))
+    sides, start, edge, enter, leave = (v[keep] for v in (sides, start, edge, enter[:, None], leave[:, None]))
     return np.stack(
         [
-            np.where(enter == 0, start, start + enter * way),
-            np.where(leave == 1, sides[:, 1], start + leave * way),
+            np.where(enter == 0, start, start + enter * edge),
+            np.where(leave == 1, sides[:, 1], start + leave * edge),
         ],
         axis=1,
     )

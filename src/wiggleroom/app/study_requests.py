@@ -64,7 +64,7 @@ def plan(document: Document, request: PlanRequest, out: Reporter) -> None:
 
     found = document.planned(request.design, out, tuple(request.targets), request.gravity)
     said = command("plan", document.file, request.design, plan_options(found), pulled=False)
-    out.reply(plan_message(found, said), [frames_of(found.assembly, step.way) for step in found.steps])
+    out.reply(plan_message(found, said), [frames_of(found.assembly, step.path) for step in found.steps])
 
 
 def sweep(document: Document, request: SweepRequest, out: Reporter) -> None:

@@ -59,8 +59,8 @@ def optima() -> tuple[int, dict[tuple[str, float], float]]:
     return stored["blocks"], {(split[k][0], float(split[k][1])): value for k, value in stored["optima"].items()}
 
 
-def see_engine() -> None:
-    """See that the physics engine is there; raises MissingExtraError."""
+def require_engine() -> None:
+    """Check that the physics engine is there; raises MissingExtraError."""
     see_extra("bench", "bench chains compares with a physics engine", "pymunk")
 
 

@@ -26,8 +26,8 @@ def arc() -> Assembly:
     """Two blocks joined by a tongue that is part of a ring: one comes out by turning about a point beside the joint."""
     centre = np.array(CENTRE)
     angle = np.radians(np.linspace(0.0, ARC, CHORDS + 1))
-    way = np.column_stack([-np.sin(angle), np.cos(angle)])
-    outer, inner = centre + OUTER * way, centre + INNER * way[::-1]
+    direction = np.column_stack([-np.sin(angle), np.cos(angle)])
+    outer, inner = centre + OUTER * direction, centre + INNER * direction[::-1]
     line = np.vstack([(0.0, 0.5), outer, inner, (0.0, -0.5)])  # down the side, material on the right
     block = Region(np.vstack([np.add(line, (-0.5, 0.0)), np.add(line[::-1], (0.5, 0.0))]))
     parts = tuple(Part(name, (block,), (float(k), 0.0, 0.0), fixed=k == 0) for k, name in enumerate(PAIR))

@@ -97,7 +97,7 @@ def speed(
         f"Wall-clock seconds, gap {GAP:g}, first block fixed, last one pulled in +y (of the pictures "
         "as in the paper's Fig. 8b: elephant, two feet fixed, the head pulled up; butterfly, the middle fixed, both "
         "sides pulled apart); libraries and compiled code loaded before the clock starts. "
-        "Walls: interior point, all rounds, the check of the end and of the way "
+        "Walls: interior point, all rounds, the check of the end and of the path "
         "from rest included. Processor: seconds of all processors for preparing and solving. "
         "Hull: about the joint, three slices, one round; with IPOPT "
         f"({described()}), and with our interior-point solver. Half-planes: step by step, linear "

@@ -23,8 +23,8 @@ def goals(pulls: Iterable[str], turns: Iterable[str]) -> tuple[list[Goal], list[
     found: list[Goal] = []
     wrong: list[str] = []
     for text in pulls:
-        name, _, way = text.rpartition(":")
-        along, at, place = way.partition("@")  # the part may be a point itself: @12,30:+y
+        name, _, value = text.rpartition(":")
+        along, at, place = value.partition("@")  # the part may be a point itself: @12,30:+y
         direction, point = _AXES.get(along) or _two(along), _two(place)
         if not name or direction is None or math.hypot(*direction) == 0:
             wrong.append(f"--pull {text}: write NAME:+x, -x, +y or -y, or a direction of two numbers as NAME:0.6,0.8")

@@ -82,9 +82,9 @@ def bench(
 
         checked_cases(max_parts, limit)
     if "chains" in names:
-        from wiggleroom.bench.chains import see_engine
+        from wiggleroom.bench.chains import require_engine
 
-        see_engine()
+        require_engine()
     page = _page(markdown, names)
     command = command_line()
     found: list[Bench] = []

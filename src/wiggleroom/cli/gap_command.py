@@ -52,13 +52,13 @@ def gap(
     """
     import math
 
-    from wiggleroom.cli.in_space import read_in_space, see_no_page, with_dimension
+    from wiggleroom.cli.in_space import read_in_space, refuse_page, with_dimension
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.watch import interruptible, progress
     from wiggleroom.errors import InputError
 
     outputs.check(file)
-    see_no_page(file, None if holds else outputs.picture)
+    refuse_page(file, None if holds else outputs.picture)
     if kerf is not None and not (math.isfinite(kerf) and kerf >= 0):
         wrong = f"--kerf {kerf:g}: it must be 0 or more"
         raise InputError(wrong)

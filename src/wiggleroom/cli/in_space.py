@@ -41,8 +41,8 @@ def spatial_questions(
     found: list[SpatialGoal] = []
     wrong: list[str] = []
     for text in pulls:
-        name, _, way = text.rpartition(":")
-        along, at, place = way.partition("@")
+        name, _, value = text.rpartition(":")
+        along, at, place = value.partition("@")
         direction, point = _direction(along), _three(place)
         if not name or direction is None:
             wrong.append(f"--pull {text}: {_HOW}")
@@ -51,8 +51,8 @@ def spatial_questions(
         else:
             found.append(SpatialPull(name, direction, point))
     for text in turns:
-        name, _, way = text.rpartition(":")
-        direction = _direction(way)
+        name, _, value = text.rpartition(":")
+        direction = _direction(value)
         if not name or direction is None:
             wrong.append(f"--turn {text}: {_HOW}")
         else:
@@ -165,8 +165,8 @@ def read_question(
     return assembly
 
 
-def see_no_page(file: str, *places: Path | None, spatial: bool = False) -> None:
-    """See that no page is asked for of curves in space; with `spatial` the file is known to be in space.
+def refuse_page(file: str, *places: Path | None, spatial: bool = False) -> None:
+    """Check that no page is asked for of curves in space; with `spatial` the file is known to be in space.
 
     Raises
     ------

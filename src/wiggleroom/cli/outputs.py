@@ -14,7 +14,7 @@ from cyclopts import Parameter
 
 from wiggleroom.cli.options import RESULTS
 from wiggleroom.provenance import is_own
-from wiggleroom.report.file_endings import ANSWERS, PAGE, STUDIES, ending, unlike
+from wiggleroom.report.file_endings import ANSWERS, PAGE, STUDIES, ending, wrong_ending
 
 if TYPE_CHECKING:
     import numpy as np
@@ -60,7 +60,7 @@ class PictureOutputs:
     force: Force = False
 
     def check(self, source: str, **more: tuple[Path | None, tuple[str, ...]]) -> None:
-        """See that everything asked for can be written; see the function `check`."""
+        """Check that everything asked for can be written; see the function `check`."""
         check(source, self.places() | more, self.force)
 
     def places(self) -> Places:
@@ -89,7 +89,7 @@ class StudyOutputs(PictureOutputs):
 @Parameter(name="*", group=RESULTS)
 @dataclass(frozen=True, kw_only=True)
 class FilmOutputs(StudyOutputs):
-    """The same of what has ways, and so films.
+    """The same of what has paths, and so films.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class Outputs(FilmOutputs):
 
 
 def check(source: str, places: Places, force: bool = False) -> None:
-    """See that every output can be written: a known ending, a folder that is there, never over the source or somebody's own file.
+    """Check that every output can be written: a known ending, a folder that is there, never over the source or somebody's own file.
 
     Parameters
     ----------
@@ -158,7 +158,7 @@ def check(source: str, places: Places, force: bool = False) -> None:
 
 def _problem(path: Path, source: str, endings: tuple[str, ...], force: bool) -> str:
     """Say what is wrong with an output path, or nothing."""
-    odd = unlike(path, endings)
+    odd = wrong_ending(path, endings)
     if odd:
         return odd
     if path.is_dir():
@@ -259,9 +259,9 @@ def write_picture(made: str, path: Path) -> None:
 def _note_missing_letters(path: Path, texts: Iterable[str]) -> None:
     """Say which letters no font on this machine has."""
     from wiggleroom.cli.say import note
-    from wiggleroom.report.letters import missing_letters
+    from wiggleroom.report.missing_glyphs import missing_glyphs
 
-    letters = missing_letters(texts)
+    letters = missing_glyphs(texts)
     if letters:
         some = letters[:20] + ("..." if len(letters) > 20 else "")
         note(

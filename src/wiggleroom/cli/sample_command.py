@@ -53,12 +53,12 @@ def sample(
     limit
         Largest motion that is wanted [mm, turns in rad].
     """
-    from wiggleroom.cli.in_space import read_question, see_no_page, with_dimension
+    from wiggleroom.cli.in_space import read_question, refuse_page, with_dimension
     from wiggleroom.cli.watch import bar, interruptible
     from wiggleroom.errors import InputError
 
     outputs.check(file)
-    see_no_page(file, outputs.picture)
+    refuse_page(file, outputs.picture)
     if seed < 0:
         wrong = f"--seed {seed}: it must be 0 or more"
         raise InputError(wrong)

@@ -50,7 +50,7 @@ class SheetOptions:
         return bool(self.thickness) or self.hints is not None
 
     def check(self, file: str, *, in_plane: bool = False) -> None:
-        """See that the options go with the file; whether burn alone makes sense, as it does for a puzzle in the plane.
+        """Check that the options go with the file; whether burn alone makes sense, as it does for a puzzle in the plane.
 
         Raises
         ------
@@ -130,10 +130,15 @@ def sure_text(file: str, found: AssembledSheet) -> str:
     from wiggleroom.mating.plates_writer import write_plates
 
     if not found.sure:
-        way = f"look at it with wiggleroom assemble --picture, then say in a file for --hints {_missing_hint(found)},"
-        way += " or ask the assembly file that assemble writes"
+        advice = (
+            f"look at it with wiggleroom assemble --picture, then say in a file for --hints {_missing_hint(found)},"
+        )
+        advice += " or ask the assembly file that assemble writes"
         raise UnsureError(
-            [*(f"{file}: {doubt}" for doubt in found.doubts), f"{file}: how its panels go together is not sure: {way}"]
+            [
+                *(f"{file}: {doubt}" for doubt in found.doubts),
+                f"{file}: how its panels go together is not sure: {advice}",
+            ]
         )
     return write_plates(found)
 

@@ -9,8 +9,7 @@ from wiggleroom.cli.outputs import PictureOutputs, command_line
 from wiggleroom.report.file_endings import PAGE, ending
 
 if TYPE_CHECKING:
-    from wiggleroom.assembly.assembly import Assembly
-    from wiggleroom.compare.monte_carlo import Audit
+    from wiggleroom.compare.monte_carlo import SampledAccuracy
     from wiggleroom.freespace.free_space import FreeSpace
 
 _NONE_ASKED, _NO_OUTPUTS = QuestionOptions(), PictureOutputs()
@@ -57,19 +56,19 @@ def space(
     found = free_space(assembly, a, b)
     judged = None
     if samples:
-        from wiggleroom.compare.monte_carlo import audit
+        from wiggleroom.compare.monte_carlo import sampled_accuracy
 
-        judged = audit(found, assembly, samples, seed=seed)
+        judged = sampled_accuracy(found, assembly, samples, seed=seed)
     if outputs.json != "-":
         from wiggleroom.cli.say import show
         from wiggleroom.report.space_report import space_table
 
         show(space_table(found, judged))
-    _write(found, assembly, judged, outputs, command_line())
+    _write(found, judged, outputs, command_line())
     return 0
 
 
-def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: PictureOutputs, command: str) -> None:
+def _write(found: FreeSpace, judged: SampledAccuracy | None, outputs: PictureOutputs, command: str) -> None:
     """JSON and picture, where they are asked for."""
     from wiggleroom.cli.outputs import write_picture, write_result
     from wiggleroom.report.space_report import space_result
@@ -81,4 +80,4 @@ def _write(found: FreeSpace, assembly: Assembly, judged: Audit | None, outputs: 
             from wiggleroom.report.pages import page_of_space as show
         else:
             from wiggleroom.report.space_report import space_picture as show
-        write_picture(show(found, assembly, judged, command=command), outputs.picture)
+        write_picture(show(found, judged, command=command), outputs.picture)

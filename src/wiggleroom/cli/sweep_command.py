@@ -43,13 +43,13 @@ def sweep(
     """
     from dataclasses import replace
 
-    from wiggleroom.cli.in_space import read_question, see_no_page, with_dimension
+    from wiggleroom.cli.in_space import read_question, refuse_page, with_dimension
     from wiggleroom.cli.running import unless_stopped
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import bar, interruptible
 
     outputs.check(file, **{"--html": (html, (".html",))})
-    see_no_page(file, outputs.picture, html)
+    refuse_page(file, outputs.picture, html)
     wanted = None if gaps is None else _gaps(gaps)
     if prove is not None:
         from wiggleroom.cli.proving import check_proof
@@ -66,7 +66,7 @@ def sweep(
 
         sheet.check(file)
         if sheet.given:
-            see_no_page(file, outputs.picture, html, spatial=True)
+            refuse_page(file, outputs.picture, html, spatial=True)
         assembly = read_question(file, asked, sheet, stop)
         found = work_out(assembly, wanted, prove=prove, stop=stop, progress=show)
         cut = stop.is_set()

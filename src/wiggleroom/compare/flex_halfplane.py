@@ -32,7 +32,7 @@ Ints = NDArray[np.int64]
 FIRST_TRUST_RADIUS = 2.0
 """Neighbours move against each other by at most this many clearances in the first steps."""
 EDGE_REACH = 3.0
-"""Corners see edges this many times further than that."""
+"""Corners are paired with edges up to this multiple of that distance."""
 MAX_PENETRATION = 0.1
 """A step that leaves a corner deeper in the other part than this share of the clearance is tried again, half as long."""
 TRUST_SHRINK, TRUST_GROWTH, MIN_TRUST_RADIUS = 0.5, 2.0, 1e-5
@@ -54,12 +54,12 @@ def flex_half_planes(
     linearised, and steps in time. Bounds, pairing and stopping are ours, for theirs are not public.
     """
     steps = _Steps(ready, objective, stop, tell)
-    first = [steps.ways_out(pull) for pull in pulls(ready.bodies, objective, ready.clearance)] or [steps.begin()]
+    first = [steps.first_step(pull) for pull in pulls(ready.bodies, objective, ready.clearance)] or [steps.begin()]
     if not iterated:
-        return max((steps.at_once(way) for way in first), key=lambda end: end.value).after(1, steps.iterations)
+        return max((steps.at_once(path) for path in first), key=lambda end: end.value).after(1, steps.iterations)
     ends = []
-    for way in first:
-        ends.append(steps.climb(way))
+    for path in first:
+        ends.append(steps.climb(path))
         if stop is not None and stop.is_set():
             break
     return max(ends, key=lambda end: end.value).after(steps.rounds, steps.iterations)
@@ -77,33 +77,33 @@ class _Steps:
     iterations: int = 0
 
     def begin(self) -> list[Floats]:
-        """The way that has not left rest."""
+        """The path that has not left rest."""
         return [np.zeros((len(self.ready.bodies.fixed), 3))]
 
-    def ways_out(self, pull: Objective) -> list[Floats]:
+    def first_step(self, pull: Objective) -> list[Floats]:
         """The first step along a pull, for objectives without a direction at rest."""
-        way = self.begin()
-        at, faces = self._linearised(way[0], pull)
+        path = self.begin()
+        at, faces = self._linearised(path[0], pull)
         found = self._solve(at, faces, 1.0)
-        return way if found is None else [*way, way[0] + 0.5 * at.program.motion(found)]
+        return path if found is None else [*path, path[0] + 0.5 * at.program.motion(found)]
 
-    def at_once(self, way: list[Floats]) -> End:
+    def at_once(self, path: list[Floats]) -> End:
         """One linear program without trust region, bounded only where a body would leave."""
-        at, _ = self._linearised(way[0], self.objective, way[-1])
+        at, _ = self._linearised(path[0], self.objective, path[-1])
         bound = ESCAPE_DISTANCE * self.ready.size / at.program.scale
         bound[2::3] = np.pi / at.program.scale[2::3]
         found = maximise(at.gradient, at.jacobian(), -at.h, bound)
         self.iterations += found.iterations
         if found.x is None:
-            return self._end([way[0]], at, Verdict.STOPPED)
+            return self._end([path[0]], at, Verdict.STOPPED)
         away = np.abs(found.x[0::3]).max() > 0.99 * bound[0] or np.abs(found.x[1::3]).max() > 0.99 * bound[1]
         verdict = Verdict.UNBOUNDED if away else Verdict.STATIONARY
-        return self._end([way[0], way[0] + at.program.motion(found.x)], at, verdict)
+        return self._end([path[0], path[0] + at.program.motion(found.x)], at, verdict)
 
-    def climb(self, way: list[Floats]) -> End:
+    def climb(self, path: list[Floats]) -> End:
         """Step by step until nothing is gained."""
         ready, size = self.ready, 1.0
-        at, faces = self._linearised(way[-1], self.objective)
+        at, faces = self._linearised(path[-1], self.objective)
         idle, too_far, verdict = 0, False, Verdict.STOPPED
         unit = GAIN_TOLERANCE * float(np.median(ready.bodies.radius)) * _unit(at)
         for _ in range(MAX_STEPS):
@@ -111,12 +111,12 @@ class _Steps:
                 break
             self.rounds += 1
             du = self._solve(at, faces, size)
-            if du is None:  # the solver found no way: ask for less
+            if du is None:  # the solver found no step: ask for less
                 size *= TRUST_SHRINK
                 if size < MIN_TRUST_RADIUS:
                     break
                 continue
-            moved = way[-1] + at.program.motion(du)
+            moved = path[-1] + at.program.motion(du)
             after, faces_there = self._linearised(moved, self.objective)
             self.tell(Progress("solve", self.rounds, 0, after.value))
             worse = max(_violation(at), 0.1 * size * MAX_PENETRATION)
@@ -125,7 +125,7 @@ class _Steps:
                 continue
             gain = after.value - at.value
             promised = float(at.gradient @ du)
-            way.append(moved)
+            path.append(moved)
             at, faces = after, faces_there
             if np.abs(moved[:, :2]).max() > ESCAPE_DISTANCE * ready.size:
                 verdict = Verdict.UNBOUNDED
@@ -139,7 +139,7 @@ class _Steps:
             if idle >= MAX_STALLED_STEPS and _violation(at) < MAX_PENETRATION * GAIN_TOLERANCE**0.5:
                 verdict = Verdict.STATIONARY
                 break
-        return self._end(way, at, verdict)
+        return self._end(path, at, verdict)
 
     def _linearised(
         self, motion: Floats, objective: Objective, slope_at: Floats | None = None
@@ -173,8 +173,8 @@ class _Steps:
                 return found.x
         return None
 
-    def _end(self, way: list[Floats], at: Linearised, verdict: Verdict) -> End:
-        motions = thinned(self.ready.bodies, way, self.ready.clearance)
+    def _end(self, path: list[Floats], at: Linearised, verdict: Verdict) -> End:
+        motions = thinned(self.ready.bodies, path, self.ready.clearance)
         value = self.objective.value(motions[-1])
         return End(motions, verdict, at.program, value, self.rounds, self.iterations)
 

@@ -19,14 +19,14 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.search.loop import ESCAPE_DISTANCE, FINE_TOLERANCE, MIN_GAIN, TOLERANCE_PER_BODY, Progress, nudged
 from wiggleroom.search.multistart import pulls
-from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.kkt_conditions import conditions
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
 
 MAX_HALVINGS = 5
-"""Hulls are worked out anew so many halvings of the way before its end."""
+"""Hulls are worked out anew so many halvings of the path before its end."""
 
 
 def flex_hull(
@@ -43,7 +43,7 @@ def flex_hull(
     run = _Run(ready, objective, solve, stop, tell)
     model, faces = ready.model, ready.faces
     begin = np.zeros((len(ready.bodies.fixed), 3))
-    way = [begin]
+    path = [begin]
     best: End | None = None
     while True:
         program, solution = run.round(faces, begin)
@@ -52,7 +52,7 @@ def flex_hull(
         least = MIN_GAIN * len(begin) * max(abs(value), ready.clearance)
         gained = best is None or value > best.value + least
         if best is None or gained:
-            motions = thinned(ready.bodies, [*way, *points], ready.clearance)
+            motions = thinned(ready.bodies, [*path, *points], ready.clearance)
             best = End(motions, _verdict(program, solution, ready.size), program, value, 0, 0)
         best = best.after(run.rounds, run.iterations)
         if not isinstance(model, Hull) or run.rounds >= model.rounds:
@@ -69,7 +69,7 @@ def flex_hull(
             return replace(best, verdict=Verdict.STOPPED)
         if inner is None or fresh is None:
             return best
-        faces, begin, way = fresh.faces, inner, [*way, inner]
+        faces, begin, path = fresh.faces, inner, [*path, inner]
 
 
 @dataclass(eq=False)

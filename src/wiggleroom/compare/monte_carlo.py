@@ -23,7 +23,7 @@ BATCH_SIZE = 2000
 
 
 @dataclass(frozen=True)
-class Audit:
+class SampledAccuracy:
     """Counts of samples, spread evenly over the box round all slices.
 
     Parameters
@@ -46,7 +46,7 @@ class Audit:
     lost: int
 
 
-def audit(space: FreeSpace, assembly: Assembly, samples: int, *, seed: int = 0) -> Audit:
+def sampled_accuracy(space: FreeSpace, assembly: Assembly, samples: int, *, seed: int = 0) -> SampledAccuracy:
     """Judge random relative motions by polygon intersection and by the cells, and compare.
 
     Parameters
@@ -67,7 +67,7 @@ def audit(space: FreeSpace, assembly: Assembly, samples: int, *, seed: int = 0) 
     --------
     >>> import wiggleroom as wr
     >>> chain = wr.patterns.chain(2, joint="tee", gap=0.01)
-    >>> audit(wr.free_space(chain, "b1", "b2"), chain, 500).unsafe
+    >>> sampled_accuracy(wr.free_space(chain, "b1", "b2"), chain, 500).unsafe
     0
     """
     if samples < 1:
@@ -82,7 +82,9 @@ def audit(space: FreeSpace, assembly: Assembly, samples: int, *, seed: int = 0) 
     row = them.body_of[assembly.names.index(space.parts[1])]
     free = (depth == 0) & reached(space, relative, float(them.radius[row]))
     unsafe = accepted & (depth > OVERLAP_TOLERANCE * assembly.size)
-    return Audit(samples, int(free.sum()), int(accepted.sum()), int(unsafe.sum()), int((free & ~accepted).sum()))
+    return SampledAccuracy(
+        samples, int(free.sum()), int(accepted.sum()), int(unsafe.sum()), int((free & ~accepted).sum())
+    )
 
 
 def depths(space: FreeSpace, assembly: Assembly, them: Bodies, relative: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""How near bodies come to each other on a way."""
+"""How near bodies come to each other on a path."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ TURN_STEP = 0.01
 """Turns are cut into steps of at most this [rad]."""
 
 
-def distances(bodies: Bodies, way: Floats, there: Bools, ignored: Ints, most: float) -> Floats:
-    """Least distances (n, n) of bodies on a way [mm], of which only those below `most` are worked out; others are `most`.
+def distances(bodies: Bodies, path: Floats, there: Bools, ignored: Ints, most: float) -> Floats:
+    """Least distances (n, n) of bodies on a path [mm], of which only those below `most` are worked out; others are `most`.
 
     Parameters
     ----------
     bodies : Bodies
-    way : (k, n, 3) float64 [mm, mm, rad]
+    path : (k, n, 3) float64 [mm, mm, rad]
         Motions of the bodies, straight in between. What moves on no piece of it against another body is not looked at.
     there : (n,) bool
         Bodies that count.
@@ -36,7 +36,7 @@ def distances(bodies: Bodies, way: Floats, there: Bools, ignored: Ints, most: fl
     found = np.full((n, n), most)
     never = np.zeros((n, n), dtype=np.bool_)
     never[ignored // n, ignored % n] = True
-    poses = np.ascontiguousarray(bodies.rest + way)
+    poses = np.ascontiguousarray(bodies.rest + path)
     for begin, end in pairwise(poses):
         moving = (begin != end).any(axis=1)
         change = end - begin

@@ -117,7 +117,7 @@ def closed_pairs(ready: Prepared, begin: ClosedPairs, passages: PassagesByGap, s
                 held.append((a, b))
             if found.closed:
                 tied.append((a, b))
-            elif found.way is None:
+            elif found.path is None:
                 undecided.append((a, b))
     return ClosedPairs(_labels(n, tied), _labels(n, held), np.array(undecided, dtype=np.int64).reshape(-1, 2))
 
@@ -130,7 +130,7 @@ def _alone(ready: Prepared, a: int, b: int, passages: PassagesByGap, stop: Stop 
             return None
         one, other = placed(ready.bodies, None, np.array([a, b]))[[a, b]]
         found = passage(one, other, most=BOXES_PER_PAIR, stop=stop)
-        if not found.closed and found.way is None and _one_holds_other(one, other):
+        if not found.closed and found.path is None and _one_holds_other(one, other):
             return replace(found, closed=True)
         return found
 
@@ -148,10 +148,12 @@ def _slides_apart(ready: Prepared, a: int, b: int, stop: Stop | None) -> bool:
     rest, none = np.zeros((2, 3)), np.zeros(0, dtype=np.int64)
     space = SlideSpace(bodies, none, ready.clearance, ready.size, rest, np.ones(2, dtype=np.bool_))
     found = slide_search(space, rest, none, stop=stop, tell=silent, budget=PAIR_WORK, turn_budget=0.0)
-    return found.way is not None
+    return found.path is not None
 
 
-def surer(ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None) -> ClosedPairs:
+def decide_more_pairs(
+    ready: Prepared, known: ClosedPairs, passages: PassagesByGap, stop: Stop | None = None
+) -> ClosedPairs:
     """Look again, with many more boxes, at pairs that were not decided, for as long as that can still tie all bodies together.
 
     The group with the fewest such pairs comes first: where none of them is closed, the others need not be looked at.

@@ -1,4 +1,4 @@
-"""The next bodies that leave, with their way: straight, as one rigid piece, or found by search; or what shows that none do."""
+"""The next bodies that leave, with their path: straight, as one rigid piece, or found by search; or what shows that none do."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.disassembly.clearance import distances
-from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, surer
+from wiggleroom.disassembly.closed_pairs import BOXES_PER_PAIR, ClosedPairs, closed_pairs, decide_more_pairs
 from wiggleroom.disassembly.enclosure import enclosed_by_held
-from wiggleroom.disassembly.explore import EXIT_TESTS, MAX_QUESTIONS, ask, explore, way_out
+from wiggleroom.disassembly.escape_search import EXIT_TESTS, MAX_QUESTIONS, ask, escape_path, search_for_escape
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import displaced, without
 from wiggleroom.disassembly.rigid_subassembly import RigidEscape, leaves_as_one
@@ -43,17 +43,17 @@ BOXES_FOR_NEAR_EXIT = 40_000
 MAX_TILTS = 4
 """From so many states besides the first, in which a body can be turned, largest turns are searched."""
 EXTRA_CLEARANCES = 0.02, 0.05, 0.1, 0.25, 0.5, 1.0
-"""So much further inward outlines lie then, as shares of the clearance."""
+"""Extra inward offsets of outlines that are tried to find sets that nearly leave, as shares of the clearance."""
 MAX_NEAR_EXITS = 8
 FRAME_SECONDS = 2.0
-"""Seconds that a distance may take which no part of a frame exceeds."""
+"""Time [s] for the bound on how far the parts of a frame can move."""
 EXIT_DISTANCE = 0.1
 """Parts that left end this share of the drawing's size beyond all others."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What becomes of the bodies that are left: a way of some of them, or the end.
+    """What becomes of the bodies that are left: a path of some of them, or the end.
 
     Parameters
     ----------
@@ -61,12 +61,12 @@ class Stage:
     certainty : Certainty
     who : (k,) int64
         Bodies that leave.
-    way : (k, n, 3) float64 [mm, mm, rad] or None
+    path : (k, n, 3) float64 [mm, mm, rad] or None
         Motions of all bodies on which they leave, from where all are to where those who leave are beyond all others.
     held : (n,) int64
         Bodies of the same number certainly never turn half round against each other; empty where something leaves.
     questions, unanswered : int
-        Largest motions that were searched, and how many of them found no end whose way is certain.
+        Largest motions that were searched, and how many of them found no end whose path is certain.
     states : int
         States that slides, and turns of single bodies, led to.
     whole : bool
@@ -74,13 +74,13 @@ class Stage:
     turned : int
         Of these states those in which every body was turned both ways.
     moves : (k - 1,) int64
-        Number of the move that each piece of the way belongs to.
+        Number of the move that each piece of the path belongs to.
     """
 
     ended: Separability
     certainty: Certainty
     who: Ints
-    way: Floats | None
+    path: Floats | None
     held: Ints
     questions: int = 0
     unanswered: int = 0
@@ -120,9 +120,9 @@ def next_stage(
     targets: Ints,
     stop: Stop | None,
     tell: Callable[[Progress], None],
-    burden: Callable[[Ints], int] | None = None,
+    holding_cost: Callable[[Ints], int] | None = None,
 ) -> Stage:
-    """The next parts that leave, the cheapest ways of finding them first.
+    """The next parts that leave, those first that are cheapest to find.
 
     Parameters
     ----------
@@ -146,16 +146,16 @@ def next_stage(
     still = MoveSequence(rest, NO_BODIES)
     tell(Progress("straight ways"))
     found = translation_escapes(bodies, rest[0], stands, ground.ignored, ground.size, begin.group, stop=stop)
-    first = _roomiest(ground, found, targets, burden)
+    first = _with_largest_clearance(ground, found, targets, holding_cost)
     if first is not None and _wanted(first.who, targets):
         return _leave(assembly, ground, still, first)
     tell(Progress("slides"))
     slid = _slide(ground, targets, effort.work, stop, tell)
-    if slid.way is not None:
-        out = TranslationEscape(slid.way.last.who, slid.way.last.direction)
+    if slid.path is not None:
+        out = TranslationEscape(slid.path.last.who, slid.path.last.direction)
         if first is None or _wanted(out.who, targets):
-            stage = _leave(assembly, ground, slid.way.before, out)
-            if stage.way is not None:
+            stage = _leave(assembly, ground, slid.path.before, out)
+            if stage.path is not None:
                 return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
     if first is not None:
         return _leave(assembly, ground, still, first)
@@ -163,14 +163,16 @@ def next_stage(
     return replace(stage, states=slid.states, whole=slid.whole, turned=slid.turned)
 
 
-def _roomiest(
-    ground: Survey, found: list[TranslationEscape], targets: Ints, burden: Callable[[Ints], int] | None
+def _with_largest_clearance(
+    ground: Survey, found: list[TranslationEscape], targets: Ints, holding_cost: Callable[[Ints], int] | None
 ) -> TranslationEscape | None:
     """Of the smallest sets that leave straight, and that are wanted, that with the largest clearance; along edges rather than not.
 
     Those of the least burden come first, where that is asked.
     """
-    order = [(not _wanted(e.who, targets), 0 if burden is None else burden(e.who), len(e.who)) for e in found]
+    order = [
+        (not _wanted(e.who, targets), 0 if holding_cost is None else holding_cost(e.who), len(e.who)) for e in found
+    ]
     best = [e for e, place in zip(found, order, strict=True) if place == min(order)]
     if len(best) < 2:
         return best[0] if best else None
@@ -180,10 +182,10 @@ def _roomiest(
     )
 
     def rank(escape: TranslationEscape) -> tuple[float, bool]:
-        way = np.zeros((2, len(ground.bodies.fixed), 3))
-        way[1, escape.who, :2] = 2 * ground.size * escape.direction
-        there = np.ones(way.shape[1], dtype=np.bool_)
-        apart = distances(ground.bodies, way, there, ground.ignored, ground.clearance)
+        path = np.zeros((2, len(ground.bodies.fixed), 3))
+        path[1, escape.who, :2] = 2 * ground.size * escape.direction
+        there = np.ones(path.shape[1], dtype=np.bool_)
+        apart = distances(ground.bodies, path, there, ground.ignored, ground.clearance)
         along = np.abs(axes @ escape.direction).max() > 1 - 1e-9
         return round(float(apart[escape.who].min()) / ground.clearance, 6), bool(along)
 
@@ -233,17 +235,17 @@ def _beyond_slides(
     ):
         if stop is not None and stop.is_set():
             break
-        out = None if rigid.way is None else way_out(ready, stands, known.group, rigid.way, stop=stop)
-        if out is not None and (stage := _leave_moving(assembly, ground, still, *out)).way is not None:
+        out = None if rigid.path is None else escape_path(ready, stands, known.group, rigid.path, stop=stop)
+        if out is not None and (stage := _leave_moving(assembly, ground, still, *out)).path is not None:
             return stage
-    known = surer(ready, known, effort.passages, stop)
+    known = decide_more_pairs(ready, known, effort.passages, stop)
     if known.all_tied:
         return Stage(Separability.INTERLOCKED, Certainty.PROVEN, NO_BODIES, None, known.held)
     loose = slid.states > 1 and slid.whole and slid.on_lattice
-    searched = explore(simpler, stands, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
-    if searched.way is not None and searched.exit is not None:
-        way = of_bodies(assembly, bodies, of_parts(assembly, simpler.bodies, searched.way))
-        stage = _leave_moving(assembly, ground, still, way, searched.exit)
+    searched = search_for_escape(simpler, stands, known.group, nearly, stop, tell, effort.questions, only_turns=loose)
+    if searched.path is not None and searched.exit is not None:
+        path = of_bodies(assembly, bodies, of_parts(assembly, simpler.bodies, searched.path))
+        stage = _leave_moving(assembly, ground, still, path, searched.exit)
         return replace(stage, questions=searched.questions)
     count = searched.questions
     for tilt in slid.tilts[:MAX_TILTS]:
@@ -280,12 +282,12 @@ def _from_tilt(
         asked += 1
         if answer is None or answer.path != "checked":
             continue
-        way = of_bodies(moved, ready.bodies, answer.waypoints)
-        out = way_out(ready, stands, group, way, EXIT_TESTS, stop)
+        path = of_bodies(moved, ready.bodies, answer.waypoints)
+        out = escape_path(ready, stands, group, path, EXIT_TESTS, stop)
         if out is None:
             continue
         stage = _leave_moving(assembly, ground, before, *out)
-        if stage.way is not None:
+        if stage.path is not None:
             return asked, stage
     return asked, None
 
@@ -342,33 +344,33 @@ def _nearly(ready: Prepared, ground: int, group: Ints, stop: Stop | None) -> lis
 
 
 def _leave_moving(
-    assembly: Assembly, ground: Survey, before: MoveSequence, way: Floats, found: TranslationEscape
+    assembly: Assembly, ground: Survey, before: MoveSequence, path: Floats, found: TranslationEscape
 ) -> Stage:
     """One motion, after some moves, continued straight: still one move where those who leave are all that moved."""
     number = before.moves.max(initial=-1) + 1
-    states = np.concatenate([before.states, before.states[-1] + way[1:]])
-    moves = np.append(before.moves, np.full(len(way) - 1, number))
+    states = np.concatenate([before.states, before.states[-1] + path[1:]])
+    moves = np.append(before.moves, np.full(len(path) - 1, number))
     stage = _leave(assembly, ground, MoveSequence(states, moves), found)
-    moved = np.flatnonzero((np.abs(way) > 0).any(axis=(0, 2)))
-    if stage.way is not None and np.array_equal(moved, found.who):
+    moved = np.flatnonzero((np.abs(path) > 0).any(axis=(0, 2)))
+    if stage.path is not None and np.array_equal(moved, found.who):
         stage.moves[-1] = number
     return stage
 
 
 def _leave(assembly: Assembly, ground: Survey, before: MoveSequence, found: TranslationEscape) -> Stage:
     """Moves continued straight until those who leave are beyond all others."""
-    bodies, who, way = ground.bodies, found.who, before.states
+    bodies, who, path = ground.bodies, found.who, before.states
     others = np.setdiff1d(np.arange(len(bodies.fixed)), who)
 
     def along(some: Ints, motion: Floats) -> Floats:
         return np.asarray(shapely.get_coordinates(placed(bodies, motion, some)[some]) @ found.direction)
 
     # beyond where the others are now, and wherever they pass on their way back
-    length = max(along(others, m).max() for m in way) - along(who, way[-1]).min()
+    length = max(along(others, m).max() for m in path) - along(who, path[-1]).min()
     length += EXIT_DISTANCE * ground.size
-    out = way[-1].copy()
+    out = path[-1].copy()
     out[who, :2] += max(length, EXIT_DISTANCE * ground.size) * found.direction
-    whole = np.concatenate([way, out[None]])
+    whole = np.concatenate([path, out[None]])
     if not audit_path(assembly, of_parts(assembly, bodies, whole)).free:
         return Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES)
     moves = np.append(before.moves, before.moves.max(initial=-1) + 1)

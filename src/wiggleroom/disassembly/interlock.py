@@ -16,16 +16,16 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.displacement_bound import furthest
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.departures import Departure, Disassembly, disassemble
+from wiggleroom.disassembly.disassembly_sequence import Departure, Disassembly, disassemble
 from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
-from wiggleroom.disassembly.explore import MAX_QUESTIONS
+from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import only
+from wiggleroom.displayable import Displayable, Drawable
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
 from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.maximise import witness
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.verdict import Certainty, Separability, Tightness
@@ -37,13 +37,13 @@ Ints = NDArray[np.int64]
 TRIAL_GAP = 1e-4
 """Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
 MIN_BOUND_SECONDS = 1.0
-"""A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
+"""The bound on displacements may take as long as the verdict did, and at least this long [s]."""
 MIN_REFINED_SECONDS = 0.1
-"""The same where a distance is known already and a nearer one is looked for."""
+"""The same for a tighter bound, where one is known already."""
 
 
 @dataclass(frozen=True, eq=False)
-class Escape:
+class Escape(Displayable):
     """Parts that leave together.
 
     Parameters
@@ -67,8 +67,8 @@ class Interlock(Drawable):
     assembly : Assembly
     verdict : Separability
     certainty : Certainty
-        A way apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
-        together; else every planned question was asked and no way was found.
+        A path apart whose every step was checked is proven. Interlocked is proven where closed free spaces of pairs tie all parts
+        together; else every planned question was asked and no path was found.
     escapes : tuple of Escape
         In the order in which they leave.
     spins : tuple of names
@@ -126,7 +126,7 @@ def check(
     ----------
     assembly : Assembly
     stop : optional
-        Anything with `is_set()`, for example a `threading.Event`; the verdict is then "unknown" unless a way apart is known already.
+        Anything with `is_set()`, for example a `threading.Event`; the verdict is then "unknown" unless a path apart is known already.
     progress : callable, optional
         Told a `Progress` now and then.
     boxes : int
@@ -205,7 +205,7 @@ def interlock(
 
 
 def _escapes(assembly: Assembly, done: Disassembly) -> tuple[Escape, ...]:
-    """The departures, each as a way from rest after which all that did not leave are at rest again."""
+    """The departures, each as a path from rest after which all that did not leave are at rest again."""
     names = assembly.names
     return tuple(
         Escape(tuple(names[k] for k in departure.parts), _from_rest(assembly, done.departures[: k + 1]))
@@ -214,38 +214,38 @@ def _escapes(assembly: Assembly, done: Disassembly) -> tuple[Escape, ...]:
 
 
 def _from_rest(assembly: Assembly, departures: tuple[Departure, ...]) -> Floats:
-    """The way of the last of some departures, from rest and back to rest, without what is not needed for it."""
+    """The path of the last of some departures, from rest and back to rest, without what is not needed for it."""
     last = departures[-1]
     who, stay = last.parts, last.there.copy()
     stay[who] = False
-    begin, there = last.way[0], np.flatnonzero(last.there)
+    begin, there = last.path[0], np.flatnonzero(last.there)
     moved = np.abs(begin[there]).max(axis=1) > 0
     if not moved.any():
-        return np.concatenate([last.way, _back(last.way, stay)])
-    direct = last.way.copy()
+        return np.concatenate([last.path, _back(last.path, stay)])
+    direct = last.path.copy()
     direct[:, stay] -= begin[stay]
     if not begin[who].any() and audit_path(only(assembly, there), direct[:, there]).free:
         return np.concatenate([direct, _back(direct, stay)])
-    before = np.concatenate([d.way for d in departures[:-1]])
+    before = np.concatenate([d.path for d in departures[:-1]])
     before[:, ~last.there] = begin[~last.there]
-    whole = _without_standstill(np.concatenate([before, last.way]))
+    whole = _without_standstill(np.concatenate([before, last.path]))
     return np.concatenate([whole, _back(whole, stay)])
 
 
-def _back(way: Floats, stay: NDArray[np.bool_]) -> Floats:
-    """The way backwards for what stays, while what left is where it is in the end."""
-    if not way[-1, stay].any():
-        return way[:0]
-    back = way[::-1][1:].copy()
-    back[:, ~stay] = way[-1, ~stay]
+def _back(path: Floats, stay: NDArray[np.bool_]) -> Floats:
+    """The path backwards for what stays, while what left is where it is in the end."""
+    if not path[-1, stay].any():
+        return path[:0]
+    back = path[::-1][1:].copy()
+    back[:, ~stay] = path[-1, ~stay]
     return _without_standstill(back)
 
 
-def _without_standstill(way: Floats) -> Floats:
-    """The way without points that are the same as the one before."""
-    keep = np.ones(len(way), dtype=np.bool_)
-    keep[1:] = (way[1:] != way[:-1]).any(axis=(1, 2))
-    return way[keep]
+def _without_standstill(path: Floats) -> Floats:
+    """The path without points that are the same as the one before."""
+    keep = np.ones(len(path), dtype=np.bool_)
+    keep[1:] = (path[1:] != path[:-1]).any(axis=(1, 2))
+    return path[keep]
 
 
 def _tight(
@@ -266,7 +266,8 @@ def _tight(
         return Interlock(
             assembly, Separability.INTERLOCKED, sure, remains=names, seconds=time.perf_counter() - began, tight=True
         )
-    loose = assemble(left.drawing, gap=left.gap + TRIAL_GAP * left.size)
+    edges = replace(left.drawing, flattening=None)  # the edges of the gap that was asked for
+    loose = assemble(edges, gap=left.gap + TRIAL_GAP * left.size)
     found = interlock(loose, replace(effort, passages=PassagesByGap()), every=every, stop=stop, tell=tell)
     apart = found.verdict is Separability.COMES_APART  # with the little gap, which is not quite the drawing
     return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)

@@ -1,4 +1,4 @@
-"""Ways on which some bodies leave as one while all others stay at rest."""
+"""Paths on which some bodies leave as one while all others stay at rest."""
 
 from __future__ import annotations
 
@@ -35,19 +35,19 @@ class RigidEscape:
         True where they certainly neither leave nor turn half round.
     closed : bool
         True where they certainly do not leave.
-    way : (k, n, 3) float64 [mm, mm, rad] or None
+    path : (k, n, 3) float64 [mm, mm, rad] or None
         Motions of all bodies on which they leave.
     """
 
     held: bool
     closed: bool
-    way: Floats | None
+    path: Floats | None
 
 
 def leaves_as_one(
     ready: Prepared, who: Ints, most: int, passages: PassagesByGap, stop: Stop | None = None
 ) -> RigidEscape:
-    """Look for a way on which the bodies `who` leave as one, the others staying where they are.
+    """Look for a path on which the bodies `who` leave as one, the others staying where they are.
 
     Parameters
     ----------
@@ -71,11 +71,11 @@ def leaves_as_one(
         return passage(shapely.union_all(geometry[others]), shapely.union_all(geometry[who]), most=most, stop=stop)
 
     found = passages.look(ready, others, who, most, look, stop)
-    if found is None:  # slides of a pair lead apart: with other boxes the way is found here
+    if found is None:  # slides of a pair lead apart: with other boxes the path is found here
         found = look()
-    if found.way is None:
+    if found.path is None:
         return RigidEscape(found.held, found.closed, None)
-    points = _finer(found.way)
+    points = _finer(found.path)
     parts = outlines(ready.assembly)
     for _ in range(MAX_SPLITS):
         motions = np.zeros((len(points), n, 3))
@@ -87,7 +87,7 @@ def leaves_as_one(
 
 
 def _finer(points: Floats) -> Floats:
-    """The same way with points in between where it turns: those of other points of the body are straight only nearly."""
+    """The same path with points in between where it turns: those of other points of the body are straight only nearly."""
     count = np.maximum(1, np.ceil(np.abs(np.diff(points[:, 2])) / MAX_TURN_STEP)).astype(int)
     pieces = [
         one + (other - one) * np.arange(k)[:, None] / k

@@ -50,7 +50,7 @@ class MoveSequence:
 
 
 @dataclass(frozen=True, eq=False)
-class SlideWay:
+class SlidePath:
     """What leaves by slides, after slides and turns of single bodies.
 
     Parameters
@@ -88,7 +88,7 @@ class SlideSearch:
 
     Parameters
     ----------
-    way : SlideWay or None
+    path : SlidePath or None
     states : int
         Different states that were visited.
     whole : bool
@@ -101,7 +101,7 @@ class SlideSearch:
         Of every shape the largest, the largest first.
     """
 
-    way: SlideWay | None
+    path: SlidePath | None
     states: int
     whole: bool
     on_lattice: bool
@@ -136,7 +136,7 @@ def slide_search(
     turns = TurnSpace(space)
     search = _BreadthFirst(space, turns.order, motion, targets, stop, tell, budget)
     whole = search.slide()
-    if search.way is not None or not whole:
+    if search.path is not None or not whole:
         return search.result(whole)
     # no slide leads out: bodies are turned in every state, and slide on from where that leads
     turned, tilts = 0, dict[int, tuple[float, int, LocalTurn]]()
@@ -154,7 +154,7 @@ def slide_search(
                 tilts[shape] = angle, turned, turn
         turned += 1
         whole = search.slide()
-        if search.way is not None or not whole:
+        if search.path is not None or not whole:
             break
     most = sorted(tilts.values(), key=lambda t: -t[0])
     return search.result(whole, turned, tuple(Tilt(search.sequence(k), t.who, t.angle) for _, k, t in most))
@@ -182,7 +182,7 @@ class _BreadthFirst:
     ) -> None:
         self.space, self.targets, self.stop, self.tell = space, targets, stop, tell
         self.tree: StateTree[Slide | LocalTurn | None] = StateTree(space.bodies.radius, space.clearance)
-        self.way: SlideWay | None = None
+        self.path: SlidePath | None = None
         self._key = _Canonical(space, targets, order).key
         self._seen: set[bytes] = set()
         self._waiting: deque[int] = deque()
@@ -214,10 +214,10 @@ class _BreadthFirst:
             leaving = sorted((s for s in found if np.isinf(s.length)), key=lambda s: len(s.who))
             for last in leaving:
                 if not len(self.targets) or np.isin(self.targets, last.who).any():
-                    self.way = SlideWay(self.sequence(here), last)
+                    self.path = SlidePath(self.sequence(here), last)
                     return True
-            if self.way is None and leaving:
-                self.way = SlideWay(self.sequence(here), leaving[0])
+            if self.path is None and leaving:
+                self.path = SlidePath(self.sequence(here), leaving[0])
             for slide in found:
                 if np.isinf(slide.length):
                     continue
@@ -233,10 +233,10 @@ class _BreadthFirst:
         for number, (before, after) in enumerate(pairwise(line)):
             step = after.step
             if isinstance(step, LocalTurn):
-                way = np.repeat(before.motion[None], len(step.path) - 1, 0)
-                way[:, step.who] += step.path[1:]
-                states += list(way)
-                moves += [number] * len(way)
+                path = np.repeat(before.motion[None], len(step.path) - 1, 0)
+                path[:, step.who] += step.path[1:]
+                states += list(path)
+                moves += [number] * len(path)
             else:
                 states.append(after.motion)
                 moves.append(number)
@@ -244,7 +244,7 @@ class _BreadthFirst:
 
     def result(self, whole: bool, turned: int = 0, tilts: tuple[Tilt, ...] = ()) -> SlideSearch:
         """How it ended."""
-        return SlideSearch(self.way, len(self.tree.states), whole, self.space.on_lattice, turned, tilts)
+        return SlideSearch(self.path, len(self.tree.states), whole, self.space.on_lattice, turned, tilts)
 
 
 class _Canonical:

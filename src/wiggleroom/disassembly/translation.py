@@ -1,4 +1,4 @@
-"""Who leaves by plain translation: the blocking graph of every direction, exact to the end of the way.
+"""Who leaves by plain translation: the blocking graph of every direction, exact to the end of the path.
 
 Body b is blocked by a along a direction where, moved on and on, it would run into a: somewhere a point of b's boundary lies behind a point
 of a's on the same line of travel. Bodies that nobody else blocks, themselves apart, leave together: a set that no arc of the graph leads

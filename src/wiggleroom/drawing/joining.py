@@ -120,23 +120,23 @@ def closed_loops(ends: Ends, pools: Sequence[object]) -> list[list[tuple[int, bo
     for rows in members.values():
         if (degree[node[rows]] != 2).any() or len({pools[row] for row in rows}) > 1:
             continue
-        way = [(rows[0], False)]
+        loop = [(rows[0], False)]
         home, tip = node[rows[0]].tolist()
         while tip != home:
-            here = way[-1][0]
+            here = loop[-1][0]
             pair = at_node[tip]
             following = pair[1] if pair[0] == here else pair[0]
             back = bool(node[following, 0] != tip)
-            way.append((following, back))
+            loop.append((following, back))
             tip = int(node[following, 0] if back else node[following, 1])
-        found.append(way)
+        found.append(loop)
     return found
 
 
-def outline_of(way: Sequence[tuple[int, bool]], lines: Sequence[Points], ends: Ends) -> Points:
+def outline_of(loop: Sequence[tuple[int, bool]], lines: Sequence[Points], ends: Ends) -> Points:
     """Corners (n, 2) [mm] of a loop of lines; ends that meet become one point exactly."""
     pieces = []
-    for line, back in way:
+    for line, back in loop:
         points = lines[line][::-1] if back else lines[line]
         start = ends.at[ends.node[line, 1 if back else 0]]
         pieces.append(np.vstack([start[None], points[1:-1]]))

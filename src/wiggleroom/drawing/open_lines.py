@@ -29,10 +29,10 @@ def open_lines(found: Traced, lines: Sequence[OpenLine], size: float) -> None:
     if ends.widest > 1e-6 * size:
         found.note(f"open ends were joined, at most {ends.widest:.3g} mm apart (--join sets how far)")
     used = set()
-    for way in closed_loops(ends, [line.stroke.pool for line in lines]):
-        ring = outline_of(way, corners, ends)
-        first = min(edge for edge, _ in way)
-        used |= {edge for edge, _ in way}
+    for loop in closed_loops(ends, [line.stroke.pool for line in lines]):
+        ring = outline_of(loop, corners, ends)
+        first = min(edge for edge, _ in loop)
+        used |= {edge for edge, _ in loop}
         if len(clean_ring(ring)) >= 3:
             found.outlines += of_stroke(found, replace(lines[first].stroke, fill=""), lines[first].row, [ring])
     rest = [row for row in range(len(lines)) if row not in used]

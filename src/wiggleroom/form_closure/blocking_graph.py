@@ -20,6 +20,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Displayable
 from wiggleroom.form_closure.point_contacts import ANGLE_TOLERANCE, PointContacts, point_contacts
 from wiggleroom.geometry.blocking import unblocked
 
@@ -31,7 +32,7 @@ Move = tuple[tuple[str, ...], tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
-class Blocking:
+class Blocking(Displayable):
     """What directional blocking graphs say about parts drawn tight.
 
     Parameters
@@ -87,7 +88,7 @@ def blocking(assembly: Assembly, within: float | None = None) -> Blocking:
     components = components.reshape(len(directions), contacts.count)
     sets = _movable(contacts, directions, graphs, components)
     members = contacts.members
-    moves = tuple((tuple(name for body in bodies for name in members[body]), way) for bodies, way in sets)
+    moves = tuple((tuple(name for body in bodies for name in members[body]), direction) for bodies, direction in sets)
     key = _key(components, contacts.ground)
     verdict = "locked" if not sets else "keyed" if key >= 0 else "moves"
     return Blocking(verdict, members[key][0] if key >= 0 else "", moves, directions, components, contacts)
@@ -111,8 +112,8 @@ def _deciding(contacts: PointContacts) -> Floats:
     angle = angle[np.diff(angle, prepend=angle[0] - 1) > ANGLE_TOLERANCE]
     if len(angle) > 1 and angle[-1] > angle[0] + np.pi - ANGLE_TOLERANCE:
         angle = angle[:-1]
-    way = np.column_stack([np.cos(angle), np.sin(angle)])
-    return np.where(np.abs(way) < 1e-12, 0.0, way)
+    direction = np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.where(np.abs(direction) < 1e-12, 0.0, direction)
 
 
 def _movable(
@@ -120,16 +121,16 @@ def _movable(
 ) -> list[tuple[tuple[int, ...], tuple[float, float]]]:
     """Smallest sets from which no arc leads out, along each direction and against it; the standing body stands."""
     found: dict[tuple[int, ...], tuple[float, float]] = {}
-    for way, graph, label in zip(directions, graphs, components, strict=True):
+    for direction, graph, label in zip(directions, graphs, components, strict=True):
         i, j = graph.nonzero()
         for sign, tail, head in ((1.0, i, j), (-1.0, j, i)):
             for k in unblocked(tail, head, label, contacts.ground):
-                found.setdefault(tuple(np.flatnonzero(label == k).tolist()), _pair(sign * way))
+                found.setdefault(tuple(np.flatnonzero(label == k).tolist()), _pair(sign * direction))
     return list(found.items())
 
 
-def _pair(way: Floats) -> tuple[float, float]:
-    return float(way[0]) + 0.0, float(way[1]) + 0.0
+def _pair(direction: Floats) -> tuple[float, float]:
+    return float(direction[0]) + 0.0, float(direction[1]) + 0.0
 
 
 def _key(components: Ints, ground: int) -> int:

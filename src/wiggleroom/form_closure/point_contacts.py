@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly, place
 from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.loops import Loops, chained, region_rings
-from wiggleroom.assembly.statements import glue_groups
+from wiggleroom.drawing.glue_groups import glue_groups
 from wiggleroom.drawing.model import Part
 from wiggleroom.errors import InputError
 
@@ -149,8 +149,8 @@ class _Edges:
 
     @property
     def along(self) -> Floats:
-        way = self.end - self.start
-        return way / np.hypot(*way.T)[:, None]
+        direction = self.end - self.start
+        return direction / np.hypot(*direction.T)[:, None]
 
     @property
     def outward(self) -> NDArray[np.bool_]:
@@ -226,9 +226,9 @@ def _once(a: Ints, b: Ints, point: Floats, edge: Floats) -> Ints:
     """Rows that say something new."""
     if not len(a):
         return np.zeros(0, dtype=np.int64)
-    way = edge[:, 1] - edge[:, 0]
-    way = way / np.hypot(*way.T)[:, None]
-    key = np.column_stack([a, b, np.round(point), np.round(way / (10 * ANGLE_TOLERANCE))]) + 0.0
+    direction = edge[:, 1] - edge[:, 0]
+    direction = direction / np.hypot(*direction.T)[:, None]
+    key = np.column_stack([a, b, np.round(point), np.round(direction / (10 * ANGLE_TOLERANCE))]) + 0.0
     return np.sort(np.unique(key, axis=0, return_index=True)[1])
 
 
@@ -241,7 +241,7 @@ def _as_drawn(assembly: Assembly) -> tuple[Part, ...]:
 
 def _bodies(assembly: Assembly, parts: tuple[Part, ...]) -> tuple[Ints, int]:
     """Body of every part, and the one that stands."""
-    group = glue_groups(assembly.drawing)
+    group = glue_groups(assembly.drawing.glue)
     stands = {group[p.name] for p in parts if p.fixed and p.name in group}
     key = [
         ("fixed", 0)

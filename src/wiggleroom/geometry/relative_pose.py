@@ -64,8 +64,8 @@ def relate(at_a: Floats, at_b: Floats, body_a: Floats, body_b: Floats, pivot: Fl
     array([[-0.005 ,  0.0998]])
     """
 
-    def own(way: Floats) -> Floats:
-        return turn(way, np.array([-at_a[2]]))[0]
+    def own(vector: Floats) -> Floats:
+        return turn(vector, np.array([-at_a[2]]))[0]
 
     return Relative(
         float(body_a[2] - at_a[2]),

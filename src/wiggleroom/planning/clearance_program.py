@@ -1,6 +1,6 @@
 """Way-points moved to where the least clearance of a step is largest, by linear programs one after the other.
 
-At samples of every piece of the way the distances of corners of what moves from edges of all else, and the other way round, are linear in
+At samples of every piece of the path the distances of corners of what moves from edges of all else, and the other way round, are linear in
 small changes of the way-points, whose pieces change evenly in between. The program makes the least of them as large as it can, and after it
 those of every piece, up to what is plenty. A change is kept where the exact distances along the pieces grew. Source: sequential linear
 programming with a trust region, as in Conn, Gould and Toint, "Trust-Region Methods" (2000).
@@ -29,7 +29,7 @@ SAMPLE_DISTANCE = 0.04
 MAX_SAMPLES = 40
 REACH = 4.0
 """Corners nearer than this multiple of the clearance, and of how far way-points may move, count."""
-PLENTY = 1.0
+SUFFICIENT_CLEARANCE = 1.0
 """Pieces that are not the narrowest need no more than this multiple of the typical clearance."""
 WEIGHTS = 1.0, 0.1, 1e-3
 """Of the least clearance, of the mean of those of all pieces, and of the distance that way-points are moved."""
@@ -40,7 +40,7 @@ MIN_GAIN = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class Carried:
+class MovingBodies:
     """What moves in a step.
 
     Parameters
@@ -76,52 +76,52 @@ class ClearanceProblem:
     ignored: Ints
     clearance: float
     size: float
-    moving: Carried
+    moving: MovingBodies
 
-    def least(self, way: Floats) -> float:
-        """Exact least clearance of a way (k, n, 3), up to a share of the size [mm]."""
-        apart = distances(self.bodies, way, self.there, self.ignored, 0.1 * self.size)
+    def least(self, path: Floats) -> float:
+        """Exact least clearance of a path (k, n, 3), up to a share of the size [mm]."""
+        apart = distances(self.bodies, path, self.there, self.ignored, 0.1 * self.size)
         return float(apart[self.moving.who].min(initial=0.1 * self.size))
 
-    def pieces(self, way: Floats) -> Floats:
+    def pieces(self, path: Floats) -> Floats:
         """The same of every piece (k - 1,)."""
-        return np.array([self.least(way[k : k + 2]) for k in range(len(way) - 1)])
+        return np.array([self.least(path[k : k + 2]) for k in range(len(path) - 1)])
 
 
-def widened(problem: ClearanceProblem, way: Floats, most: int = MAX_PROGRAMS) -> Floats:
-    """The way (k, n, 3) [mm, mm, rad] of the bodies with its way-points, but for the first, where the clearance is largest."""
+def largest_clearance_path(problem: ClearanceProblem, path: Floats, most: int = MAX_PROGRAMS) -> Floats:
+    """The path (k, n, 3) [mm, mm, rad] of the bodies with its way-points, but for the first, where the clearance is largest."""
     trust = problem.clearance
-    best = problem.pieces(way)
+    best = problem.pieces(path)
     for _ in range(most):
-        change = _change(problem, way, float(best.min()), trust)
+        change = _change(problem, path, float(best.min()), trust)
         if change is None:
             break
-        trial = way + change
+        trial = path + change
         pieces = problem.pieces(trial)
         gain = _worth(problem, pieces) - _worth(problem, best)
         if gain > MIN_GAIN * problem.clearance:
-            way, best = trial, pieces
+            path, best = trial, pieces
             trust = min(1.5 * trust, MAX_TRUST * problem.size)
         else:
             trust /= 3
             if trust < 0.02 * problem.clearance:
                 break
-    return way
+    return path
 
 
 def _worth(problem: ClearanceProblem, pieces: Floats) -> float:
-    plenty = np.minimum(pieces, PLENTY * problem.clearance)
+    plenty = np.minimum(pieces, SUFFICIENT_CLEARANCE * problem.clearance)
     return float(WEIGHTS[0] * pieces.min() + WEIGHTS[1] * plenty.mean())
 
 
-def _change(problem: ClearanceProblem, way: Floats, least: float, trust: float) -> Floats | None:
+def _change(problem: ClearanceProblem, path: Floats, least: float, trust: float) -> Floats | None:
     """Change (k, n, 3) of the way-points that a linear program proposes; None where there is nothing to gain."""
     moving, radius = problem.moving, problem.bodies.radius
-    k, dofs = len(way), 2 if moving.as_one else 3 * len(moving.who)
+    k, dofs = len(path), 2 if moving.as_one else 3 * len(moving.who)
     free = (k - 1) * dofs
     rows: list[tuple[Floats, Ints, float, int]] = []
     for piece in range(k - 1):
-        rows += _rows(problem, way, piece, REACH * (least + trust), dofs)
+        rows += _rows(problem, path, piece, REACH * (least + trust), dofs)
     if not rows:
         return None
     # variables: changes, their sizes, clearance of every piece, least clearance
@@ -158,7 +158,7 @@ def _change(problem: ClearanceProblem, way: Floats, least: float, trust: float) 
     cost[free : 2 * free] = WEIGHTS[2] / (unit.ravel() * free)
     cost[2 * free : count - 1] = -WEIGHTS[1] / (k - 1)
     cost[-1] = -WEIGHTS[0]
-    plenty = PLENTY * problem.clearance
+    plenty = SUFFICIENT_CLEARANCE * problem.clearance
     bounds = [
         *zip(-limit, limit, strict=True),
         *zip(np.zeros(free), limit, strict=True),
@@ -171,7 +171,7 @@ def _change(problem: ClearanceProblem, way: Floats, least: float, trust: float) 
     found = linprog(cost, A_ub=matrix.tocsr(), b_ub=np.array(bound), bounds=bounds, method="highs")
     if not found.success:
         return None
-    change = np.zeros_like(way)
+    change = np.zeros_like(path)
     moved = found.x[:free].reshape(k - 1, dofs)
     if moving.as_one:
         change[1:, moving.who, :2] = moved[:, None, :]
@@ -181,11 +181,11 @@ def _change(problem: ClearanceProblem, way: Floats, least: float, trust: float) 
 
 
 def _rows(
-    problem: ClearanceProblem, way: Floats, piece: int, reach: float, dofs: int
+    problem: ClearanceProblem, path: Floats, piece: int, reach: float, dofs: int
 ) -> list[tuple[Floats, Ints, float, int]]:
     """Distances at samples of a piece, each with its derivatives by the changes of the way-points."""
     bodies, moving = problem.bodies, problem.moving
-    begin, end = bodies.rest + way[piece], bodies.rest + way[piece + 1]
+    begin, end = bodies.rest + path[piece], bodies.rest + path[piece + 1]
     length = np.abs(end - begin)[moving.who, :2].max()
     count = int(np.clip(np.ceil(length / (SAMPLE_DISTANCE * problem.size)) + 1, SAMPLES_PER_PIECE, MAX_SAMPLES))
     found = []

@@ -22,7 +22,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.geometry.neighbours import placed
 from wiggleroom.geometry.rigid_motions import of_bodies
-from wiggleroom.planning.clearance_program import Carried, ClearanceProblem, near_corners
+from wiggleroom.planning.clearance_program import ClearanceProblem, MovingBodies, near_corners
 from wiggleroom.planning.steps import Step
 from wiggleroom.search.prepare import Survey
 
@@ -36,11 +36,11 @@ TRUST = 0.5
 """In a step corners go no further than about this multiple of the clearance."""
 MARGIN = 0.1
 """Parts come no nearer to each other than this multiple of the clearance."""
-EFFORT = 0.02
+MIN_DESCENT = 0.02
 """A motion pays where it loses height by more than this share of its length: slopes of one degree count as level."""
-AT_REST = 0.05
+SETTLED = 0.05
 """A part that sinks by less than this multiple of the clearance in the second half of the steps is at rest."""
-LOOKS = 3
+STATES_PER_PIECE = 3
 """Each straight piece of a step is looked at so often."""
 
 
@@ -110,7 +110,7 @@ class Gravity:
         names = np.array(self.assembly.names, dtype=object)
         return tuple(names[self._held(list(_states(step)), step.there, np.isin(names, step.parts), stop)])
 
-    def burden(self, motion: Floats, there: Bools, leaving: Ints, stop: Stop | None = None) -> int:
+    def holding_cost(self, motion: Floats, there: Bools, leaving: Ints, stop: Stop | None = None) -> int:
         """How many parts somebody must hold once some have left from a state, so that nothing falls."""
         there = there.copy()
         there[leaving] = False
@@ -141,7 +141,7 @@ class Gravity:
         ground, down = self.ground, np.array(self.direction)
         weight = shapely.area(placed(ground.bodies, None, free)[free])
         problem = ClearanceProblem(
-            ground.bodies, there, ground.ignored, ground.clearance, ground.size, Carried(free, as_one=False)
+            ground.bodies, there, ground.ignored, ground.clearance, ground.size, MovingBodies(free, as_one=False)
         )
         sunk = np.zeros((STEPS + 1, len(free)))
         trust = TRUST * ground.clearance
@@ -154,7 +154,7 @@ class Gravity:
             if not change.any():
                 return np.zeros(len(free), dtype=np.bool_)
         half = STEPS // 2
-        return np.asarray(sunk[-1] - sunk[half] > AT_REST * ground.clearance)
+        return np.asarray(sunk[-1] - sunk[half] > SETTLED * ground.clearance)
 
     def _sink(self, problem: ClearanceProblem, motion: Floats, weight: Floats, trust: float) -> tuple[Floats, float]:
         """One step, shorter where a longer one would meet something, and how long the next one may be."""
@@ -189,7 +189,7 @@ def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Fl
     rows = coo_array((value, (row, column)), shape=(len(limit), count)).tocsr()
     cost = np.zeros((len(free), 3))
     cost[:, :2] = -weight[:, None] * down
-    effort = EFFORT * np.repeat(weight, 3)
+    effort = MIN_DESCENT * np.repeat(weight, 3)
     # every change as the difference of two that are not negative, so that both ways cost effort
     found = linprog(
         np.concatenate([cost.ravel() + effort, effort - cost.ravel()]),
@@ -207,8 +207,8 @@ def _program(problem: ClearanceProblem, motion: Floats, weight: Floats, down: Fl
 
 
 def _states(step: Step) -> Iterator[Floats]:
-    """States on the way of a step, from its beginning to its end."""
-    yield step.way[0]
-    for one, other in pairwise(step.way):
-        for t in np.arange(1, LOOKS + 1) / LOOKS:
+    """States on the path of a step, from its beginning to its end."""
+    yield step.path[0]
+    for one, other in pairwise(step.path):
+        for t in np.arange(1, STATES_PER_PIECE + 1) / STATES_PER_PIECE:
             yield one + t * (other - one)

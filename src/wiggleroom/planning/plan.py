@@ -1,4 +1,4 @@
-"""Plans: in which order and along which ways parts are taken apart, and, backwards, put together."""
+"""Plans: in which order and along which paths parts are taken apart, and, backwards, put together."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.deadline import Deadline
-from wiggleroom.disassembly.departures import disassemble
+from wiggleroom.disassembly.disassembly_sequence import disassemble
 from wiggleroom.disassembly.interlock import with_ground
+from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.planning.easing import eased
 from wiggleroom.planning.gravity import Gravity
+from wiggleroom.planning.path_improvement import improved_steps
 from wiggleroom.planning.steps import Step, measured, steps_of
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import survey
 from wiggleroom.verdict import Certainty, Separability
@@ -88,11 +88,11 @@ class Plan(Drawable):
         return tuple(step.leaves for step in self.steps if step.leaves)
 
     @property
-    def way(self) -> Floats:
+    def path(self) -> Floats:
         """Motions (k, n, 3) [mm, mm, rad] of all parts along the whole plan, from rest."""
         if not self.steps:
             return np.zeros((1, len(self.assembly.parts), 3))
-        return np.concatenate([self.steps[0].way[:1], *(step.way[1:] for step in self.steps)])
+        return np.concatenate([self.steps[0].path[:1], *(step.path[1:] for step in self.steps)])
 
 
 def plan(
@@ -104,7 +104,7 @@ def plan(
     progress: Callable[[Progress], None] | None = None,
     seconds: float | None = None,
 ) -> Plan:
-    """Plan how an assembly is taken apart: which parts leave, in which order, along which ways.
+    """Plan how an assembly is taken apart: which parts leave, in which order, along which paths.
 
     Fixed parts stand; where none is fixed, the largest part stands.
 
@@ -140,14 +140,14 @@ def plan(
     began = time.perf_counter()
     limit = stop if seconds is None else Deadline(seconds, stop)
     standing = with_ground(assembly)
-    see_targets(standing, targets)
+    check_targets(standing, targets)
     weight = None if gravity is None else Gravity(standing, survey(standing), gravity)
-    burden = None if weight is None else partial(weight.burden, stop=limit)
-    done = disassemble(standing, targets=tuple(targets), burden=burden, stop=limit, tell=progress or silent)
+    holding_cost = None if weight is None else partial(weight.holding_cost, stop=limit)
+    done = disassemble(standing, targets=tuple(targets), holding_cost=holding_cost, stop=limit, tell=progress or silent)
     steps: tuple[Step, ...] = ()
     if done.departures:
         ground = survey(standing)
-        steps = eased(standing, ground, steps_of(standing, done.departures), limit)
+        steps = improved_steps(standing, ground, steps_of(standing, done.departures), limit)
         steps = tuple(measured(standing, ground, step) for step in steps)
         if weight is not None:
             steps = tuple(replace(step, falling=weight.to_hold(step, limit)) for step in steps)
@@ -186,8 +186,8 @@ def level(steps: Sequence[Step]) -> tuple[int, ...]:
     return tuple(counts)
 
 
-def see_targets(assembly: Assembly, targets: Sequence[str]) -> None:
-    """See that all targets are loose parts; raises InputError."""
+def check_targets(assembly: Assembly, targets: Sequence[str]) -> None:
+    """Check that all targets are loose parts; raises InputError."""
     fixed = {p.name for p in assembly.parts if p.fixed}
     source = assembly.drawing.source or "the assembly"
     wrong = [f'{source}: target "{n}": there is no such part' for n in targets if n not in assembly.names]

@@ -13,8 +13,9 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.disassembly.interlock import with_ground
 from wiggleroom.disassembly.remaining import only
+from wiggleroom.displayable import Displayable
 from wiggleroom.errors import InputError, Stop, TouchingError
-from wiggleroom.planning.easing import eased
+from wiggleroom.planning.path_improvement import improved_steps
 from wiggleroom.planning.plan import Plan
 from wiggleroom.planning.steps import Step, measured
 from wiggleroom.search.prepare import survey
@@ -31,7 +32,7 @@ RANK_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class PlanSample:
+class PlanSample(Displayable):
     """What becomes of a plan when the gap round every part varies at random.
 
     Parameters
@@ -39,7 +40,7 @@ class PlanSample:
     plan : Plan
     spread : Spread
     clearance : (d,) float64 [mm]
-        Least clearance of every draw on the ways of the plan as they are; not above 0 where it does not go together.
+        Least clearance of every draw on the paths of the plan as they are; not above 0 where it does not go together.
     failing : tuple of int
         In how many draws each step, from the first, is the one that does not go; the last entry: where parts overlap at rest.
     """
@@ -65,7 +66,7 @@ class PlanSample:
 
 
 @dataclass(frozen=True, eq=False)
-class PlanRanking:
+class PlanRanking(Displayable):
     """Whose gap decides how much room a plan has.
 
     Parameters
@@ -74,7 +75,7 @@ class PlanRanking:
     parts : tuple of names
         The most important first.
     gain : (n,) float64 [mm per mm]
-        How much the least clearance of the plan, its ways fitted anew, grows per mm of extra gap round each of these parts.
+        How much the least clearance of the plan, its paths fitted anew, grows per mm of extra gap round each of these parts.
     """
 
     plan: Plan
@@ -83,11 +84,12 @@ class PlanRanking:
 
 
 @dataclass(frozen=True, eq=False)
-class SmallestGap:
+class SmallestGap(Displayable):
     """The smallest gap at which a plan works, from both sides.
 
     Parameters
     ----------
+    plan : Plan
     works_at : float [mm]
         Smallest gap at which all steps, fitted anew, were found to be free.
     works : tuple of Step
@@ -100,6 +102,7 @@ class SmallestGap:
         Two parts that are in each other's way there; empty where they touch at rest.
     """
 
+    plan: Plan
     works_at: float
     works: tuple[Step, ...]
     fails_at: float | None
@@ -108,7 +111,7 @@ class SmallestGap:
 
 
 def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, stop: Stop | None = None) -> PlanSample:
-    """How often parts whose gaps vary go together along the ways of a plan.
+    """How often parts whose gaps vary go together along the paths of a plan.
 
     Parameters
     ----------
@@ -131,7 +134,7 @@ def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, 
     >>> sample_plan(found, Spread(0.001), draws=5).share
     1.0
     """
-    _see(plan)
+    _check_plan(plan)
     assembly = with_ground(plan.assembly)
     extra = spread.draw(draws, len(assembly.parts), seed)
     found, failing = [], np.zeros(len(plan.steps) + 1, dtype=np.int64)
@@ -150,14 +153,14 @@ def sample_plan(plan: Plan, spread: Spread, *, draws: int = 200, seed: int = 0, 
 
 
 def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
-    """Which gap to enlarge so that a plan has more room: extra gap round one part after the other, ways fitted anew.
+    """Which gap to enlarge so that a plan has more room: extra gap round one part after the other, paths fitted anew.
 
     Raises
     ------
     InputError
         If there is no plan.
     """
-    _see(plan)
+    _check_plan(plan)
     assembly = with_ground(plan.assembly)
     least = min(step.clearance for step in plan.steps)
     extra = RANK_SHARE * max(least, 1e-3 * survey(assembly).clearance)
@@ -175,14 +178,14 @@ def rank_plan(plan: Plan, *, stop: Stop | None = None) -> PlanRanking:
 
 
 def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
-    """The smallest gap of the whole assembly at which a plan works, its ways fitted anew at every gap.
+    """The smallest gap of the whole assembly at which a plan works, its paths fitted anew at every gap.
 
     Raises
     ------
     InputError
         If there is no plan, or the assembly has no gap of its own that could be made smaller.
     """
-    _see(plan)
+    _check_plan(plan)
     assembly = with_ground(plan.assembly)
     if not assembly.gap > 0:
         finding = f"{assembly.drawing.source or 'the assembly'}: it has no gap that could be made smaller; give one, with --gap"
@@ -202,7 +205,7 @@ def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
         if low is not None and high - low <= GAP_TOLERANCE * high:
             break
         trial = high / 2 if low is None else (low + high) / 2
-    return SmallestGap(high, works, low, *why)
+    return SmallestGap(plan, high, works, low, *why)
 
 
 def _at_gap(
@@ -213,10 +216,10 @@ def _at_gap(
     if made is None:
         return None, (-1, ())
     ground = survey(made)
-    fitted = eased(made, ground, steps)
+    fitted = improved_steps(made, ground, steps)
     for k, step in enumerate(fitted):
         there = np.flatnonzero(step.there)
-        audit = audit_path(only(made, there), step.way[:, there])
+        audit = audit_path(only(made, there), step.path[:, there])
         if not audit.free:
             first = audit.piece.argmin()
             return None, (k, (made.names[there[audit.a[first]]], made.names[there[audit.b[first]]]))
@@ -225,7 +228,7 @@ def _at_gap(
 
 def _alone(assembly: Assembly, step: Step) -> Step:
     """A step fitted to other outlines, its first way-point as it is."""
-    fitted = eased(assembly, survey(assembly), [step])
+    fitted = improved_steps(assembly, survey(assembly), [step])
     return fitted[0] if len(fitted) == 1 else step
 
 
@@ -234,7 +237,7 @@ def _least(assembly: Assembly, steps: tuple[Step, ...]) -> tuple[float, int]:
     ground, found = survey(assembly), []
     for k, step in enumerate(steps):
         there = np.flatnonzero(step.there)
-        if not audit_path(only(assembly, there), step.way[:, there]).free:
+        if not audit_path(only(assembly, there), step.path[:, there]).free:
             return 0.0, k
         found.append(measured(assembly, ground, step).clearance)
     return min(found), int(np.argmin(found))
@@ -251,7 +254,7 @@ def _made(assembly: Assembly, **options: object) -> Assembly | None:
     return made
 
 
-def _see(plan: Plan) -> None:
+def _check_plan(plan: Plan) -> None:
     if not plan.steps:
         finding = (
             f"{plan.assembly.drawing.source or 'the assembly'}: there is no plan whose tolerances could be looked at"

@@ -1,4 +1,4 @@
-"""Steps of a plan: who moves, along which way, with how much room, past which parts that must be held."""
+"""Steps of a plan: who moves, along which path, with how much room, past which parts that must be held."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.clearance import distances
-from wiggleroom.disassembly.departures import Departure
+from wiggleroom.disassembly.disassembly_sequence import Departure
+from wiggleroom.displayable import Displayable
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.search.prepare import Survey
 
@@ -29,14 +30,14 @@ MOST_CLEARANCE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class Step(Displayable):
     """One step of a plan: some parts move, all others stay.
 
     Parameters
     ----------
     parts : tuple of names
-        Those that move, as one or each in its own way.
-    way : (k, n, 3) float64 [mm, mm, rad]
+        Those that move, as one or each on its own path.
+    path : (k, n, 3) float64 [mm, mm, rad]
         Motions of all parts about their reference points, since rest; straight in between.
     moves : int
         Of how many moves it consists.
@@ -45,7 +46,7 @@ class Step:
     there : (n,) bool
         Parts that have not left before it.
     clearance : float [mm]
-        Least distance on the way between what moves and all else, and between parts that move in different ways.
+        Least distance along the path between what moves and all else, and between parts that move differently.
     room : float [mm]
         The largest ball of errors of position: shifted by up to so much, what moves still passes.
     turn_room : float [rad]
@@ -60,7 +61,7 @@ class Step:
     """
 
     parts: tuple[str, ...]
-    way: Floats
+    path: Floats
     moves: int
     leaves: tuple[str, ...]
     there: NDArray[np.bool_]
@@ -79,7 +80,7 @@ class Step:
     @property
     def as_one(self) -> bool:
         """True where all parts that move do so as one rigid piece."""
-        first = self.way - self.way[:1]
+        first = self.path - self.path[:1]
         moving = (np.abs(first) > STILL).any(axis=(0, 2))
         turned = np.abs(first[..., 2]).max() > STILL
         return bool(moving.sum() == 1 or (not turned and np.ptp(first[:, moving], axis=1).max() <= STILL))
@@ -92,15 +93,15 @@ def steps_of(assembly: Assembly, departures: Sequence[Departure]) -> tuple[Step,
 
 def _split(assembly: Assembly, departure: Departure) -> list[Step]:
     """Steps of one departure: as long as the same parts move, it is one step."""
-    names, way, moves = assembly.names, departure.way, departure.moves
-    moved: NDArray[np.bool_] = np.any(np.abs(np.diff(way, axis=0)) > STILL, axis=2)
+    names, path, moves = assembly.names, departure.path, departure.moves
+    moved: NDArray[np.bool_] = np.any(np.abs(np.diff(path, axis=0)) > STILL, axis=2)
     found: list[Step] = []
-    begin, pieces = 0, len(way) - 1
+    begin, pieces = 0, len(path) - 1
     for k in range(1, pieces + 1):
         if k < pieces and (np.array_equal(moved[k], moved[begin]) or moves[k] == moves[k - 1]):
             continue
         parts = tuple(names[p] for p in np.flatnonzero(moved[begin:k].any(axis=0)))
-        found.append(Step(parts, way[begin : k + 1], len(np.unique(moves[begin:k])), (), departure.there))
+        found.append(Step(parts, path[begin : k + 1], len(np.unique(moves[begin:k])), (), departure.there))
         begin = k
     found[-1] = replace(found[-1], leaves=tuple(names[p] for p in departure.parts))
     return found
@@ -109,11 +110,11 @@ def _split(assembly: Assembly, departure: Departure) -> list[Step]:
 def measured(assembly: Assembly, ground: Survey, step: Step) -> Step:
     """The step with its clearance, room for errors, axis and held parts."""
     bodies, names = ground.bodies, np.array(assembly.names, dtype=object)
-    fine, stray = _finely(assembly, ground, step.way)
-    way = of_bodies(assembly, bodies, fine)
+    fine, stray = _finely(assembly, ground, step.path)
+    path = of_bodies(assembly, bodies, fine)
     there = np.array([step.there[list(m)].all() for m in bodies.members])
     most = MOST_CLEARANCE * ground.size
-    apart = distances(bodies, way, there, ground.ignored, most)
+    apart = distances(bodies, path, there, ground.ignored, most)
     moving = np.unique(bodies.body_of[np.isin(names, step.parts)])
     clearance = max(float(apart[moving].min(initial=most)) - stray, 0.0)
     resting = np.setdiff1d(np.flatnonzero(~bodies.fixed & there), moving)
@@ -122,29 +123,29 @@ def measured(assembly: Assembly, ground: Survey, step: Step) -> Step:
     reach = (
         float(bodies.radius[moving].max()) if len(moving) == 1 else _reach(bodies.rest[moving], bodies.radius[moving])
     )
-    last = np.diff(step.way, axis=0)[-1]
+    last = np.diff(step.path, axis=0)[-1]
     k = int(np.hypot(last[:, 0], last[:, 1]).argmax())
     length = float(np.hypot(*last[k, :2]))
     axis = (-float(last[k, 0]) / length, -float(last[k, 1]) / length) if length > STILL else (0.0, 0.0)
     return replace(step, clearance=clearance, room=clearance, turn_room=clearance / reach, axis=axis, held=held)
 
 
-def finer(way: Floats, turn: float, length: float = np.inf) -> Floats:
-    """The way (k, n, 3) with points in between, so that no piece turns by more than `turn` [rad] or is longer than `length` [mm]."""
-    out = [way[:1]]
-    for one, other in pairwise(way):
+def finer(path: Floats, turn: float, length: float = np.inf) -> Floats:
+    """The path (k, n, 3) with points in between, so that no piece turns by more than `turn` [rad] or is longer than `length` [mm]."""
+    out = [path[:1]]
+    for one, other in pairwise(path):
         change = np.abs(other - one)
         count = max(1, int(np.ceil(max(change[:, 2].max() / turn, change[:, :2].max() / length))))
         out.append(one + (other - one) * (np.arange(1, count + 1) / count)[:, None, None])
     return np.concatenate(out)
 
 
-def _finely(assembly: Assembly, ground: Survey, way: Floats) -> tuple[Floats, float]:
-    """The way with many points where it turns, and how far bodies may be from straight between them [mm].
+def _finely(assembly: Assembly, ground: Survey, path: Floats) -> tuple[Floats, float]:
+    """The path with many points where it turns, and how far bodies may be from straight between them [mm].
 
     Reference points of parts go straight, so the middles of their bodies do not quite.
     """
-    fine = finer(way, TURN_PER_PIECE)
+    fine = finer(path, TURN_PER_PIECE)
     turn = float(np.abs(np.diff(fine[..., 2], axis=0)).max())
     arm = assembly.rest[:, :2] - ground.bodies.rest[ground.bodies.body_of, :2]
     return fine, 2 * float(np.hypot(*arm.T).max()) * turn**2 / 8

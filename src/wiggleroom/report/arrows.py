@@ -62,30 +62,30 @@ def goal_mark(view: View, assembly: Assembly, goal: Goal, rest: Floats, shown: F
     if isinstance(goal, Turn):
         return _turn(view.pixels(shown[k, :2]), 1.0 if goal.sense == "ccw" else -1.0, room)
     if isinstance(goal, Pull):
-        way = np.array(goal.direction, dtype=float)
+        direction = np.array(goal.direction, dtype=float)
         point = rest[k, :2] if goal.point is None else np.array(goal.point, dtype=float)
     elif isinstance(goal, Towards):
         point = rest[k, :2] if goal.point is None else np.array(goal.point, dtype=float)
-        way = np.array(goal.target) - point
-        if not way.any():
+        direction = np.array(goal.target) - point
+        if not direction.any():
             return Mark("")
     else:
         if math.hypot(*goal.w[:2]) == 0:
             return _turn(view.pixels(shown[k, :2]), math.copysign(1.0, goal.w[2]), room)
-        way, point = np.array(goal.w[:2], dtype=float), rest[k, :2]
-    way = way / np.hypot(*way) * (1, -1)
+        direction, point = np.array(goal.w[:2], dtype=float), rest[k, :2]
+    direction = direction / np.hypot(*direction) * (1, -1)
     start, end = view.pixels(point), view.pixels(carry(point, rest[k], shown[k]))
-    gain = float((end - start) @ way)
+    gain = float((end - start) @ direction)
     if (
         gain < MIN_ARROW_LENGTH
     ):  # too short to be seen as an arrow: from where the point is now, in the direction of the pull
-        return _pull(end, end + PULL_LENGTH * way)
-    return _pull(start, start + gain * way, end)
+        return _pull(end, end + PULL_LENGTH * direction)
+    return _pull(start, start + gain * direction, end)
 
 
-def pull_arrow(way: tuple[float, float]) -> str:
-    """Arrow PULL_LENGTH long that begins at 0, 0 [px] and points along `way`, y up."""
-    end = PULL_LENGTH * np.array(way, dtype=float) / math.hypot(*way) * (1, -1)
+def pull_arrow(direction: tuple[float, float]) -> str:
+    """Arrow PULL_LENGTH long that begins at 0, 0 [px] and points along `direction`, y up."""
+    end = PULL_LENGTH * np.array(direction, dtype=float) / math.hypot(*direction) * (1, -1)
     return _pull(np.zeros(2), end).svg
 
 

@@ -14,7 +14,7 @@ FILMS = (".gif", ".mp4", FILM_SVG)
 PAGE = ".html"
 ANSWERS = (*STILLS, *FILMS, PAGE)
 STUDIES = (*STILLS, PAGE)
-"""Endings of pictures of an answer, and of everything that has no way to make a film of."""
+"""Endings of pictures of an answer, and of everything that has no path to make a film of."""
 
 
 def ending(path: PurePath) -> str:
@@ -26,10 +26,10 @@ def ending(path: PurePath) -> str:
     return FILM_SVG if path.name.lower().endswith(FILM_SVG) else path.suffix.lower()
 
 
-def unlike(path: PurePath, endings: Sequence[str]) -> str:
+def wrong_ending(path: PurePath, endings: Sequence[str]) -> str:
     """Say what is wrong with the ending of a name, or nothing.
 
-    >>> unlike(PurePath("a.gif"), STUDIES)
+    >>> wrong_ending(PurePath("a.gif"), STUDIES)
     'the name must end in .svg, .png or .html; films come from flex, check and plan'
     """
     found = ending(path)
@@ -40,14 +40,14 @@ def unlike(path: PurePath, endings: Sequence[str]) -> str:
 
 
 def check_ending(path: PurePath, endings: Sequence[str]) -> None:
-    """See that the ending of a picture's name is one of `endings`.
+    """Check that the ending of a picture's name is one of `endings`.
 
     Raises
     ------
     InputError
         If it is not.
     """
-    problem = unlike(path, endings)
+    problem = wrong_ending(path, endings)
     if problem:
         finding = f"picture {path}: {problem}"
         raise InputError(finding)

@@ -26,7 +26,7 @@ RATES = {".gif": 12.5, ".mp4": 30.0, ".svg": 16.0}
 
 def film(
     assembly: Assembly,
-    way: Floats,
+    waypoints: Floats,
     path: str | PathLike[str],
     *,
     goals: tuple[Goal, ...] = (),
@@ -38,7 +38,7 @@ def film(
     least_seconds: float = 0.0,
     progress: Progress | None = None,
 ) -> None:
-    """Write a film of parts on their way.
+    """Write a film of parts on their path.
 
     They move evenly along the path, gently at both ends, with a pause there; parts that go far away fade. The file is
     written whole or not at all.
@@ -46,7 +46,7 @@ def film(
     Parameters
     ----------
     assembly : Assembly
-    way : (k, n, 3) float64 [mm, mm, rad]
+    waypoints : (k, n, 3) float64 [mm, mm, rad]
         Motions of the parts along the path, such as `Answer.waypoints`.
     path : str or path
         .gif and .mp4 need the extra `film`; .svg plays in browsers.
@@ -55,18 +55,18 @@ def film(
     title, facts, command : str, tuple of str, str
         Said above and below.
     back : bool
-        True: the film returns to rest the same way before it begins again.
+        True: the film returns to rest the same path before it begins again.
     magnify : float, optional
         Factor by which the motion is enlarged; by default 1, unless the motion is too small to be seen.
     least_seconds : float
-        The way takes at least so long.
+        The path takes at least so long.
     progress : callable, optional
         Told after every frame how many of how many are drawn.
 
     Raises
     ------
     InputError
-        If the name has another ending, or the way another shape.
+        If the name has another ending, or the path another shape.
     MissingExtraError
         If the library for this kind of film is not installed.
 
@@ -76,9 +76,9 @@ def film(
     >>> import numpy as np
     >>> import wiggleroom as wr
     >>> chain = wr.patterns.chain(2, gap=0.02)
-    >>> way = np.array([[[0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 0.02, 0.01]]])
+    >>> waypoints = np.array([[[0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 0.02, 0.01]]])
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     film(chain, way, f"{folder}/way.svg", title="a small move")
+    ...     film(chain, waypoints, f"{folder}/move.svg", title="a small move")
     """
     path = Path(path)
     kind = path.suffix.lower()
@@ -87,7 +87,7 @@ def film(
         raise InputError(finding)
     made = scene(
         assembly,
-        way,
+        waypoints,
         rate=RATES[kind],
         goals=goals,
         title=title or f"{len(assembly.parts)} parts",

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from wiggleroom.errors import see_extra
 from wiggleroom.report import palette
 from wiggleroom.report.film_svg import PAUSES
-from wiggleroom.report.letters import missing_letters
+from wiggleroom.report.missing_glyphs import missing_glyphs
 from wiggleroom.report.png import png
 from wiggleroom.report.scene import Scene
 from wiggleroom.sensitivity.parallel import ParallelRun
@@ -102,7 +102,7 @@ def _frames(made: Scene, room: tuple[int, int], progress: Progress | None) -> It
     width = 2 * round(min(room[0], room[1] * made.width / made.height) / 2)
     scale = width / made.width
     texts = (made.head, made.defs, *(track.drawn(0) for track in made.tracks))
-    own = not missing_letters(texts, own_font_only=True)
+    own = not missing_glyphs(texts, own_font_only=True)
     still = Image.open(io.BytesIO(png(f"{made.head}</svg>", width=width, own_font_only=own))).convert("RGB")
     still = still.crop((0, 0, width, still.height - still.height % 2))
     x, y, wide, high = (scale * s for s in made.stage)
@@ -147,7 +147,7 @@ def _rgb(colour: str) -> tuple[int, ...]:
 
 
 def need_film_library(kind: str) -> None:
-    """See that what a film of this kind (.gif or .mp4) needs is installed.
+    """Check that what a film of this kind (.gif or .mp4) needs is installed.
 
     Raises
     ------

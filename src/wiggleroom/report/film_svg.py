@@ -10,7 +10,7 @@ from wiggleroom.report.scene import Scene, Track
 Floats = NDArray[np.float64]
 
 PAUSES = (0.6, 1.4)
-"""Seconds of stillness at rest and at the end of the way, in every kind of film."""
+"""Seconds of stillness at rest and at the end of the path, in every kind of film."""
 
 
 def moving_svg(made: Scene, *, back: bool) -> str:
@@ -19,7 +19,7 @@ def moving_svg(made: Scene, *, back: bool) -> str:
     Parameters
     ----------
     back : bool
-        True: it returns to rest the same way.
+        True: it returns to rest along the same path.
     """
     m = made.frames
     order, times = np.arange(m), np.linspace(0.0, made.seconds, m) + PAUSES[0]

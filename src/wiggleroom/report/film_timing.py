@@ -16,7 +16,7 @@ Floats = NDArray[np.float64]
 class TimedPath:
     """Motions along a path by its length, straight about the centroids of the bodies between its points.
 
-    Straight about the centroids, because that is how ways are checked; glued parts keep together.
+    Straight about the centroids, because that is how paths are checked; glued parts keep together.
 
     Parameters
     ----------
@@ -33,8 +33,8 @@ class TimedPath:
     --------
     >>> import numpy as np
     >>> import wiggleroom as wr
-    >>> way = TimedPath(wr.patterns.chain(2), np.array([[[0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 3.0, 0]]]))
-    >>> way.length, float(way.at(np.array([1.5]))[0, 1, 1])
+    >>> path = TimedPath(wr.patterns.chain(2), np.array([[[0, 0, 0], [0, 0, 0]], [[0, 0, 0], [0, 3.0, 0]]]))
+    >>> path.length, float(path.at(np.array([1.5]))[0, 1, 1])
     (3.0, 1.5)
     """
 
@@ -51,7 +51,7 @@ class TimedPath:
         return float(self._passed[-1])
 
     def at(self, lengths: Floats) -> Floats:
-        """Motions (m, n, 3) [mm, mm, rad] after some lengths (m,) [mm] of the way."""
+        """Motions (m, n, 3) [mm, mm, rad] after some lengths (m,) [mm] of the path."""
         if len(self._centred) == 1:
             return np.repeat(about(self._centred, -self._arm), len(lengths), axis=0)
         piece = np.clip(np.searchsorted(self._passed, lengths, side="right") - 1, 0, len(self._passed) - 2)
@@ -88,7 +88,7 @@ def ease_in_out(count: int) -> Floats:
 
 
 def _lengths(centred: Floats, them: Bodies) -> Floats:
-    """Length of every piece of a way [mm]: how far the corner that moves most goes, at most."""
+    """Length of every piece of a path [mm]: how far the corner that moves most goes, at most."""
     step = np.abs(np.diff(centred, axis=0))
     reach = np.hypot(step[:, :, 0], step[:, :, 1]) + step[:, :, 2] * them.radius[them.body_of]
     return reach.max(axis=1, initial=0.0)

@@ -125,8 +125,8 @@ def kerf_sentences(found: AllowableGap, kerf: float) -> list[str]:
     offset = found.cut_offset(kerf)
     if found.gap is None or offset is None:
         return []
-    way = "outward" if offset >= 0 else "inward"
-    lines = [f"with a kerf of {number(kerf)} mm: offset the cut by {number(abs(offset))} mm {way}, drawing as it is"]
+    side = "outward" if offset >= 0 else "inward"
+    lines = [f"with a kerf of {number(kerf)} mm: offset the cut by {number(abs(offset))} mm {side}, drawing as it is"]
     if found.gap >= kerf:
         lines.append(f"or cut along the lines of: wiggleroom convert FILE cut.svg --gap {number(found.gap - kerf)}")
     return lines

@@ -44,12 +44,12 @@ def name_position(
     place : (x, y, angle) [px, px, deg]
         Where the shape lies in the picture.
     largest : float [px]
-        Font size that is never exceeded, see `usual`.
+        Font size that is never exceeded, see `common_font_size`.
     marks : tree of areas [px]
         What the name must not cover.
     """
     wide = width(name, 1.0)
-    size = min(fitting(name, shape), largest)
+    size = min(fitting_font_size(name, shape), largest)
     if size < _SMALLEST:
         return None
     middle, radius = shape.circle
@@ -74,7 +74,7 @@ def text_at(name: str, middle: Floats, size: float) -> str:
     return f'<text x="{middle[0]:.2f}" y="{middle[1] + 0.36 * size:.2f}" font-size="{size:.2f}">{escape(name)}</text>'
 
 
-def fitting(name: str, shape: PartPath) -> float:
+def fitting_font_size(name: str, shape: PartPath) -> float:
     """Font size [px] at which a name fits into the largest circle inside a shape."""
     wide = width(name, 1.0)
     # no part holds a circle larger than its area says
@@ -82,12 +82,12 @@ def fitting(name: str, shape: PartPath) -> float:
     return most if most < _SMALLEST else _size(shape.circle[1], wide)
 
 
-def usual(named: Sequence[tuple[str, PartPath]], room: float) -> float:
+def common_font_size(named: Sequence[tuple[str, PartPath]], room: float) -> float:
     """One font size for all names in a picture whose usual part is `room` pixels large.
 
     Most names fit in this size; those that do not are written smaller, or left out.
     """
-    sizes = sorted(fitting(name, shape) for name, shape in named[:MAX_MEASURED])
+    sizes = sorted(fitting_font_size(name, shape) for name, shape in named[:MAX_MEASURED])
     return min(0.23 * room, _LARGEST, max(sizes[len(sizes) // 5], _SMALLEST) if sizes else _LARGEST)
 
 
@@ -105,7 +105,7 @@ def names_group(
     marks : tree of areas [px]
         What names must not cover.
     """
-    size = usual([(short(name), shape) for name, shape, _ in named], room)
+    size = common_font_size([(short(name), shape) for name, shape, _ in named], room)
     found: dict[str, list[str]] = {palette.SUBDUED: [], palette.INK: []}
     for name, shape, place in named:
         quiet = size < MIN_NAME_SIZE and name not in first

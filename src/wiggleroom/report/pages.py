@@ -8,12 +8,12 @@ import numpy as np
 from msgspec.structs import asdict
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.compare.monte_carlo import Audit
+from wiggleroom.compare.monte_carlo import SampledAccuracy
 from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
-from wiggleroom.report.answer_words import few, goals_text, headline, number, unit
+from wiggleroom.report.answer_words import assembly_lines, headline, unit
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
 from wiggleroom.report.importance_picture import ranking_facts
 from wiggleroom.report.separability import check_facts, check_title
@@ -64,14 +64,6 @@ def page_of_assembly(assembly: Assembly) -> str:
     table = section("Parts", columns=["part", "width mm", "height mm", ""], rows=rows)
     shown = shown_drawing(assembly, assembly.goals)
     return standalone_page(title, opened=shown, said=Title(title, more), tab="study", study=StudyTab("Parts", [table]))
-
-
-def assembly_lines(assembly: Assembly) -> list[str]:
-    """What an assembly is, in two lines: its size and gap, then what stands and what is asked."""
-    fixed = [part.name for part in assembly.parts if part.fixed]
-    stands = f"{few(fixed)} {'stands' if len(fixed) == 1 else 'stand'}" if fixed else "nothing stands"
-    wanted = f"asked: {goals_text(assembly.goals, 3)}" if assembly.goals else "nothing is asked"
-    return [f"{len(assembly.parts)} parts, gap {number(assembly.gap)} mm", f"{stands}; {wanted}"]
 
 
 def page_of_ranking(ranking: Ranking, *, command: str = "") -> str:
@@ -182,12 +174,12 @@ def page_of_tolerances(found: WorstCase, *, command: str = "") -> str:
     return standalone_page(title, **told)
 
 
-def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = None, *, command: str = "") -> str:
+def page_of_space(space: FreeSpace, judged: SampledAccuracy | None = None, *, command: str = "") -> str:
     """Free space of a pair as one HTML page: the solid to be turned, slices, cells, and how they were judged."""
     result = space_result(space, judged, command)
     cells = [(k + 1, c.walls, *c.angles_deg) for k, c in enumerate(result.cells)]
     sections = [
-        section("Picture", svg=space_picture(space, assembly, judged, framed=False)),
+        section("Picture", svg=space_picture(space, judged, framed=False)),
         section("Slices", columns=["turn °", "area mm²"], rows=[(s.angle_deg, s.area) for s in result.slices]),
         section("Cells", columns=["cell", "walls", "from °", "to °"], rows=cells),
     ]
@@ -195,7 +187,7 @@ def page_of_space(space: FreeSpace, assembly: Assembly, judged: Audit | None = N
         judgement = [(term, str(value)) for term, value in asdict(result.audit).items()]
         sections.append(section("Judged against polygon intersection", terms=judgement))
     told = {
-        "opened": shown_drawing(assembly),
+        "opened": shown_drawing(space.assembly),
         "said": Title(space_headline(space), space_facts(space, judged)),
         "tab": "space",
         "space": space_message(space, (0.0, 0.0, 0.0), command),
@@ -210,10 +202,10 @@ def _study(found: StudyReply) -> dict[str, Any]:
 
 
 def _check(checked: Checked, command: str) -> dict[str, Any]:
-    """A verdict with the ways of those that leave."""
+    """A verdict with the paths of those that leave."""
     found = checked.found
-    ways = [packed_frames(found.assembly, escape.path) for escape in found.escapes]
-    return {"check": StandaloneCheck(check_message(found, command, checked.border), ways)}
+    paths = [packed_frames(found.assembly, escape.path) for escape in found.escapes]
+    return {"check": StandaloneCheck(check_message(found, command, checked.border), paths)}
 
 
 def _about(answer: Answer, command: str) -> dict[str, Any]:

@@ -9,9 +9,9 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.report.film_timing import TimedPath
 
 MAX_FRAMES = 48
-"""Frames of a way."""
+"""Frames of a path."""
 MAX_FRAME_MOTIONS = 120_000
-"""Motions of parts in all frames of a way together; at least two frames."""
+"""Motions of parts in all frames of a path together; at least two frames."""
 
 
 def path_frames(assembly: Assembly, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -23,9 +23,9 @@ def path_frames(assembly: Assembly, points: NDArray[np.float64]) -> NDArray[np.f
         Such as `Answer.waypoints`.
     """
     most = max(2, min(MAX_FRAMES, MAX_FRAME_MOTIONS // max(1, len(assembly.parts))))
-    way = TimedPath(assembly, points)
-    if len(points) == 1 or way.length == 0:
+    timed = TimedPath(assembly, points)
+    if len(points) == 1 or timed.length == 0:
         return points[-1:]
-    found = way.at(np.linspace(0.0, way.length, most))
+    found = timed.at(np.linspace(0.0, timed.length, most))
     found[0], found[-1] = points[0], points[-1]
     return found

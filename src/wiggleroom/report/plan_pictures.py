@@ -18,7 +18,14 @@ from wiggleroom.report.film import film
 from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
 from wiggleroom.report.picture import LegendWords, picture
 from wiggleroom.report.plan_messages import plan_steps, plan_sure
-from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
+from wiggleroom.report.plan_results import (
+    PlanTolerances,
+    plan_facts,
+    plan_title,
+    searched_sentence,
+    step_sentence,
+    tolerance_sentences,
+)
 from wiggleroom.report.standalone_page import packed_frames, shown_drawing, standalone_page
 from wiggleroom.schema.replies import CheckReply, Title
 from wiggleroom.schema.standalone_schema import StandaloneCheck
@@ -38,7 +45,7 @@ def picture_of_plan(found: Plan, *, command: str = "") -> str:
     for step in found.steps:
         if step.leaves:
             rows = [names.index(name) for name in step.leaves]
-            last = (step.way[-1] - step.way[-2])[rows, :2]
+            last = (step.path[-1] - step.path[-2])[rows, :2]
             order.append(Leaving(step.leaves, tuple((float(x), float(y)) for x, y in last)))
     gone = {name for leaving in order for name in leaving.parts}
     aside = {name for step in found.steps for name in step.parts} - gone
@@ -52,7 +59,7 @@ def film_of_plan(
     """Write a film of all steps, one after the other."""
     film(
         found.assembly,
-        found.way,
+        found.path,
         path,
         title=plan_title(found),
         facts=tuple(plan_facts(found)),
@@ -62,13 +69,13 @@ def film_of_plan(
     )
 
 
-def page_of_plan(found: Plan, *, command: str = "") -> str:
-    """Plan as one HTML page: the drawing, and the steps, each of which can be played."""
-    title = plan_title(found)
+def page_of_plan(found: Plan, told: PlanTolerances | None = None, *, command: str = "") -> str:
+    """Plan as one HTML page: the drawing, the steps, each of which can be played, and what is known of it when gaps vary."""
+    title, said = plan_title(found), [*plan_facts(found), *tolerance_sentences(told or PlanTolerances())]
     reply = CheckReply(
         verdict=found.verdict,
         certainty=found.certainty,
-        words=f"{found.verdict}: {'; '.join(plan_facts(found)) or searched_sentence(found)}",
+        words=f"{found.verdict}: {'; '.join(said) or searched_sentence(found)}",
         sure=plan_sure(found),
         escapes=plan_steps(found),
         spins=[],
@@ -76,13 +83,13 @@ def page_of_plan(found: Plan, *, command: str = "") -> str:
         border=None,
         command=command,
     )
-    ways = [packed_frames(found.assembly, step.way) for step in found.steps]
+    paths = [packed_frames(found.assembly, step.path) for step in found.steps]
     return standalone_page(
         title,
         opened=shown_drawing(found.assembly),
-        said=Title(title, plan_facts(found)),
+        said=Title(title, said),
         tab="apart",
-        check=StandaloneCheck(reply, ways),
+        check=StandaloneCheck(reply, paths),
     )
 
 
@@ -98,9 +105,9 @@ def still(found: Plan, k: int, *, command: str = "") -> str:
     """Picture of step k, from 0: where it begins in thin lines, where it ends, and arrows along which parts go."""
     step = found.steps[k]
     there = np.flatnonzero(step.there)
-    begin = only(displaced(found.assembly, step.way[0]), there)
-    way = (step.way - step.way[:1])[:, there]
-    shown = _within(way, begin.size) if step.leaves else way
+    begin = only(displaced(found.assembly, step.path[0]), there)
+    path = (step.path - step.path[:1])[:, there]
+    shown = _within(path, begin.size) if step.leaves else path
     answer = witnessed(
         begin, tuple(_arrow(begin, step, name, found) for name in step.parts), Verdict.STATIONARY,
         0.0, shown, "checked", command=command,
@@ -110,9 +117,9 @@ def still(found: Plan, k: int, *, command: str = "") -> str:
     return picture(answer, magnify=1.0, title=title, said=said, words=STEP_WORDS)
 
 
-def _within(way: NDArray[np.float64], size: float) -> NDArray[np.float64]:
-    """The way with its last, long piece cut where the picture would get too large."""
-    out = way.copy()
+def _within(path: NDArray[np.float64], size: float) -> NDArray[np.float64]:
+    """The path with its last, long piece cut where the picture would get too large."""
+    out = path.copy()
     last = out[-1] - out[-2]
     length = np.hypot(last[:, 0], last[:, 1]).max()
     out[-1] = out[-2] + last * min(1.0, 0.35 * size / length) if length > STILL else out[-1]
@@ -122,6 +129,6 @@ def _within(way: NDArray[np.float64], size: float) -> NDArray[np.float64]:
 def _arrow(begin: Assembly, step: Step, name: str, found: Plan) -> Pull:
     """Arrow of a part, from a point inside it, along the path it goes."""
     row = found.assembly.names.index(name)
-    change = step.way[-1, row] - step.way[0, row]
+    change = step.path[-1, row] - step.path[0, row]
     direction = change[:2] if np.hypot(*change[:2]) > STILL else np.array([1.0, 0.0])
     return Pull(name, (float(direction[0]), float(direction[1])), inside(begin, name))

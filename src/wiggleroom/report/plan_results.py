@@ -35,7 +35,7 @@ _COLOURS = {Separability.INTERLOCKED: "green", Separability.COMES_APART: "magent
 _MOST_STEPS = 40
 """Steps that the page for the terminal lists."""
 MOST_PIECES = 3
-"""Ways of more straight pieces are not said in words."""
+"""Paths of more straight pieces are not said in words."""
 SLIGHT_TURN = 0.05
 """Turns up to this are not either [deg]."""
 PLAN_QUANTILES = (0.01, 0.05, 0.5)
@@ -134,9 +134,9 @@ def tolerance_sentences(told: PlanTolerances) -> list[str]:
 
 
 def _step(names: tuple[str, ...], step: Step) -> PlanStepEntry:
-    shown = np.flatnonzero(step.there & np.any(np.abs(step.way) > STILL, axis=(0, 2)))
+    shown = np.flatnonzero(step.there & np.any(np.abs(step.path) > STILL, axis=(0, 2)))
     path = [
-        {names[k]: PartMotion(float(m[k, 0]), float(m[k, 1]), math.degrees(m[k, 2])) for k in shown} for m in step.way
+        {names[k]: PartMotion(float(m[k, 0]), float(m[k, 1]), math.degrees(m[k, 2])) for k in shown} for m in step.path
     ]
     return PlanStepEntry(
         parts=list(step.parts),
@@ -215,9 +215,9 @@ def step_sentence(step: Step) -> str:
 
 def _how(step: Step) -> str:
     """Directions of the pieces of a step."""
-    rows = np.flatnonzero(np.any(np.abs(step.way - step.way[:1]) > STILL, axis=(0, 2)))
-    pieces = np.diff(step.way[:, rows[0]], axis=0)
-    turn = math.degrees(abs(step.way[-1, rows[0], 2] - step.way[0, rows[0], 2]))
+    rows = np.flatnonzero(np.any(np.abs(step.path - step.path[:1]) > STILL, axis=(0, 2)))
+    pieces = np.diff(step.path[:, rows[0]], axis=0)
+    turn = math.degrees(abs(step.path[-1, rows[0], 2] - step.path[0, rows[0], 2]))
     if len(pieces) <= MOST_PIECES and (step.as_one or len(rows) == 1):
         straight = [
             f"{towards((x, y))}"
@@ -227,7 +227,7 @@ def _how(step: Step) -> str:
         ]
         if straight:
             return "in " + ", then ".join(straight) + (f", turned by {number(turn, 2)}°" if turn > SLIGHT_TURN else "")
-    return f"on a way of {len(step.way)} points"
+    return f"on a way of {len(step.path)} points"
 
 
 def searched_sentence(found: Plan) -> str:

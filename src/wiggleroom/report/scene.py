@@ -16,8 +16,18 @@ from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.arrows import PULL_LENGTH, carry, pull_arrow, turn_arrow, turn_radius
 from wiggleroom.report.film_timing import TimedPath, checked_waypoints, ease_in_out
 from wiggleroom.report.layout import View
-from wiggleroom.report.names import name_position, text_at, usual
-from wiggleroom.report.part_paths import PartPath, PartPaths, middle, spot, use
+from wiggleroom.report.names import common_font_size, name_position, text_at
+from wiggleroom.report.part_paths import (
+    PartPath,
+    PartPaths,
+    colour_attributes,
+    line_width,
+    middle,
+    rest_outlines,
+    role,
+    spot,
+    use,
+)
 from wiggleroom.report.text import escape
 
 Floats = NDArray[np.float64]
@@ -78,7 +88,7 @@ class Scene:
     tracks : tuple of Track
         Bottom first.
     seconds : float
-        How long the way takes, from rest to its end.
+        How long the path takes, from rest to its end.
     title, words, command : str
     """
 
@@ -129,7 +139,7 @@ def scene(
     magnify: float | None = None,
     least_seconds: float = 0.0,
 ) -> Scene:
-    """Scene of a way.
+    """Scene of a path.
 
     Parameters
     ----------
@@ -147,16 +157,16 @@ def scene(
     """
     points = checked_waypoints(assembly, points)
     factor = magnify or max(1.0, layout.magnification(assembly, points[-1]))
-    way = TimedPath(assembly, points * factor)
+    timed = TimedPath(assembly, points * factor)
     pan = (
         math.inf
         if np.abs(factor * points[:, :, :2]).max() <= MAX_WHOLE_SHARE * assembly.size
         else FRAME_SHARE * assembly.size
     )
-    shown = _seen_length(assembly, way, pan)
+    shown = _seen_length(assembly, timed, pan)
     seconds = max(float(np.clip(DURATION[0] + 1.2 * shown / assembly.size, *DURATION)), least_seconds)
     count = max(min(round(seconds * rate), MAX_PLACES // len(assembly.parts)), 8) + 1
-    poses = assembly.rest + way.at(shown * ease_in_out(count))
+    poses = assembly.rest + timed.at(shown * ease_in_out(count))
     said = [*facts] + ([f"motion x {number(factor)}"] if factor != 1 else [])
     box = _box(assembly, poses, pan)
     canvas = layout.view(box, 0.0).canvas
@@ -197,16 +207,16 @@ def _opacity(assembly: Assembly, poses: Floats, pan: float) -> Floats:
     return np.clip(1.0 - (out - 0.15 * pan) / (0.7 * pan), 0.0, 1.0)
 
 
-def _seen_length(assembly: Assembly, way: TimedPath, pan: float) -> float:
-    """Length of the way after which nothing that can be seen moves any more [mm]."""
-    if way.length <= pan:
-        return way.length
-    lengths = np.linspace(0.0, way.length, 400)
-    poses = assembly.rest + way.at(lengths)
+def _seen_length(assembly: Assembly, timed: TimedPath, pan: float) -> float:
+    """Length of the path after which nothing that can be seen moves any more [mm]."""
+    if timed.length <= pan:
+        return timed.length
+    lengths = np.linspace(0.0, timed.length, 400)
+    poses = assembly.rest + timed.at(lengths)
     clear = _opacity(assembly, poses, pan) > MIN_OPACITY
-    step = np.abs(np.diff(poses, axis=0)).max(axis=2) > 1e-4 * way.length / 400
+    step = np.abs(np.diff(poses, axis=0)).max(axis=2) > 1e-4 * timed.length / 400
     moving = (step & clear[1:]).any(axis=1)
-    return float(lengths[min(np.flatnonzero(moving)[-1] + 2, 399)]) if moving.any() else way.length
+    return float(lengths[min(np.flatnonzero(moving)[-1] + 2, 399)]) if moving.any() else timed.length
 
 
 def _box(assembly: Assembly, poses: Floats, pan: float) -> Floats:
@@ -228,12 +238,11 @@ def _tracks(
     of, places = [shapes.of(p) for p in assembly.parts], _places(view, assembly, poses)
     rooms = np.array([np.ptp(shapely.get_coordinates(s.polygon), axis=0).max() for s in of])
     room = float(np.median(rooms))
-    line = min(max(0.02 * room, 0.3), 1.2)
+    line = line_width(room)
     layers: dict[str, list[Track]] = {"neutral": [], "pulled": [], "fixed": []}
     for k, (part, shape) in enumerate(zip(assembly.parts, of, strict=True)):
-        kind = "fixed" if part.fixed else "pulled" if part.name in pulled else "neutral"
-        fill, stroke = palette.ROLE_COLOURS[kind]
-        style = f'fill="{fill}" fill-opacity="0.85" stroke="{stroke}" stroke-width="{line:.2f}" fill-rule="evenodd"'
+        kind = role(part, pulled)
+        style = f'{colour_attributes(palette.ROLE_COLOURS[kind], line)} fill-rule="evenodd"'
         body = (
             f'<use xlink:href="#{shape.key}" {style} stroke-linejoin="round"><title>{escape(part.name)}</title></use>'
         )
@@ -248,11 +257,7 @@ def _tracks(
     names = _names(assembly, of, places, opacity, room, shapely.STRtree(taken))
     tracks = [*layers["neutral"], *layers["pulled"], *layers["fixed"], *names, *arrows]
     still = "".join(use(s, spot(view, p, tuple(r))) for s, p, r in zip(of, assembly.parts, rest.tolist(), strict=True))
-    ground = (
-        f'<g fill="none" stroke="{palette.REST}" stroke-width="{0.8 * line:.2f}" stroke-linejoin="round">{still}</g>'
-    )
-    defs = "".join(f'<path id="{s.key}" d="{s.path}"/>' for s in shapes.known.values())
-    return defs, tuple(tracks), ground
+    return shapes.definitions, tuple(tracks), rest_outlines(still, line)
 
 
 def _places(view: View, assembly: Assembly, poses: Floats) -> Floats:
@@ -277,7 +282,7 @@ def _names(
 ) -> list[Track]:
     """Names that go with their parts and stay upright."""
     called = [short(p.name) for p in assembly.parts]
-    size, found = usual(list(zip(called, of, strict=True)), room), []
+    size, found = common_font_size(list(zip(called, of, strict=True)), room), []
     for k, (name, shape) in enumerate(zip(called, of, strict=True)):
         at = name_position(name, shape, tuple(places[0, k].tolist()), size, marks)
         if at is None:

@@ -1,4 +1,4 @@
-"""How far a search for ways out went, in words and as JSON."""
+"""How far a search for escape paths went, in words and as JSON."""
 
 from __future__ import annotations
 

@@ -199,14 +199,14 @@ def border_sentence(border: LargestGap) -> str:
 
 
 def as_answer(found: Interlock, command: str = "") -> Answer:
-    """The ways of all that leave, one after the other, as an answer that can be drawn and filmed."""
+    """The paths of all that leave, one after the other, as an answer that can be drawn and filmed."""
     n = len(found.assembly.names)
-    way = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
+    waypoints = np.concatenate([e.path for e in found.escapes]) if found.escapes else np.zeros((1, n, 3))
     gone = tuple(name for e in found.escapes for name in e.parts)
     goals = tuple(
         Pull(e.parts[0], last_directions(found, e)[0], inside(found.assembly, e.parts[0])) for e in found.escapes
     )
     verdict, objective = (Verdict.UNBOUNDED, None) if gone else (Verdict.STATIONARY, 0.0)
     return witnessed(
-        found.assembly, goals, verdict, objective, way, "checked", leaves=gone, turns=found.spins, command=command
+        found.assembly, goals, verdict, objective, waypoints, "checked", leaves=gone, turns=found.spins, command=command
     )

@@ -1,4 +1,4 @@
-"""An answer in space as one HTML file: parts to turn by hand, their way, what holds them, and how sure it is."""
+"""An answer in space as one HTML file: parts to turn by hand, their path, what holds them, and how sure it is."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.plain import json_bytes
-from wiggleroom.report.answer_words import few, number, short, spatial_towards
+from wiggleroom.report.answer_words import assembly_lines, few, number, short, spatial_towards
+from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.solid_colours import Colour, part_colours
+from wiggleroom.report.spatial_path import waypoint_times, with_quaternions
 from wiggleroom.report.spatial_table import (
     check_sentence,
     last_direction,
@@ -19,7 +21,6 @@ from wiggleroom.report.spatial_table import (
     spatial_headline,
     spatial_sentence,
 )
-from wiggleroom.report.spatial_way import way_times, with_quaternions
 from wiggleroom.report.standalone_page import hashed, shipped
 from wiggleroom.report.table import fixed
 from wiggleroom.report.text import escape
@@ -61,7 +62,7 @@ code { font-size: 12px; overflow-wrap: anywhere; }
 def page_of_spatial_answer(
     answer: SpatialAnswer, command: str = "", colours: Sequence[Colour] | None = None, facts: Sequence[str] = ()
 ) -> str:
-    """Answer as a page: orbit, the way from rest by a slider, contacts at its end; `facts` stand first."""
+    """Answer as a page: orbit, the path from rest by a slider, contacts at its end; `facts` stand first."""
     sure = [
         *(f"<p>{escape(line)}</p>" for line in facts),
         f'<p><span class="verdict">{escape(answer.verdict.value)}</span>: {escape(spatial_sentence(answer))}</p>',
@@ -87,7 +88,7 @@ def page_of_spatial_answer(
 
 
 def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
-    """Way apart as a page: which parts leave, in which order, along which way."""
+    """How it comes apart as a page: which parts leave, in which order, along which path."""
     body = f'<p><span class="verdict">{escape(found.verdict.value)}</span>: {escape(check_sentence(found))}</p>'
     body += f"<p>gap {number(found.assembly.gap)} mm</p>"
     rows = [
@@ -95,14 +96,23 @@ def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
     ]
     if rows:
         body += _table("Leaves", ("parts", "last in"), rows)
-    way = (
+    waypoints = (
         np.concatenate([e.path for e in found.escapes])
         if found.escapes
         else np.zeros((1, len(found.assembly.parts), 6))
     )
     body += _table("Parts", ("part",), [[n] for n in found.assembly.names[:MAX_ROWS]], ticks=True)
     title = f"{found.verdict.value} at gap {number(found.assembly.gap)} mm"
-    return _page(title, body, f"{found.questions} questions", command, found.assembly, way, ())
+    return _page(title, body, f"{found.questions} questions", command, found.assembly, waypoints, ())
+
+
+def page_of_spatial_assembly(assembly: SpatialAssembly) -> str:
+    """Assembly in space as a page: the parts at rest, to be turned and taken apart, and what the file asks."""
+    title, *more = assembly_lines(assembly)
+    still = np.zeros((1, len(assembly.parts), 6))
+    rows = [[part.name, "stands" if part.fixed else ""] for part in assembly.parts[:MAX_ROWS]]
+    body = "".join(f"<p>{escape(line)}</p>" for line in more) + _table("Parts", ("part", ""), rows, ticks=True)
+    return _page(title, body, "", "", assembly, still, ())
 
 
 def _motion_rows(assembly: SpatialAssembly, motion: Floats) -> list[list[str]]:
@@ -163,7 +173,9 @@ def _scene(
     parts = []
     corners = []
     shown = colours or part_colours(assembly)
-    for part, made, at, colour in zip(assembly.parts, assembly.made, reference, shown, strict=True):
+    for part, made, at, colour, aside in zip(
+        assembly.parts, assembly.made, reference, shown, exploded_offsets(assembly).tolist(), strict=True
+    ):
         world = made.surface.vertices @ part.R.T + part.at
         corners.append(world)
         parts.append(
@@ -173,6 +185,7 @@ def _scene(
                 "vertices": packed(world - at, "<f4"),
                 "triangles": packed(made.surface.faces, "<u4"),
                 "reference": at.tolist(),
+                "aside": aside,
             }
         )
     everything = np.vstack(corners)
@@ -180,7 +193,7 @@ def _scene(
     strongest = max((c.force for c in contacts), default=1.0)
     return {
         "parts": parts,
-        "times": way_times(assembly, waypoints, size).tolist(),
+        "times": waypoint_times(assembly, waypoints, size).tolist(),
         "motions": packed(with_quaternions(waypoints), "<f4"),
         "contacts": [
             {"point": list(c.point), "normal": list(c.normal), "share": c.force / strongest} for c in contacts

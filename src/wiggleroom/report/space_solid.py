@@ -118,7 +118,7 @@ class _Surface:
         return np.arange(self.count - len(flat), self.count)
 
     def strip(self, one: Ints, other: Ints) -> None:
-        """Triangles between two closed rings, the first one below; each goes on where it is behind in its share of the way."""
+        """Triangles between two closed rings, the first one below; each goes on where it is behind in its share of the length."""
         points = np.vstack(self.points) if len(self.points) > 1 else self.points[0]
         self.points = [points]
         a, b = points[one, :2], points[other, :2]

@@ -1,4 +1,4 @@
-"""Films of ways in space: GIF, MP4, and SVG that plays."""
+"""Films of paths in space: GIF, MP4, and SVG that plays."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from wiggleroom.report.film_svg import PAUSES
 from wiggleroom.report.film_timing import ease_in_out
 from wiggleroom.report.png import png
 from wiggleroom.report.solid_colours import Colour, moved_surfaces
+from wiggleroom.report.spatial_path import along_path
 from wiggleroom.report.spatial_picture import HEIGHT, WIDTH, frame_of, spatial_svg
 from wiggleroom.report.spatial_table import last_direction, spatial_certainty, spatial_headline
-from wiggleroom.report.spatial_way import along_way
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
@@ -32,7 +32,7 @@ Floats = NDArray[np.float64]
 Progress = Callable[[int, int], None]
 
 SECONDS = 2.4
-"""A way takes so long [s]."""
+"""A path takes so long [s]."""
 RATES = {".gif": 12.5, ".mp4": 20.0, FILM_SVG: 10.0}
 """Frames a second by the ending of the name."""
 IN_SIGHT = 0.8
@@ -42,7 +42,7 @@ PIXELS = 680
 
 
 def film_of_spatial(found: SpatialAnswer | SpatialDisassembly, path: Path, *, progress: Progress | None = None) -> None:
-    """Write a film of an answer, from rest along its way and back where something holds it, or of all ways out.
+    """Write a film of an answer, from rest along its path and back where something holds it, or of all escape paths.
 
     Raises
     ------
@@ -55,11 +55,11 @@ def film_of_spatial(found: SpatialAnswer | SpatialDisassembly, path: Path, *, pr
     if isinstance(found, SpatialAnswer):
         facts = f"{found.verdict}, gap {found.assembly.gap:g} mm, {spatial_certainty(found)}"
         lines = [[spatial_headline(found), facts]]
-        ways, back = [found.waypoints], not found.leaves
+        paths, back = [found.waypoints], not found.leaves
     else:
         title = f"{found.verdict} at gap {found.assembly.gap:g} mm"
         still = [np.zeros((1, len(found.assembly.parts), 6))]
-        ways, back = [e.path for e in found.escapes] or still, False
+        paths, back = [e.path for e in found.escapes] or still, False
         lines = [[title, f"{k + 1}. {_who(found, k)}"] for k in range(len(found.escapes))] or [[title]]
     kind = ending(path)
     if kind != FILM_SVG:
@@ -67,8 +67,8 @@ def film_of_spatial(found: SpatialAnswer | SpatialDisassembly, path: Path, *, pr
     assembly, frames = found.assembly, max(2, round(SECONDS * RATES[kind]))
     scenes = [
         (motion, said)
-        for way, said in zip(ways, lines, strict=True)
-        for motion in along_way(assembly, way, ease_in_out(frames) if len(way) > 1 else np.ones(1))
+        for waypoints, said in zip(paths, lines, strict=True)
+        for motion in along_path(assembly, waypoints, ease_in_out(frames) if len(waypoints) > 1 else np.ones(1))
     ]
     shared = (assembly, _frame(assembly, [m for m, _ in scenes]), None)
     drawn = list(ParallelRun(progress=progress).each(drawn_frame, (shared, scenes), range(len(scenes))))

@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.report.answer_words import few, number, unit
+from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.page_messages import flex_reply
 from wiggleroom.report.solid_page import packed
+from wiggleroom.report.spatial_path import along_path, with_quaternions
 from wiggleroom.report.spatial_table import (
     check_sentence,
     departure_words,
@@ -18,7 +20,6 @@ from wiggleroom.report.spatial_table import (
     spatial_headline,
     spatial_sentence,
 )
-from wiggleroom.report.spatial_way import along_way, with_quaternions
 from wiggleroom.schema.fields import ContactEntry
 from wiggleroom.schema.replies import CheckReply, FlexReply, LeavingEntry, Opened, PartShape, Solids, SolidShape
 from wiggleroom.schema.requests import Design, GoalEntry, Goals
@@ -30,9 +31,9 @@ from wiggleroom.verdict import Verdict
 Floats = NDArray[np.float64]
 
 MAX_FRAMES = 64
-"""Frames of a way."""
+"""Frames of a path."""
 MAX_FRAME_MOTIONS = 60_000
-"""Motions of parts in all frames of a way together; at least two frames."""
+"""Motions of parts in all frames of a path together; at least two frames."""
 DOWN = (0.0, 0.0, -1.0)
 
 
@@ -101,7 +102,12 @@ def solids_message(assembly: SpatialAssembly) -> Solids:
             world = made.surface.vertices @ part.R.T + part.at
             shapes.append(SolidShape(packed(world - at, "<f4"), packed(made.surface.faces, "<u4")))
         of.append(known[key])
-    return Solids(shapes, of, [(float(x), float(y), float(z)) for x, y, z in reference])
+    aside = exploded_offsets(assembly)
+    return Solids(shapes, of, _triples(reference), _triples(aside))
+
+
+def _triples(points: Floats) -> list[tuple[float, float, float]]:
+    return [(float(x), float(y), float(z)) for x, y, z in points]
 
 
 def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:
@@ -165,12 +171,12 @@ def spatial_check_message(found: SpatialDisassembly, command: str) -> CheckReply
 
 
 def spatial_frames(assembly: SpatialAssembly, points: Floats) -> Floats:
-    """Motions (k, n, 7) along a way (m, n, 6), evenly along it: displacements [mm] and quaternions x, y, z, w.
+    """Motions (k, n, 7) along a path (m, n, 6), evenly along it: displacements [mm] and quaternions x, y, z, w.
 
     Between two frames positions go straight and turns about one constant axis, as between way-points; the first and the last of
-    the way are as they are.
+    the path are as they are.
     """
     if len(points) == 1:
         return with_quaternions(points)
     most = max(2, min(MAX_FRAMES, MAX_FRAME_MOTIONS // max(1, len(assembly.parts))))
-    return with_quaternions(along_way(assembly, points, np.linspace(0.0, 1.0, most)))
+    return with_quaternions(along_path(assembly, points, np.linspace(0.0, 1.0, most)))

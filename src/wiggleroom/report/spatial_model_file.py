@@ -1,4 +1,4 @@
-"""Parts in space as a model for viewers and slicers: binary glTF, with the way to where they are as an animation."""
+"""Parts in space as a model for viewers and slicers: binary glTF, with the path to where they are as an animation."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.report.solid_colours import Colour, moved_surfaces, part_colours
-from wiggleroom.report.spatial_way import along_way, with_quaternions
+from wiggleroom.report.spatial_path import along_path, with_quaternions
 from wiggleroom.spatial.rotations import exponential, logarithm
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 
@@ -21,17 +21,17 @@ METRES = 1e-3
 UPRIGHT = np.array([[1.0, 0, 0], [0, 0, 1], [0, -1, 0]])
 """In glTF y is up."""
 SECONDS, FRAMES = 4.0, 65
-"""The way is played in so many seconds, and told at so many moments."""
+"""The path is played in so many seconds, and told at so many moments."""
 FLOAT, JSON_CHUNK, BINARY_CHUNK = 5126, 0x4E4F534A, 0x004E4942
 """Numbers of the format."""
 
 
 def glb(
-    assembly: SpatialAssembly, motion: Floats, colours: Sequence[Colour] | None = None, way: Floats | None = None
+    assembly: SpatialAssembly, motion: Floats, colours: Sequence[Colour] | None = None, waypoints: Floats | None = None
 ) -> bytes:
     """Parts at a motion (n, 6) as binary glTF, in metres, y up, each with its name and colour.
 
-    Corners are where the parts have moved to; a way (k, n, 6) that leads there from rest is an animation.
+    Corners are where the parts have moved to; a path (k, n, 6) that leads there from rest is an animation.
 
     Source: glTF 2.0 specification, Khronos 2021.
     """
@@ -48,17 +48,17 @@ def glb(
         )
         scene.add_geometry(mesh, node_name=name, geom_name=name)
     found = bytes(scene.export(file_type="glb"))
-    return found if way is None or len(way) < 2 else _animated(found, assembly, motion, way)
+    return found if waypoints is None or len(waypoints) < 2 else _animated(found, assembly, motion, waypoints)
 
 
-def _animated(data: bytes, assembly: SpatialAssembly, motion: Floats, way: Floats) -> bytes:
+def _animated(data: bytes, assembly: SpatialAssembly, motion: Floats, waypoints: Floats) -> bytes:
     """The model with an animation of its parts from rest to where they are."""
     size = struct.unpack_from("<I", data, 12)[0]
     content: dict[str, Any] = json.loads(data[20 : 20 + size])
     binary = bytearray(data[28 + size :])
     node_of = {node.get("name"): k for k, node in enumerate(content["nodes"])}
     times = np.linspace(0.0, SECONDS, FRAMES)
-    motions = along_way(assembly, way, np.linspace(0.0, 1.0, FRAMES))
+    motions = along_path(assembly, waypoints, np.linspace(0.0, 1.0, FRAMES))
     clock = _accessor(content, binary, times[:, None], "SCALAR")
     samplers: list[dict[str, Any]] = []
     channels: list[dict[str, Any]] = []

@@ -54,7 +54,7 @@ def draw_spatial(answer: SpatialAnswer, path: Path) -> None:
         If the name has another ending.
     """
     lines = [spatial_headline(answer), f"{answer.verdict}, gap {answer.assembly.gap:g} mm, {spatial_certainty(answer)}"]
-    write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts, way=answer.waypoints)
+    write_moved_parts(answer.assembly, answer.motion, path, lines, answer.contacts, waypoints=answer.waypoints)
 
 
 def draw_separation(found: SpatialDisassembly, path: Path) -> None:
@@ -80,9 +80,9 @@ def write_moved_parts(
     contacts: Sequence[SpatialContact] = (),
     colours: Sequence[Colour] | None = None,
     names: Sequence[str] = (),
-    way: Floats | None = None,
+    waypoints: Floats | None = None,
 ) -> None:
-    """Write parts at a motion (n, 6) with lines of text above them, and names upon them; .svg, .png or .glb, there with the way (k, n, 6).
+    """Write parts at a motion (n, 6) with lines of text above them, and names upon them; .svg, .png or .glb, there with the path (k, n, 6).
 
     Raises
     ------
@@ -91,7 +91,7 @@ def write_moved_parts(
     """
     kind = ending(path)
     if kind == ".glb":
-        write_whole(path, glb(assembly, motion, colours, way))
+        write_whole(path, glb(assembly, motion, colours, waypoints))
     elif kind in (".svg", ".png"):
         svg = spatial_svg(assembly, motion, lines, contacts, colours, names)
         if kind == ".svg":

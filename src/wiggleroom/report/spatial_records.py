@@ -84,13 +84,13 @@ def _separability_entry(found: SpatialDisassembly) -> Record:
     }
 
 
-def spatial_steps(names: Sequence[str], ways: Sequence[np.ndarray]) -> str:
-    """Motions along ways (k, n, 6), one after the other, as comma-separated values: a row for each way, step and part that moves."""
+def spatial_steps(names: Sequence[str], paths: Sequence[np.ndarray]) -> str:
+    """Motions along paths (k, n, 6), one after the other, as comma-separated values: a row for each path, step and part that moves."""
     heads = ("way", "step", "part", "dx_mm", "dy_mm", "dz_mm", "rx_deg", "ry_deg", "rz_deg")
     rows = [
         (k + 1, step, names[p], *motion[p, :3].tolist(), *np.degrees(motion[p, 3:]).tolist())
-        for k, way in enumerate(ways)
-        for step, motion in enumerate(way)
-        for p in np.flatnonzero((np.abs(way) > MIN_MOTION).any(axis=(0, 2))).tolist()
+        for k, path in enumerate(paths)
+        for step, motion in enumerate(path)
+        for p in np.flatnonzero((np.abs(path) > MIN_MOTION).any(axis=(0, 2))).tolist()
     ]
     return text_of(heads, rows)

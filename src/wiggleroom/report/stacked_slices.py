@@ -110,8 +110,8 @@ def _prism(
         roof += ("M" + "%.1f,%.1f " * (len(roofs) - 1)) % tuple(roofs[:-1].ravel().tolist()) + "z"
         depth = math.sin(AZIMUTH) * points[:, 0] + math.cos(AZIMUTH) * points[:, 1]
         for i in range(len(points) - 1):
-            way = points[i + 1] - points[i]
-            outward = np.array([way[1], -way[0]]) / max(float(np.hypot(*way)), 1e-12)
+            edge = points[i + 1] - points[i]
+            outward = np.array([edge[1], -edge[0]]) / max(float(np.hypot(*edge)), 1e-12)
             if math.sin(AZIMUTH) * outward[0] + math.cos(AZIMUTH) * outward[1] >= 0:
                 continue  # seen from behind: hidden by the roof and by nearer walls
             quad = np.concatenate([floor[i], floor[i + 1], roofs[i + 1], roofs[i]])

@@ -95,7 +95,7 @@ def shared_outlines(assembly: Assembly) -> SharedOutlines:
 
 
 def shown_answer(answers: Mapping[float, Answer], command: str) -> list[StandaloneAnswer]:
-    """Answers by gap [mm], each with the frames of its way, and with its outlines where they are not those of the first."""
+    """Answers by gap [mm], each with the frames of its path, and with its outlines where they are not those of the first."""
     found: list[StandaloneAnswer] = []
     first = None
     for gap, answer in answers.items():

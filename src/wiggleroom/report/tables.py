@@ -76,17 +76,17 @@ def _cell(value: Any) -> Any:
     return "" if value is None else str(value)
 
 
-def _steps(names: Sequence[str], way: NDArray[np.float64]) -> list[tuple[Any, ...]]:
+def _steps(names: Sequence[str], path: NDArray[np.float64]) -> list[tuple[Any, ...]]:
     """Motions along a path (k, n, 3), a row for each step and part; the last step is the end."""
     return [
         (step, name, x, y, math.degrees(turn))
-        for step, motion in enumerate(way.tolist())
+        for step, motion in enumerate(path.tolist())
         for name, (x, y, turn) in zip(names, motion, strict=True)
     ]
 
 
 def _escapes(checked: Checked) -> list[tuple[Any, ...]]:
-    """Ways of those that leave, one after the other; only parts that have moved."""
+    """Paths of those that leave, one after the other; only parts that have moved."""
     rows = []
     for k, escape in enumerate(checked.found.escapes):
         moves = np.asarray(escape.path.any(axis=(0, 2)))
@@ -96,11 +96,11 @@ def _escapes(checked: Checked) -> list[tuple[Any, ...]]:
 
 
 def _planned(found: Plan) -> list[tuple[Any, ...]]:
-    """Ways of all steps; only parts that move in them."""
+    """Paths of all steps; only parts that move in them."""
     rows = []
     for k, step in enumerate(found.steps):
         moves = [found.assembly.names.index(name) for name in step.parts]
-        rows += [(k + 1, *row) for row in _steps(step.parts, step.way[:, moves])]
+        rows += [(k + 1, *row) for row in _steps(step.parts, step.path[:, moves])]
     return rows
 
 

@@ -15,18 +15,17 @@ from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 if TYPE_CHECKING:
-    from wiggleroom.disassembly.interlock import Interlock
-    from wiggleroom.report.write_study import Study
+    from wiggleroom.report.write_study import StudyResult
 
 
 def draw(
-    found: Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study,
+    found: Answer | SpatialAnswer | SpatialDisassembly | StudyResult,
     path: str | PathLike[str],
     *,
     command: str = "",
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Write a picture (.svg, .png) or a report (.html) of an answer or a study; of an answer, and of ways out, a film too.
+    """Write a picture (.svg, .png) or a report (.html) of an answer or a study; of an answer, and of escape paths, a film too.
 
     Of answers in space there are models too (.glb).
 

@@ -20,7 +20,7 @@ from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 SPATIAL_PICTURES = (".svg", ".png", *FILMS, ".glb", PAGE)
 SPATIAL_STUDIES = (".svg", ".png", ".glb", PAGE)
-"""Of rankings and tightenings, which have no way of their own."""
+"""Of rankings and tightenings, which have no path of their own."""
 
 SpatialFound = SpatialAnswer | SpatialDisassembly | Ranking | Tightening
 """What is shown as parts in space; rankings and tightenings of assemblies in space."""
@@ -29,15 +29,15 @@ SpatialFound = SpatialAnswer | SpatialDisassembly | Ranking | Tightening
 def write_spatial(
     found: SpatialFound, path: Path, command: str = "", progress: Callable[[int, int], None] | None = None
 ) -> None:
-    """Write a picture (.svg, .png), a model of the moved parts (.glb), a page (.html), or a film of the way (.gif, .mp4, .film.svg).
+    """Write a picture (.svg, .png), a model of the moved parts (.glb), a page (.html), or a film of the path (.gif, .mp4, .film.svg).
 
     Raises
     ------
     InputError
         If the name has another ending.
     """
-    way = isinstance(found, SpatialAnswer | SpatialDisassembly)
-    check_ending(path, SPATIAL_PICTURES if way else SPATIAL_STUDIES)
+    moves = isinstance(found, SpatialAnswer | SpatialDisassembly)
+    check_ending(path, SPATIAL_PICTURES if moves else SPATIAL_STUDIES)
     if isinstance(found, SpatialAnswer | SpatialDisassembly) and ending(path) in FILMS:
         from wiggleroom.report.spatial_film import film_of_spatial
 

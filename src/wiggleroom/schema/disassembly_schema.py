@@ -22,13 +22,13 @@ class EscapeEntry(Struct):
 
 
 class StateSearchEntry(Struct, kw_only=True):
-    """How far the search for ways out went."""
+    """How far the search for escape paths went."""
 
     states: Annotated[int, Meta(description="states to which slides, and turns of single parts, led")]
     turned: Annotated[int, Meta(description="of these states those in which every part was turned both ways")]
     whole: Annotated[bool, Meta(description="these are all such states of the parts that are left")]
     questions: Annotated[int, Meta(description="largest motions that were searched")]
-    unanswered: Annotated[int, Meta(description="of these those that found no end whose way is certain")]
+    unanswered: Annotated[int, Meta(description="of these those that found no end whose path is certain")]
 
 
 class SeparabilityEntry(Struct, kw_only=True):

@@ -47,7 +47,7 @@ class PlanAssemblyEntry(Struct, kw_only=True):
 
 
 class PlanSampleEntry(Struct, kw_only=True):
-    """What becomes of the plan when the gap round every part varies at random; its ways stay as they are."""
+    """What becomes of the plan when the gap round every part varies at random; its paths stay as they are."""
 
     share: Annotated[float, Meta(description="share of the draws that go together")]
     interval: Annotated[tuple[float, float], Meta(description="95 % confidence interval of the share")]
@@ -70,7 +70,7 @@ class PlanRankEntry(Struct):
 
 
 class PlanGapEntry(Struct, kw_only=True):
-    """The smallest gap at which the plan works, its ways fitted anew, from both sides."""
+    """The smallest gap at which the plan works, its paths fitted anew, from both sides."""
 
     works_at: Annotated[float, Meta(description="smallest gap at which every step was found to be free [mm]")]
     fails_at: Annotated[
@@ -84,7 +84,7 @@ class PlanGapEntry(Struct, kw_only=True):
 
 
 class PlanResult(Struct, tag_field="format", tag="wiggleroom.plan/1", kw_only=True):
-    """In which order and along which ways parts are taken apart and put together: `wiggleroom plan --json`."""
+    """In which order and along which paths parts are taken apart and put together: `wiggleroom plan --json`."""
 
     verdict: Annotated[
         Separability, Meta(description="comes apart: all targets leave or, without targets, anything does")

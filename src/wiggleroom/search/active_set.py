@@ -44,7 +44,7 @@ class ActiveSet:
 
     @property
     def at_end(self) -> NDArray[np.bool_]:
-        """Corner on corner: the way past either corner is another branch."""
+        """Corner on corner: the path past either corner is another branch."""
         return ~self.virtual & ((self.place < EDGE_END_TOLERANCE) | (self.place > 1 - EDGE_END_TOLERANCE))
 
     def lines_at_end(self, program: Program, pairs: Ints) -> Ints:

@@ -34,19 +34,19 @@ END_TOLERANCE = 1e-6
 def answer_of(
     search: LocalSearch, asked: tuple[Goal, ...], solver: str, began: float, repeats: PeriodicMotion | None = None
 ) -> Answer:
-    """Check the way and the end of the best motion, and say how sure it is; or that it `repeats`, where a period is known."""
+    """Check the path and the end of the best motion, and say how sure it is; or that it `repeats`, where a period is known."""
     started = time.perf_counter()
     ready, found = search.ready, search.best
     if found is None:
         raise WiggleroomError("the search ended before its first round")
     search.tell(Progress("check", search.rounds, 0, found.value))
-    way, safe = search.checked_path(found), OVERLAP_TOLERANCE * ready.size
-    value, motions = found.value, way.motions
-    if not way.sure:  # back to the last way-point up to which the path is certain
-        motions = motions[: max(way.certain, 1)]
+    checked, safe = search.checked_path(found), OVERLAP_TOLERANCE * ready.size
+    value, motions = found.value, checked.motions
+    if not checked.sure:  # back to the last way-point up to which the path is certain
+        motions = motions[: max(checked.certain, 1)]
         value = search.objective.value(motions[-1])
     arrived = value >= found.value - END_TOLERANCE * max(abs(found.value), ready.clearance)
-    verdict = _verdict(search, found, way.sure or arrived)
+    verdict = _verdict(search, found, checked.sure or arrived)
     deepest = overlaps(ready.bodies, motions[-1], ready.ignored).deepest
     if deepest > safe:  # never report an overlap: back to the last way-point without one
         motions, deepest = _safe_part(search, motions, safe)
@@ -56,7 +56,7 @@ def answer_of(
         motions, value, deepest = motions[:1], first, 0.0
     leaves: tuple[str, ...] = ()
     turns: tuple[str, ...] = ()
-    waypoints, period = way.waypoints[: len(motions)], None
+    waypoints, period = checked.waypoints[: len(motions)], None
     if repeats is not None:
         verdict, waypoints, deepest = Verdict.UNBOUNDED, repeats.waypoints, 0.0
         turns = _names(ready.assembly, ready.bodies, repeats.turn != 0)
@@ -77,7 +77,7 @@ def answer_of(
         motion=waypoints[-1],
         waypoints=waypoints,
         contacts=held,
-        path="checked" if way.certain or repeats is not None else "not checked",
+        path="checked" if checked.certain or repeats is not None else "not checked",
         collision_free=deepest <= safe,
         deepest_overlap=deepest,
         model="walls",
@@ -93,7 +93,7 @@ def answer_of(
 
 
 def _safe_part(search: LocalSearch, motions: Floats, safe: float) -> tuple[Floats, float]:
-    """The way up to its last point without overlap, and the overlap there [mm]; rest has none."""
+    """The path up to its last point without overlap, and the overlap there [mm]; rest has none."""
     ready = search.ready
     for k in range(len(motions) - 1, 0, -1):
         deepest = overlaps(ready.bodies, motions[k], ready.ignored).deepest

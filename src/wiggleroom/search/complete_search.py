@@ -87,16 +87,16 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
         else:
             asked = value * (reach / value) ** LEAST_SHARE, value * (reach / value) ** MOST_SHARE
         allowed = visits if last else min(boxes.visits + VISITS_OF_A_QUESTION, visits)
-        closed, way = boxes.beyond(*asked, allowed, first.stop)
+        closed, path = boxes.beyond(*asked, allowed, first.stop)
         if closed:
             at_most = most = reach = asked[1]
             continue
-        if way is None:
+        if path is None:
             if last:
                 break
             reach = asked[0]  # too much is asked for
             continue
-        climb = _climbed(best, boxes, way)
+        climb = _climbed(best, boxes, path)
         if climb is None:
             break
         further, free = climb.certain_value()
@@ -108,9 +108,9 @@ def complete_search(first: LocalSearch) -> CompleteSearch:
     return CompleteSearch(best, at_most if alone else None, tuple(ends))
 
 
-def _climbed(best: LocalSearch, boxes: MotionBoxes, way: Floats) -> LocalSearch | None:
+def _climbed(best: LocalSearch, boxes: MotionBoxes, path: Floats) -> LocalSearch | None:
     """A search that has climbed from the end of a path of boxes, its work that of all; None where no cells grow there."""
-    start = _start(best.ready, boxes, way)
+    start = _start(best.ready, boxes, path)
     if start is None:
         return None
     climb = LocalSearch(best.ready, best.objective, best.solve, THOROUGH, best.stop, best.tell, rounds=best.rounds)
@@ -146,11 +146,11 @@ def _boxes(search: LocalSearch) -> MotionBoxes | None:
     )
 
 
-def _start(ready: Prepared, boxes: MotionBoxes, way: Floats) -> Start | None:
+def _start(ready: Prepared, boxes: MotionBoxes, path: Floats) -> Start | None:
     """Where a search begins at the end of a path of boxes; None where no cells grow there."""
     bodies, body = ready.bodies, boxes.body
     spot = ready.assembly.rest[bodies.members[body][0], :2]  # a path is straight about the reference points of parts
-    way = boxes.straightened(way, spot)
-    motions = np.zeros((len(way), len(bodies.fixed), 3))
-    motions[:, body] = about(way[:, None], (bodies.rest[body, :2] - spot)[None])[:, 0]
+    path = boxes.straightened(path, spot)
+    motions = np.zeros((len(path), len(bodies.fixed), 3))
+    motions[:, body] = about(path[:, None], (bodies.rest[body, :2] - spot)[None])[:, 0]
     return start_after(ready, motions)

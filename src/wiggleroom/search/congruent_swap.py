@@ -1,7 +1,7 @@
-"""Ends of congruent joints, offered to each other: where pairs hang together as a tree, each can take the way of another alone.
+"""Ends of congruent joints, offered to each other: where pairs hang together as a tree, each can take the path of another alone.
 
 A joint may end in several ways that are nearly as good, and which is best depends on the other joints. A pair that is
-congruent to another has the same free space, so the way by which the other went is legal for it too, and in a tree no
+congruent to another has the same free space, so the path by which the other went is legal for it too, and in a tree no
 other pair notices.
 """
 
@@ -29,7 +29,7 @@ MAX_SWAPS = 64
 
 @dataclass(frozen=True, eq=False)
 class CongruentSwap:
-    """Pairs `who` (k,) that take the way of the pair `like`."""
+    """Pairs `who` (k,) that take the path of the pair `like`."""
 
     who: Ints
     like: int

@@ -25,7 +25,7 @@ from wiggleroom.search.loop import (
     Policy,
     Progress,
 )
-from wiggleroom.solve.interior_point import INITIAL_BARRIER
+from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER
 from wiggleroom.verdict import SolverStatus
 
 Ints = NDArray[np.int64]
@@ -95,7 +95,7 @@ def other_side_of_corners(search: LocalSearch, incumbent: Incumbent, _: bool) ->
 
 
 def congruent_swap(search: LocalSearch, incumbent: Incumbent, _: bool) -> Iterator[Start]:
-    """In small assemblies, let joints go the way of a congruent one."""
+    """In small assemblies, let joints take the path of a congruent one."""
     count = len(incumbent.program.cells.a)
     whole = all(len(segment.program.cells.a) == count for segment in incumbent.segments)
     if whole and len(incumbent.motion) <= MAX_BRANCHES[1]:
@@ -115,7 +115,7 @@ def regrown(
     """The start near an incumbent, with new cells for some pairs grown there.
 
     The new cells keep the solution itself inside, so the next round can only be better. With `other_side` they avoid the line that a
-    corner touches at its very end: the way past the other side of the corner. With `level` the round begins nearer to the solution.
+    corner touches at its very end: the path past the other side of the corner. With `level` the round begins nearer to the solution.
     """
     began = time.perf_counter()
     search.tell(Progress("free spaces", search.rounds, incumbent.solution.iterations, incumbent.value))
@@ -152,7 +152,7 @@ def regrown(
 
 
 def _swapped(search: LocalSearch, incumbent: Incumbent, swap: CongruentSwap) -> Start:
-    """The start where some joints have gone the way of another one."""
+    """The start where some joints have taken the path of another one."""
     bodies, segments = search.ready.bodies, []
     for segment in incumbent.start().segments:
         cells = segment.program.cells

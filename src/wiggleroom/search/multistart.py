@@ -30,8 +30,8 @@ def pulls(bodies: Bodies, objective: Objective, clearance: float) -> tuple[Point
         return ()
     random = np.random.default_rng(0)
     free = np.flatnonzero(~bodies.fixed)
-    ways = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)]
-    found = [_pull(bodies, free, np.tile(way, (len(free), 1)), 0.0, random) for way in ways]
+    directions = [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)]
+    found = [_pull(bodies, free, np.tile(direction, (len(free), 1)), 0.0, random) for direction in directions]
     if len(free) <= LARGE_ASSEMBLY:
         found += [_pull(bodies, free, np.zeros((len(free), 2)), sense, random) for sense in (1.0, -1.0)]
         found += [_pull(bodies, free, random.standard_normal((len(free), 2)), 0.0, random) for _ in range(2)]
@@ -39,8 +39,8 @@ def pulls(bodies: Bodies, objective: Objective, clearance: float) -> tuple[Point
 
 
 def _pull(
-    bodies: Bodies, free: NDArray[np.int64], way: Floats, turn: float, random: np.random.Generator
+    bodies: Bodies, free: NDArray[np.int64], direction: Floats, turn: float, random: np.random.Generator
 ) -> PointMotion:
     weight = 1.0 + WEIGHT_DEVIATION * random.standard_normal(len(free))
     lever = turn * weight * bodies.radius[free]
-    return PointMotion(free, way * weight[:, None], np.zeros((len(free), 2)), lever)
+    return PointMotion(free, direction * weight[:, None], np.zeros((len(free), 2)), lever)

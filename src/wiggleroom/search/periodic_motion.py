@@ -22,7 +22,7 @@ from wiggleroom.program.objectives import Approach, Objective, PointMotion, Poin
 from wiggleroom.search.incumbent import PathSegment, Start, start_at_rest
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import CLIMB
-from wiggleroom.search.path_check import CheckedPath, whole_way
+from wiggleroom.search.path_check import CheckedPath, check_path
 from wiggleroom.search.prepare import prepare
 from wiggleroom.search.symmetric_cover import symmetric_cover
 from wiggleroom.verdict import SolverStatus
@@ -148,16 +148,16 @@ def _repeats(search: LocalSearch, weights: Floats, orders: Ints) -> PeriodicMoti
     """A path that repeats, of bodies with symmetries of some orders (n,)."""
     if search.best is None:
         return None
-    way = search.checked_path(search.best)
-    if not way.certain:
+    checked = search.checked_path(search.best)
+    if not checked.certain:
         return None
     step = 2 * np.pi / orders
-    found = _in_place(search, way, weights, step)
+    found = _in_place(search, checked, weights, step)
     if found is not None:
         return found
-    count = sum(len(segment.points) for segment in way.kept)
+    count = sum(len(segment.points) for segment in checked.kept)
     for first in dict.fromkeys(np.linspace(0, count - 1, FIRST_STATES + 1).astype(int)[:-1].tolist()):
-        for target in _congruent_states(search, way, weights, step, first):
+        for target in _congruent_states(search, checked, weights, step, first):
             if search.stopped:
                 return None
             path = _steered(search, target)
@@ -194,18 +194,18 @@ def _turn_weights(objective: Objective, n: int) -> Floats:
     return out
 
 
-def _in_place(search: LocalSearch, way: CheckedPath, weights: Floats, step: Floats) -> PeriodicMotion | None:
+def _in_place(search: LocalSearch, path: CheckedPath, weights: Floats, step: Floats) -> PeriodicMotion | None:
     """Bodies that turn where they are, at rest or at the end: each by one step of its symmetry."""
     ready = search.ready
     asked = np.flatnonzero((weights != 0) & ~ready.bodies.fixed)
-    last = way.certain - 1
+    last = path.certain - 1
     for first in dict.fromkeys((0, last)):
         for body in asked:
             sense = np.sign(weights[body])
             count = max(4, int(np.ceil(PLACES_IN_A_TURN * step[body] / (2 * np.pi))))
-            turning = np.repeat(way.motions[first : first + 1], count, axis=0)
+            turning = np.repeat(path.motions[first : first + 1], count, axis=0)
             turning[:, body, 2] += sense * step[body] * np.arange(1, count + 1) / count
-            motions = np.concatenate([way.motions[: first + 1], turning])
+            motions = np.concatenate([path.motions[: first + 1], turning])
             waypoints = of_parts(ready.assembly, ready.bodies, motions)
             if audit_path(ready.assembly, waypoints[first:]).free:
                 turn = np.zeros(len(weights))
@@ -215,15 +215,15 @@ def _in_place(search: LocalSearch, way: CheckedPath, weights: Floats, step: Floa
 
 
 def _congruent_states(
-    search: LocalSearch, way: CheckedPath, weights: Floats, step: Floats, first: int
+    search: LocalSearch, path: CheckedPath, weights: Floats, step: Floats, first: int
 ) -> Iterator[_CongruentState]:
     """States congruent to point `first` of the path that it comes near to later, with the objective further on.
 
     Of those that are nearly as near as the nearest, the one of the shortest period comes first.
     """
     bodies, clearance = search.ready.bodies, search.ready.clearance
-    points = [(k, i) for k, segment in enumerate(way.kept) for i in range(len(segment.points))]
-    motions = np.array([way.kept[k].program.motion(way.kept[k].points[i]) for k, i in points])
+    points = [(k, i) for k, segment in enumerate(path.kept) for i in range(len(segment.points))]
+    motions = np.array([path.kept[k].program.motion(path.kept[k].points[i]) for k, i in points])
     free, base = ~bodies.fixed, motions[first]
     share = np.arange(STEPS_BETWEEN)[:, None, None] / STEPS_BETWEEN
     found: dict[tuple[int, ...], _CongruentState] = {}
@@ -241,7 +241,7 @@ def _congruent_states(
             if key in found and found[key].distance <= distance[j]:
                 continue
             k, i = points[min(at + int(2 * j >= STEPS_BETWEEN), len(points) - 2)]  # the last one touches
-            segments = (*way.kept[:k], PathSegment(way.kept[k].program, way.kept[k].points[: i + 1]))
+            segments = (*path.kept[:k], PathSegment(path.kept[k].program, path.kept[k].points[: i + 1]))
             found[key] = _CongruentState(base, count[j] * step, segments, float(distance[j]))
     if found:
         near = max(2 * min(state.distance for state in found.values()), 4 * clearance)
@@ -268,7 +268,7 @@ def _steered(search: LocalSearch, target: _CongruentState) -> CheckedPath | None
     if away.max() > ARRIVAL * ready.clearance:
         return None
     arrival = PathSegment(found.program, (found.solution.u, found.program.variables(target.motion)))
-    path = whole_way(ready, (*found.path, arrival), search.stop)
+    path = check_path(ready, (*found.path, arrival), search.stop)
     if not path.sure:
         return None
     end = of_parts(ready.assembly, bodies, target.motion[None])  # without the rounding of the program's units

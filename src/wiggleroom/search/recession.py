@@ -33,26 +33,28 @@ def recession_direction(ready: Prepared, objective: Objective, motion: Floats) -
     slope[ready.bodies.fixed] = 0.0
     asked = np.flatnonzero((slope != 0).any(axis=1))
     angle = 2 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    ways = [slope[:, :2].sum(axis=0), *motion[asked, :2], *np.column_stack([np.cos(angle), np.sin(angle)])]
-    for way in ways:
-        length = float(np.hypot(*way))
+    directions = [slope[:, :2].sum(axis=0), *motion[asked, :2], *np.column_stack([np.cos(angle), np.sin(angle)])]
+    for direction in directions:
+        length = float(np.hypot(*direction))
         if length == 0:
             continue
         for body in asked:
-            who = _taken_along(ready, shapes, int(body), way / length)
-            if who is not None and _grows(ready, objective, motion, who, way / length):
-                return way / length
+            who = _taken_along(ready, shapes, int(body), direction / length)
+            if who is not None and _grows(ready, objective, motion, who, direction / length):
+                return direction / length
     return None
 
 
-def _taken_along(ready: Prepared, shapes: NDArray[np.object_], body: int, way: Floats) -> NDArray[np.bool_] | None:
+def _taken_along(
+    ready: Prepared, shapes: NDArray[np.object_], body: int, direction: Floats
+) -> NDArray[np.bool_] | None:
     """Bodies (n,) that move along with one that goes straight; None where one of them stands."""
     n = len(shapes)
     low, high = np.divmod(ready.ignored, n)
     passes = np.zeros((n, n), dtype=bool)
     passes[low, high] = passes[high, low] = True
     box = shapely.total_bounds(shapes)
-    far = 2 * way * np.hypot(*(box[2:] - box[:2]))
+    far = 2 * direction * np.hypot(*(box[2:] - box[:2]))
     who = np.zeros(n, dtype=bool)
     waiting = [body]
     who[body] = True
@@ -69,10 +71,10 @@ def _taken_along(ready: Prepared, shapes: NDArray[np.object_], body: int, way: F
     return who
 
 
-def _grows(ready: Prepared, objective: Objective, motion: Floats, who: NDArray[np.bool_], way: Floats) -> bool:
+def _grows(ready: Prepared, objective: Objective, motion: Floats, who: NDArray[np.bool_], direction: Floats) -> bool:
     """True where the objective grows without end."""
     away = np.zeros_like(motion)
-    away[who, :2] = FAR * ready.size * way
+    away[who, :2] = FAR * ready.size * direction
     here, there, twice = (objective.value(motion + k * away) for k in (0, 1, 2))
     least = MIN_SLOPE * FAR * ready.size * float(np.abs(objective.gradient(motion)[:, :2]).max())
     return there - here > least and twice - there > (1 - MIN_SLOPE) * (there - here)

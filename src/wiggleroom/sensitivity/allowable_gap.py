@@ -1,7 +1,7 @@
 """Which gap a maker may leave: the largest that keeps a motion small or the parts together, the smallest that fits.
 
 Parts only get smaller as the gap grows, so what can be moved at one gap can be moved at any larger one: the largest motion never
-falls, a way apart stays one, and parts that fit beside each other still do. Each question therefore has one border, which is
+falls, a path apart stays one, and parts that fit beside each other still do. Each question therefore has one border, which is
 enclosed between a gap that answers it and one that was seen not to.
 """
 
@@ -65,7 +65,7 @@ def allowable_gap(
     >>> found.gap < found.beyond < 1.011 * found.gap
     True
     """
-    see_question(at_most, holds, fits)
+    check_question(at_most, holds, fits)
     deadline = Deadline(seconds, stop)
     if at_most is not None:
         return MotionBorder(
@@ -76,8 +76,8 @@ def allowable_gap(
     return held_gap(assembly, largest_gap(assembly, stop=deadline, progress=progress), deadline)
 
 
-def see_question(at_most: float | None, holds: bool, fits: float | None) -> None:
-    """See that one question is asked.
+def check_question(at_most: float | None, holds: bool, fits: float | None) -> None:
+    """Check that one question is asked.
 
     Raises
     ------

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from wiggleroom.search.drawable import Drawable
+from wiggleroom.displayable import Drawable
 from wiggleroom.verdict import Certainty
 
 Question = Literal["at most", "holds", "fits"]
@@ -24,7 +24,7 @@ class Trial:
     verdict : str
         That of the answer; "touching", "cannot be made", "fits" or "overlaps".
     checked : bool
-        True where the value is that of a state that was checked by exact geometry, its way from rest too.
+        True where the value is that of a state that was checked by exact geometry, its path from rest too.
     at_most : float or None
         A value that no motion at this gap can exceed, where one was worked out.
     answer : Answer, SpatialAnswer or None
@@ -57,7 +57,7 @@ class AllowableGap(Drawable):
     gap : float or None [mm]
         The answer; None where there is none, see `why`.
     certainty : Certainty or None
-        Proven, or searched: no larger motion, or no way apart, was found at this gap. None where there is no answer.
+        Proven, or searched: no larger motion, or no path apart, was found at this gap. None where there is no answer.
     beyond : float or None [mm]
         Nearest gap that was seen to fail, by a state that was checked; None where none was.
     searched_gap, proven_gap : float or None [mm]

@@ -28,7 +28,8 @@ from wiggleroom.search.incumbent import Incumbent, start_at_rest
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.solve.interior_point import Solution, solve
+from wiggleroom.solve.interior_point import solve
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
@@ -125,7 +126,7 @@ def perturbed_objective(
 ) -> PerturbedObjective:
     """Largest objective when the outline of each part moves inward by `inward` (parts,) [mm]; negative moves it out.
 
-    The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the way
+    The end of the motion is free of overlap by exact geometry. Other sides of corner contacts are not tried and the path
     from rest is not checked: one answer of `flex` for the middle of many perturbations does that. Where the moved cells do
     not lead to an optimum, or an outline loses an edge, everything is worked out anew.
     """

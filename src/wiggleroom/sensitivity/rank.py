@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.sensitivity.dual_face import is_unique
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.planar_model import PlanarModel, model_of
-from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives, StudyModel, see_end
+from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives, StudyModel, check_end
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -169,7 +169,7 @@ def rank(
     else:
         model = model_of(question, goals)
         answer = model.answer(stop)
-    see_end(model, answer)
+    check_end(model, answer)
     if by == "duals" and not exact:
         return ranking_of(answer, model.derivatives(answer), stop=stop)
     found = model.quotients(answer)
@@ -187,7 +187,7 @@ def rank_at_once(answer: Answer, model: StudyModel | None = None) -> Ranking:
         If nothing stops the motion or the search for it was cut short.
     """
     its = model or PlanarModel(answer.assembly)
-    see_end(its, answer)
+    check_end(its, answer)
     return ranking_of(answer, its.derivatives(answer), most_rows=0)
 
 

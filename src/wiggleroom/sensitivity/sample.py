@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.planar_model import model_of
 from wiggleroom.sensitivity.rank import Ranking, rank_at_once
-from wiggleroom.sensitivity.study_model import StudyModel, see_end
+from wiggleroom.sensitivity.study_model import StudyModel, check_end
 from wiggleroom.verdict import Verdict
 
 Floats = NDArray[np.float64]
@@ -183,7 +183,7 @@ def sample(
         raise InputError(wrong)
     model: StudyModel = model_of(assembly, goals)
     answer = model.answer(stop)
-    see_end(model, answer)
+    check_end(model, answer)
     extra = distribution.draw(draws, len(model.assembly.parts), seed)
     many = ParallelRun(workers, cluster, stop, progress)
     results = many.each(*model.draws(answer), list(extra / 2))

@@ -96,8 +96,8 @@ class StudyModel(Protocol):
         """How far the boundary of each part (n,) may move out [mm] until `aim` of the gap `whole` is left."""
 
 
-def see_end(model: StudyModel, answer: Any) -> None:
-    """See that a motion can be held against gaps.
+def check_end(model: StudyModel, answer: Any) -> None:
+    """Check that a motion can be held against gaps.
 
     Raises
     ------

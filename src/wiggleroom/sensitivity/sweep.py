@@ -17,6 +17,7 @@ from wiggleroom.assembly.findings import question_findings
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.prove import check_request
 from wiggleroom.bound.prove import prove as prove_bound
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.bodies import bodies
@@ -27,7 +28,6 @@ from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.incumbent import Start
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import THOROUGH
@@ -61,7 +61,7 @@ class SweepStep:
     checked : bool
         True where the path from rest was checked, at this gap.
     answer : Answer, SpatialAnswer or None
-        What was found there, its way from rest through the ends at smaller gaps; None where there is no such motion.
+        What was found there, its path from rest through the ends at smaller gaps; None where there is no such motion.
     at_most : float or None
         A value that no motion exceeds, at this gap or a smaller one; None where none was asked for or proven.
     """
@@ -109,7 +109,7 @@ def sweep(
     """Largest motion for several gaps, and the gap from which on nothing stops it.
 
     Each gap begins with the motion of the gap before, which is free of overlap there too, because every part has become
-    smaller: so the curve never falls, and a way that was checked stays checked.
+    smaller: so the curve never falls, and a path that was checked stays checked.
 
     Parameters
     ----------
@@ -192,7 +192,7 @@ class GapSteps(Protocol):
         """One gap, and what the next larger one may start from: it has `gap` and `motion`."""
 
     def looser(self, step: SweepStep, gap: float) -> SweepStep:
-        """The step of a gap at which parts leave by the way of a smaller gap."""
+        """The step of a gap at which parts leave by the path of a smaller gap."""
 
 
 def sweep_over(
@@ -220,7 +220,7 @@ def sweep_over(
     for gap in sizes:
         if stop is not None and stop.is_set():
             break
-        if any(s.verdict == Verdict.UNBOUNDED for s in steps):  # smaller parts leave by the same way
+        if any(s.verdict == Verdict.UNBOUNDED for s in steps):  # smaller parts leave by the same path
             steps.append(model.looser(steps[-1], gap))
             continue
         step, state = model.step(gap, state, stop)
@@ -267,7 +267,7 @@ class _PlanarGapSteps:
         return _step(self.assembly, self.goals, gap, last, stop)
 
     def looser(self, step: SweepStep, gap: float) -> SweepStep:
-        """The step of a gap at which parts leave by the way of a smaller gap."""
+        """The step of a gap at which parts leave by the path of a smaller gap."""
         return _looser(self.assembly, step, gap)
 
 
@@ -305,12 +305,12 @@ def _step(
 
 
 def _beyond(gap: float) -> SweepStep:
-    """A gap beyond that at which the motion loses its end, where no way out was found from the smaller gaps."""
+    """A gap beyond that at which the motion loses its end, where no escape path was found from the smaller gaps."""
     return SweepStep(gap, None, Verdict.UNBOUNDED, True)
 
 
 def _looser(assembly: Assembly, step: SweepStep, gap: float) -> SweepStep:
-    """The step of a gap at which parts leave by the way of a smaller gap."""
+    """The step of a gap at which parts leave by the path of a smaller gap."""
     try:
         made = assemble(assembly.drawing, gap=gap)
     except InputError:
@@ -353,7 +353,7 @@ def _lost(model: GapSteps, held: Any, free: float, stop: Stop | None) -> tuple[f
     while free - low > BRACKET_TOLERANCE * free and tries and not (stop is not None and stop.is_set()):
         gap = low + tries[0] * (free - low)
         step, state = model.step(gap, held, stop)
-        if step.objective is not None:  # a narrow way out may show from rest and not from there
+        if step.objective is not None:  # a narrow escape path may show from rest and not from there
             anew, _ = model.step(gap, None, stop)
             step = anew if anew.verdict == Verdict.UNBOUNDED else step
         if step.verdict == Verdict.UNBOUNDED:

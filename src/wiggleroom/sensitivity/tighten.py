@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.planar_model import model_of
 from wiggleroom.sensitivity.rank import ranking_of
-from wiggleroom.sensitivity.study_model import StudyModel, see_end
+from wiggleroom.sensitivity.study_model import StudyModel, check_end
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -162,7 +162,7 @@ def tighten(
     _check(parts, limit, aim, whole, count)
     room = model.room(whole, aim)
     before = model.answer(stop)
-    see_end(model, before)
+    check_end(model, before)
     choice, after = _choose(model, before, room, parts, limit, stop)
     many = ParallelRun(workers, cluster, stop, progress)
     rng = np.random.default_rng(seed)

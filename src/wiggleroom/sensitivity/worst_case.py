@@ -18,11 +18,11 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.deviations import deviated
 from wiggleroom.bound.prove import prove
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Drawing, Goal, Tolerance
 from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
 from wiggleroom.maximise import flex, witness
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.rank import Ranking, rank
@@ -157,7 +157,7 @@ def worst_case(
     True
     """
     given = tuple(assembly.drawing.tolerances if tolerances is None else tolerances)
-    _see(given, limit)
+    _check_question(given, limit)
     drawing = assembly.drawing
     middle = _made(drawing, [(t, 0.0) for t in given])
     ranking = rank(middle, goals, stop=stop)
@@ -181,7 +181,7 @@ def worst_case(
     return WorstCase(nominal, loosest, tightest, misfit, tuple(some), limit, cut)
 
 
-def _see(given: Sequence[Tolerance], limit: float | None) -> None:
+def _check_question(given: Sequence[Tolerance], limit: float | None) -> None:
     wrong = (
         []
         if given

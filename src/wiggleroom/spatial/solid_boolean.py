@@ -14,8 +14,8 @@ from wiggleroom.spatial.spatial_model import Surface
 Floats = NDArray[np.float64]
 
 
-def see_library() -> None:
-    """See that the libraries for solids are installed.
+def require_solid_library() -> None:
+    """Check that the libraries for solids are installed.
 
     Raises
     ------

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.search.drawable import Drawable
+from wiggleroom.displayable import Drawable
 from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.spatial_bodies import Grouping
@@ -58,10 +58,10 @@ class SpatialAnswer(Drawable):
     motion : (n, 6) float64 [mm, rad]
         Displacement of the reference point of every part, and its rotation vector.
     waypoints : (k, n, 6) float64 [mm, rad]
-        Motions along a way from rest to `motion`; between them positions go straight, turns about one constant axis.
+        Motions along a path from rest to `motion`; between them positions go straight, turns about one constant axis.
     contacts : tuple of SpatialContact
     path : str
-        "checked" where no two parts overlap anywhere along the way, else "not checked".
+        "checked" where no two parts overlap anywhere along the path, else "not checked".
     collision_free : bool
     deepest_overlap : float [mm]
         Deepest overlap of any two parts at `motion`, by booleans of the solids.

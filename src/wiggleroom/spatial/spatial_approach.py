@@ -27,7 +27,7 @@ class SpatialApproach:
     begin : SpatialPose
         Where the bodies began.
     radius : (n,) float64 [mm]
-        Of the bodies: a turn counts as the way of a corner.
+        Of the bodies: a turn counts as the path length of a corner.
     unit : float [mm]
         Values are divided by it, so that they are lengths.
     weight : float

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.spatial.convex import distinct_axes
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
 from wiggleroom.spatial.spatial_bodies import grouped

@@ -20,7 +20,7 @@ from wiggleroom.drawing.source import load
 from wiggleroom.errors import InputError
 from wiggleroom.spatial.mesh_file import read_mesh
 from wiggleroom.spatial.rotations import fixed_axes
-from wiggleroom.spatial.solid_boolean import see_library
+from wiggleroom.spatial.solid_boolean import require_solid_library
 from wiggleroom.spatial.spatial_model import (
     AXES,
     Boxes,
@@ -60,7 +60,7 @@ def read_spatial(source: str | Path, *, alone: bool = False) -> SpatialDrawing:
     """
     text = load(source, opening="{[", name="assembly")
     folder = Path(source).parent if isinstance(source, Path) or text.name != "assembly" else None
-    see_library()
+    require_solid_library()
     return _SpatialReader(text.name, folder, entry_of(text, SpatialFileEntry), alone).drawing()
 
 

@@ -1,4 +1,4 @@
-"""How far can it move, in space: rounds of the program, a checked way, and the answer put together."""
+"""How far can it move, in space: rounds of the program, a checked path, and the answer put together."""
 
 from __future__ import annotations
 
@@ -147,7 +147,7 @@ def leaving_parts(ready: SpatialPrepared, motion: Floats, objective: SumOfTerms)
 
 
 def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: SeparatingPlaneSolution) -> tuple[str, ...]:
-    """Parts that are twisted without limit: a whole turn in place, from the end of the way, as far as locks let it, is free."""
+    """Parts that are twisted without limit: a whole turn in place, from the end of the path, as far as locks let it, is free."""
     twists = [t for t in objective.terms if isinstance(t, Twist)]
     if len(twists) != 1 or len(objective.terms) != 1:
         return ()

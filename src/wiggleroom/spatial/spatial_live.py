@@ -1,4 +1,4 @@
-"""Parts in space that are dragged while somebody looks: every motion that is shown is free, and so is the way there."""
+"""Parts in space that are dragged while somebody looks: every motion that is shown is free, and so is the path there."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ class SpatialDrag:
     Parameters
     ----------
     motion : (n, 6) float64 [mm, rad]
-        Motions of all parts; no two overlap there, nor anywhere on the way that led there.
+        Motions of all parts; no two overlap there, nor anywhere on the path that led there.
     settled : bool
         True where the part cannot come nearer by going on; False where time ran out.
     reached : (x, y, z) [mm]
@@ -161,7 +161,7 @@ class SpatialLive:
         """Bring a point of a part as near to a place as the assembly lets it; the other parts give way.
 
         First the part alone goes straight. Where that is not free, the program of the separating planes is solved with every iterate
-        inside all rows, its way is checked for all pairs of parts, and from as far as it is free it goes on.
+        inside all rows, its path is checked for all pairs of parts, and from as far as it is free it goes on.
 
         Parameters
         ----------
@@ -286,7 +286,7 @@ class _Drag:
         return None if self.ready.checker.doubtful(motion, end, first=True, only=mine) else end
 
     def _solved(self, motion: Floats, distance: float) -> tuple[Floats, tuple[SpatialContact, ...] | None]:
-        """Motion as far as the way to the nearest point is free, and the contacts there; None where it is not the end."""
+        """Motion as far as the path to the nearest point is free, and the contacts there; None where it is not the end."""
         ready = self.ready
         begin = ready.grouping.pose_of(motion)
         goal = SpatialApproach(self.body, self.arm, self.aim, begin, self.bodies.radius, distance)
@@ -296,11 +296,11 @@ class _Drag:
             program, inside=True, most=ITERATIONS, tolerance=TOLERANCE, horizon=np.inf, stop=self.until
         )
         found = solver.solve()
-        way, whole = refined(ready, program, found.way or [program.start])
-        if ready.checker.overlaps(motion, way[0]):
+        path, whole = refined(ready, program, found.way or [program.start])
+        if ready.checker.overlaps(motion, path[0]):
             return motion, None
         ended = whole and found.status is SolverStatus.CONVERGED
-        return way[-1], _held(ready, program, found) if ended else None
+        return path[-1], _held(ready, program, found) if ended else None
 
 
 def _held(

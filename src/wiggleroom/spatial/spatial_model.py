@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.displayable import Displayable
 from wiggleroom.drawing.model import JointGap, Region
 from wiggleroom.spatial.convex import ConvexPiece
 
@@ -145,7 +146,7 @@ class MadeSolid:
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialAssembly:
+class SpatialAssembly(Displayable):
     """Parts as made, at rest, and their roles.
 
     Parameters

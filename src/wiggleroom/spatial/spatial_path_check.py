@@ -1,4 +1,4 @@
-"""The way from rest: way-points of the solver, and more between them until every piece of the way is checked."""
+"""The path from rest: way-points of the solver, and more between them until every piece of the path is checked."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ MOST_LIFTS, ENOUGH_LIFT = 6, 0.2
 def refined(
     ready: SpatialPrepared, program: SeparatingPlaneProgram, points: Sequence[SeparatingPlanePoint]
 ) -> tuple[Floats, bool]:
-    """Motions (k, n, 6) of the parts along a way through legal points, as far as every piece of it is free.
+    """Motions (k, n, 6) of the parts along a path through legal points, as far as every piece of it is free.
 
     Returns
     -------
     (k, n, 6) float64 [mm, rad]
         From rest.
     bool
-        True where the way goes to the last point.
+        True where the path goes to the last point.
     """
     retraction = GraphRetraction(program)
     motions = [ready.grouping.part_motion(points[0].pose)]

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.largest_gap import LargestGap, largest_gap_over
 from wiggleroom.errors import InputError, Stop, TouchingError
-from wiggleroom.sensitivity.allowable_gap import held_gap, see_question
+from wiggleroom.sensitivity.allowable_gap import check_question, held_gap
 from wiggleroom.sensitivity.dual_face import face
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.motion_border import MotionBorder
@@ -149,7 +149,7 @@ def spatial_allowable_gap(
     InputError
         If not one question is asked, or one that belongs to drawings.
     """
-    see_question(at_most, holds, fits)
+    check_question(at_most, holds, fits)
     if fits is not None:
         raise InputError("gap: --fits is for drawings; of an assembly in space ask --at-most or --holds")
     deadline = Deadline(seconds, stop)

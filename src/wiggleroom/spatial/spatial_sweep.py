@@ -49,7 +49,7 @@ class _SpatialGapSteps:
     def step(
         self, gap: float, last: _SpatialSweepState | None, stop: Stop | None
     ) -> tuple[SweepStep, _SpatialSweepState | None]:
-        """One gap from rest; the motion of a smaller gap counts where it is larger, for smaller parts go the same way."""
+        """One gap from rest; the motion of a smaller gap counts where it is larger, for smaller parts take the same path."""
         try:
             made = assemble_spatial(self.assembly.drawing, gap=gap)
         except InputError:
@@ -66,5 +66,5 @@ class _SpatialGapSteps:
         return step, _SpatialSweepState(gap, answer) if good else last
 
     def looser(self, step: SweepStep, gap: float) -> SweepStep:
-        """The step of a gap at which parts leave by the way of a smaller gap."""
+        """The step of a gap at which parts leave by the path of a smaller gap."""
         return replace(step, gap=gap, answer=None)

@@ -19,7 +19,7 @@ FAR = 3.0
 
 
 class StraightDeparture:
-    """Bodies that block each other on the way in a direction (3,) from a motion (n, 6)."""
+    """Bodies that block each other on the path in a direction (3,) from a motion (n, 6)."""
 
     def __init__(self, ready: SpatialPrepared, motion: Floats, direction: Floats) -> None:
         self._ready, self._motion, self._direction = ready, motion, direction

@@ -1,4 +1,4 @@
-"""Whether a way is free: all parts, all pairs of their pieces, and every moment between two way-points.
+"""Whether a path is free: all parts, all pairs of their pieces, and every moment between two way-points.
 
 Nothing is taken from the program: axes are found anew, and between two moments a bound of the acceleration of corners, seen from the other
 part, shows that the pieces stay apart, or the time between is halved.

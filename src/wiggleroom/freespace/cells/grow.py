@@ -18,7 +18,7 @@ MAX_WALLS = MAX_LINES * MAX_WALLS_PER_LINE
 
 
 @njit(**INLINED)
-def march(pair, work, seed, keep, way):
+def march(pair, work, seed, keep, sign):
     """Carry the cell on from the seed's angle, upwards or downwards: the angle reached."""
     here, d = posed(seed.x, seed.y, seed.psi), seed.step
     while abs(here.psi - seed.psi) < seed.span:
@@ -26,7 +26,7 @@ def march(pair, work, seed, keep, way):
         before = work.number[LINES]
         for k in range(before):
             work.lines[k].before = work.lines[k].count
-        end = posed(seed.x, seed.y, here.psi + way * d)
+        end = posed(seed.x, seed.y, here.psi + sign * d)
         p, q = min(here.psi, end.psi), max(here.psi, end.psi)
         corners, x, y, _ = slice_middle(pair, work, end, seed.half)
         closing = corners == 0

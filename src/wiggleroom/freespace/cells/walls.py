@@ -111,7 +111,7 @@ def wall_contains(pair, edge, v, keep, tiny, margin):
 
 @njit(**COMPILED_CALLERS_ONLY)
 def segment_inside(pair, work, one, other):
-    """True where the straight way between two relative poses certainly stays inside all walls."""
+    """True where the straight path between two relative poses certainly stays inside all walls."""
     turn, move = other.psi - one.psi, length(other.x - one.x, other.y - one.y)
     away = max(length(one.x, one.y), length(other.x, other.y))
     for k in range(work.number[LINES]):
@@ -131,8 +131,8 @@ def segment_inside(pair, work, one, other):
 def out_of_reach(pair, work, pose, p, q, apart, tiny):
     """True where the walls keep every pose of [p, q] so near to `pose` that edges `apart` from each other cannot meet.
 
-    Turning by up to `turn` loosens a wall at distance r by at most 2 r sin(turn / 2), where r may itself grow with the way from it. If
-    the loosened walls, with ways up to `room`, bound a polygon smaller than `room`, then no slice over [p, q] reaches beyond it: the
+    Turning by up to `turn` loosens a wall at distance r by at most 2 r sin(turn / 2), where r may itself grow by the distance moved. If
+    the loosened walls, with distances up to `room`, bound a polygon smaller than `room`, then no slice over [p, q] reaches beyond it: the
     loosened walls are convex in position and room together, so a pose at a larger distance would put one at distance `room` as well.
     """
     far = 0.0
@@ -147,15 +147,15 @@ def out_of_reach(pair, work, pose, p, q, apart, tiny):
     for k in range(work.number[LINES]):
         line = work.lines[k]
         mx, my = direction(pair, line.edge, pose)
-        sign, x, y, way = 1.0, 0.0, 0.0, 0.0
+        sign, x, y, reach = 1.0, 0.0, 0.0, 0.0
         if line.edge >= pair.na:
-            sign, x, y, way = -1.0, pose.x, pose.y, room
+            sign, x, y, reach = -1.0, pose.x, pose.y, room
         for w in range(line.count):
             v = line.walls[w]
             if wall_value(pair, line.edge, v, pose) < -tiny:
                 return False
             least = pair.edges[line.edge].off - height(pair, line.edge, v, mx, my, pose)
-            least -= bend * (length(pair.edges[v].x - x, pair.edges[v].y - y) + way)
+            least -= bend * (length(pair.edges[v].x - x, pair.edges[v].y - y) + reach)
             n = clip(poly, n, sign * mx, sign * my, least, spare)
             poly, spare = spare, poly
     for k in range(n):

@@ -55,8 +55,8 @@ def _extended(region: shapely.Geometry, spot: Floats, near: float, window: float
             )  # shorter edges are rounding and have no direction
             close = (shapely.distance(lines, shapely.Point(spot)) <= near) & ~rim.any(axis=1) & solid
             for k in np.flatnonzero(close):
-                way = end[k] - start[k]
-                ring = _cut(ring, np.array([-way[1], way[0]]), start[k], spot)
+                edge = end[k] - start[k]
+                ring = _cut(ring, np.array([-edge[1], edge[0]]), start[k], spot)
     return shapely.Polygon(ring) if len(ring) > 2 else shapely.Polygon()
 
 
@@ -103,8 +103,8 @@ def _ball(pair: PairOutlines, phi: float, spot: Floats, window: float) -> shapel
     radius = min(float(np.hypot(*(side - spot).transpose(2, 0, 1)).min()), window)
     angles = 2 * np.pi * np.arange(BALL_CORNERS) / BALL_CORNERS
     ring = spot + radius * np.column_stack([np.cos(angles), np.sin(angles)])
-    way = side[:, 1] - side[:, 0]
-    normal = np.column_stack([-way[:, 1], way[:, 0]]) / np.hypot(*way.T)[:, None]
+    edge = side[:, 1] - side[:, 0]
+    normal = np.column_stack([-edge[:, 1], edge[:, 0]]) / np.hypot(*edge.T)[:, None]
     off = (normal * side[:, 0]).sum(1)
     flip = (quads.mean(axis=1) * normal).sum(1) > off  # the pair meets on the other side
     normal[flip], off[flip] = -normal[flip], -off[flip]

@@ -38,7 +38,7 @@ class Hull:
     name = "hull"
 
     def __post_init__(self) -> None:
-        """See that the numbers make sense."""
+        """Check that the numbers make sense."""
         wrong = (
             [] if self.about in TURNING_POINTS else [f'hull about "{self.about}": it is {" or ".join(TURNING_POINTS)}']
         )

@@ -176,7 +176,7 @@ def split_box(
     pieces = np.empty((128, 4))
     some = np.empty(MAX_EDGES + 1, dtype=np.int64)
     one = np.empty(1, dtype=np.int64)
-    rows, active, inverse = np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
+    line, rows, active, inverse = np.empty(3), np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
     first[n] = count
     side = 0.5 ** (level[n] + 1)
     half, swing = scale[0] * side, scale[1] * side
@@ -191,48 +191,18 @@ def split_box(
             x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
         )
         upper[m] = objective_bound(asked, x, y, turn, half, swing)
-        if state[m] != MIXED or asked[5] == np.inf:
+        if state[m] != MIXED:
             continue
         found = add_rows(
-            x,
-            y,
-            turn,
-            half,
-            swing,
-            True,
-            b_edge,
-            b_disc,
-            b_kid,
-            a_edge,
-            a_disc,
-            a_kid,
-            stack,
-            nodes,
-            some,
-            one,
-            rows,
-            0,
-        )
+            x, y, turn, half, swing, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, line, rows, 0,
+        )  # fmt: skip
         found = add_rows(
-            x,
-            y,
-            turn,
-            half,
-            swing,
-            False,
-            a_edge,
-            a_disc,
-            a_kid,
-            b_edge,
-            b_disc,
-            b_kid,
-            stack,
-            nodes,
-            some,
-            one,
-            rows,
-            found,
-        )
+            x, y, turn, half, swing, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, line, rows, found,
+        )  # fmt: skip
+        if asked[5] == np.inf:  # nothing is asked but whether there is any free motion in the box
+            if found and linear_program_maximum(0.31, 0.53, 0.79, rows, found, active, inverse) == -np.inf:
+                state[m] = FORBIDDEN
+            continue
         slope, bend = slope_and_curvature_bound(asked, turn)
         most = linear_program_maximum(half * asked[0], half * asked[1], swing * slope, rows, found, active, inverse)
         if most == -np.inf:
@@ -253,14 +223,14 @@ def leaf_at(x, y, z, middle, first):
 @njit(**OPTIONS)
 def search_boxes(
     middle, level, state, first, upper, count, pause, origin, scale, deepest, wrap, turning, asked, goals,
-    a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, way, visits,
+    a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, path, visits,
 ):  # fmt: skip
     """Split the mixed boxes on the cheapest paths from rest to goals, again and again, until one path is free or none is left.
 
     Goals are boxes at the rim of the window and those that may hold motions worth more than asked[5]; a free one must hold a motion worth
     more than asked[6]. `goals` paths are looked at in every round.
 
-    Returns how it ended, the number of boxes, and how many boxes of `way` are filled, from rest to the goal. Above `pause` boxes it
+    Returns how it ended, the number of boxes, and how many boxes of `path` are filled, from rest to the goal. Above `pause` boxes it
     returns too; called again, it goes on. visits[0] counts the boxes gone over and what splitting them takes; above visits[1] it gives up.
     """
     most = len(level)
@@ -298,11 +268,11 @@ def search_boxes(
         for e in range(found):
             length, cut, n = 0, 0, ends[e]
             while n >= 0:
-                way[length] = n
+                path[length] = n
                 length += 1
                 n = before[n]
             for k in range(length):
-                n = way[k]
+                n = path[k]
                 if first[n] >= 0:  # split on another path already
                     cut += 1
                     continue
@@ -329,7 +299,7 @@ def search_boxes(
                         b_edge, b_disc, b_kid,
                     )  # fmt: skip
             if cut == 0:
-                way[:length] = way[:length][::-1].copy()
+                path[:length] = path[:length][::-1].copy()
                 return FOUND, count, length
 
 

@@ -24,7 +24,7 @@ def signed_distance(x, y, edge, normal, disc, kid, stack):
     """Signed distance of a point from the boundary, negative inside the material.
 
     Where two edges are equally near, as on both sides of a lip of no thickness, the point counts as outside if either says so: nothing is
-    forbidden wrongly, and ways are looked at again by other means.
+    forbidden wrongly, and paths are looked at again by other means.
     """
     best, sign = np.inf, 1.0
     same = 1e-9 * disc[0, 2]

@@ -25,11 +25,11 @@ Ints = NDArray[np.int64]
 MAX_DEPTH = 30
 """Boxes are halved at most this often."""
 GOALS_PER_PASS = 256
-"""Ways looked at in every lap."""
+"""Paths that are looked at in one pass."""
 STOP_CHECK_BOXES = 2000
 """After so many boxes, whether to stop is asked again."""
 MAX_TURN_OF_PIECE = 0.05
-"""Turns of the pieces of a way [rad] that are straight about another point instead."""
+"""Turns of the pieces of a path [rad] that are straight about another point instead."""
 CHORD = np.pi / 16
 """Angle of the chords [rad] by which a body goes round another outside the window."""
 MAX_TURN = 2.2 * np.pi
@@ -76,7 +76,7 @@ class MotionBoxes:
         self._origin = WINDOW_OFFSET * self._scale[[0, 0, 1]]
         self._middle, self._level = np.zeros((self.most, 3)), np.zeros(self.most, dtype=np.int64)
         self._state, self._first = np.zeros(self.most, dtype=np.int64), np.full(self.most, -1)
-        self._upper, self._way = np.full(self.most, np.inf), np.zeros(self.most, dtype=np.int64)
+        self._upper, self._path = np.full(self.most, np.inf), np.zeros(self.most, dtype=np.int64)
         self._visits = np.zeros(2, dtype=np.int64)
         x, y = self.pivot
         dx, dy = self.pull
@@ -112,7 +112,7 @@ class MotionBoxes:
         -------
         closed : bool
             True where that is proven.
-        way : (k, 3) float64 [mm, mm, rad] or None
+        path : (k, 3) float64 [mm, mm, rad] or None
             Free motions about `pivot` from rest to one that is worth more, or out of the window; straight about it between them.
         """
         self._asked[5:] = most, least
@@ -122,25 +122,27 @@ class MotionBoxes:
         while how == PAUSED and not (stop is not None and stop.is_set()):
             how, self.count, length = search_boxes(
                 self._middle, self._level, self._state, self._first, self._upper, self.count, self.count + STOP_CHECK_BOXES, self._origin,
-                self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._way, self._visits,
+                self._scale, MAX_DEPTH, self._wrap, not self._wrap, self._asked, GOALS_PER_PASS, *self._pair, self._path, self._visits,
             )  # fmt: skip
         if how != FOUND:
             return how == CLOSED, None
-        way = self._way[:length]
-        points = waypoints_through(way, self._middle, self._level, self._origin, self._scale)
-        if self._at_rim(int(way[-1])):
+        path = self._path[:length]
+        points = waypoints_through(path, self._middle, self._level, self._origin, self._scale)
+        if self._at_rim(int(path[-1])):
             return False, np.vstack([points, self._round(points[-1])])
-        half = 0.5 ** self._level[way[-1]] * self._scale
+        half = 0.5 ** self._level[path[-1]] * self._scale
         x, y, turn = points[-1]
         _, turn = best_corner(self._asked, x, y, turn, *half)
         corner = [x + np.copysign(half[0], self.pull[0]), y + np.copysign(half[0], self.pull[1]), turn]
         return False, np.vstack([points, corner])
 
-    def straightened(self, way: Floats, spot: Floats) -> Floats:
-        """The same way (k, 3) as motions about another point (2,) [mm], with as few pieces straight about that point as are free."""
-        count = np.maximum(np.ceil(np.abs(np.diff(way[:, 2])) / MAX_TURN_OF_PIECE), 1).astype(int)
-        finer = [np.linspace(one, other, n, endpoint=False) for one, other, n in zip(way, way[1:], count, strict=False)]
-        points = about(np.concatenate([*finer, way[-1:]])[:, None], (spot - self.pivot)[None])[:, 0]
+    def straightened(self, path: Floats, spot: Floats) -> Floats:
+        """The same path (k, 3) as motions about another point (2,) [mm], with as few pieces straight about that point as are free."""
+        count = np.maximum(np.ceil(np.abs(np.diff(path[:, 2])) / MAX_TURN_OF_PIECE), 1).astype(int)
+        finer = [
+            np.linspace(one, other, n, endpoint=False) for one, other, n in zip(path, path[1:], count, strict=False)
+        ]
+        points = about(np.concatenate([*finer, path[-1:]])[:, None], (spot - self.pivot)[None])[:, 0]
         one, other = solid(self.a, spot), solid(self.b, spot)
         return shortcut(points, (*one.arrays, other.edge, other.disc, other.kid))
 

@@ -1,4 +1,4 @@
-"""Can one body leave another? Answered for certain where boxes of motions decide it, with the way where it can."""
+"""Can one body leave another? Answered for certain where boxes of motions decide it, with the path where it can."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Passage:
         True where it certainly neither leaves nor turns half round.
     closed : bool
         True where it certainly does not leave.
-    way : (k, 3) float64 [mm, mm, rad] or None
+    path : (k, 3) float64 [mm, mm, rad] or None
         Free motions of b past a about `pivot`, in assembly axes, from rest to where discs round both are apart; straight between them.
     pivot : (2,) float64 [mm]
         Assembly coordinates.
@@ -44,19 +44,19 @@ class Passage:
 
     held: bool
     closed: bool
-    way: Floats | None
+    path: Floats | None
     pivot: Floats
 
 
 def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, stop: Stop | None = None) -> Passage:
-    """Look for a way of `b` out of `a`, or a proof that there is none.
+    """Look for a path of `b` out of `a`, or a proof that there is none.
 
     Parameters
     ----------
     a, b : shapely polygons [mm]
         Material at rest, not touching; a stands.
     most : int
-        Boxes judged at most; where they do not suffice, neither `closed` nor `way` is said.
+        Boxes judged at most; where they do not suffice, neither `closed` nor `path` is said.
     stop : optional
         Asked now and then; then neither is said.
 
@@ -73,7 +73,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
     origin = WINDOW_OFFSET * scale[[0, 0, 1]]
     middle, level = np.zeros((most, 3)), np.zeros(most, dtype=np.int64)
     state, first, upper = np.zeros(most, dtype=np.int64), np.full(most, -1), np.full(most, np.inf)
-    way, count = np.zeros(most, dtype=np.int64), 1
+    path, count = np.zeros(most, dtype=np.int64), 1
     unlimited = np.array([0, np.iinfo(np.int64).max])
     pair = (*one.arrays, other.edge, other.disc, other.kid)
     for turning in (True, False):  # first without going round, which is the smaller question
@@ -84,7 +84,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
             began, before = time.perf_counter(), count
             how, count, length = search_boxes(
                 middle, level, state, first, upper, count, count + pace, origin, scale, MAX_DEPTH, not turning, turning,
-                NOTHING_ASKED, 1, *pair, way, unlimited,
+                NOTHING_ASKED, 1, *pair, path, unlimited,
             )  # fmt: skip
             pace = max(100, int((count - before) * STOP_CHECK_SECONDS / max(time.perf_counter() - began, 1e-9)))
         if how == CLOSED:
@@ -92,7 +92,7 @@ def passage(a: shapely.Geometry, b: shapely.Geometry, *, most: int = 50_000, sto
         if how == SPENT:
             break
         if not turning:
-            points = waypoints_through(way[:length], middle, level, origin, scale)
+            points = waypoints_through(path[:length], middle, level, origin, scale)
             return Passage(False, False, shortcut(points, pair), pivot)
     return Passage(False, False, None, pivot)
 
@@ -106,10 +106,10 @@ def middle_of_contact(a: shapely.Geometry, b: shapely.Geometry) -> Floats:
 
 
 def waypoints_through(
-    way: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
+    path: NDArray[np.int64], middle: Floats, level: NDArray[np.int64], origin: Floats, scale: Floats
 ) -> Floats:
     """Way-points: rest, middles of boxes and of the faces between them, turns unwrapped."""
-    box, half = middle[way].copy(), 0.5 ** level[way]
+    box, half = middle[path].copy(), 0.5 ** level[path]
     for k in range(1, len(box)):
         box[k, 2] += 2 * np.round((box[k - 1, 2] - box[k, 2]) / 2)
     low = np.maximum(box[:-1] - half[:-1, None], box[1:] - half[1:, None])
@@ -120,7 +120,7 @@ def waypoints_through(
 
 
 def shortcut(points: Floats, pair: tuple) -> Floats:
-    """The way without the detours from box to box: as long straight pieces as are certainly free."""
+    """The path without the detours from box to box: as long straight pieces as are certainly free."""
     kept, k = [0], 0
     while k < len(points) - 1:
         step = len(points) - 1 - k

@@ -1,4 +1,4 @@
-"""Ways in space followed evenly: positions go straight between way-points, turns about one constant axis."""
+"""Paths in space followed evenly: positions go straight between way-points, turns about one constant axis."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from wiggleroom.spatial.spatial_model import SpatialAssembly
 Floats = NDArray[np.float64]
 
 MAX_SHARE = 0.5
-"""A piece of the way counts no longer than this share of the size, so that parts that fly off do not use up the time."""
+"""A piece of the path counts no longer than this share of the size, so that parts that fly off do not use up the time."""
 
 
-def way_times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
+def waypoint_times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floats:
     """When each way-point (k,) is reached, from 0 to 1, by how far corners move."""
     reach = np.array([np.linalg.norm(m.surface.vertices - m.centroid, axis=1).max() for m in assembly.made])
     step = np.linalg.norm(np.diff(waypoints[:, :, :3], axis=0), axis=2)
@@ -24,11 +24,11 @@ def way_times(assembly: SpatialAssembly, waypoints: Floats, size: float) -> Floa
     return passed / passed[-1] if passed[-1] > 0 else np.linspace(0, 1, len(passed))
 
 
-def along_way(assembly: SpatialAssembly, waypoints: Floats, shares: Floats) -> Floats:
-    """Motions (m, n, 6) [mm, rad] after some shares (m,) of a way (k, n, 6); its first and last point as they are."""
+def along_path(assembly: SpatialAssembly, waypoints: Floats, shares: Floats) -> Floats:
+    """Motions (m, n, 6) [mm, rad] after some shares (m,) of a path (k, n, 6); its first and last point as they are."""
     if len(waypoints) == 1:
         return np.repeat(waypoints, len(shares), axis=0)
-    times = way_times(assembly, waypoints, assembly.size)
+    times = waypoint_times(assembly, waypoints, assembly.size)
     found = np.empty((len(shares), *waypoints.shape[1:]))
     for k, t in enumerate(shares.tolist()):
         i = int(np.clip(np.searchsorted(times, t, side="right") - 1, 0, len(times) - 2))

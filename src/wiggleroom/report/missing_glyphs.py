@@ -1,4 +1,4 @@
-"""Letters that no font on this machine has, so that a PNG cannot show them."""
+"""Missing glyphs: letters that no font on this machine has, so that a PNG cannot show them."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ MAX_LETTERS = 200
 """So many different letters are looked for."""
 
 
-def missing_letters(texts: Iterable[str], *, own_font_only: bool = False) -> str:
+def missing_glyphs(texts: Iterable[str], *, own_font_only: bool = False) -> str:
     """Letters of some texts that neither the package's font nor one of the system has, in order of code.
 
     Each is set as the pictures set it, and compared with what is set for a letter that does not exist.
@@ -26,7 +26,7 @@ def missing_letters(texts: Iterable[str], *, own_font_only: bool = False) -> str
 
     Examples
     --------
-    >>> missing_letters(["lid 2", "Größe"])
+    >>> missing_glyphs(["lid 2", "Größe"])
     ''
     """
     some = sorted({c for text in texts for c in text if not c.isascii() and _is_seen(c)})[:MAX_LETTERS]

@@ -1,4 +1,4 @@
-"""The search for a way apart: everything is pulled and turned every way, the rest is carried along, and from new places it goes on."""
+"""The search for an escape path: everything is pulled and turned in every direction, and from new places the search goes on."""
 
 from __future__ import annotations
 
@@ -32,16 +32,16 @@ MAX_STATES = 12
 NOVELTY_DISTANCE = 3.0
 """A place is new where some neighbours lie otherwise than in all places before by more than this multiple of the clearance."""
 EXIT_TESTS = 8
-"""So many way-points of an answer are looked at for a straight way out."""
+"""So many way-points of an answer are looked at for a straight escape path."""
 
 
 @dataclass(frozen=True, eq=False)
-class Explored:
+class EscapeSearch:
     """What the search came to.
 
     Parameters
     ----------
-    way : (k, n, 3) float64 [mm, mm, rad] or None
+    path : (k, n, 3) float64 [mm, mm, rad] or None
         Checked motions of all bodies to where `exit` begins.
     exit : Exit or None
     whole : bool
@@ -49,10 +49,10 @@ class Explored:
     more_places : bool
         True where there were more new places than it went on from.
     questions, unanswered : int
-        How many were asked, and how many of them found no answer, or none whose way is certain.
+        How many were asked, and how many of them found no answer, or none whose path is certain.
     """
 
-    way: Floats | None
+    path: Floats | None
     exit: TranslationEscape | None
     whole: bool
     more_places: bool
@@ -60,7 +60,7 @@ class Explored:
     unanswered: int
 
 
-def explore(
+def search_for_escape(
     ready: Prepared,
     ground: int,
     group: Ints,
@@ -69,8 +69,8 @@ def explore(
     tell: Callable[[Progress], None],
     most: int = MAX_QUESTIONS,
     only_turns: bool = False,
-) -> Explored:
-    """Pull and turn every group every way, look for a straight way out along each answer, and go on from new places.
+) -> EscapeSearch:
+    """Pull and turn every group in every direction, look for a straight escape path along each answer, and go on from new places.
 
     Parameters
     ----------
@@ -90,7 +90,7 @@ def explore(
     """
     bodies = ready.bodies
     if stop is not None and stop.is_set():
-        return Explored(None, None, False, False, 0, 0)
+        return EscapeSearch(None, None, False, False, 0, 0)
     near = neighbours(bodies, placed(bodies), NEIGHBOUR_REACH * ready.clearance, ignored=ready.ignored)
     places = [relative_pose(bodies, near.a, near.b)]
     waiting: deque[Answer | None] = deque([None])
@@ -99,7 +99,7 @@ def explore(
         start = waiting.popleft()
         for goals in _questions(ready, ground, group, nearly, only_turns):
             if questions >= most or (stop is not None and stop.is_set()):
-                return Explored(None, None, False, False, questions, unanswered)
+                return EscapeSearch(None, None, False, False, questions, unanswered)
             questions += 1
             tell(Progress("search", questions))
             answer = ask(ready, goals, start, stop)
@@ -108,16 +108,16 @@ def explore(
                 continue
             unanswered += answer.verdict is Verdict.STOPPED
             motions = of_bodies(ready.assembly, bodies, answer.waypoints)
-            found = way_out(ready, ground, group, motions, EXIT_TESTS, stop)
+            found = escape_path(ready, ground, group, motions, EXIT_TESTS, stop)
             if found is not None:
-                return Explored(*found, True, False, questions, unanswered)
+                return EscapeSearch(*found, True, False, questions, unanswered)
             if only_turns:
                 continue
             place = relative_pose(bodies, near.a, near.b, motions[-1])
             if len(places) <= MAX_STATES and all(_differ(ready, near.b, place, p) for p in places):
                 places.append(place)
                 waiting.append(answer)
-    return Explored(None, None, True, len(places) > MAX_STATES, questions, unanswered)
+    return EscapeSearch(None, None, True, len(places) > MAX_STATES, questions, unanswered)
 
 
 def ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: Stop | None) -> Answer | None:
@@ -128,7 +128,7 @@ def ask(ready: Prepared, goals: tuple[Goal, ...], start: Answer | None, stop: St
         return None
 
 
-def way_out(
+def escape_path(
     ready: Prepared,
     ground: int,
     group: Ints,
@@ -155,7 +155,7 @@ def _differ(ready: Prepared, b: Ints, one: Floats, other: Floats) -> bool:
 def _questions(
     ready: Prepared, ground: int, group: Ints, nearly: list[TranslationEscape], only_turns: bool
 ) -> Iterator[tuple[Goal, ...]]:
-    """Sets that nearly leave, then all at once, then every group: outwards first, then the other ways and turns."""
+    """Sets that nearly leave, then all at once, then every group: outwards first, then the other directions and turns."""
     bodies, rest = ready.bodies, ready.bodies.rest
     middle = rest[ground, :2]
     out = rest[:, :2] - middle

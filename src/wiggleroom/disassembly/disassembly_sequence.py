@@ -1,4 +1,4 @@
-"""Taking apart: who leaves, one set of parts after the other, each from where the one before left the others."""
+"""The disassembly sequence: which sets of parts leave, one after the other; each begins where the one before ended."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ from wiggleroom.verdict import Certainty, Separability
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Burden = Callable[[Floats, NDArray[np.bool_], Ints], int]
-"""Of a state (n, 3) of all parts, those that are there, and those that are to leave."""
+HoldingCost = Callable[[Floats, NDArray[np.bool_], Ints], int]
+"""How many parts must be held: of a state (n, 3) of all parts, of those that are there (n,), once some leave (k,)."""
 
 
 @dataclass(frozen=True, eq=False)
 class Departure:
-    """Parts that leave together, and the way to there.
+    """Parts that leave together, and the path to there.
 
     Parameters
     ----------
     parts : (k,) int64
-    way : (k, n, 3) float64 [mm, mm, rad]
+    path : (k, n, 3) float64 [mm, mm, rad]
         Motions of all parts about their reference points, from where the departure before ended (the first from rest) to where `parts`
         are beyond all others; straight in between. Parts that left before stay where they were put, out of the game.
     there : (n,) bool
         Parts that had not left before.
     moves : (k - 1,) int64
-        Number of the move that each piece of the way belongs to.
+        Number of the move that each piece of the path belongs to.
     """
 
     parts: Ints
-    way: Floats
+    path: Floats
     there: NDArray[np.bool_]
     moves: Ints
 
@@ -62,7 +62,7 @@ class Disassembly:
     around : Enclosed or None
         What lies in closed holes among them.
     questions, unanswered : int
-        Largest motions that were searched in all stages, and how many of them found no end whose way is certain.
+        Largest motions that were searched in all stages, and how many of them found no end whose path is certain.
     states, turned : int
         States to which slides and turns of single bodies led, and those in which every body was turned both ways.
     """
@@ -97,7 +97,7 @@ def disassemble(
     targets: tuple[str, ...] = (),
     effort: EscapeEffort | None = None,
     every: bool = True,
-    burden: Burden | None = None,
+    holding_cost: HoldingCost | None = None,
     stop: Stop | None,
     tell: Callable[[Progress], None],
 ) -> Disassembly:
@@ -139,7 +139,7 @@ def disassemble(
                 return _ended(so_far, stage, around)
             aims = np.unique([ground.bodies.body_of[k] for k, p in enumerate(alive) if names[p] in wanted])
             stage = next_stage(
-                left, ground, begin, effort, aims.astype(np.int64), stop, tell, _of_bodies(burden, so_far, ground)
+                left, ground, begin, effort, aims.astype(np.int64), stop, tell, _of_bodies(holding_cost, so_far, ground)
             )
         except StoppedError:
             stage = Stage(Separability.UNKNOWN, Certainty.SEARCHED, NO_BODIES, None, NO_BODIES, whole=False)
@@ -147,19 +147,19 @@ def disassemble(
         so_far.unanswered += stage.unanswered
         so_far.states += stage.states
         so_far.turned += stage.turned
-        if stage.way is None:
+        if stage.path is None:
             return _ended(so_far, stage, around)
         bodies = ground.bodies
         who = np.array([p for b in stage.who for p in bodies.members[b]])
-        way = np.repeat(so_far.motion[None], len(stage.way), 0)
-        way[:, alive] += of_parts(left, bodies, stage.way)
+        path = np.repeat(so_far.motion[None], len(stage.path), 0)
+        path[:, alive] += of_parts(left, bodies, stage.path)
         there = np.zeros(n, dtype=np.bool_)
         there[alive] = True
-        so_far.departures.append(Departure(np.sort(alive[who]), way, there, stage.moves))
-        so_far.motion = way[-1]
+        so_far.departures.append(Departure(np.sort(alive[who]), path, there, stage.moves))
+        so_far.motion = path[-1]
         effort = replace(effort, passages=PassagesByGap())  # the others lie elsewhere now
         stay = np.setdiff1d(np.arange(len(alive)), who)
-        so_far.left = without(displaced(left, of_parts(left, bodies, stage.way)[-1]), who)
+        so_far.left = without(displaced(left, of_parts(left, bodies, stage.path)[-1]), who)
         so_far.alive = alive[stay]
         wanted -= set(names[alive[who]])
         alone = len(np.unique(bodies.body_of[stay])) < 2 or all(p.fixed for p in so_far.left.parts)
@@ -168,15 +168,15 @@ def disassemble(
             return _ended(so_far, Stage(end, Certainty.PROVEN, NO_BODIES, None, NO_BODIES), around)
 
 
-def _of_bodies(burden: Burden | None, so_far: _Progress, ground: Survey) -> Callable[[Ints], int] | None:
+def _of_bodies(holding_cost: HoldingCost | None, so_far: _Progress, ground: Survey) -> Callable[[Ints], int] | None:
     """The burden of bodies that leave from where all are now."""
-    if burden is None:
+    if holding_cost is None:
         return None
     alive, members = so_far.alive, ground.bodies.members
     there = np.zeros(len(so_far.motion), dtype=np.bool_)
     there[alive] = True
     motion = so_far.motion
-    return lambda who: burden(motion, there, alive[[p for b in who for p in members[b]]])
+    return lambda who: holding_cost(motion, there, alive[[p for b in who for p in members[b]]])
 
 
 def _ended(so_far: _Progress, stage: Stage, around: Enclosed | None) -> Disassembly:
