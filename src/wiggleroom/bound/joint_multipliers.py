@@ -20,9 +20,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
@@ -30,6 +30,9 @@ from wiggleroom.bound.joint_ranges import JointRanges
 from wiggleroom.bound.trigonometric_envelopes import support
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -87,6 +90,8 @@ class LagrangianBound:
     @cached_property
     def loads(self) -> sp.csr_matrix:
         """Weights of bodies (5 n,) that multipliers (8 P,) give."""
+        import scipy.sparse as sp  # slow to import, and not always needed
+
         joints, at = self.joints, self.at
         arm = {0: joints.arm_a + at.middle, 1: joints.arm_b}
         one, none = np.ones(len(joints.a)), np.zeros(len(joints.a))

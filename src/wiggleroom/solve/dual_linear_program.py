@@ -9,13 +9,15 @@ multipliers prove bounds that are worked out elsewhere.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.errors import see_extra
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 Floats = NDArray[np.float64]
 
@@ -53,6 +55,7 @@ class DualLinearProgram:
 
     Examples
     --------
+    >>> import scipy.sparse as sp
     >>> rows, zero, one = sp.csr_matrix([[1.0, 1.0]]), np.zeros(2), np.ones(2)
     >>> program = DualLinearProgram(rows, np.array([-np.inf]), np.array([1.5]), zero, one)
     >>> program.ask(np.array([1.0, 2.0])), program.x.round(6)
@@ -68,6 +71,8 @@ class DualLinearProgram:
         most: Floats,
         over: Callable[[], bool] = lambda: False,
     ) -> None:
+        import scipy.sparse as sp  # slow to import, and not always needed
+
         highspy = need_highs()
         self.up, self.down = np.flatnonzero(np.isfinite(high)), np.flatnonzero(np.isfinite(low))
         (self.count, n), self.more = rows.shape, False
