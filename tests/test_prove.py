@@ -250,7 +250,7 @@ def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
     ground = survey(assembly)
     them = ground.bodies
     joints, regions = outer_regions(ground, lambda: False)
-    (window, *_) = windows(them.shape, them.rest, them.radius, joints, 2)
+    (window, *_) = windows(them.rest[:, :2], joints, ground.clearance, 2)
     far = np.array([regions[k].far for k in joints.kind])
     assert deviation(window, joints, far) < 1e-11
     rng, shift = np.random.default_rng(seed), 1e-6

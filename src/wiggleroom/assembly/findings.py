@@ -11,6 +11,7 @@ from wiggleroom.assembly.gaps import apply_gap
 from wiggleroom.assembly.outline_findings import sound_parts
 from wiggleroom.assembly.overlaps import overlaps_at_rest
 from wiggleroom.assembly.statements import glue_groups, statement_findings
+from wiggleroom.drawing.flatten import flattened_for
 from wiggleroom.drawing.model import Drawing, Goal, Part
 from wiggleroom.errors import InputError
 
@@ -174,6 +175,7 @@ def overlap_depth(drawing: Drawing, *, gap: float, offset: Mapping[str, float]) 
     >>> overlap_depth(two, gap=0.0, offset={"a": 0.5, "b": 0.5})
     0.5
     """
+    drawing = flattened_for(drawing, gap)
     parts = tuple(replace(p, offset=p.offset + offset.get(p.name, 0.0)) for p in drawing.parts)
     used = replace(drawing, parts=parts, gap=gap)
     made, gone = apply_gap(used)

@@ -266,7 +266,8 @@ def _tight(
         return Interlock(
             assembly, Separability.INTERLOCKED, sure, remains=names, seconds=time.perf_counter() - began, tight=True
         )
-    loose = assemble(left.drawing, gap=left.gap + TRIAL_GAP * left.size)
+    edges = replace(left.drawing, flattening=None)  # the edges of the gap that was asked for
+    loose = assemble(edges, gap=left.gap + TRIAL_GAP * left.size)
     found = interlock(loose, replace(effort, passages=PassagesByGap()), every=every, stop=stop, tell=tell)
     apart = found.verdict is Separability.COMES_APART  # with the little gap, which is not quite the drawing
     return replace(found, assembly=assembly, certainty=Certainty.SEARCHED if apart else found.certainty)

@@ -77,7 +77,7 @@ def read_svg(
     unit : str, optional
         What one user unit is (mm, cm, m, in, px), whatever the file says.
     flatten : float [mm], optional
-        Chord error of curves; by default gap / 50, or 1e-4 of the median part size where the gap is 0.
+        Chord error of curves at every gap; by default `chord_error` of the gap.
     gap : float [mm], optional
         Clearance across every joint; a drawing itself has none.
     options : ReadOptions, optional
