@@ -19,6 +19,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+import shapely.ops
 from tests.audit import as_assembly
 from tests.flex_truth import Ground, climbed, value_of
 from tests.flexing import displaced, mirrored, random_assembly, random_goals, row_of
@@ -32,12 +33,14 @@ from wiggleroom.assembly.joints import JOINTS
 from wiggleroom.bound import branch_and_bound
 from wiggleroom.bound.branch_and_bound import BranchAndBound, Deadline
 from wiggleroom.bound.certificate import certificate
+from wiggleroom.bound.confined_pairs import confined_pairs
 from wiggleroom.bound.dual_bound import quick_bound
-from wiggleroom.bound.joint_constraints import first_ranges
+from wiggleroom.bound.joint_constraints import first_ranges, narrowed
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.drawing.model import Drawing, Goal, Part, Pull, Region, Turn
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
+from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.prepare import survey
@@ -46,6 +49,7 @@ from wiggleroom.verify.checker import verify
 SHARES, SECONDS = (0.5, 0.98), 0.4
 WINDOW_SECONDS = 1.0
 CERTIFIED_SECONDS = 20.0
+CONFINED_SECONDS = 8.0
 ROUNDING = 1e-11
 OPEN = {"finger"}
 """Joints that do not close."""
@@ -206,6 +210,28 @@ def part(name: str, shape: shapely.Polygon, at: tuple[float, float, float], fixe
     return Part(name, (Region(ring),), at, fixed)
 
 
+def a_tray(seed: int) -> Case:
+    """A board cut by straight lines into two to four pieces, in a frame round it: pairs that only the frame keeps together."""
+    rng = np.random.default_rng([seed, 11])
+    wide, high = (float(x) for x in rng.uniform(8, 25, 2))
+    board = shapely.box(0, 0, wide, high)
+    if rng.integers(2):
+        board = board.union(shapely.box(wide - 0.1, 0.3 * high, wide + 2, 0.6 * high))
+    pieces = [board]
+    for _ in range(int(rng.integers(1, 4))):
+        pieces.sort(key=shapely.area)
+        piece = pieces.pop()
+        angle = float(rng.choice([0.0, np.pi / 2, rng.uniform(0, np.pi)]))
+        along = 100 * np.array([np.cos(angle), np.sin(angle)])
+        middle = shapely.get_coordinates(piece.centroid)[0] + rng.uniform(-1, 1, 2)
+        pieces += shapely.ops.split(piece, shapely.LineString([middle - along, middle + along])).geoms
+    frame = board.buffer(3, join_style="mitre").difference(board)
+    drawing = row_of([frame, *pieces], pitch=0.0)
+    drawing = displaced(drawing, float(rng.uniform(-np.pi, np.pi)), tuple(rng.uniform(-50, 50, 2)), seed)
+    assembly = assemble(drawing, gap=float(np.exp(rng.uniform(np.log(0.02), np.log(0.3)))))
+    return _climbed(assembly, random_goals(assembly, seed), seed)
+
+
 def _climbed(assembly: Assembly, goals: tuple[Goal, ...], seed: int) -> Case:
     answer = wr.flex(assembly, goals)
     if answer.objective is None or answer.path != "checked":
@@ -219,8 +245,10 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
     """Bounds that are asked for too little; infinite where joints do not close."""
     ground = survey(assembly)
     goal = objective(assembly, ground.bodies, goals)
-    links, regions = outer_regions(ground, lambda: False)
-    ranges = first_ranges(ground.bodies.fixed, links, regions)
+    links, closed = outer_regions(ground, lambda: False)
+    ranges = first_ranges(ground.bodies.fixed, links, closed)
+    regions = [region for region in closed if isinstance(region, OuterRegion)]
+    links, regions, ranges = confined_pairs(ground, links, regions, ranges, ProcessorTime(CONFINED_SECONDS).is_set)
     if not isinstance(goal, PointMotion) or not (ground.bodies.fixed | np.isfinite(ranges.far))[goal.body].all():
         return [np.inf]
     found = []
@@ -232,7 +260,7 @@ def _proven(assembly: Assembly, goals: tuple[Goal, ...], truth: float) -> list[f
         bounding = BranchAndBound(
             ground, links, [*regions], goal, cut, Deadline(None, ProcessorTime(seconds)), lambda *_: None
         )
-        found.append(bounding.run(bounding.first(), cut))
+        found.append(bounding.run(narrowed(bounding.first(), ranges.low, ranges.high), cut))
         branch_and_bound.MANY_BODIES = before
         WINDOWS[0] += len(bounding.windows)
     return found
@@ -288,6 +316,7 @@ KINDS: dict[str, Callable[[int], Case]] = {
     "grid": a_grid,
     "mixed": mixed,
     "near": near_copies,
+    "tray": a_tray,
 }
 
 

@@ -10,6 +10,7 @@ import { kept } from "./stage/kept.ts";
 import { lead, origin } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
+import { assembled, forgetSheet, laid, ofSheet } from "./sheet.ts";
 import * as state from "./state.ts";
 
 let socket: Socket | null = null;
@@ -181,8 +182,6 @@ let pendingFile: Opening | null = null;
 /** The file that was opened here, and whether the next drawing is the one that is open already. */
 let file: Opening | null = null;
 let again = false;
-/** What failed last: its findings go when it succeeds. */
-let trouble = "";
 
 export function save(what: SaveWhat, of: "flex" | "check" | "plan" = "flex"): void {
   ask("save", { design: design.peek(), what, of });
@@ -233,6 +232,8 @@ function take(reply: Reply, ways: Frames[]): void {
     case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.coloured.value = true; return;
     case "prove": return proved(about(reply));
     case "bound": return bounded(about(reply));
+    case "assembled": assembled.value = reply; if (ofSheet(state.trouble.value)) state.findings.value = []; return;
+    case "lay": return laid(reply);
     case "saved": return download(reply);
     case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
   }
@@ -258,7 +259,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
     state.waiting.value = false;
     state.answer.value = about;
     if (reply.settled && reply.objective && reply.at_most === null && !inSpace() && state.can("prove")) ask("bound", { design: about.design });
-    if (trouble === "flex") state.findings.value = [];
+    if (state.trouble.value === "flex") state.findings.value = [];
     if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       magnify(reachOf(ways[0]));
       const still = shown.peek().what === "answer" && !reply.leaves.length;
@@ -355,6 +356,7 @@ function opened(reply: Opened): void {
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
+  forgetSheet();
   state.selected.value = null;
   state.many.value = new Set();
   state.solved.value = [];
@@ -412,11 +414,11 @@ function failed(of: string, lines: Finding[]): void {
       forgetFile();
     }
   }
-  trouble = of;
+  state.trouble.value = of;
   state.pointed.value = null;
   state.findings.value = lines;
-  if (lines.length && state.drawing.peek()) {
-    state.tab.value = "answer";
+  if (lines.length && state.drawing.peek() && !(state.tab.peek() === "sheet" && of !== "open")) {
+    state.tab.value = ofSheet(of) ? "sheet" : "answer";
     state.sheetOpen.value = true;
   }
 }

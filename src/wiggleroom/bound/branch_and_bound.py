@@ -113,6 +113,14 @@ class BranchAndBound:
             ranges = first_ranges(bodies.fixed, self.joints, self.regions, self.linkage.turns)
         return ranges
 
+    def relaxed(self, ranges: AngleRanges) -> float:
+        """Value that no motion within `ranges` exceeds, from one linear program."""
+        self.cuts.unlike = COARSE_NORMALS
+        try:
+            return RelaxationInRanges(self.linkage, self.cuts, ranges).largest(self.weights, self.clock.is_set)[0]
+        except InfeasibleRanges:
+            return self.cut
+
     def run(self, ranges: AngleRanges, enough: float) -> float:
         """Value that no motion within `ranges` exceeds; ends where that is at most `enough`."""
         number = itertools.count()

@@ -20,7 +20,8 @@ from wiggleroom.schema.fields import (
     Point,
     Ring,
 )
-from wiggleroom.schema.requests import Design, GoalEntry
+from wiggleroom.schema.listing_schema import SheetJointEntry, UnmatchedEntry
+from wiggleroom.schema.requests import Design, GoalEntry, PlateHint
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 Terms = Annotated[list[tuple[str, str]], Meta(description="a word and a sentence each")]
@@ -398,6 +399,51 @@ class Finding(Struct):
     mends: list[Mend] = []
 
 
+class SheetEdge(Struct):
+    """A row of fingers, slots or holes of a panel, as it lies on the sheet."""
+
+    reference: Annotated[str, Meta(description="how hints name it")]
+    ends: tuple[Point, Point]
+    joints: Annotated[list[str], Meta(description="names of the joints of which it is a side")]
+    open: Annotated[int, Meta(description="how many of its flanks meet nothing that they should")]
+
+
+class SheetPanel(Struct):
+    """A panel of a cutting sheet."""
+
+    name: str
+    rings: Outline
+    centre: Point
+    state: Annotated[Literal["placed", "waiting", "loose"], Meta(description="loose: no edge of it fits another panel")]
+    edges: list[SheetEdge]
+
+
+class Assembled(Reply, kw_only=True):
+    """A cutting sheet put together; what is drawn on the sheet has y up [mm]."""
+
+    certainty: Literal["sure", "not sure"]
+    headline: str
+    doubts: list[str]
+    notes: list[str]
+    thickness: Mm
+    burn: Mm
+    panels: list[SheetPanel]
+    joints: list[SheetJointEntry]
+    unmatched: list[UnmatchedEntry]
+    placed: Annotated[Names, Meta(description="in the order of the solids")]
+    solids: Solids
+    file: Annotated[str, Meta(description="text of the assembly file of what is placed; empty where nothing is")]
+    toml: Annotated[str, Meta(description="text of a file of hints that says the same")]
+    command: Command
+
+
+class LayReply(Reply, tag="lay", kw_only=True):
+    """Where a loose panel could lie, what seems best first."""
+
+    panel: str
+    ways: list[PlateHint]
+
+
 class Failed(Reply, kw_only=True):
     """What is wrong, one plain line each; of a design with all that is, and what would help."""
 
@@ -408,5 +454,6 @@ class Failed(Reply, kw_only=True):
 
 AnyReply = (
     Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | LimitReply
-    | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState | Failed
+    | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState
+    | Assembled | LayReply | Failed
 )  # fmt: skip

@@ -16,14 +16,14 @@ import { blame, roles } from "./roles.ts";
 type Open = typeof import("../stage3d.ts").openStage;
 const here = globalThis as { openStage?: Open };
 
-async function opener(): Promise<Open> {
+export async function opener(): Promise<Open> {
   if (!here.openStage) await import("./space-view.js" as string);
   return here.openStage!;
 }
 
 const failed = signal("");
 const grabbing = signal(false);
-const AXES: Record<"light" | "dark", [string, string, string]> = { light: ["#a02c22", "#2a6b4a", "#1f5f99"], dark: ["#f0a095", "#8fd0ac", "#8fc1ea"] };
+export const AXES: Record<"light" | "dark", [string, string, string]> = { light: ["#a02c22", "#2a6b4a", "#1f5f99"], dark: ["#f0a095", "#8fd0ac", "#8fc1ea"] };
 
 /** How each part is to be painted. */
 const looks = computed(() => {
