@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import shapely
 
 import wiggleroom as wr
 from tests.flexing import (
+    box,
     case_assembly,
     displaced,
     mirrored,
@@ -250,7 +252,7 @@ def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
     ground = survey(assembly)
     them = ground.bodies
     joints, regions = outer_regions(ground, lambda: False)
-    (window, *_) = windows(them.shape, them.rest, them.radius, joints, 2)
+    (window, *_) = windows(them.rest[:, :2], joints, ground.clearance, 2)
     far = np.array([regions[k].far for k in joints.kind])
     assert deviation(window, joints, far) < 1e-11
     rng, shift = np.random.default_rng(seed), 1e-6
@@ -367,6 +369,17 @@ def test_open_joints_are_said():
         proven = wr.prove(answer, 0.01)
         assert proven.at_most is None
         assert "close" in proven.bound.why
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_parts_side_by_side_in_a_tray(count):
+    """Their joints are open, yet a row of them has the play of all gaps between a part and the wall, and no more."""
+    gap, at = 0.2, np.cumsum([0.0, 12.0, 7.0, 9.0])[: count + 1]
+    row = [box(f"b{k}", low, 0, high, 10) for k, (low, high) in enumerate(pairwise(at.tolist()))]
+    tray = shapely.box(-5, -5, at[-1] + 5, 15).difference(shapely.box(0, 0, at[-1], 10))
+    parts = assemble(Drawing((part_at("tray", tray, (0.0, 0.0, 0.0), True), *row)), gap=gap)
+    proven = wr.prove(wr.flex(parts, wr.Pull("b0", (1, 0)), search=0), 0.02, seconds=600.0)
+    assert count * gap * (1 - 1e-6) <= proven.objective <= proven.at_most <= 1.02 * count * gap
 
 
 @pytest.mark.parametrize(("within", "seconds"), [(0, 1), (-1, 1), (math.nan, 1), (0.1, 0), (0.1, math.inf)])

@@ -9,6 +9,7 @@ import numpy as np
 from benchmarks.attack import families_fitted as fitted
 from benchmarks.attack import families_mechanisms as mechanisms
 from benchmarks.attack import families_puzzles as puzzles
+from benchmarks.attack import families_rotary as rotary
 from benchmarks.attack.drawing import Json, Random, lie_apart, turned
 
 Family = Callable[[Random], Json]
@@ -52,6 +53,9 @@ FAMILIES: tuple[Family, ...] = (
     puzzles.telescopes,
     puzzles.tangrams,
     puzzles.pegs_in_slots,
+    rotary.stepped_bayonets,
+    rotary.keys_in_curved_slots,
+    rotary.ball_joints,
 )
 LEAST = 2e-3
 """Parts lie apart by at least so much [mm]: what touches is another question."""

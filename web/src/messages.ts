@@ -51,6 +51,7 @@ export interface FlexRequest {
   id: number;
   design: Design;
   thorough?: boolean;
+  shown?: string;
 }
 
 /** A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer. */
@@ -62,6 +63,7 @@ export interface DragRequest {
   grip: number[];
   target: number[];
   from?: "answer" | "here" | "rest";
+  shown?: string;
 }
 
 /** Where a point of a part, given in world coordinates at rest [mm], can be brought from rest. */
@@ -262,11 +264,12 @@ export interface SolidShape {
   triangles: string; // base64 of uint32, three vertices each
 }
 
-/** Parts in space as they are made: each shape once, which one a part has, and its reference point at rest. */
+/** Parts in space as they are made: each shape once, which one a part has, its reference point at rest, and where it is set aside. */
 export interface Solids {
   shapes: SolidShape[];
   of: number[];
   reference: [number, number, number][]; // [mm]
+  aside: [number, number, number][]; // by how much in an exploded view that doubles distances [mm]
 }
 
 /** A drawing, and what it asks as a design. */
@@ -292,6 +295,7 @@ export interface ShapeReply {
   id: number;
   rings: [number, number][][][];
   solids?: Solids;
+  shown?: string; // name of these outlines
 }
 
 /** A place where two parts hold each other at the end of the motion. */
@@ -320,8 +324,9 @@ export interface FlexReply {
   seconds: number;
   command: string; // the command that answers the same
   settled: boolean; // false where a fuller answer is to come
-  rings?: [number, number][][][]; // where the outlines changed a moment ago
+  rings?: [number, number][][][]; // where the page shows others
   solids?: Solids; // in space, as the outlines
+  shown?: string; // name of these outlines
 }
 
 /** How near a part came to the pointer, after one frame. */
@@ -337,6 +342,7 @@ export interface DragReply {
   settled: boolean;
   rings?: [number, number][][][];
   solids?: Solids;
+  shown?: string; // name of these outlines
 }
 
 /** Where a point can be brought. */

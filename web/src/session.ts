@@ -7,7 +7,7 @@ import { type CheckReply, type Design, type Finding, type Frames, type Kind, typ
 import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
-import { known, lead, leadTo } from "./stage/lead.ts";
+import { lead, origin } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
 import { assembled, forgetSheet, laid, ofSheet } from "./sheet.ts";
@@ -21,6 +21,8 @@ let drag: { id: number; since: number; answered: boolean; wanted: Wanted; next: 
 type Wanted = Requests["drag"];
 /** The design whose outlines are shown; null while they are as drawn. */
 let shaped: Design | null = null;
+/** Their name. */
+let outlines = "";
 
 /** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
 const PATIENCE = 600;
@@ -99,13 +101,13 @@ function askFlex(): void {
     quick.again = true;
     return;
   }
-  state.waiting.value = ask("flex", { design: wanted, thorough: false }) > 0;
+  state.waiting.value = ask("flex", { design: wanted, thorough: false, shown: outlines }) > 0;
   quick = state.waiting.value ? { since: performance.now(), again: false } : null;
 }
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
 export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
-  const wanted: Wanted = { design: design.peek(), part, grip, target, from: known().from };
+  const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin(), shown: outlines };
   leads(wanted, sameShape());
   state.dragging.value = { part, grip };
   if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
@@ -117,7 +119,8 @@ export function askDrag(part: string, grip: Point | Triple, target: Point | Trip
 
 /** In the plane the part follows the hand at once; in space its ghost does, until the answer comes. */
 function leads({ part, grip, target }: Wanted, shaped: boolean): void {
-  if (!inSpace()) leadTo(part, grip as Point, target as Point, shaped);
+  const free = origin() !== "rest" || shown.peek().what === "rest";
+  if (!inSpace()) lead.value = { part, grip: grip as Point, target: target as Point, shaped: shaped && free };
 }
 
 function sendDrag(wanted: Wanted): void {
@@ -237,7 +240,9 @@ function take(reply: Reply, ways: Frames[]): void {
 }
 
 /** Takes what parts look like, where a reply says it. */
-function reshaped({ rings, solids }: { rings?: Opened["parts"][number]["rings"][]; solids?: Solids }): void {
+function reshaped({ rings, solids, shown }: { rings?: Opened["parts"][number]["rings"][]; solids?: Solids; shown?: string }): void {
+  if (shown && shown === outlines) return; // the full answer tells them again
+  outlines = shown ?? outlines;
   if (solids) state.solids.value = solids;
   else if (rings) state.rings.value = rings;
 }
@@ -301,10 +306,10 @@ function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
     state.dragged.value = about;
     show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, false);
     const newest = next ?? wanted;
-    if (next || !about.reply.settled) leads(newest, sameShape() && !about.reply.rings);
+    if (next || !about.reply.settled) leads(newest, sameShape());
     else lead.value = null; // the truth is there
   }
-  if (next) sendDrag({ ...next, from: known().from });
+  if (next) sendDrag({ ...next, from: origin(), shown: outlines });
 }
 
 export function showMode(which: number): void {
@@ -361,6 +366,7 @@ function opened(reply: Opened): void {
   state.outlined.value = new Set();
   state.exploded.value = 0;
   shaped = null;
+  outlines = "";
   state.drawing.value = reply;
   showRest(false);
   kept.value = null;

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from wiggleroom.app.design_cache import goals_of
 from wiggleroom.app.open_requests import File, saved_name
+from wiggleroom.drawing.flatten import chord_error
 from wiggleroom.drawing.model import Drawing, Goal
 from wiggleroom.schema.requests import Design, GoalEntry
 
@@ -43,7 +44,8 @@ def options(file: File, design: Design, *, pulled: bool = True) -> list[str] | N
         return None
     gap = drawing.gap if design.gap is None else design.gap
     found = [] if file.unit is None else ["--unit", file.unit]
-    if file.flatten is not None and file.flatten != gap / 50:
+    how = file.flattening
+    if file.flatten is not None and (how is None or file.flatten != chord_error(gap, how.coarsest, how.finest)):
         found += ["--flatten", repr(file.flatten)]
     found += ["--gap", f"{gap:.12g}"]
     for part in design.fixed:

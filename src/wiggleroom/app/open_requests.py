@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from wiggleroom.app.samples import sample_file
 from wiggleroom.assembly.assembly import place
 from wiggleroom.drawing.layers import ReadOptions
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.drawing.model import Drawing, Flattening
 from wiggleroom.drawing.read import READERS, read_drawing
 from wiggleroom.errors import InputError
 from wiggleroom.report.page_messages import design_message, drawing_message
@@ -25,9 +25,6 @@ from wiggleroom.schema.requests import GoalEntry, OpenRequest
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_model import SpatialDrawing
-
-CHORD_ERROR_SHARE = 1e-4
-"""Chord error of curves as a share of the median part size, where there is no gap to tell."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +42,9 @@ class File:
     unit : str or None
         In place of the file's.
     flatten : float or None [mm]
-        How finely curves were flattened; None where there are none.
+        How finely curves were flattened, whatever gap is tried; None where there are none.
+    flattening : Flattening or None
+        How commands flatten them at a gap, where they are not told.
     text : str
         Of a file in space, as it is.
     data : bytes
@@ -59,6 +58,7 @@ class File:
     drawing: Drawing | SpatialDrawing
     unit: str | None = None
     flatten: float | None = None
+    flattening: Flattening | None = None
     text: str = ""
     data: bytes = b""
     options: ReadOptions = dataclasses.field(default_factory=ReadOptions)
@@ -83,11 +83,17 @@ def opened(request: OpenRequest) -> File:
                 path.write_bytes(request.data)
             if b"wiggleroom/2" in request.data and _is_in_space(path):
                 return _in_space(path, request)
-            drawing, flatten = _read(path, request)
+            drawing = _read(path, request)
         except InputError as problem:
             raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
-    how = _options(request)
-    return File(name, request.path or name, drawing, request.unit, flatten, data=request.data, options=how)
+    how = drawing.flattening
+    flatten = request.flatten if how is None else how.error
+    if path.suffix.lower() == ".json":
+        flatten = None
+    same = dataclasses.replace(drawing, flattening=None)  # outlines on screen stay as they are while the gap is dragged
+    return File(
+        name, request.path or name, same, request.unit, flatten, how, data=request.data, options=_options(request)
+    )
 
 
 def first_open(
@@ -188,19 +194,10 @@ def _options(request: OpenRequest) -> ReadOptions:
     return ReadOptions(request.only, request.skip, request.join, request.solid)
 
 
-def _read(path: Path, request: OpenRequest) -> tuple[Drawing, float | None]:
-    """The drawing, and how finely its curves were flattened."""
-    unit, flatten, gap = request.unit, request.flatten, request.gap
-    options = _options(request)
+def _read(path: Path, request: OpenRequest) -> Drawing:
     if path.suffix.lower() == ".json":
-        return read_drawing(path, unit=unit, gap=gap), None
-    if flatten is None and gap:
-        flatten = gap / 50
-    if flatten is None:
-        rough = read_drawing(path, unit=unit, options=options)
-        sizes = [np.ptp(np.vstack([r.outer for r in p.regions]), axis=0).max() for p in rough.parts]
-        flatten = float(f"{CHORD_ERROR_SHARE * float(np.median(sizes)):.2g}")
-    return read_drawing(path, unit=unit, flatten=flatten, gap=gap, options=options), flatten
+        return read_drawing(path, unit=request.unit, gap=request.gap)
+    return read_drawing(path, unit=request.unit, flatten=request.flatten, gap=request.gap, options=_options(request))
 
 
 def opened_reply(file: File, drawing: Drawing) -> Opened:

@@ -11,6 +11,7 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.findings import examine, opened_overlaps
 from wiggleroom.assembly.plausibility import doubts
 from wiggleroom.assembly.statements import PartNames, unknown
+from wiggleroom.drawing.flatten import flattened_for
 from wiggleroom.drawing.layers import ReadOptions
 from wiggleroom.drawing.model import Drawing, Goal, part_of
 from wiggleroom.errors import InputError, Stop, go_on
@@ -30,7 +31,7 @@ def assemble(
     ----------
     drawing : Drawing [mm]
     gap : float, optional [mm]
-        In place of the drawing's.
+        In place of the drawing's; curves are cut into edges as it wants them.
     fix : sequence of names
         Parts that stand, besides those the drawing fixes.
     goals : sequence of Pull, Turn or W
@@ -51,6 +52,7 @@ def assemble(
     >>> assemble(Drawing((Part("a", (square,)),)), gap=0.5, fix=["a"]).parts[0].fixed
     True
     """
+    drawing = flattened_for(drawing, float(drawing.gap if gap is None else gap))
     names = {p.name: None for p in drawing.parts}
     offsets = dict(offset or {})
     wrong = [f"fix: {unknown(name, names)}" for name in fix if name not in names]

@@ -105,14 +105,18 @@ def turn_differences(joints: JointConstraints, regions: Sequence[BoundedRegion])
 
 
 def first_ranges(
-    fixed: Bools, joints: JointConstraints, regions: Sequence[BoundedRegion], turns: TurnDifferences | None = None
+    fixed: Bools,
+    joints: JointConstraints,
+    regions: Sequence[BoundedRegion],
+    turns: TurnDifferences | None = None,
+    deviation: float = 0.0,
 ) -> AngleRanges:
-    """Turns and shifts add up along ways to fixed bodies; the shortest way counts."""
+    """Turns and shifts add up along ways to fixed bodies; the shortest way counts. Equations of joints hold up to `deviation` [mm]."""
     turns = turn_differences(joints, regions) if turns is None else turns
     up = shortest_ways(turns.a, turns.b, turns.high, -turns.low, fixed)
     down = shortest_ways(turns.a, turns.b, -turns.low, turns.high, fixed)
     swing = 2 * np.sin(np.minimum(np.maximum(up, down), np.pi) / 2)
-    far = np.array([regions[k].far for k in joints.kind])
+    far = np.array([regions[k].far for k in joints.kind]) + deviation
     with np.errstate(invalid="ignore"):
         step = far + np.hypot(*joints.arm_a.T) * swing[joints.a] + np.hypot(*joints.arm_b.T) * swing[joints.b]
     shift = shortest_ways(joints.a, joints.b, step, step, fixed)

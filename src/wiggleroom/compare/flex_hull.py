@@ -19,8 +19,8 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.search.loop import ESCAPE_DISTANCE, FINE_TOLERANCE, MIN_GAIN, TOLERANCE_PER_BODY, Progress, nudged
 from wiggleroom.search.multistart import pulls
-from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.kkt_conditions import conditions
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]

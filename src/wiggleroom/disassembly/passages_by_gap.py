@@ -14,7 +14,8 @@ from wiggleroom.search.prepare import Prepared
 
 Ints = NDArray[np.int64]
 Names = frozenset[str]
-Sides = frozenset[Names]
+Sides = tuple[float, frozenset[Names]]
+"""Chord error of the curves [mm], and who is on either side."""
 
 
 @dataclass(eq=False)
@@ -22,7 +23,8 @@ class PassagesByGap:
     """Passages of one assembly that were looked at, from rest, with several gaps.
 
     Parts only shrink as the gap grows. So what certainly does not leave at a gap does not leave at a smaller one, and a way out stays a way
-    out at a larger one. What the same boxes decided neither at a smaller nor at a larger gap is not looked at in between.
+    out at a larger one. What the same boxes decided neither at a smaller nor at a larger gap is not looked at in between. Curves that were
+    cut into other edges are other outlines, of which nothing is known.
     """
 
     _closed: dict[Sides, tuple[float, Passage]] = field(default_factory=dict)
@@ -34,7 +36,8 @@ class PassagesByGap:
         self, ready: Prepared, a: Ints, b: Ints, most: int, passage: Callable[[], Passage | None], stop: Stop | None
     ) -> Passage | None:
         """The passage of bodies `b` out of bodies `a`, by `passage` with `most` boxes where it is not known; None: slides lead apart."""
-        gap, key = ready.assembly.gap, frozenset((_names(ready, a), _names(ready, b)))
+        gap, how = ready.assembly.gap, ready.assembly.drawing.flattening
+        key = (0.0 if how is None else how.error, frozenset((_names(ready, a), _names(ready, b))))
         for table in (self._held, self._closed):
             if key in table and gap <= table[key][0]:
                 return table[key][1]

@@ -2,14 +2,75 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from wiggleroom.drawing.curves import Arcs, Complex, flatten_arcs, flatten_cubics
-from wiggleroom.drawing.model import Points
+from wiggleroom.drawing.model import Drawing, Part, Points
 from wiggleroom.drawing.pathdata import Arc, Cubic, Subpath
+
+GAP_SHARE = 1 / 50
+"""No curve is further from its chords than this share of the gap."""
+COARSEST_SHARE = 2.5e-4
+"""Nor further than this share of the median part size, however large the gap: so gaps above an eightieth of it share their edges."""
+NO_GAP_SHARE = 1e-4
+"""The same where there is no gap: clearance may be drawn, and nobody knows how little."""
+
+
+def chord_error(gap: float, coarsest: float, finest: float) -> float:
+    """Chord error of curves [mm] at a gap [mm]: the coarsest one, halved until it is no more than a share of the gap.
+
+    As it takes few values, gaps near each other, and all large ones, are about the very same edges.
+
+    Examples
+    --------
+    >>> [chord_error(gap, 0.025, 1e-9) for gap in (3.0, 1.25, 1.0, 0.2, 0.0)]
+    [0.025, 0.025, 0.0125, 0.003125, 0.01]
+    """
+    if not gap > 0:
+        return max(coarsest * NO_GAP_SHARE / COARSEST_SHARE, finest)
+    error = coarsest
+    while error > GAP_SHARE * gap * (1 + 1e-12) and error > finest:
+        error /= 2
+    return max(error, finest)
+
+
+def flattened_for(drawing: Drawing, gap: float) -> Drawing:
+    """The drawing with its curves cut into edges as its file is read with this gap [mm].
+
+    So whoever asks about a gap, in whatever order, asks about the same outlines. Drawings without curves, and outlines that are no
+    longer as they were read, stay as they are.
+    """
+    how = drawing.flattening
+    if how is None or (error := chord_error(gap, how.coarsest, how.finest)) == how.error:
+        return drawing
+    before = {part.name: part for part in how.parts}
+    if any(part.regions is not before[part.name].regions for part in drawing.parts):
+        return drawing
+    parts = how.again(error)
+    after = {part.name: part for part in parts}
+    if after.keys() != before.keys():
+        return drawing
+    shown = tuple(_put(part, before[part.name], after[part.name]) for part in drawing.parts)
+    return replace(drawing, parts=shown, flattening=replace(how, error=error, parts=parts))
+
+
+def _put(part: Part, before: Part, after: Part) -> Part:
+    """A part with the edges of `after` in place of those of `before`; its reference point is that of `after`."""
+    (x, y, angle), (x0, y0, _), (x1, y1, _) = part.at, before.at, after.at
+    shift = complex(x1 - x0, y1 - y0) * complex(math.cos(angle), math.sin(angle))
+    return replace(part, regions=after.regions, at=(x + shift.real, y + shift.imag, angle))
+
+
+def finer_below(drawing: Drawing, gap: float) -> float | None:
+    """The largest gap [mm] below this one at which curves are cut more finely; None where they have only one flattening."""
+    how = drawing.flattening
+    if how is None:
+        return None
+    return chord_error(gap, how.coarsest, how.finest) / GAP_SHARE * (1 - 1e-9)
 
 
 @dataclass
@@ -40,6 +101,11 @@ class Curved:
                 loop.append(("line", 0, segment.end))
             here = segment.end
         self.loops.append((subpath.start, loop))
+
+    @property
+    def bent(self) -> bool:
+        """True where there is any curve."""
+        return bool(self.cubics or self.arcs)
 
     def reach(self) -> tuple[float, float]:
         """Largest coordinate of any point that defines an outline, and the longer side of the box round them [mm]."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -182,6 +183,29 @@ def part_of(goal: Goal) -> str | None:
 
 
 @dataclass(frozen=True, eq=False)
+class Flattening:
+    """How the curves of a file became edges; the file and the gap alone decide it.
+
+    Parameters
+    ----------
+    error : float [mm]
+        Chord error of the edges as they are.
+    coarsest, finest : float [mm]
+        Chord errors beyond which no gap goes.
+    parts : tuple of Part
+        As they were read.
+    again : callable
+        The same parts at another chord error.
+    """
+
+    error: float
+    coarsest: float
+    finest: float
+    parts: tuple[Part, ...]
+    again: Callable[[float], tuple[Part, ...]]
+
+
+@dataclass(frozen=True, eq=False)
 class Drawing:
     """Everything a file says: parts as drawn, and who is fixed, glued, ignored, pulled.
 
@@ -205,6 +229,8 @@ class Drawing:
         Things the user should know (left-out paths, assumed unit), one line each.
     tolerances : tuple of Tolerance
         How exactly it is made; only questions about tolerances look at them.
+    flattening : Flattening or None
+        Of its curves; None where it has none, or where somebody said how finely to cut them for every gap.
     """
 
     parts: tuple[Part, ...]
@@ -216,3 +242,4 @@ class Drawing:
     source: str = ""
     notes: tuple[str, ...] = ()
     tolerances: tuple[Tolerance, ...] = ()
+    flattening: Flattening | None = None

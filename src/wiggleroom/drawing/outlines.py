@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from wiggleroom.drawing.elements import Artwork
-from wiggleroom.drawing.flatten import Curved
+from wiggleroom.drawing.flatten import COARSEST_SHARE, Curved, chord_error
 from wiggleroom.drawing.joining import JOIN_DISTANCE, JOIN_SHARE
 from wiggleroom.drawing.limits import FINEST, LARGEST, SMALLEST
 from wiggleroom.drawing.model import Points
@@ -34,7 +34,7 @@ def traced(
     artwork : Artwork
         Only strokes that are cut.
     flatten : float [mm], optional
-        Chord error of curves; by default gap / 50, or 1e-4 of the median part size where the gap is 0.
+        Chord error of curves; by default `chord_error` of the gap.
     gap : float [mm], optional
     join : float [mm], optional
         Open ends nearer than this are joined; by default the smaller of 0.05 mm and a hundredth of the shortest line.
@@ -48,15 +48,15 @@ def traced(
     """
     paths = [(path, row) for row, stroke in enumerate(artwork.strokes) for path in stroke.paths]
     closed = [_is_closed(path) for path, _ in paths]
-    tolerance, size = _chord_error(artwork, paths, closed, flatten, gap)
+    tolerance, coarsest, size = _chord_error(artwork, paths, closed, flatten, gap)
     lengths = [longer_side(path) for (path, _), is_closed in zip(paths, closed, strict=True) if not is_closed]
     real = [length for length in lengths if length > 1e-6 * size]
     within = join if join is not None else min([JOIN_DISTANCE, *(JOIN_SHARE * length for length in real)])
-    found = Traced(artwork.file, tolerance, within)
     curved = Curved()
     for path, _ in paths:
         go_on(stop)
         curved.add(path)
+    found = Traced(artwork.file, tolerance, within, coarsest if curved.bent else None, FINEST * size)
     corners = curved.corners(tolerance)
     rings: dict[int, list[Points]] = {}
     lines: list[OpenLine] = []
@@ -92,8 +92,11 @@ def _chord_error(
     closed: Sequence[bool],
     flatten: float | None,
     gap: float | None,
-) -> tuple[float, float]:
-    """Chord error, and the longer side of the drawing [mm]; refused is one of nothing, or of a size that cannot be worked with."""
+) -> tuple[float, float | None, float]:
+    """Chord error, the coarsest of any gap (None where it was given) and the longer side of the drawing [mm].
+
+    Refused is one of nothing, or of a size that cannot be worked with.
+    """
     if not paths:
         message = f"{artwork.file}: has no closed outline; every part must be closed"
         raise InputError(artwork.findings or [message])
@@ -111,13 +114,14 @@ def _chord_error(
         finding = f"{artwork.file}: flatten is {flatten:g}; here it must be at least {FINEST * size:.3g} mm"
     if finding:
         raise InputError([*artwork.findings, finding])
-    if flatten or gap:
-        return max(flatten or (gap or 0.0) / 50, FINEST * size), size
+    if flatten:
+        return max(flatten, FINEST * size), None, size
     by_row: dict[int, list[Points]] = {}
     for (_, row), points in zip(chosen, curved.corners(1e-3 * size), strict=True):
         by_row.setdefault(row, []).append(points)
     median = float(np.median([np.ptp(np.vstack(rings), axis=0).max() for rings in by_row.values()]))
-    return max(median * 1e-4, FINEST * size), size
+    coarsest = max(median * COARSEST_SHARE, FINEST * size)
+    return chord_error(gap or 0.0, coarsest, FINEST * size), coarsest, size
 
 
 def _without_copies(found: Traced) -> None:

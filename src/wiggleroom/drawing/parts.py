@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import shapely
@@ -14,7 +15,7 @@ from wiggleroom.drawing.colours import is_light
 from wiggleroom.drawing.elements import Artwork, Stroke
 from wiggleroom.drawing.flatten import Curved
 from wiggleroom.drawing.layers import ReadOptions, cut_strokes, has_own_name
-from wiggleroom.drawing.model import Drawing, Region
+from wiggleroom.drawing.model import Drawing, Flattening, Part, Region
 from wiggleroom.drawing.naming import aliases_of, given_names, rows_at, texts_inside, unique_names
 from wiggleroom.drawing.nesting import cut_nested, direct_parents, hole_rows, meets_hole
 from wiggleroom.drawing.outlines import traced
@@ -59,7 +60,7 @@ def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None,
         What a reader found.
     options : ReadOptions
     flatten : float [mm], optional
-        Chord error of curves; by default gap / 50, or 1e-4 of the median part size where the gap is 0.
+        Chord error of curves at every gap; by default `chord_error` of the gap.
     gap : float [mm], optional
 
     Raises
@@ -83,6 +84,11 @@ def reading_of(artwork: Artwork, options: ReadOptions, *, flatten: float | None,
         return Reading(empty, (), tuple(found.findings), tuple(found.remarks))
     go_on(options.stop)
     return _nested(artwork, found, options, gap)
+
+
+def _parts(artwork: Artwork, options: ReadOptions, error: float) -> tuple[Part, ...]:
+    """Parts of a drawing at a chord error [mm]."""
+    return reading_of(artwork, options, flatten=error, gap=None).drawing.parts
 
 
 def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | None) -> Reading:
@@ -135,6 +141,11 @@ def _nested(artwork: Artwork, found: Traced, options: ReadOptions, gap: float | 
         glue=_glue([strokes[row] for row in first], names),
         source=artwork.file,
         notes=tuple(dict.fromkeys(found.notes)),
+        flattening=None
+        if found.coarsest is None
+        else Flattening(
+            found.tolerance, found.coarsest, found.finest, parts, partial(_parts, artwork, replace(options, stop=None))
+        ),
     )
     layers = tuple(strokes[row].layer for row in first)
     return Reading(drawing, layers, tuple(found.findings), tuple(found.remarks))

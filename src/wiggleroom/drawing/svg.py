@@ -11,7 +11,7 @@ from wiggleroom.drawing.model import Drawing
 from wiggleroom.drawing.parts import reading_of, sound
 from wiggleroom.drawing.source import load
 from wiggleroom.drawing.svg_page import page_map
-from wiggleroom.drawing.svg_walk import Walk
+from wiggleroom.drawing.svg_walk import SvgWalk
 from wiggleroom.drawing.xmltree import parse_xml
 from wiggleroom.errors import InputError, Stop
 
@@ -41,7 +41,7 @@ def svg_artwork(source: str | Path, unit: str | None = None, stop: Stop | None =
         message = f"{text.name}: is not an SVG drawing; its outermost element must be svg"
         raise InputError(message)
     matrix, port, notes = page_map(root, unit, text.name)
-    walk = Walk(text.name, root, stop)
+    walk = SvgWalk(text.name, root, stop)
     walk.run(matrix, port)
     if walk.repeated:
         named = ", ".join(walk.repeated[:3]) + (", ..." if len(walk.repeated) > 3 else "")
@@ -77,7 +77,7 @@ def read_svg(
     unit : str, optional
         What one user unit is (mm, cm, m, in, px), whatever the file says.
     flatten : float [mm], optional
-        Chord error of curves; by default gap / 50, or 1e-4 of the median part size where the gap is 0.
+        Chord error of curves at every gap; by default `chord_error` of the gap.
     gap : float [mm], optional
         Clearance across every joint; a drawing itself has none.
     options : ReadOptions, optional

@@ -65,6 +65,10 @@ class Traced:
         Chord error of curves.
     join : float [mm]
         Ends nearer than this were joined.
+    coarsest : float or None [mm]
+        Chord error at large gaps; None where there are no curves, or their chord error was given.
+    finest : float [mm]
+        Least chord error that the size of the drawing allows.
     notes, findings : list of str
     remarks : list of Remark
     open_lines : int
@@ -74,6 +78,8 @@ class Traced:
     file: str
     tolerance: float
     join: float
+    coarsest: float | None = None
+    finest: float = 0.0
     outlines: list[Outline] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
     findings: list[str] = field(default_factory=list)

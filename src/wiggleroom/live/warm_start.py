@@ -23,7 +23,8 @@ from wiggleroom.search.moves import regrow_stale, stale, tighten
 from wiggleroom.search.path_check import missed
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.solve.interior_point import INITIAL_BARRIER, solve
+from wiggleroom.solve.interior_point import solve
+from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]

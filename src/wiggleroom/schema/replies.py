@@ -78,11 +78,15 @@ class SolidShape(Struct):
 
 
 class Solids(Struct):
-    """Parts in space as they are made: each shape once, which one a part has, and its reference point at rest."""
+    """Parts in space as they are made: each shape once, which one a part has, its reference point at rest, and where it is set aside."""
 
     shapes: list[SolidShape]
     of: list[int]
     reference: Annotated[list[tuple[float, float, float]], Meta(description="[mm]")]
+    aside: Annotated[
+        list[tuple[float, float, float]],
+        Meta(description="by how much in an exploded view that doubles distances [mm]"),
+    ]
 
 
 class Opened(Reply, kw_only=True):
@@ -106,6 +110,7 @@ class ShapeReply(Reply, tag="shape", kw_only=True):
 
     rings: list[Outline] = []
     solids: Solids | UnsetType = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class FlexReply(Reply, tag="flex", kw_only=True):
@@ -125,8 +130,9 @@ class FlexReply(Reply, tag="flex", kw_only=True):
     seconds: float
     command: Command
     settled: Annotated[bool, Meta(description="false where a fuller answer is to come")] = True
-    rings: Annotated[list[Outline] | UnsetType, Meta(description="where the outlines changed a moment ago")] = UNSET
+    rings: Annotated[list[Outline] | UnsetType, Meta(description="where the page shows others")] = UNSET
     solids: Annotated[Solids | UnsetType, Meta(description="in space, as the outlines")] = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class DragReply(Reply, tag="drag", kw_only=True):
@@ -141,6 +147,7 @@ class DragReply(Reply, tag="drag", kw_only=True):
     settled: bool
     rings: list[Outline] | UnsetType = UNSET
     solids: Solids | UnsetType = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class ReachReply(Reply, tag="reach", kw_only=True):

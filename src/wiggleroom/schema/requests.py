@@ -98,21 +98,26 @@ class ShapeRequest(DesignRequest, tag="shape", kw_only=True):
 
 
 class FlexRequest(DesignRequest, tag="flex", kw_only=True):
-    """How far it moves: a quick answer first, then the full one; thorough: the full one alone."""
+    """How far it moves: a quick answer first, then the full one; thorough: the full one alone.
+
+    `shown` names the outlines that the page shows, as the reply with them did.
+    """
 
     thorough: bool = False
+    shown: str = ""
 
 
 class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
     """A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer.
 
-    `grip` is where it was taken, in world coordinates at rest [mm].
+    `grip` is where it was taken, in world coordinates at rest [mm]; `shown` names the outlines that the page shows.
     """
 
     part: str
     grip: Vector
     target: Vector
     from_: Literal["rest", "here", "answer"] = "here"
+    shown: str = ""
 
 
 class ReachRequest(DesignRequest, tag="reach", kw_only=True):

@@ -11,7 +11,8 @@ from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.search.active_set import ActiveSet
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.solve.interior_point import INITIAL_BARRIER, Solution
+from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER
+from wiggleroom.solve.solution import Solution
 
 Floats = NDArray[np.float64]
 

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,11 +18,11 @@ from wiggleroom.geometry.overlap import Overlaps, overlaps
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.program.objectives import Objective
 from wiggleroom.search.active_set import touching
-from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
-from wiggleroom.search.path_check import CheckedPath, check_path
+from wiggleroom.search.incumbent import Incumbent, PathSegment, Start, start_at_rest
+from wiggleroom.search.path_check import CertainPrefix, CheckedPath, certain_prefix, check_path
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import interior_point
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -46,6 +46,9 @@ LARGE_ASSEMBLY = 1000
 """In larger assemblies the other sides of corner contacts are left open, and new cells must bring more to go on."""
 CARRYING_ASSEMBLY = 100
 """In larger assemblies rounds begin with multipliers."""
+AUDIT_EVERY = 2e-3
+"""Between two audits of a path that is still growing lie so many seconds of processor time for each body: each costs a fiftieth of that
+beyond the audit of its pieces, which is not repeated at the end."""
 FULL_TURN = 2.0 * np.pi + 0.5
 """A body that turns further than this [rad] may turn without limit: whether its motion repeats is looked at then."""
 
@@ -129,6 +132,10 @@ class LocalSearch:
         Where the last round began, or the next one would.
     ended : bool
         True where no move proposed anything more, nothing stops the motion, or it is good enough.
+    certain : CertainPrefix
+        Of the path to where the search is.
+    audited : float
+        Processor time when that was looked at last.
     rounds, iterations, seconds
         Work done.
     """
@@ -148,6 +155,8 @@ class LocalSearch:
     iterations: int = 0
     restarts: int = 0
     checked: tuple[Incumbent, CheckedPath] | None = None
+    certain: CertainPrefix = field(default_factory=CertainPrefix)
+    audited: float = field(default_factory=time.process_time)
     seconds: dict[str, float] = field(default_factory=lambda: {"freespace": 0.0, "solve": 0.0, "check": 0.0})
 
     def improve(self, start: Start) -> Incumbent | None:
@@ -259,17 +268,34 @@ class LocalSearch:
     def checked_path(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""
         if self.checked is None or self.checked[0] is not found:
-            self.checked = found, check_path(self.ready, found.path, self.stop)
+            self.checked = found, check_path(self.ready, found.path, self.stop, self.certain)
         return self.checked[1]
+
+    def along(self, segments: tuple[PathSegment, ...], program: Program, begin: Floats) -> dict[str, Any]:
+        """What a solver is given so that the path which it follows is audited now and then: where it is stopped, that much is certain."""
+        if not self.carries_multipliers:
+            return {}
+        points = [begin]
+
+        def reached(u: Floats) -> None:
+            points.append(u)
+            if time.process_time() - self.audited > AUDIT_EVERY * len(self.ready.bodies.fixed):
+                path = (*segments, PathSegment(program, tuple(points)))
+                self.certain = certain_prefix(self.ready, path, self.stop, self.certain)
+                self.audited = time.process_time()
+
+        return {"reached": reached}
 
     def _round(self, start: Start) -> Incumbent:
         """Build and solve the program of some cells."""
         began = time.perf_counter()
-        program = build(self.ready.bodies, start.cells, self.objective, length=self.ready.clearance)
+        before = start.segments[-1].program if start.segments else None
+        program = build(self.ready.bodies, start.cells, self.objective, length=self.ready.clearance, like=before)
         self.rounds += 1
         number, begin = self.rounds, program.variables(start.inner)
         tolerance = self.policy.rough if start.tolerance is None else start.tolerance
         carried = {} if start.multipliers is None else {"multipliers": start.multipliers}
+        carried |= self.along(start.segments, program, begin)
         solution = self.solve(
             program, begin if start.segments else nudged(program, begin), mu=start.mu, tolerance=tolerance,
             horizon=ESCAPE_DISTANCE * self.ready.size, stop=self.stop,

@@ -27,6 +27,8 @@ MAX_SPLITS = 12
 """A piece of the path is halved at most this often."""
 SPLIT_BATCH = 32
 """So many pieces are halved before the audit looks again, the first ones first: where one of them fails, the rest is of no use."""
+LATE_PIECES, MIN_LATE_PIECES = 40_000, 4
+"""So many pieces, times bodies, are audited at once after a request to stop, but no fewer pieces: some tenths of a second."""
 MAX_UNKNOWN_SPLITS = 3
 """The same where the pair that may overlap on it is not in its program."""
 
@@ -71,33 +73,104 @@ class _Point:
     depth: int
 
 
-def check_path(ready: Prepared, segments: Sequence[PathSegment], stop: Stop | None = None) -> CheckedPath:
+@dataclass(frozen=True, eq=False)
+class CertainPrefix:
+    """The beginning of a path, as far as it was audited already.
+
+    Parameters
+    ----------
+    segments : tuple of PathSegment
+        The legs of the path, which may go on.
+    points : tuple
+        Its way-points, those between points of the search included, from rest to the last that is certain.
+    """
+
+    segments: tuple[PathSegment, ...] = ()
+    points: tuple[_Point, ...] = ()
+
+    def along(self, segments: Sequence[PathSegment]) -> list[_Point]:
+        """Those of its way-points that are on another path as well, up to the last common point of the search; at least the first."""
+        common, last = (0, 0), 0
+        for k, (own, other) in enumerate(zip(self.segments, segments, strict=False)):
+            if own.program is not other.program:
+                break
+            pairs = zip(own.points, other.points, strict=False)
+            same = next((i for i, (u, v) in enumerate(pairs) if u is not v and not np.array_equal(u, v)), None)
+            end = min(len(own.points), len(other.points)) if same is None else same
+            if end:
+                common = k, end - 1
+            if same is not None or len(own.points) != len(other.points):
+                break
+        for number, point in enumerate(self.points):
+            at = point.segment, point.index
+            if at <= common and point.u is self.segments[at[0]].points[at[1]]:
+                last = number
+        return list(self.points[: last + 1]) or [_Point(0, 0, segments[0].points[0], 0)]
+
+
+def check_path(
+    ready: Prepared, segments: Sequence[PathSegment], stop: Stop | None = None, known: CertainPrefix | None = None
+) -> CheckedPath:
     """Check a path that consists of legs, each inside the cells of one program.
 
-    Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help. Once it is asked to
-    stop, the audit goes on for what is left of a grace period; where it does not get through, only rest is certain.
+    Pieces of which the audit is not certain are halved, with way-points inside the cells, as long as that may help. What is `known` is not
+    audited again. Once it is asked to stop, the audit goes on for what is left of a grace period; up to where it gets the path is certain.
     """
-    late = stop.end if isinstance(stop, GracePeriod) else stop
-    parts = ready.outlines
-    points = [_Point(0, 0, segments[0].points[0], 0)]
-    points += [_Point(k, i, u, 0) for k, segment in enumerate(segments) for i, u in enumerate(segment.points) if i]
+    begun = (known or CertainPrefix()).along(segments)
+    points, certain, audit = _audited(ready, segments, begun, stop)
     waypoints = _waypoints(ready, segments, points)
-    audit = audit_path(parts, waypoints, late)
-    free = audit.free
-    if not free and audit.certain and not (stop is not None and stop.is_set()):
-        points, free = _refined(ready, segments, parts, points, audit, stop)
-        waypoints = _waypoints(ready, segments, points)
-        audit = audit if free else audit_path(parts, waypoints, late)  # else every piece has been judged already
     motions = np.array([segments[p.segment].program.motion(p.u) for p in points])
-    if free:
+    if certain == len(points):
         none = np.zeros(0, dtype=np.int64)
         return CheckedPath(motions, waypoints, len(points), tuple(segments), (none, none))
-    last = points[max(audit.certain - 1, 0)]
+    last = points[max(certain - 1, 0)]
     kept = (
         *segments[: last.segment],
         PathSegment(segments[last.segment].program, segments[last.segment].points[: last.index + 1]),
     )
-    return CheckedPath(motions, waypoints, audit.certain, kept, missed(ready.bodies, audit, kept[-1].program))
+    return CheckedPath(motions, waypoints, certain, kept, missed(ready.bodies, audit, kept[-1].program))
+
+
+def certain_prefix(
+    ready: Prepared, segments: Sequence[PathSegment], stop: Stop | None, known: CertainPrefix
+) -> CertainPrefix:
+    """What is certain of a path that may go on, from what is `known`."""
+    points, certain, _ = _audited(ready, segments, known.along(segments), stop)
+    return CertainPrefix(tuple(segments), tuple(points[:certain]))
+
+
+def _audited(
+    ready: Prepared, segments: Sequence[PathSegment], begun: list[_Point], stop: Stop | None
+) -> tuple[list[_Point], int, PathAudit]:
+    """Way-points of a path whose first ones are certain, up to how many of them it is, and the audit that ended it.
+
+    After a request to stop a few pieces are audited at a time, so that those which are certain by the end of the grace period count.
+    """
+    late = stop.end if isinstance(stop, GracePeriod) else stop
+    last = begun[-1]
+    points = [last]
+    points += [
+        _Point(k, i, u, 0)
+        for k, segment in enumerate(segments)
+        for i, u in enumerate(segment.points)
+        if i and (k, i) > (last.segment, last.index)
+    ]
+    before = begun[:-1]
+    while True:
+        stopped = stop is not None and stop.is_set()
+        end = len(points) if not stopped else 1 + max(MIN_LATE_PIECES, LATE_PIECES // len(ready.bodies.fixed))
+        ahead, rest = points[:end], points[end:]
+        audit = audit_path(ready.outlines, _waypoints(ready, segments, ahead), late)
+        free = audit.free
+        if not free and audit.certain and not (stop is not None and stop.is_set()):
+            ahead, free = _refined(ready, segments, ready.outlines, ahead, audit, stop)
+            if not free:  # else every piece has been judged already
+                audit = audit_path(ready.outlines, _waypoints(ready, segments, ahead), late)
+        if not free:
+            return [*before, *ahead, *rest], len(before) + audit.certain, audit
+        if not rest:
+            return [*before, *ahead], len(before) + len(ahead), audit
+        before, points = [*before, *ahead[:-1]], [ahead[-1], *rest]
 
 
 def missed(bodies: Bodies, audit: PathAudit, program: Program) -> tuple[Ints, Ints]:

@@ -54,8 +54,6 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
 
     None where parts are not boxes along the axes of the world, where they overlap as drawn, and where there are too many cells.
     """
-    from scipy.signal import fftconvolve
-
     assembly, grouping = ready.assembly, ready.grouping
     count = len(grouping.bodies.at)
     if assembly.drawing.ignore or count > MOST_BODIES:
@@ -90,7 +88,7 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
             if i == j:
                 continue
             # entry k of the convolution: cells of j moved by d meet cells of i, d = k - (shape of j - 1) - (low j - low i)
-            common = fftconvolve(solid[i].astype(float), solid[j][::-1, ::-1, ::-1].astype(float)) > 0.5
+            common = _convolved(solid[i], solid[j][::-1, ::-1, ::-1]) > 0.5
             first = low[i] - low[j] - (np.array(solid[j].shape) - 1) + reach
             table = blocked[i, j]
             table[tuple(slice(a, a + n) for a, n in zip(first, common.shape, strict=True))] = common
@@ -98,6 +96,13 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
                 return None
     free = grouping.bodies.free[:, :3]
     return Lattice(unit * ROUNDING, blocked, ~free)
+
+
+def _convolved(one: Bools, other: Bools) -> Floats:
+    """Convolution of two blocks of cells, by Fourier transforms."""
+    shape = [m + n - 1 for m, n in zip(one.shape, other.shape, strict=True)]
+    axes = (0, 1, 2)
+    return np.fft.irfftn(np.fft.rfftn(one, shape, axes) * np.fft.rfftn(other, shape, axes), shape, axes)
 
 
 @njit(**OPTIONS)

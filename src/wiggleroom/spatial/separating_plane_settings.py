@@ -49,6 +49,8 @@ class SeparatingPlaneSettings:
         mu stays above this, times the size in clearances: rows that are as small as their rounding make multipliers of noise.
     least_curvature : float > 0 [objective's unit per clearance squared]
         Curvature upwards that counts.
+    most_weights : tuple of float > 0
+        Largest weights of rows with which curvature is looked at, one after the other.
     anchored : float > 0
         Weight of the proximal term, in units of the barrier's, where iterates stay inside all rows.
     loose : float > 0
@@ -119,6 +121,7 @@ class SeparatingPlaneSettings:
     balanced: float = 1e-3
     rounding: float = 500 * float(np.finfo(float).eps)
     least_curvature: float = 1e-3
+    most_weights: tuple[float, ...] = (1e4, 1e6, 1e8, float("inf"))
     anchored: float = 1.0
     loose: float = 1e-3
     saddles: int = 2

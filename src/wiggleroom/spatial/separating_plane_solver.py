@@ -36,6 +36,9 @@ from wiggleroom.verdict import SolverStatus
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+CONSTANT = 1e-12
+"""Where derivatives by what is free are below this share of all, the objective does not depend on it."""
+
 
 @dataclass(frozen=True, eq=False)
 class SeparatingPlaneSolution:
@@ -149,6 +152,8 @@ class SeparatingPlaneSolver:
         self._errors: list[float] = []
         at = P.linearise(beside_rest(P, self.seed) if start is None else start)
         unit = float(np.abs(at.gradient).max(initial=0.0)) or 1.0
+        if unit <= CONSTANT * np.abs(P.objective.gradient(at.point.pose) * P.scale).max(initial=0.0):
+            return self._at_rest()
         slack = at.h if self.inside else np.maximum(at.h, SETTINGS.first_slack)
         state = SeparatingPlaneIterate(
             at,
@@ -174,12 +179,26 @@ class SeparatingPlaneSolver:
             curved,
         )
 
+    def _at_rest(self) -> SeparatingPlaneSolution:
+        """The answer where nothing that is free changes the objective."""
+        start = self.program.start
+        value = self.program.objective.value(start.pose)
+        nothing = np.zeros(self.program.rows)
+        return SeparatingPlaneSolution(start, nothing, value, SolverStatus.CONVERGED, 0, (start,), 0.0, True)
+
     def _curved_down(self, state: SeparatingPlaneIterate) -> bool:
-        """True where the condensed matrix is positive definite up to a small share."""
+        """True where the condensed matrix is positive definite up to a small share.
+
+        Rows weigh at most so much: what is positive definite then is so with their whole weight, whose rounding would hide it.
+        """
         u = state.displacement
         weight = state.proximal(state.complementarity, u)
-        self._system.set(state, state.residuals(weight, u)[0], weight)
-        return self._system.factorise(SETTINGS.least_curvature)
+        dual = state.residuals(weight, u)[0]
+        for most in SETTINGS.most_weights:
+            self._system.set(replace(state, s=np.maximum(state.s, state.lam / most)), dual, weight)
+            if self._system.factorise(SETTINGS.least_curvature):
+                return True
+        return False
 
     def _follow(self, state: SeparatingPlaneIterate) -> tuple[SolverStatus, float, SeparatingPlaneIterate]:
         """Advance the state until it is converged, stopped or escaping; where it gets no further, back to the best iterate."""

@@ -50,6 +50,16 @@ def union_of(solids: Sequence[Any]) -> Any:
     return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
 
 
+def behind_planes(normals: Floats, levels: Floats, far: float) -> Any | None:
+    """Solid of the library behind planes (k, 3), (k,) [mm], at most `far` [mm] from the origin along the axes; None where there is none."""
+    import manifold3d
+
+    solid = manifold3d.Manifold.cube((2 * far, 2 * far, 2 * far), center=True)
+    for normal, level in zip(normals, levels.tolist(), strict=True):
+        solid = solid.trim_by_plane(tuple((-normal).tolist()), -level)
+    return solid if solid.volume() > 0 else None
+
+
 def is_sound(solid: Any) -> bool:
     """True for a closed, oriented solid with a volume."""
     import manifold3d

@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.spatial.convex import distinct_axes
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
 from wiggleroom.spatial.spatial_bodies import grouped
@@ -184,7 +184,7 @@ class _Stage:
         found = lattice_search(grid, self.stop)
         if not found.offsets:
             # gaps that add up to a step let parts through where whole steps do not
-            self.exhaustive = found.complete and self.ready.assembly.gap * len(grid.stands) < grid.step
+            self.exhaustive = found.complete and self.ready.assembly.widest_gap * len(grid.stands) < grid.step
             return None
         way = lattice_motions(self.ready, grid, found)
         if any(self.ready.checker.overlaps(one, other) for one, other in itertools.pairwise(way)):
@@ -309,5 +309,6 @@ def _reduced(assembly: SpatialAssembly, keep: Sequence[int]) -> SpatialAssembly:
     old = assembly.drawing
     glue = tuple(g for g in (tuple(n for n in g if n in names) for g in old.glue) if len(g) > 1)
     ignore = tuple(p for p in old.ignore if set(p) <= names)
-    drawing = replace(old, parts=parts, glue=glue, ignore=ignore, goals=())
+    gaps = tuple(joint for joint in old.gaps if set(joint.parts) <= names)
+    drawing = replace(old, parts=parts, glue=glue, ignore=ignore, gaps=gaps, goals=())
     return SpatialAssembly(drawing, tuple(assembly.made[k] for k in keep))

@@ -2,7 +2,7 @@
 
 import { computed, effect, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { design, fixedNames, goals, groupOf } from "../design.ts";
+import { design, fixedNames, goals } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import { askDrag, release } from "../session.ts";
 import type { ContactEntry } from "../protocol.ts";
@@ -58,7 +58,6 @@ function connected(box: HTMLElement, open: Open): () => void {
     factor: () => factor(),
     exploded: () => state.exploded.peek(),
     marks,
-    together: (part) => (groupOf(names.peek()[part]!) ?? [names.peek()[part]!]).flatMap((name) => state.indexOf.peek().get(name) ?? []),
     free: (part) => !fixedNames.peek().has(names.peek()[part]!),
     hover: (part) => void (state.hovered.value = part === null ? null : names.peek()[part]!),
     choose: (part) => choose(part === null ? null : names.peek()[part]!),
