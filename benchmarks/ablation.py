@@ -23,7 +23,7 @@ from tests.oracle.chain import GAPS
 import wiggleroom as wr
 from benchmarks.attack.families import draw
 from benchmarks.chains import chain
-from wiggleroom import maximise
+from wiggleroom import flex_walls, maximise
 from wiggleroom.search import global_search, moves
 from wiggleroom.search.loop import Move
 
@@ -36,7 +36,7 @@ CHAIN_LENGTH = 10
 def without(left_out: Move) -> Iterator[None]:
     """All searches for an answer do without a move."""
     policy = replace(moves.THOROUGH, moves=tuple(m for m in moves.THOROUGH.moves if m is not left_out))
-    users = [module for module in (maximise, global_search) if hasattr(module, "THOROUGH")]
+    users = [module for module in (flex_walls, global_search) if hasattr(module, "THOROUGH")]
     for module in users:
         module.THOROUGH = policy
     try:

@@ -16,7 +16,7 @@ from tests.test_imports import KNOWN, ORDER, imported
 LANES = (
     (
         "the path of a question",
-        ["drawing", "assembly", "geometry", "freespace", "program", "solve", "search", "maximise"],
+        ["drawing", "assembly", "geometry", "freespace", "program", "solve", "search", "flex_walls", "maximise"],
     ),
     (
         "other questions",

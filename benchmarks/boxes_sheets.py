@@ -31,11 +31,14 @@ class JointRow:
         On the sheet, in the middle of the depth of the joint.
     angle : float [degrees]
         For which the fingers are made: 90 for plates square to each other.
+    depth : float [mm]
+        How deep the joint is: that of one plate, or of several on each other.
     """
 
     tabs: bool
     ends: Floats
     angle: float
+    depth: float = 3.0
 
     @property
     def length(self) -> float:
@@ -82,16 +85,16 @@ def draw(generator: type, folder: Path, arguments: tuple[str, ...] = ()) -> Draw
     corner = np.array([extents.xmin - 10.0, extents.ymin - 10.0])  # drawings are moved to 10 mm from the origin
     path = folder / f"{generator.__name__}.svg"
     path.write_bytes(drawing.close().getvalue())
-    found = tuple(JointRow(tabs, ends - corner, angle) for tabs, ends, angle in rows)
+    found = tuple(JointRow(tabs, ends - corner, angle, depth) for tabs, ends, angle, depth in rows)
     return DrawnSheet(generator.__name__, path, found, np.array([ends - corner for ends in slots]).reshape(-1, 2, 2))
 
 
 @contextlib.contextmanager
-def _recorded() -> Iterator[tuple[list[tuple[bool, Floats, float]], list[Floats]]]:
+def _recorded() -> Iterator[tuple[list[tuple[bool, Floats, float, float]], list[Floats]]]:
     """Lists that fill while a generator draws."""
     from boxes import edges
 
-    rows: list[tuple[bool, Floats, float]] = []
+    rows: list[tuple[bool, Floats, float, float]] = []
     slots: list[Floats] = []
     draw_edge, draw_holes, draw_slot = edges.FingerJointEdge.__call__, edges.FingerHoles.__call__, edges.Slot.__call__
 
@@ -99,7 +102,8 @@ def _recorded() -> Iterator[tuple[list[tuple[bool, Floats, float]], list[Floats]
         matrix = joint.boxes.ctx._m
         fingers, leftover = joint.calcFingers(end[0] - begin[0], bolts)
         if fingers or leftover > 0.75 * joint.settings.thickness:
-            rows.append((tabs, np.array([matrix * begin, matrix * end]), float(joint.settings.angle)))
+            ends = np.array([matrix * begin, matrix * end])
+            rows.append((tabs, ends, float(joint.settings.angle), float(joint.settings.thickness)))
 
     def edge(self, length, bedBolts=None, bedBoltSettings=None, **more):
         first, second = self.fingerLength(self.settings.angle)

@@ -52,7 +52,10 @@ def panels_of_rows(drawn: DrawnSheet, panels: Mapping[str, shapely.Polygon]) -> 
         line = shapely.LineString(row.ends)
         share = [panels[name].intersection(line).length / max(line.length, 1e-9) for name in names]
         best = int(np.argmax(share))
-        found.append(names[best] if share[best] > 0.1 else "")
+        # Holes that are drawn beside all panels, to drill after, make small outlines of their own: no panel holds the row.
+        reach = shapely.minimum_rotated_rectangle(panels[names[best]]).exterior.length / 2
+        whole = reach > 0.8 * line.length
+        found.append(names[best] if share[best] > 0.1 and whole else "")
     return found
 
 
@@ -114,4 +117,6 @@ def _closed(drawn: DrawnSheet, of: Sequence[str], poses: Mapping[str, tuple[Floa
         turn, move = poses[of[k]]
         ends.append(drawn.rows[k].ends @ turn[:, :2].T + move)
     apart = min(np.abs(ends[0] - other).max() for other in (ends[1], ends[1][::-1]))
-    return bool(apart < (APART if square else APART_SLANTED))
+    # In a joint as deep as two plates each of them lies half a plate beside its middle.
+    spare = abs(drawn.rows[i].depth - drawn.rows[j].depth) / 2
+    return bool(apart < spare + (APART if square else APART_SLANTED))

@@ -52,17 +52,12 @@ WATCH = """
   WebSocket.prototype.send = function (text) {
     const said = JSON.parse(text);
     if (said.kind === "drag") asked.set(said.id, seen.moves.at(-1));
-    if (!this.watched) {
-      this.watched = true;
-      this.addEventListener("message", ({ data }) => {
-        if (typeof data !== "string") return;
-        const reply = JSON.parse(data);
-        if (reply.kind !== "drag" || !asked.has(reply.id)) return;
-        frame(() => frame(() => seen.answers.push([asked.get(reply.id), performance.now()])));
-      });
-    }
     return send.call(this, text);
   };
+  new MutationObserver((changes) => { // the canvas tells which answer all of its parts show
+    const about = asked.get(Number(changes.at(-1).target.dataset.shown));
+    if (about !== undefined) frame((next) => seen.answers.push([about, next]));
+  }).observe(document, { subtree: true, attributeFilter: ["data-shown"] });
 })();
 """
 

@@ -3,7 +3,7 @@
 Own sheets are drawn by `sheet_drawings`, whose designs are known. With --boxes the generators of boxes.py named here draw
 theirs at default settings (boxes.py must be importable). Right is a sheet of theirs if as many rows of fingers lie in each other as
 the generator drew pairs of, every panel with such a row is placed, panels without are left out as loose or fit as their voids say,
-and nothing overlaps. --hints N lets a person who knows the design place up to N panels where it is not right. A folder may hold others
+and nothing overlaps. --hints N lets a person who knows the design say up to N things where it is not right. A folder may hold others
 (.svg): of these it is asked whether every panel is placed, nothing overlaps, and all voids that joints could have are filled.
 --table prints Markdown.
 """
@@ -19,13 +19,13 @@ import numpy as np
 
 from benchmarks.boxes_sheets import DrawnSheet, draw, generators
 from benchmarks.joint_judge import judge_joints
-from benchmarks.sheet_drawings import Design, designs
+from benchmarks.sheet_drawings import Design, designs, other_styles
 from benchmarks.sheet_judge import Judged, judge
 from benchmarks.sheet_user import next_hint
 from wiggleroom.errors import InputError
 from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
 from wiggleroom.mating.cutting_sheet import read_sheet
-from wiggleroom.mating.hints import FixedPlate, Hints, read_hints
+from wiggleroom.mating.hints import Hints, read_hints
 from wiggleroom.mating.plates_writer import write_plates
 
 OVERLAP = 1e-5
@@ -59,7 +59,7 @@ def main() -> None:
     parser.add_argument("--thickness", type=float, default=3.0, help="of the sheets in the folder [mm]")
     parser.add_argument("--boxes", action="store_true", help="also put together what generators of boxes.py draw")
     parser.add_argument("--held-out", action="store_true", help="the same for the twenty that were held out")
-    parser.add_argument("--hints", type=int, default=0, help="how many panels a person may place in each of them")
+    parser.add_argument("--hints", type=int, default=0, help="how many things a person may say of each of them")
     parser.add_argument("--table", action="store_true", help="print a table in Markdown")
     asked = parser.parse_args()
     if asked.table:
@@ -71,6 +71,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         if not asked.only:
             _sum("own", [_own(design, Path(folder), asked.table) for design in designs()])
+            _sum("own, other styles", [_own(design, Path(folder), asked.table) for design in other_styles()])
         lists = [("boxes.py", GENERATORS)] * asked.boxes + [("held out", HELD_OUT)] * asked.held_out
         for what, names in lists:
             known = generators()
@@ -85,7 +86,7 @@ def _own(design: Design, folder: Path, table: bool) -> tuple[bool, bool]:
     sheet = folder / "sheet.svg"
     sheet.write_text(design.svg(seed=len(design.name)))
     begin = time.process_time()
-    found = assemble_sheet(read_sheet(sheet), design.thickness)
+    found = assemble_sheet(read_sheet(sheet), design.thickness, burn=design.burn)
     spent = time.process_time() - begin
     judged = _judged(found, folder)
     right = judged.overlap < OVERLAP and set(judged.names) == set(design.panels)
@@ -109,16 +110,18 @@ def _other(path: Path, folder: Path, thickness: float, table: bool) -> tuple[boo
 
 def _boxes(drawn: DrawnSheet, folder: Path, most: int, table: bool) -> tuple[bool, bool]:
     sheet = read_sheet(drawn.path)
-    panels = {panel.name: panel.polygon for panel in sheet.panels}
-    plates: list[FixedPlate] = []
-    spent = 0.0
+    every = {panel.name: panel.polygon for panel in sheet.panels}
+    hints = Hints()
+    count, spent, misled = 0, 0.0, False
+    best: tuple[tuple[bool, int], AssembledSheet, Judged, str, int] | None = None
     while True:
         begin = time.process_time()
         try:
-            found = assemble_sheet(sheet, 3.0, hints=Hints(plates=tuple(plates)))
-        except InputError:  # the panel does not fit there
+            found = assemble_sheet(sheet, 3.0, hints=hints)
+        except InputError:  # what was said does not fit
             break
         spent = max(spent, time.process_time() - begin)
+        panels = {name: polygon for name, polygon in every.items() if name not in hints.skip}
         poses = _poses(found)
         joints = judge_joints(drawn, panels, poses)
         judged = _judged(found, folder, joints.joined)
@@ -126,16 +129,24 @@ def _boxes(drawn: DrawnSheet, folder: Path, most: int, table: bool) -> tuple[boo
         loose = {names[row] for row in found.loose}
         right = judged.overlap < OVERLAP and joints.closed == joints.asked and joints.joined <= set(poses)
         right &= set(panels) - set(poses) <= loose
-        right &= joints.asked > 0 and not judged.unfilled & (set(poses) - joints.joined)
-        if right or len(plates) == most:
+        right &= not judged.unfilled & (set(poses) - joints.joined)
+        if not joints.asked:  # slots alone: of them nothing was written down
+            right &= set(panels) == set(poses) and judged.filled >= FILLED * judged.voids > 0
+        shown = f"{joints.closed}/{joints.asked}"
+        misled |= found.sure and not right
+        if best is None or (right, joints.closed) >= best[0]:
+            best = (right, joints.closed), found, judged, shown, count
+        if right or count == most:
             break
-        hint = next_hint(drawn, panels, poses, joints, {plate.panel for plate in plates}, 3.0)
-        if hint is None:
+        more = next_hint(drawn, panels, poses, joints, judged, hints, 3.0)
+        if more is None:
             break
-        plates.append(hint)
-    verdict = f"{len(plates)} hints" if most else ""
-    shown = f"{joints.closed}/{joints.asked}"
-    return _told(drawn.name, found, judged, right, spent, len(panels), table, shown, verdict)
+        hints, count = more, count + 1
+    assert best is not None
+    (right, _), found, judged, shown, said = best
+    verdict = ", ".join([f"{said} hints"] * bool(most) + ["SURE AND NOT RIGHT"] * misled)
+    told = _told(drawn.name, found, judged, right, spent, len(every), table, shown, verdict)
+    return (False, True) if misled else told
 
 
 def _poses(found: AssembledSheet) -> dict[str, tuple[np.ndarray, np.ndarray]]:

@@ -36,10 +36,10 @@ def from_rest_only(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPat
     """Climb from rest alone, in tests that are not marked `searches`: going on beyond the nearest hill would take most of their time."""
     if "searches" in request.keywords:
         return
-    from wiggleroom import maximise
+    from wiggleroom import flex_walls
 
-    monkeypatch.setattr(maximise, "_in_own_frame", lambda *_: None)
-    monkeypatch.setattr(maximise, "_searched", lambda climb, _, *about: maximise.answer_of(climb, *about[:3]))
+    monkeypatch.setattr(flex_walls, "_in_own_frame", lambda *_: None)
+    monkeypatch.setattr(flex_walls, "_searched", lambda climb, query, _: flex_walls._answer(climb, query))
 
 
 @pytest.fixture

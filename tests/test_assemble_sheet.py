@@ -17,11 +17,15 @@ from benchmarks.sheet_drawings import Design, box, designs, egg_crate, shelf, st
 from benchmarks.sheet_judge import judge, rotation
 
 from wiggleroom.errors import InputError
-from wiggleroom.mating.assembled_sheet import assemble_sheet
+from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
+from wiggleroom.mating.beam_search import BeamState
 from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
-from wiggleroom.mating.hints import Hints, Join, read_hints
-from wiggleroom.mating.plates_writer import fixed_axis_turns
+from wiggleroom.mating.edge_constraints import edge_flanks
+from wiggleroom.mating.edge_ends import aligned_ends
+from wiggleroom.mating.hints import EdgeReference, FixedPlate, Hints, edge_reference, read_hints, write_hints
+from wiggleroom.mating.laying import laid_plates
+from wiggleroom.mating.plates_writer import fixed_axis_turns, write_plates
 
 SHEETS = Path(__file__).parent / "sheets"
 OVERLAP = 1e-5
@@ -140,7 +144,7 @@ def test_a_join_that_is_told_is_kept(tmp_path: Path) -> None:
         low, high = np.array(plate.polygon.bounds[:2]), np.array(plate.polygon.bounds[2:])
         near = np.abs([middle[0] - low[0], middle[0] - high[0], middle[1] - low[1], middle[1] - high[1]])
         sides.append(("left", "right", "bottom", "top")[int(np.argmin(near))])
-    join = Join((names[first.panels[0]], names[first.panels[1]]), (sides[0], sides[1]))
+    join = tuple(EdgeReference(names[row], side) for row, side in zip(first.panels, sides, strict=True))
     found = assemble_sheet(sheet, 3, hints=Hints(joins=(join,)))
     assert found.sure
     assert len(found.joints) == 12
@@ -335,3 +339,167 @@ def test_what_is_sure_does_not_hang_on_the_clock(tmp_path: Path, monkeypatch: py
     monkeypatch.setattr(time, "process_time", lambda: float(next(ticks)))
     monkeypatch.setattr(time, "perf_counter", lambda: float(next(ticks)))
     assert assemble_sheet(sheet, 3).sure
+
+
+def crate() -> Design:
+    return egg_crate("crate", [30, 75, 110], [25, 60], 40, 3, 150, 90)
+
+
+def middle_of(sheet: CuttingSheet, name: str, side: int) -> tuple[float, float]:
+    x0, y0, x1, y1 = next(panel.polygon for panel in sheet.panels if panel.name == name).bounds
+    return ((x0, (y0 + y1) / 2), (x1, (y0 + y1) / 2))[side]
+
+
+def joined(found: AssembledSheet) -> set[frozenset[str]]:
+    return {frozenset(found.plates[row].name for row in joint.panels) for joint in found.joints}
+
+
+def test_a_group_keeps_two_equal_boxes_apart(tmp_path: Path) -> None:
+    """Two open boxes of one size, of which one has a hole in every panel: only a person knows which walls go together."""
+    design = box("a", 75, 52, 38, 3, 8, lid=False)
+    panels = {f"one {name}": panel for name, panel in design.panels.items()}
+    panels |= {f"two {name}": panel.difference(shapely.box(30, 20, 34, 25)) for name, panel in design.panels.items()}
+    design.panels = panels
+    sheet = sheet_of(tmp_path, design.svg())
+    group = tuple(panel.name for panel in sheet.panels if panel.name.startswith("one"))
+    assert not assemble_sheet(sheet, 3).sure
+    found = assemble_sheet(sheet, 3, hints=Hints(groups=(group,)))
+    assert len(found.joints) == 16
+    assert {frozenset(found.plates[row].name[:3] for row in body.rows) for body in found.bodies} == {
+        frozenset({"one"}),
+        frozenset({"two"}),
+    }
+
+
+def test_panels_are_joined_by_points_of_the_sheet(tmp_path: Path) -> None:
+    design = box("box", 75, 52, 38, 3, 8)
+    sheet = sheet_of(tmp_path, design.svg(2))
+    first = assemble_sheet(sheet, 3).joints[0]
+    free = assemble_sheet(sheet, 3)
+    ends = []
+    for side, row in enumerate(first.panels):
+        plate = free.plates[row]
+        x, y = plate.middle[first.flanks[:, side]].mean(axis=0) + plate.centre
+        ends.append(EdgeReference("", point=(float(x), float(y))))
+    found = assemble_sheet(sheet, 3, hints=Hints(joins=((ends[0], ends[1]),)))
+    assert found.sure
+    pair = frozenset(found.plates[row].name for row in first.panels)
+    assert pair in joined(found)
+    assert len(found.joints) == 12
+
+
+def test_a_flush_pair_chooses_which_way_round_a_strip_is(tmp_path: Path) -> None:
+    """Slots of the strips are as far apart when these are turned round; that ends of two strips are flush says which way."""
+    design = crate()
+    long = design.panels["x0"]
+    design.panels["x0"] = design.panels["x1"] = long.union(shapely.box(-10, 0, 0, 40))  # ends of different length
+    sheet = sheet_of(tmp_path, design.svg())
+    kept = []
+    shapes = {panel.name: panel.polygon.bounds for panel in sheet.panels}
+    sides = {
+        name: ("left", "right") if x1 - x0 > y1 - y0 else ("bottom", "top") for name, (x0, y0, x1, y1) in shapes.items()
+    }
+    for side in sides["x0"]:
+        for other in sides["x1"]:
+            pair = EdgeReference("x0", side), EdgeReference("x1", other)
+            try:
+                found = assemble_sheet(sheet, 3, hints=Hints(flush=(pair,)))
+            except InputError:
+                continue
+            body = found.bodies[0]
+            place = {found.plates[row].name: k for k, row in enumerate(body.rows)}
+            if not {"x0", "x1"} <= set(place):
+                assert any("said to belong together" in doubt for doubt in found.doubts)
+                continue
+            kept.append(pair)
+            planes = []
+            for name, end in zip(("x0", "x1"), (side, other), strict=True):
+                k = place[name]
+                axis, last = {"left": (0, 0), "right": (0, 1), "bottom": (1, 0), "top": (1, 1)}[end]
+                normal = body.turns[k][:, axis] * (2 * last - 1)
+                corner = np.eye(3)[axis] * found.plates[body.rows[k]].polygon.bounds[axis + 2 * last]
+                planes.append((normal, normal @ (body.turns[k] @ corner + body.moves[k])))
+            assert planes[0][0] @ planes[1][0] > 0.99
+            assert planes[0][1] == pytest.approx(planes[1][1], abs=0.6)
+    assert kept
+
+
+def test_what_is_no_part_is_left_out_and_said(command: Callable[..., int], tmp_path: Path) -> None:
+    design = stool("stool", 60, 50, 3)
+    design.panels["template"] = shapely.box(0, 0, 50, 40)
+    sheet, hints, out = tmp_path / "sheet.svg", tmp_path / "hints.toml", tmp_path / "out.json"
+    sheet.write_text(design.svg())
+    hints.write_text('thickness = 3\nskip = ["template"]\n')
+    assert command("assemble", sheet, "--hints", hints, "-o", out) == 0
+    found = assemble_sheet(read_sheet(sheet), 3, hints=read_hints(hints))
+    assert found.sure
+    assert any("left out as said: template" in note for note in found.notes)
+
+
+def test_a_hint_that_cannot_hold_is_one_line_that_says_what_would_be_right(tmp_path: Path) -> None:
+    design = box("box", 75, 52, 38, 3, 8)
+    design.panels["plain"] = shapely.box(0, 0, 50, 40)
+    sheet = sheet_of(tmp_path, design.svg())
+
+    def said(*pair: str) -> str:
+        edges = tuple(edge for text in pair if (edge := edge_reference(text)))
+        with pytest.raises(InputError) as caught:
+            assemble_sheet(sheet, 3, hints=Hints(joins=((edges[0], edges[1]),)))
+        assert len(caught.value.findings) == 1
+        return str(caught.value.findings[0])
+
+    assert "do not fit; what fits bottom:left is " in said("bottom:left", "top:bottom")
+    assert "plain:left has no fingers" in said("plain:left", "bottom:left")
+    assert "there is no panel at 900,900; the nearest is" in said("@900,900", "bottom:left")
+    assert "is 8" in said("bottom@900,12", "front:left")
+    assert "name two panels" in said("bottom:left", "bottom:right")
+
+
+def test_hints_are_read_as_they_were_written(tmp_path: Path) -> None:
+    pair = EdgeReference("a b", "top"), EdgeReference('quo"te', point=(1.5, -2.25))
+    plate = FixedPlate("a b", (0.1, 0.0, 42.5), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), "c")
+    hints = Hints(3.0, {"a b": 2.8}, 0.1, (("a b", "c"),), (pair,), (pair,), (plate,), ("d",))
+    path = tmp_path / "hints.toml"
+    path.write_text(write_hints(hints))
+    assert read_hints(path) == hints
+
+
+def test_edges_of_different_length_whose_fingers_fit_are_told_apart_by_their_ends(tmp_path: Path) -> None:
+    """Two trays whose walls have equal fingers; the plain ends of the walls of one are 5 mm longer on either side."""
+    sheets = []
+    for more in (0.0, 5.0):
+        long = box("tray", 70 + 2 * more, 50, 30, 3, 8, lid=False)
+        sheets.append(long)
+    design = sheets[0]
+    found = assemble_sheet(sheet_of(tmp_path, design.svg()), 3)
+    ends = aligned_ends(BeamState(found.plates), found.bodies[0])
+    assert ends == 2 * len(found.joints)
+
+
+def test_a_loose_lid_is_laid_flush_on_the_walls(tmp_path: Path) -> None:
+    design = box("tray", 90, 60, 45, 3, 9, lid=False)
+    design.panels["cover"] = shapely.box(0, 0, 90, 60)
+    sheet = sheet_of(tmp_path, design.svg())
+    found = assemble_sheet(sheet, 3)
+    cover, front = (next(p.polygon for p in sheet.panels if p.name == name) for name in ("cover", "front"))
+    wall = next(p for p in found.plates if p.name == "front")
+    # the plain edge of the wall: the one where no row of fingers lies
+    x0, y0, x1, y1 = front.bounds
+    sides = {
+        "left": (x0, (y0 + y1) / 2),
+        "right": (x1, (y0 + y1) / 2),
+        "bottom": ((x0 + x1) / 2, y0),
+        "top": ((x0 + x1) / 2, y1),
+    }
+    plain = next(point for side, point in sides.items() if not edge_flanks(wall, EdgeReference("front", side)))
+    a0, b0, a1, b1 = cover.bounds
+    edge = (a0, (b0 + b1) / 2) if a1 - a0 < b1 - b0 else ((a0 + a1) / 2, b0)
+    ways = laid_plates(found, "cover", edge, "front", plain)
+    result = assemble_sheet(sheet, 3, hints=Hints(plates=(ways[0],)))
+    assert not result.unplaced
+    out = tmp_path / "out.json"
+    out.write_text(write_plates(result))
+    judged = judge(out)
+    assert judged.overlap < OVERLAP
+    assert judged.size == pytest.approx((48, 60, 90), abs=0.02)
+    assert {frozenset({"cover", wall}) for wall in ("front", "back", "left", "right")} <= judged.touching

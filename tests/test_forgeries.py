@@ -844,12 +844,14 @@ def test_a_split_needs_both_sides(honest: Content) -> None:
 
 @pytest.fixture(scope="module")
 def windowed() -> Content:
-    """Certificate of a small grid whose proof looks at windows first."""
-    from wiggleroom.bound import branch_and_bound
+    """Certificate of a small grid whose proof looks at windows first and then at one neighbourhood after the other."""
+    from wiggleroom.bound import branch_and_bound, neighbourhood_tightening
 
     made = wr.patterns.grid(3, 3, joint="tee", gap=GAP)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(branch_and_bound, "MANY_BODIES", 4)
+        patch.setattr(branch_and_bound, "MAX_WHOLE_BODIES", 4)
+        patch.setattr(neighbourhood_tightening, "REACH", 2)
         return proof_of(made, wr.Pull(made.names[-1], (0, 1)), within=0.01)
 
 
@@ -884,7 +886,6 @@ WINDOWS: dict[str, Forgery] = {
     "fewer joints": in_window(lambda w: w.update(pairs=[p[:1] for p in w["pairs"]])),
     "more placements than joints": in_window(lambda w: w["placements"].append(w["placements"][0])),
     "a step that ends": in_window(lambda w: w["steps"][0].update(best=NOTHING)),
-    "a part moved": put("bodies", 4, "origin", lambda o: [o[0] + 0.01, o[1]]),
     "a joint moved": put("pairs", 5, 3, lambda x: x + 0.01),
 }  # fmt: skip
 
@@ -893,11 +894,74 @@ def test_a_certificate_with_windows_is_verified(windowed: Content) -> None:
     assert len(windowed["windows"]) >= 2
     assert all(len(w["placements"]) == 4 for w in windowed["windows"][:2])
     assert verify(windowed).proven
+    # where a body has its origin says nothing of where it lies
+    assert verify(forged(windowed, put("bodies", 4, "origin", lambda o: [o[0] + 0.01, o[1]]))).proven
 
 
 @pytest.mark.parametrize("name", WINDOWS)
 def test_windows_that_are_forged_are_refused(windowed: Content, name: str) -> None:
     assert not verify(forged(windowed, WINDOWS[name])).proven
+
+
+def test_what_one_placement_alone_knows_is_refused(windowed: Content) -> None:
+    """Two joints in a row stand alike in two places, in one of them in a ring that is looked at: what that shows does not hold of both."""
+    pairs, ring = windowed["pairs"], windowed["windows"][0]
+    bodies, joints = ring["placements"][0], ring["pairs"][0]
+    joined = {frozenset(pairs[p][:2]): k for k, p in enumerate(joints)}
+    last = next(k for k in (1, 2, 3) if frozenset((bodies[0], bodies[k])) not in joined)
+    middle = next(k for k in (1, 2, 3) if k != last)
+    row = [0, middle, last]
+    own = [joined[frozenset((bodies[k], bodies[middle]))] for k in (0, last)]
+    turns = [[loops[0][0], loops[-1][0]] for loops in (windowed["regions"][pairs[joints[k]][2]]["loops"] for k in own)]
+    low, high = ([1.000001 * ring[key][k] for k in row] for key in ("low", "high"))
+    assert high[2] < 0.99 * sum(most for _, most in turns)
+    step = {"low": low, "high": high, "turns": turns, "cuts": []}
+    window = {"far": [0.0, 10.0, 10.0], "low": low, "high": high, "steps": [step]}
+    first = ring | {"placements": [bodies], "pairs": [joints]}
+
+    def why(*places: int) -> str:
+        rows = {
+            "placements": [[ring["placements"][n][k] for k in row] for n in places],
+            "pairs": [[ring["pairs"][n][k] for k in own] for n in places],
+        }
+        return verify(forged(windowed, put("windows", [first, window | rows]))).why
+
+    assert "window" not in why(0)
+    assert "nothing shows that body 2 of a window" in why(0, 1)
+
+
+def in_step(change: Callable[[Content], Any]) -> Forgery:
+    """Forgery of all steps that are about multipliers of the whole."""
+
+    def forge(content: Content) -> None:
+        for step in steps(content):
+            if "base" in step:
+                change(step)
+
+    return forge
+
+
+BASES: dict[str, Forgery] = {
+    "no base": in_step(lambda s: s.pop("base")),
+    "an empty base": in_step(lambda s: s.update(base=NOTHING)),
+    "twice the base": in_step(lambda s: s["base"].__setitem__(0, 2 * s["base"][0])),
+    "the base the other way": in_step(lambda s: [r.__setitem__(k, -r[k]) for r in s["base"][2] for k in range(1, 9)]),
+    "a pair of the base twice": in_step(lambda s: s["base"][2].append(s["base"][2][0])),
+    "a pair of no body": in_step(lambda s: s["base"][2].append([99] + [0] * 8)),
+    "a base with a word": in_step(lambda s: s["base"].__setitem__(0, "1")),
+    "a negative weight": in_step(lambda s: [c[3].__setitem__(1, -1.0) for c in s["cuts"]]),
+    "a base in a window": in_window(lambda w: w["steps"][0].update(base=NOTHING)),
+    "a base beside the best": put("proof", lambda s: {**s, "best": s.get("best", NOTHING), "base": NOTHING}),
+}  # fmt: skip
+
+
+def test_steps_about_multipliers_of_the_whole_are_verified(windowed: Content) -> None:
+    assert any(s.get("base") and s["cuts"] for s in steps(windowed))
+
+
+@pytest.mark.parametrize("name", BASES)
+def test_a_forged_base_is_refused(windowed: Content, name: str) -> None:
+    assert not verify(forged(windowed, BASES[name])).proven
 
 
 # Work.

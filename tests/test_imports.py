@@ -28,6 +28,7 @@ ORDER = [
     "search",
     "bound",
     "compare",
+    "flex_walls",
     "maximise",
     "form_closure",
     "disassembly",

@@ -11,8 +11,10 @@ from wiggleroom.geometry.neighbours import placed, relative_pose
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
 from wiggleroom.maximise import witness
 from wiggleroom.program.distance_program import build_distances
+from wiggleroom.program.nonlinear_program import build
 from wiggleroom.search.prepare import prepare
-from wiggleroom.solve.multifrontal import Multifrontal
+from wiggleroom.solve.factorisation import factor
+from wiggleroom.solve.multifrontal import FrontalPlan, Multifrontal
 
 
 def block_matrix(at, block, reach, rng):
@@ -51,7 +53,7 @@ def test_multifrontal_solves(block, shape):
     }[shape]
     matrix, own = block_matrix(at, block, 1.5 if shape != "one place" else 1.0, rng)
     stored = upper(matrix, own)
-    factor = Multifrontal(at, stored.indptr.astype(np.int64), stored.indices.astype(np.int64), block)
+    factor = Multifrontal(FrontalPlan(at, stored.indptr.astype(np.int64), stored.indices.astype(np.int64), block))
     right = rng.standard_normal(len(matrix))
     for shift in (0.0, 2.5):
         assert factor.update(stored.data, shift)
@@ -164,3 +166,28 @@ def test_large_grids_move_far_and_safely(columns, rows, joint, least):
             i, j = shapely.STRtree(moved).query(moved, predicate="intersects")
             common = shapely.area(shapely.intersection(moved[i[i < j]], moved[j[i < j]]))
             assert common.max(initial=0.0) < 1e-9
+
+
+def test_solutions_on_two_threads_are_those_of_the_matrix():
+    """Subtrees are solved on threads of their own; what they leave for nodes above is put together."""
+    assembly = wr.patterns.grid(24, 20, joint="tee", gap=0.02)
+    ready = prepare(assembly)
+    program = build(ready.bodies, ready.cells, ready.objective(assembly.goals), length=ready.clearance)
+    rng = np.random.default_rng(3)
+    at = program.linearise(np.zeros(len(program.scale)))
+    weight, right = rng.random(program.rows) + 0.1, rng.standard_normal(len(program.scale))
+    matrix = factor(program.pattern)
+    assert isinstance(matrix, Multifrontal)
+    assert matrix.update(at.condensed(weight, np.zeros(program.rows), share=0.0), 1e-3)
+    jacobian = at.jacobian()
+    whole = jacobian.T @ sp.diags(weight) @ jacobian + 1e-3 * sp.eye(len(right))
+    x = matrix.solve(right)
+    assert np.abs(whole @ x - right).max() < 1e-9 * np.abs(right).max()
+    # rows eliminated in batches on two threads: the same sums as by the Jacobian as a matrix
+    s, lam, primal, goal = rng.random((4, program.rows)) + 0.1
+    assert np.allclose(at.eliminated_product(s, lam, primal, goal), jacobian.T @ ((lam * primal + goal) / s))
+    ds, dlam, far, dfar = at.eliminated_changes(x, s, lam, primal, goal)
+    assert np.allclose(ds, jacobian @ x - primal)
+    assert np.allclose(dlam, (goal - lam * ds) / s)
+    assert min(1.0, *(s / -ds)[ds < 0]) == pytest.approx(far)
+    assert min(1.0, *(lam / -dlam)[dlam < 0]) == pytest.approx(dfar)

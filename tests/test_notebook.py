@@ -1,17 +1,23 @@
-"""Answers, studies and assemblies in a notebook: IPython's own formatter, and the frame in a real browser."""
+"""Whatever is found in a notebook: IPython's own formatter, a notebook that is run, and the frame in a real browser."""
 
 from __future__ import annotations
 
+import dataclasses
 import re
+from functools import cache
 from html.parser import HTMLParser
+from pathlib import Path
 from typing import Any
 
 import pytest
 
 import wiggleroom as wr
 from tests.standalone import told
+from wiggleroom.displayable import Displayable
 
+EXAMPLES = Path(__file__).parents[1] / "examples"
 CHAIN = wr.patterns.chain(3, joint="tee", gap=0.02)
+FINGERS = wr.patterns.chain(3, joint="finger", gap=0.05)
 PULL = wr.Pull("b3", (0, 1))
 SHOWN = {
     "assembly": lambda: CHAIN,
@@ -22,7 +28,35 @@ SHOWN = {
     "sweep": lambda: wr.sweep(CHAIN, [0.01, 0.02], PULL),
     "sample": lambda: wr.sample(CHAIN, 0.002, PULL, draws=4, workers=1),
     "gap": lambda: wr.allowable_gap(CHAIN, PULL, at_most=0.1),
+    "prepared": lambda: wr.prepare(CHAIN),
+    "largest gap": lambda: wr.largest_gap(FINGERS),
+    "free space": lambda: wr.free_space(CHAIN, "b1", "b2"),
+    "plan": lambda: plan(),
+    "plan, at random": lambda: wr.sample_plan(plan(), wr.Spread(0.001), draws=5),
+    "plan, ranked": lambda: wr.rank_plan(plan()),
+    "plan, gap": lambda: wr.smallest_gap(plan()),
 }
+"""What is shown as a page."""
+ALONE = {
+    "polyhedron": lambda: wr.free_space(CHAIN, "b1", "b2", model="hull"),
+    "tight": lambda: wr.tight_verdict(CHAIN),
+    "blocking": lambda: wr.blocking(CHAIN),
+    "drag": lambda: wr.Live(CHAIN).drag("b3", (2.0, 0.0), (2.0, 5.0)),
+    "mode": lambda: wr.Live(CHAIN).wiggle()[0],
+    "step": lambda: plan().steps[0],
+    "escape": lambda: wr.check(wr.patterns.chain(2, joint="finger", gap=0.05)).escapes[0],
+}
+"""What knows no assembly, and is shown as text."""
+NO_RESULTS = {
+    "Closer", "Contact", "Bound", "Drawing", "HalfPlane", "Hull", "JointGap", "Live", "Part", "Pull", "Region", "Spread", "Tolerance",
+    "Towards", "Translation", "Turn", "W",
+}  # fmt: skip
+"""What is asked with, and entries of results."""
+
+
+@cache
+def plan() -> wr.Plan:
+    return wr.plan(FINGERS)
 
 
 class Frame(HTMLParser):
@@ -50,6 +84,66 @@ def test_it_shows_itself_as_a_page_and_as_text(what: str) -> None:
     assert len(text) < 1500
     assert "array" not in text, "no dump of numbers"
     assert given["title"] == text.splitlines()[0]
+
+
+@pytest.mark.parametrize("what", ALONE)
+def test_what_knows_no_assembly_shows_itself_in_a_line_or_two(what: str) -> None:
+    found = ALONE[what]()
+    bundle = found._repr_mimebundle_()
+    assert set(bundle) == {"text/plain"}
+    text = bundle["text/plain"]
+    assert 5 < len(text) < 300
+    assert "array" not in text
+    assert type(found).__name__ not in text, "words, not a dump"
+
+
+def test_all_that_questions_return_shows_itself() -> None:
+    classes = {name: value for name in wr.__all__ if isinstance(value := getattr(wr, name), type)}
+    results = {name for name, value in classes.items() if dataclasses.is_dataclass(value)} - NO_RESULTS
+    assert {name for name in results if not issubclass(classes[name], Displayable)} == set()
+    made = {type(make()) for make in (SHOWN | ALONE).values()}
+    made |= {wr.WorstCase}  # needs a file of tolerances: see its own tests
+    assert {name for name in results if not any(issubclass(one, classes[name]) for one in made)} == set()
+
+
+def test_an_assembly_in_space_shows_itself() -> None:
+    burr = wr.read(EXAMPLES / "44_six_piece_burr" / "burr.json")
+    bundle = burr._repr_mimebundle_()
+    ((_, given),) = Frame(bundle["text/html"]).seen
+    assert all(f">{name}</label>" in given["srcdoc"] for name in burr.names)
+    assert bundle["text/plain"].startswith(f"{len(burr.names)} parts, gap ")
+
+
+def test_a_largest_gap_of_which_nothing_is_known_is_text_alone() -> None:
+    assert set(wr.LargestGap(None, None, None, None)._repr_mimebundle_()) == {"text/plain"}
+
+
+def test_a_free_space_and_a_largest_gap_are_drawn_into_files(tmp_path: Path) -> None:
+    SHOWN["free space"]().draw(tmp_path / "space.svg")
+    SHOWN["largest gap"]().draw(tmp_path / "gap.html")
+    assert "b2 turns" in (tmp_path / "space.svg").read_text()
+    assert "largest gap: no gap holds it together" in (tmp_path / "gap.html").read_text()
+
+
+def test_a_notebook_is_run_and_keeps_what_it_showed() -> None:
+    nbformat = pytest.importorskip("nbformat")
+    nbclient = pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    cells = [
+        "import wiggleroom as wr\nchain = wr.patterns.chain(3, joint='tee', gap=0.02)\nchain",
+        "wr.flex(chain, wr.Pull('b3', (0, 1)))",
+        "wr.free_space(chain, 'b1', 'b2')",
+        "wr.largest_gap(wr.patterns.chain(3, joint='finger', gap=0.05))",
+        "wr.Live(chain).drag('b3', (2.0, 0.0), (2.0, 5.0))",
+    ]
+    book = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source) for source in cells])
+    nbclient.NotebookClient(book, timeout=300, kernel_name="python3").execute()
+    nbformat.validate(book)
+    shown = [cell.outputs[-1].data for cell in book.cells]
+    assert [sorted(data) for data in shown] == [["text/html", "text/plain"]] * 4 + [["text/plain"]]
+    for data in shown[:4]:
+        ((_, given),) = Frame(data["text/html"]).seen
+        assert len(told(given["srcdoc"])["opened"]["parts"]) == 3
 
 
 def test_the_page_in_the_frame_carries_the_answer() -> None:
@@ -82,7 +176,7 @@ def test_an_empty_sweep_is_text_alone() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("what", ["assembly", "answer", "sweep"])
+@pytest.mark.parametrize("what", ["assembly", "answer", "sweep", "free space", "largest gap", "plan, ranked"])
 def test_the_frame_shows_the_page_in_a_browser(what: str, browser: Any, tmp_path: Any) -> None:
     found = SHOWN[what]()
     bundle = found._repr_mimebundle_()
@@ -96,7 +190,7 @@ def test_the_frame_shows_the_page_in_a_browser(what: str, browser: Any, tmp_path
     frame = page.frame_locator("iframe")
     frame.locator("canvas").first.wait_for(timeout=60_000)
     said = frame.locator("body").inner_text()
-    assert re.search(r"3 parts|0\.\d+ mm|against the gap", said)
+    assert re.search(r"3 parts|0\.\d+ mm|against the gap|b2 turns", said)
     assert not wrong
     assert all(url.startswith(("file:", "data:", "about:", "blob:")) for url in asked)
     page.close()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import io
 import json
 import os
 import re
@@ -14,7 +16,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlparse
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import wiggleroom as wr
 from tests.app_client import TOKEN, Served
@@ -550,6 +554,38 @@ def test_the_hand_leads_and_nothing_is_claimed_before_it_is_known(browser: Any, 
         assert not re.search(r"\d", said)
         page.locator(".busy").wait_for(timeout=150)
         page.mouse.up()
+
+
+def test_what_was_repaired_piece_by_piece_looks_like_a_whole_repaint(browser: Any, tmp_path: Path) -> None:
+    path = tmp_path / "grid.json"
+    path.write_text(write_assembly(wr.patterns.grid(6, 5, joint="tee", gap=0.03).drawing))
+    with serving(path) as served, visiting(browser, served) as page:
+        page.locator("#answer[data-settled=true]").wait_for(timeout=60_000)
+        page.wait_for_timeout(600)  # the picture has come to rest
+        box = canvas(page)
+        for k in range(3):
+            x, y = box["x"] + (0.42 + 0.05 * k) * box["width"], box["y"] + (0.55 - 0.04 * k) * box["height"]
+            page.mouse.move(x, y)
+            page.mouse.down()
+            page.mouse.move(x + 40, y - 25, steps=6)
+            page.locator("#answer", has_text="moved").wait_for(timeout=90_000)
+            page.mouse.up()
+            page.mouse.move(box["x"] + 3, box["y"] + 3)
+        page.locator(".busy").wait_for(state="detached", timeout=30_000)
+        page.wait_for_timeout(500)
+        repaired = painted(page)
+        for scheme in ("dark", "light"):  # other colours: all is painted anew
+            page.emulate_media(color_scheme=scheme)
+            page.wait_for_timeout(500)
+        whole = painted(page)
+        assert (np.abs(whole - 255).max(axis=2) > 60).mean() > 0.01, "there is something to see"
+        assert np.abs(repaired - whole).max() < 64, "no more than the edge of a line"
+
+
+def painted(page: Any) -> np.ndarray:
+    """Pixels of the canvas."""
+    data = page.evaluate("document.querySelector('.stage canvas').toDataURL()").partition(",")[2]
+    return np.asarray(Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")).astype(int)
 
 
 def test_no_number_before_it_is_known(browser: Any, peg: Served) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -13,6 +14,7 @@ import shapely
 
 import wiggleroom as wr
 from tests.flexing import (
+    box,
     case_assembly,
     displaced,
     mirrored,
@@ -250,7 +252,7 @@ def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
     ground = survey(assembly)
     them = ground.bodies
     joints, regions = outer_regions(ground, lambda: False)
-    (window, *_) = windows(them.shape, them.rest, them.radius, joints, 2)
+    (window, *_) = windows(them.rest[:, :2], joints, ground.clearance, 2)
     far = np.array([regions[k].far for k in joints.kind])
     assert deviation(window, joints, far) < 1e-11
     rng, shift = np.random.default_rng(seed), 1e-6
@@ -267,6 +269,44 @@ def test_turns_of_a_window_hold_for_copies_that_differ_a_little(seed):
     weights, none = np.zeros((5, 5 * len(them.fixed))), np.zeros(5)
     plain, wider = (LagrangianBound(them.fixed, joints, at, ranges, d).most(weights, none, y) for d in (0.0, apart))
     assert wider - plain == pytest.approx(apart * np.hypot(y[..., 0], y[..., 1]).sum(1), rel=1e-3)
+
+
+def test_windows_are_alike_where_their_joints_are_whatever_the_outlines():
+    from wiggleroom.bound.local_windows import windows
+
+    ground = survey(wr.read("examples/drawings/jointpanel_4x4.svg", gap=0.2, fix=["p-0"]))
+    joints, _ = outer_regions(ground, lambda: False)
+    (window, *_) = windows(ground.bodies.rest[:, :2], joints, ground.clearance, 2)
+    assert len(window.placements) > 4
+    assert len({tuple(ground.bodies.shape[row].tolist()) for row in window.placements}) > 1
+
+
+@pytest.mark.parametrize("reach", [1, 2])
+def test_neighbourhoods_cut_no_motion_that_is_worth_enough(reach, monkeypatch):
+    from wiggleroom.bound import neighbourhood_tightening
+    from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges
+
+    monkeypatch.setattr(neighbourhood_tightening, "REACH", reach)
+    assembly = wr.patterns.grid(4, 3, joint="tee", gap=0.02)
+    answer = wr.flex(assembly, wr.Pull(assembly.names[-1], (0, 1)))
+    ground = survey(assembly)
+    them = ground.bodies
+    joints, regions = outer_regions(ground, lambda: False)
+    turns = turn_differences(joints, regions)
+    ranges = first_ranges(them.fixed, joints, regions, turns)
+    linkage = Linkage(them.fixed, them.radius, them.rest[:, :2], joints, turns, ground.clearance)
+    program = RelaxationInRanges(linkage, RegionCuts([*regions]), ranges)
+    weights = goal_weights(objective(assembly, them, answer.goals), len(them.fixed))
+    most, multipliers, *_ = program.largest(weights, lambda: False, interior=True)
+    assert most >= answer.objective
+    every = np.flatnonzero(~them.fixed)
+    for share in (0.9, 0.9999):
+        cutoff = Cutoff(weights, share * answer.objective)
+        cuts = neighbourhood_tightening.neighbourhood_cuts(program, multipliers, every, cutoff, lambda: False)
+        assert len(cuts.body)
+        assert any(len(joined) < len(joints.a) for joined in cuts.joints)
+        turned = answer.motion[[them.members[b][0] for b in cuts.body], 2]
+        assert (cuts.sign * turned <= cuts.sign * cuts.end).all()
 
 
 @pytest.mark.parametrize(("sides", "share"), [(3, 0.3), (4, 0.45), (5, 0.2)])
@@ -367,6 +407,17 @@ def test_open_joints_are_said():
         proven = wr.prove(answer, 0.01)
         assert proven.at_most is None
         assert "close" in proven.bound.why
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_parts_side_by_side_in_a_tray(count):
+    """Their joints are open, yet a row of them has the play of all gaps between a part and the wall, and no more."""
+    gap, at = 0.2, np.cumsum([0.0, 12.0, 7.0, 9.0])[: count + 1]
+    row = [box(f"b{k}", low, 0, high, 10) for k, (low, high) in enumerate(pairwise(at.tolist()))]
+    tray = shapely.box(-5, -5, at[-1] + 5, 15).difference(shapely.box(0, 0, at[-1], 10))
+    parts = assemble(Drawing((part_at("tray", tray, (0.0, 0.0, 0.0), True), *row)), gap=gap)
+    proven = wr.prove(wr.flex(parts, wr.Pull("b0", (1, 0)), search=0), 0.02, seconds=600.0)
+    assert count * gap * (1 - 1e-6) <= proven.objective <= proven.at_most <= 1.02 * count * gap
 
 
 @pytest.mark.parametrize(("within", "seconds"), [(0, 1), (-1, 1), (math.nan, 1), (0.1, 0), (0.1, math.inf)])

@@ -110,7 +110,7 @@ def test_open_spaces_and_glue_are_shown_too() -> None:
     found = sampled_accuracy(space, case, 1000)
     assert found.unsafe == 0
     assert space_result(space, found, "").reach > 0
-    assert "open" in space_picture(space, case, found)
+    assert "open" in space_picture(space, found)
     assert volume(space) > 0
 
 
@@ -156,7 +156,7 @@ def test_bad_questions_are_refused(
 def test_names_are_text_on_the_page() -> None:
     parts = (Part("<b>a", (block(6.0, hole=2.0),), fixed=True), Part("<script>", (block(1.8),)))
     case = assemble(Drawing(parts), gap=0.0)
-    page = page_of_space(wr.free_space(case, *case.names), case, command="<script>")
+    page = page_of_space(wr.free_space(case, *case.names), command="<script>")
     kinds = [tag for tag, _ in tags(page)]
     assert kinds.count("script") == 3  # what is told, the 3D view, and the page's code
     assert "b" not in kinds
@@ -165,7 +165,7 @@ def test_names_are_text_on_the_page() -> None:
 @pytest.mark.parametrize("case", [peg((300.0, -20.0, 0.7)), wr.patterns.chain(2, joint="swallowtail", gap=0.02)])
 def test_the_page_carries_all_slices(case: wr.Assembly) -> None:
     space = wr.free_space(case, *case.names)
-    page = told(page_of_space(space, case))
+    page = told(page_of_space(space))
     assert [area for _, area in rows(page, "Slices")] == pytest.approx([s.area for s in space.slices])
     regions = about_pivot(space)
     for one in page["space"]["slices"]:
@@ -182,7 +182,7 @@ def ring_area(ring: list[list[float]]) -> float:
 def test_the_solid_turns_in_the_browser(browser: Any, tmp_path: Path) -> None:
     case, wrong = wr.patterns.chain(2, joint="tee", gap=0.02), []
     space = wr.free_space(case, "b1", "b2")
-    (tmp_path / "space.html").write_text(page_of_space(space, case, sampled_accuracy(space, case, 200)))
+    (tmp_path / "space.html").write_text(page_of_space(space, sampled_accuracy(space, case, 200)))
     at = browser.new_page()
     at.on("pageerror", lambda error: wrong.append(str(error)))
     at.on("request", lambda asked: None if asked.url.startswith("file:") else wrong.append(asked.url))

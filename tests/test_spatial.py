@@ -57,6 +57,7 @@ def sound(answer: SpatialAnswer) -> SpatialAnswer:
     return answer
 
 
+@pytest.mark.parametrize("lock", [[], ["ry"], ["x", "rx"]], ids=["free", "one turn locked", "a move and a turn locked"])
 @pytest.mark.parametrize(
     "term",
     [
@@ -65,11 +66,13 @@ def sound(answer: SpatialAnswer) -> SpatialAnswer:
     ],
     ids=["displacement", "twist"],
 )
-def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | Twist) -> None:
-    bodies = grouped(spatial(PLATE, PEG)).bodies
+def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | Twist, lock: list[str]) -> None:
+    bodies = grouped(spatial(PLATE, PEG | {"lock": lock})).bodies
     rng = np.random.default_rng(3)
     P = build_planes(bodies, SumOfTerms((term,)), near_pieces(bodies, bodies.rest, 2.0), length=0.4)
-    pose = SpatialPose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(rng.normal(size=(2, 3)) * 0.4))
+    turn = rng.normal(size=(2, 3)) * 0.4
+    turn[1] *= bodies.free[1, 3:]
+    pose = SpatialPose(bodies.at + rng.normal(size=(2, 3)) * 0.05, exponential(turn))
     n = P.start.n + 0.1 * rng.normal(size=P.start.n.shape)
     point = SeparatingPlanePoint(pose, n / np.linalg.norm(n, axis=1)[:, None], P.start.d.copy())
     at = P.linearise(point)
@@ -77,13 +80,13 @@ def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | 
     def moved(u: np.ndarray, y: np.ndarray) -> SeparatingPlanePoint:
         from wiggleroom.spatial.plane_fitting import move_planes
 
-        change = P.unpacked(u) * P.scale
+        change = at.change(u)
         there = SpatialPose(pose.T + change[:, :3], pose.R @ exponential(change[:, 3:]))
         n, d = np.empty_like(point.n), np.empty_like(point.d)
         move_planes(point.n, point.d, P.lever, P.length * y, 1.0, np.empty((2, 3)), n, d)
         return SeparatingPlanePoint(there, n, d)
 
-    u, y = rng.normal(size=6), rng.normal(size=(P.planes, 3))
+    u, y = rng.normal(size=6 - len(lock)), rng.normal(size=(P.planes, 3))
     step = 1e-6
     ahead, back = (P.linearise(moved(s * step * u, s * step * y)) for s in (1, -1))
     assert np.allclose((ahead.h - back.h) / (2 * step), at.along(u, y), atol=1e-6)
@@ -101,6 +104,8 @@ def test_rows_and_objectives_have_the_derivatives_they_say(term: Displacement | 
     k = P.pattern.own[1]
     own[k >= 0] = data[k[k >= 0]]
     own = own + np.triu(own, 1).T
+    free = np.flatnonzero(bodies.free[1])
+    own = own[np.ix_(free, free)]
     xi = at.seen(u)[0]
     planes = sum(
         (y[j] + inverse[j] @ mixed[j] @ xi) @ np.linalg.solve(inverse[j], y[j] + inverse[j] @ mixed[j] @ xi)
@@ -399,3 +404,12 @@ def test_parts_glued_to_what_stands_do_not_end_a_check_with_an_error() -> None:
     found = wr.check(spatial(base, post, lid, glue=[["base", "post"]]))
     assert [e.parts for e in found.escapes] == [("lid",)]
     assert found.remains == ("base", "post")
+
+
+@pytest.mark.parametrize("glue", [[["base", "post"], ["post", "lid"]], [["post", "lid"], ["base", "post"]]])
+def test_what_is_glued_to_what_stands_through_others_cannot_be_pulled(glue: list[list[str]]) -> None:
+    base = {"name": "base", "boxes": [[0, 0, 0, 10, 10, 1]], "fixed": True}
+    post = {"name": "post", "boxes": [[0, 0, 2, 1, 1, 5]]}
+    lid = {"name": "lid", "boxes": [[2, 2, 2, 8, 8, 3]]}
+    with pytest.raises(wr.InputError, match='"lid" cannot be moved'):
+        spatial(base, post, lid, glue=glue, pull=[{"part": "lid", "direction": [0, 0, 1]}])

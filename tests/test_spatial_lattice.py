@@ -7,7 +7,7 @@ import json
 
 import numpy as np
 import pytest
-from benchmarks import spatial_burrs, spatial_overlaps
+from benchmarks import six_piece_burr, spatial_burrs, spatial_figures, spatial_overlaps
 
 import wiggleroom as wr
 from wiggleroom.spatial.lattice_search import lattice, lattice_motions, lattice_search
@@ -72,6 +72,35 @@ def test_a_path_by_whole_steps_is_free_by_the_collision_library() -> None:
     checked = check_spatial(assembly)
     assert checked.verdict == "comes apart"
     assert [e.parts for e in checked.escapes] == [("door",), ("drawer",)]
+
+
+def test_the_burr_of_the_gallery_comes_apart_on_the_grid_and_its_way_is_free_for_a_collision_library() -> None:
+    assembly = wr.read("examples/44_six_piece_burr/burr.json")
+    boxes = [(p.solid.boxes / 10).round().astype(int) for p in assembly.parts]
+    cells = [
+        {v for low, high in part for v in itertools.product(*map(range, low.tolist(), high.tolist()))} for part in boxes
+    ]
+    assert len(set().union(*cells)) == sum(map(len, cells))
+    assert [six_piece_burr.without_blind_corners(part, k) for k, part in enumerate(cells)] == [True] * 6
+    # with the key in place nothing else moves, and then everything comes off
+    moving = {frozenset(spatial_figures.carried(cells, k, s)) for k in range(6) for s in spatial_burrs.STEPS}
+    assert moving <= {frozenset(range(6)), frozenset([0]), frozenset(range(1, 6))}
+    assert six_piece_burr.moves_apart(cells) == [1, 2, 1, 2, 1]
+    found = check_spatial(assembly)
+    assert (found.verdict, found.certainty) == ("comes apart", "proven")
+    assert found.escapes[0].parts == ("key",)
+    assert sorted(n for e in found.escapes for n in e.parts) == ["key", "stick2", "stick3", "stick4", "stick5"]
+    shapes = [spatial_overlaps.voxel_judge(part, 0.025) for part in cells]
+    stays = list(range(6))
+    for escape in found.escapes:
+        judge = spatial_overlaps.Judge(
+            [shapes[k] for k in stays],
+            assembly.reference[stays] / 10,
+            [assembly.parts[k].fixed for k in stays],
+        )
+        path = escape.path[:, stays] / [10, 10, 10, 1, 1, 1]
+        assert spatial_overlaps.worst_on(judge, path) < spatial_overlaps.SHALLOW
+        stays = [k for k in stays if assembly.names[k] not in escape.parts]
 
 
 def test_a_part_that_needs_several_slides_gets_out() -> None:

@@ -51,13 +51,15 @@ def test_correctors_lengthen_steps_and_keep_the_rows(program):
         primal, dual, gap, _ = state.residuals()
         mean = gap / len(primal)
         plain = newton(state, matrix, primal, dual, 0.3 * mean - state.s * state.lam)
-        before = sum(max_step(x, dx) for x, dx in ((state.s, plain[1]), (state.lam, plain[2])))
-        du, ds, dl = corrected(state, matrix, tuple(part.copy() for part in plain), 0.3 * mean)
-        after = sum(max_step(x, dx) for x, dx in ((state.s, ds), (state.lam, dl)))
+        before = plain.primal + plain.dual
+        assert np.allclose(before, max_step(state.s, plain.s) + max_step(state.lam, plain.lam), rtol=1e-12)
+        better = corrected(state, matrix, plain, 0.3 * mean)
+        after = max_step(state.s, better.s) + max_step(state.lam, better.lam)
+        assert np.allclose(after, better.primal + better.dual, rtol=1e-12)
         assert after >= before
         longer.append(after - before)
         # slacks still follow the rows to first order, here by the Jacobian as a matrix
-        assert np.allclose(state.at.jacobian() @ du - ds, primal, atol=1e-9 * np.abs(ds).max())
+        assert np.allclose(state.at.jacobian() @ better.u - better.s, primal, atol=1e-9 * np.abs(better.s).max())
     assert max(longer) > 0.1
 
 
@@ -132,7 +134,7 @@ def test_order_and_handedness_of_the_parts_change_nothing():
 def test_ends_of_large_programs_lie_inside_all_rows(monkeypatch):
     """Rows that the last iterate violates are lifted, and that costs next to nothing of the objective."""
     seen = []
-    kept = interior_point._restore_feasibility
+    kept = interior_point.restore_feasibility
 
     def restored(state, *more):
         before = state.at
@@ -140,7 +142,7 @@ def test_ends_of_large_programs_lie_inside_all_rows(monkeypatch):
         seen.append((before.h.min(), out.at.h.min(), before.value, out.at.value))
         return out
 
-    monkeypatch.setattr(interior_point, "_restore_feasibility", restored)
+    monkeypatch.setattr(interior_point, "restore_feasibility", restored)
     witness(wr.patterns.grid(16, 15, joint="dovetail", gap=0.01))
     below = [entry for entry in seen if entry[0] < 0]
     assert below

@@ -12,8 +12,7 @@ from __future__ import annotations
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from wiggleroom.displayable import Displayable
-from wiggleroom.search.drawable import Drawable
+from wiggleroom.displayable import Displayable, Drawable
 
 if TYPE_CHECKING:
     from wiggleroom.assembly import coupon, patterns

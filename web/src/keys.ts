@@ -14,7 +14,7 @@ import { pages } from "./panels/Panel.tsx";
 import * as state from "./state.ts";
 
 const ARROWS: Record<string, Point> = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-const LONG = ["tighten", "sample", "prove", "sweep", "check", "limit", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
+const LONG = ["assemble", "lay", "tighten", "sample", "prove", "sweep", "check", "limit", "plan", "rank", "space", "save", "wiggle", "reach", "flex"] as const;
 const STEP = 14; // pixels that a part is asked to go by one press
 const TURN = 0.12; // radians that the view in space turns by one press
 /** Keys for what there is of drawings alone. */

@@ -14,11 +14,16 @@ import { listen } from "./keys.ts";
 import { Panel } from "./panels/Panel.tsx";
 import { inSpace } from "./design.ts";
 import { start } from "./session.ts";
+import { assembled } from "./sheet.ts";
 import { isDark } from "./stage/colours.ts";
 import { Beside } from "./stage/Beside.tsx";
+import { SheetStage } from "./stage/SheetStage.tsx";
 import { SolidStage } from "./stage/SolidStage.tsx";
 import { Stage } from "./stage/Stage.tsx";
 import { standalone, drawing, tab } from "./state.ts";
+
+/** Whether a cutting sheet is shown with what it makes. */
+const onSheet = (): boolean => tab.value === "sheet" && assembled.value !== null && !inSpace();
 
 function Page() {
   return (
@@ -27,14 +32,12 @@ function Page() {
       <main class="middle">
         <Headline />
         <div class="stages">
-          <Beside />
-          {inSpace() ? <SolidStage /> : <Stage />}
+          {onSheet() ? <SheetStage /> : <><Beside />{inSpace() ? <SolidStage /> : <Stage />}</>}
         </div>
-        <Selection />
-        <Player />
+        {!onSheet() && <><Selection /><Player /></>}
         <Drop />
       </main>
-      <GapStrip />
+      {!onSheet() && <GapStrip />}
       <Panel />
       <Help />
       <Spoken />

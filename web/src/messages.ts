@@ -51,6 +51,7 @@ export interface FlexRequest {
   id: number;
   design: Design;
   thorough?: boolean;
+  shown?: string;
 }
 
 /** A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer. */
@@ -62,6 +63,7 @@ export interface DragRequest {
   grip: number[];
   target: number[];
   from?: "answer" | "here" | "rest";
+  shown?: string;
 }
 
 /** Where a point of a part, given in world coordinates at rest [mm], can be brought from rest. */
@@ -179,6 +181,46 @@ export interface SaveRequest {
   of?: "check" | "flex" | "plan";
 }
 
+/** Where a panel stands in the frame of another, as in a file of hints. */
+export interface PlateHint {
+  panel: string;
+  frame: string;
+  centre: [number, number, number];
+  right: [number, number, number];
+  up: [number, number, number];
+}
+
+/** What is known of a cutting sheet, as in a file of hints. */
+export interface SheetHints {
+  join: [string, string][];
+  flush: [string, string][];
+  groups: string[][];
+  plate: PlateHint[];
+  skip: string[];
+}
+
+/** The panels of the sheet put together in space. */
+export interface AssembleRequest {
+  kind: "assemble";
+  id: number;
+  thickness: number;
+  burn?: number | null;
+  hints?: SheetHints;
+}
+
+/** Where a loose panel could lie that is to touch another one: both by a point of the sheet [mm]. */
+export interface LayRequest {
+  kind: "lay";
+  id: number;
+  thickness: number;
+  burn?: number | null;
+  hints?: SheetHints;
+  panel: string;
+  at: [number, number];
+  onto: string;
+  there: [number, number];
+}
+
 /** Forget a request of this kind, waiting or running. */
 export interface CancelRequest {
   kind: "cancel";
@@ -222,11 +264,12 @@ export interface SolidShape {
   triangles: string; // base64 of uint32, three vertices each
 }
 
-/** Parts in space as they are made: each shape once, which one a part has, and its reference point at rest. */
+/** Parts in space as they are made: each shape once, which one a part has, its reference point at rest, and where it is set aside. */
 export interface Solids {
   shapes: SolidShape[];
   of: number[];
   reference: [number, number, number][]; // [mm]
+  aside: [number, number, number][]; // by how much in an exploded view that doubles distances [mm]
 }
 
 /** A drawing, and what it asks as a design. */
@@ -252,6 +295,7 @@ export interface ShapeReply {
   id: number;
   rings: [number, number][][][];
   solids?: Solids;
+  shown?: string; // name of these outlines
 }
 
 /** A place where two parts hold each other at the end of the motion. */
@@ -280,8 +324,9 @@ export interface FlexReply {
   seconds: number;
   command: string; // the command that answers the same
   settled: boolean; // false where a fuller answer is to come
-  rings?: [number, number][][][]; // where the outlines changed a moment ago
+  rings?: [number, number][][][]; // where the page shows others
   solids?: Solids; // in space, as the outlines
+  shown?: string; // name of these outlines
 }
 
 /** How near a part came to the pointer, after one frame. */
@@ -297,6 +342,7 @@ export interface DragReply {
   settled: boolean;
   rings?: [number, number][][][];
   solids?: Solids;
+  shown?: string; // name of these outlines
 }
 
 /** Where a point can be brought. */
@@ -534,6 +580,66 @@ export interface WorkerState {
   state: "lost" | "ready" | "restarted";
 }
 
+/** A row of fingers, slots or holes of a panel, as it lies on the sheet. */
+export interface SheetEdge {
+  reference: string; // how hints name it
+  ends: [[number, number], [number, number]];
+  joints: string[]; // names of the joints of which it is a side
+  open: number; // how many of its flanks meet nothing that they should
+}
+
+/** A panel of a cutting sheet. */
+export interface SheetPanel {
+  name: string;
+  rings: [number, number][][]; // outer outlines and holes of one part, even-odd [mm]
+  centre: [number, number];
+  state: "loose" | "placed" | "waiting"; // loose: no edge of it fits another panel
+  edges: SheetEdge[];
+}
+
+/** Two panels that hold each other; in space their flanks meet, in the plane stretches of their outlines. */
+export interface SheetJointEntry {
+  name: string;
+  panels: [string, string]; // names of two parts
+  flanks?: number; // pairs of flanks that meet; in space
+  length?: number; // of the contact [mm]; in the plane
+  on_sheet: [[number, number], [number, number]]; // where the sheet shows it on the one and the other panel [mm], y up
+}
+
+/** What a placed panel holds ready and nothing meets. */
+export interface UnmatchedEntry {
+  panel: string;
+  on_sheet: [number, number][]; // where the sheet shows it [mm], y up
+}
+
+/** A cutting sheet put together; what is drawn on the sheet has y up [mm]. */
+export interface Assembled {
+  kind: "assembled";
+  id: number;
+  certainty: "not sure" | "sure";
+  headline: string;
+  doubts: string[];
+  notes: string[];
+  thickness: number; // [mm]
+  burn: number; // [mm]
+  panels: SheetPanel[];
+  joints: SheetJointEntry[];
+  unmatched: UnmatchedEntry[];
+  placed: string[]; // in the order of the solids
+  solids: Solids;
+  file: string; // text of the assembly file of what is placed; empty where nothing is
+  toml: string; // text of a file of hints that says the same
+  command: string; // the command that answers the same
+}
+
+/** Where a loose panel could lie, what seems best first. */
+export interface LayReply {
+  kind: "lay";
+  id: number;
+  panel: string;
+  ways: PlateHint[];
+}
+
 /** A change of the design that may put something right: what stands in place of what it had. */
 export interface Mend {
   words: string;
@@ -628,7 +734,7 @@ export type Reply =
   | Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply
   | Released | Modes | RankReply | CheckReply | LimitReply | PlanReply
   | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply
-  | Saved | ProgressReply | WorkerState | Failed;
+  | Saved | ProgressReply | WorkerState | Assembled | LayReply | Failed;
 
 /** Kinds of requests, each with what it carries beside its number. */
 export interface Requests {
@@ -650,6 +756,8 @@ export interface Requests {
   prove: Omit<ProveRequest, "kind" | "id">;
   bound: Omit<BoundRequest, "kind" | "id">;
   save: Omit<SaveRequest, "kind" | "id">;
+  assemble: Omit<AssembleRequest, "kind" | "id">;
+  lay: Omit<LayRequest, "kind" | "id">;
   cancel: Omit<CancelRequest, "kind" | "id">;
 }
 export type Kind = keyof Requests;

@@ -7,9 +7,10 @@ import { type CheckReply, type Design, type Finding, type Frames, type Kind, typ
 import { forgetFile, keepDesign, keepFile, keepRecent, keptDesign, keptFile, linked, linkTo, mark, type Opening, token } from "./keep.ts";
 import { download } from "./save.ts";
 import { kept } from "./stage/kept.ts";
-import { known, lead, leadTo } from "./stage/lead.ts";
+import { lead, origin } from "./stage/lead.ts";
 import { magnify, reachOf } from "./magnify.ts";
 import { type Line, requestOf, Socket } from "./socket.ts";
+import { assembled, forgetSheet, laid, ofSheet } from "./sheet.ts";
 import * as state from "./state.ts";
 
 let socket: Socket | null = null;
@@ -20,6 +21,8 @@ let drag: { id: number; since: number; answered: boolean; wanted: Wanted; next: 
 type Wanted = Requests["drag"];
 /** The design whose outlines are shown; null while they are as drawn. */
 let shaped: Design | null = null;
+/** Their name. */
+let outlines = "";
 
 /** A request under way this long gives way to a newer one; before, the newer one waits for its answer. */
 const PATIENCE = 600;
@@ -98,13 +101,13 @@ function askFlex(): void {
     quick.again = true;
     return;
   }
-  state.waiting.value = ask("flex", { design: wanted, thorough: false }) > 0;
+  state.waiting.value = ask("flex", { design: wanted, thorough: false, shown: outlines }) > 0;
   quick = state.waiting.value ? { since: performance.now(), again: false } : null;
 }
 
 /** Asks the server to bring a point of a part, given at rest, as near as it can to a target. */
 export function askDrag(part: string, grip: Point | Triple, target: Point | Triple): void {
-  const wanted: Wanted = { design: design.peek(), part, grip, target, from: known().from };
+  const wanted: Wanted = { design: design.peek(), part, grip, target, from: origin(), shown: outlines };
   leads(wanted, sameShape());
   state.dragging.value = { part, grip };
   if (drag && !drag.answered && performance.now() - drag.since < PATIENCE) {
@@ -116,7 +119,8 @@ export function askDrag(part: string, grip: Point | Triple, target: Point | Trip
 
 /** In the plane the part follows the hand at once; in space its ghost does, until the answer comes. */
 function leads({ part, grip, target }: Wanted, shaped: boolean): void {
-  if (!inSpace()) leadTo(part, grip as Point, target as Point, shaped);
+  const free = origin() !== "rest" || shown.peek().what === "rest";
+  if (!inSpace()) lead.value = { part, grip: grip as Point, target: target as Point, shaped: shaped && free };
 }
 
 function sendDrag(wanted: Wanted): void {
@@ -178,8 +182,6 @@ let pendingFile: Opening | null = null;
 /** The file that was opened here, and whether the next drawing is the one that is open already. */
 let file: Opening | null = null;
 let again = false;
-/** What failed last: its findings go when it succeeds. */
-let trouble = "";
 
 export function save(what: SaveWhat, of: "flex" | "check" | "plan" = "flex"): void {
   ask("save", { design: design.peek(), what, of });
@@ -230,13 +232,17 @@ function take(reply: Reply, ways: Frames[]): void {
     case "study": state.studies.value = { ...state.studies.peek(), [reply.of]: about(reply) }; state.coloured.value = true; return;
     case "prove": return proved(about(reply));
     case "bound": return bounded(about(reply));
+    case "assembled": assembled.value = reply; if (ofSheet(state.trouble.value)) state.findings.value = []; return;
+    case "lay": return laid(reply);
     case "saved": return download(reply);
     case "failed": return failed(reply.of, reply.review ?? reply.findings.map(said));
   }
 }
 
 /** Takes what parts look like, where a reply says it. */
-function reshaped({ rings, solids }: { rings?: Opened["parts"][number]["rings"][]; solids?: Solids }): void {
+function reshaped({ rings, solids, shown }: { rings?: Opened["parts"][number]["rings"][]; solids?: Solids; shown?: string }): void {
+  if (shown && shown === outlines) return; // the full answer tells them again
+  outlines = shown ?? outlines;
   if (solids) state.solids.value = solids;
   else if (rings) state.rings.value = rings;
 }
@@ -253,7 +259,7 @@ function flexed(about: state.About<Extract<Reply, { kind: "flex" }>>): void {
     state.waiting.value = false;
     state.answer.value = about;
     if (reply.settled && reply.objective && reply.at_most === null && !inSpace() && state.can("prove")) ask("bound", { design: about.design });
-    if (trouble === "flex") state.findings.value = [];
+    if (state.trouble.value === "flex") state.findings.value = [];
     if (ways[0] && (shown.peek().what !== "drag" || !state.dragged.peek())) {
       magnify(reachOf(ways[0]));
       const still = shown.peek().what === "answer" && !reply.leaves.length;
@@ -300,10 +306,10 @@ function draggedTo(about: state.About<Extract<Reply, { kind: "drag" }>>): void {
     state.dragged.value = about;
     show({ what: "drag", frames: about.ways[0], label: "dragged", back: false }, false);
     const newest = next ?? wanted;
-    if (next || !about.reply.settled) leads(newest, sameShape() && !about.reply.rings);
+    if (next || !about.reply.settled) leads(newest, sameShape());
     else lead.value = null; // the truth is there
   }
-  if (next) sendDrag({ ...next, from: known().from });
+  if (next) sendDrag({ ...next, from: origin(), shown: outlines });
 }
 
 export function showMode(which: number): void {
@@ -350,6 +356,7 @@ function opened(reply: Opened): void {
   state.notice.value = reply.notes.join(" · ");
   for (const one of [state.answer, state.dragged, state.modes, state.ranking, state.checked, state.limit, state.planned, state.space, state.proof, state.bound, state.reach]) one.value = null;
   state.studies.value = { tighten: null, sample: null };
+  forgetSheet();
   state.selected.value = null;
   state.many.value = new Set();
   state.solved.value = [];
@@ -359,6 +366,7 @@ function opened(reply: Opened): void {
   state.outlined.value = new Set();
   state.exploded.value = 0;
   shaped = null;
+  outlines = "";
   state.drawing.value = reply;
   showRest(false);
   kept.value = null;
@@ -406,11 +414,11 @@ function failed(of: string, lines: Finding[]): void {
       forgetFile();
     }
   }
-  trouble = of;
+  state.trouble.value = of;
   state.pointed.value = null;
   state.findings.value = lines;
-  if (lines.length && state.drawing.peek()) {
-    state.tab.value = "answer";
+  if (lines.length && state.drawing.peek() && !(state.tab.peek() === "sheet" && of !== "open")) {
+    state.tab.value = ofSheet(of) ? "sheet" : "answer";
     state.sheetOpen.value = true;
   }
 }

@@ -27,6 +27,7 @@ export class Latest {
 export function requestOf(reply: Reply): string {
   switch (reply.kind) {
     case "opened": return "open";
+    case "assembled": return "assemble";
     case "modes": return "wiggle";
     case "step": return "sweep";
     case "saved": return "save";

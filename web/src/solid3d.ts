@@ -12,6 +12,8 @@ interface SolidPart {
   /** Triangles, uint32. */
   triangles: string;
   reference: Triple;
+  /** By how much it is set aside in the exploded view. */
+  aside: Triple;
 }
 
 interface SolidScene {
@@ -73,7 +75,7 @@ function start(data: SolidScene): void {
       solids[p]!.position.set(
         ...([0, 1, 2].map((i) => {
           const moved = motions[a + i]! + share * (motions[b + i]! - motions[a + i]!);
-          return part.reference[i]! + moved + apart * (part.reference[i]! - data.centre[i]!);
+          return part.reference[i]! + moved + apart * part.aside[i]!;
         }) as Triple),
       );
     });

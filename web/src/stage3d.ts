@@ -18,8 +18,6 @@ export interface Hand {
   factor(): number;
   exploded(): number;
   marks(): Marks | null;
-  /** The part and all that is glued to it. */
-  together(part: number): readonly number[];
   /** Whether a part may be dragged. */
   free(part: number): boolean;
   hover(part: number | null): void;
@@ -96,12 +94,8 @@ export function openStage(box: HTMLElement, label: string, hand: Hand): SolidVie
     return [shift, angle > 0 ? new Quaternion().setFromAxisAngle(axis.normalize(), angle * factor) : turn];
   }
   const home = (p: number): Vector3 => new Vector3(...given!.reference[p]!);
-  /** How far a part is set aside in the exploded view: what is glued together stays so. */
-  function aside(p: number, apart: number): Vector3 {
-    const group = hand.together(p);
-    const middle = group.reduce((sum, k) => sum.add(home(k)), new Vector3()).divideScalar(group.length);
-    return middle.sub(new Vector3(...centre)).multiplyScalar(apart);
-  }
+  /** How far a part is set aside in the exploded view. */
+  const aside = (p: number, apart: number): Vector3 => new Vector3(...given!.aside[p]!).multiplyScalar(apart);
 
   function renewMarks(told: Marks | null, motion: Float32Array, factor: number, apart: number): void {
     drop(marks);

@@ -20,6 +20,8 @@ export const workerState = signal<"ready" | "lost" | "restarted">("ready");
 export const findings = signal<Finding[]>([]);
 /** The finding that is shown in the picture. */
 export const pointed = signal<Finding | null>(null);
+/** What failed last: its findings go when it succeeds. */
+export const trouble = signal("");
 export const notice = signal("");
 export const opening = signal("");
 
@@ -73,7 +75,7 @@ export const outlined = signal<ReadonlySet<string>>(new Set());
 /** How far parts in space are taken apart in the picture, 0 to 1.5. */
 export const exploded = signal(0);
 
-export type Tab = "answer" | "gaps" | "vary" | "apart" | "space" | "study" | "sure";
+export type Tab = "answer" | "gaps" | "vary" | "apart" | "space" | "sheet" | "study" | "sure";
 export const tab = signal<Tab>("answer");
 export const sheetOpen = signal(false);
 export const helpOpen = signal(false);

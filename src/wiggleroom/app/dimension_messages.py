@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from msgspec import UNSET, UnsetType
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
@@ -23,8 +22,13 @@ if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
-Shapes = list[Outline] | Solids | UnsetType
-"""What parts look like; unset where the page has it already."""
+
+
+class Outlines(NamedTuple):
+    """What parts look like, and the name under which the page keeps it."""
+
+    name: str
+    shapes: list[Outline] | Solids
 
 
 def answer_reply(answer: Answer | SpatialAnswer, command: str) -> FlexReply:
@@ -55,7 +59,7 @@ def contact_entries(contacts: Iterable[Any], assembly: Assembly | SpatialAssembl
 
 
 def frames_of(assembly: Assembly | SpatialAssembly, points: Floats) -> Floats:
-    """Frames along a way of motions (m, n, 3) or (m, n, 6)."""
+    """Frames along a path of motions (m, n, 3) or (m, n, 6)."""
     if isinstance(assembly, Assembly):
         return path_frames(assembly, points)
     from wiggleroom.report.spatial_messages import spatial_frames
@@ -81,9 +85,12 @@ def shapes_of(assembly: Assembly | SpatialAssembly) -> list[Outline] | Solids:
     return solids_message(assembly)
 
 
-def tell_shapes(content: FlexReply | DragReply | ShapeReply, shapes: Shapes) -> None:
-    """Put into a reply what the parts look like."""
-    if isinstance(shapes, Solids):
-        content.solids = shapes
-    elif shapes is not UNSET:
-        content.rings = shapes
+def tell_outlines(content: FlexReply | DragReply | ShapeReply, outlines: Outlines | None) -> None:
+    """Put into a reply what the parts look like, where the page lacks it."""
+    if outlines is None:
+        return
+    content.shown = outlines.name
+    if isinstance(outlines.shapes, Solids):
+        content.solids = outlines.shapes
+    else:
+        content.rings = outlines.shapes

@@ -33,9 +33,11 @@ ANSWERS = {
     "sample": "study_requests",
     "space": "space_requests",
     "save": "save_requests",
+    "assemble": "sheet_requests",
+    "lay": "sheet_requests",
 }
 """Modules whose function of that name answers; loaded when first asked, so that a drawing is open before the solver is there."""
-OF_DRAWINGS = ("reach", "wiggle", "plan", "prove", "bound", "space")
+OF_DRAWINGS = ("reach", "wiggle", "plan", "prove", "bound", "space", "assemble", "lay")
 """What is not answered in space."""
 
 

@@ -2,55 +2,49 @@
 
 from __future__ import annotations
 
-import threading
-import time
 from collections.abc import Hashable
+from hashlib import blake2s
 from typing import TYPE_CHECKING
 
 import numpy as np
-from msgspec import UNSET
 from numpy.typing import NDArray
 
-from wiggleroom.app.dimension_messages import Shapes, shapes_of
+from wiggleroom.app.dimension_messages import Outlines, shapes_of
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.compare.monte_carlo import swing
 from wiggleroom.freespace.free_space import FreeSlices
 from wiggleroom.geometry.relative_pose import turn
-from wiggleroom.schema.replies import Outline, Pose, Solids
+from wiggleroom.schema.replies import Pose
 
 if TYPE_CHECKING:
     from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Floats = NDArray[np.float64]
 
-REPEAT_SECONDS = 3.0
-"""Outlines that changed are told with every reply for so long [s]."""
+NAME_BYTES = 12
+"""Length of the name of outlines."""
 
 
 class Display:
     """Outlines and motion that a page shows."""
 
     def __init__(self) -> None:
-        self._outlines: Hashable = None
-        self._shapes: list[Outline] | Solids = []
-        self._told, self._since = threading.Event(), 0.0
+        self._key: Hashable = None
+        self._outlines = Outlines("", [])
         self._shown: tuple[Assembly, Floats] | None = None
 
     def move(self, assembly: Assembly | SpatialAssembly, motion: Floats) -> None:
         """Show the parts at a motion (n, 3); of parts in space nothing asks for it later."""
         self._shown = (assembly, motion) if isinstance(assembly, Assembly) else None
 
-    def new_shapes(self, key: Hashable, assembly: Assembly | SpatialAssembly, stop: threading.Event) -> Shapes:
-        """Outlines or solids of the shape `key` where the page may lack them: it drops replies that a newer request has overtaken."""
-        now = time.monotonic()
-        if key != self._outlines:
-            self._outlines, self._since, self._shapes = key, now, shapes_of(assembly)
-        elif self._told.is_set():
-            self._since = now
-        elif now > self._since + REPEAT_SECONDS:
-            return UNSET
-        self._told = stop
-        return self._shapes
+    def new_outlines(self, key: Hashable, assembly: Assembly | SpatialAssembly, shown: str) -> Outlines | None:
+        """Outlines or solids that depend on `key`; None where the page shows them already: those named `shown`."""
+        name = blake2s(repr(key).encode(), digest_size=NAME_BYTES).hexdigest()
+        if name == shown:
+            return None
+        if key != self._key:
+            self._key, self._outlines = key, Outlines(name, shapes_of(assembly))
+        return self._outlines
 
     def relative(self, space: FreeSlices) -> Pose:
         """Where the pair of a free space is shown: motion of its pivot [mm] and turn [deg]."""

@@ -5,16 +5,13 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from msgspec import UNSET
-
 from wiggleroom.app.command import command
 from wiggleroom.app.dimension_messages import (
     answer_reply,
     contact_entries,
     frames_of,
-    shapes_of,
     still_frame,
-    tell_shapes,
+    tell_outlines,
 )
 from wiggleroom.app.document import Document
 from wiggleroom.app.reporter import Reporter
@@ -41,10 +38,14 @@ if TYPE_CHECKING:
 
 QUICK_SECONDS = 0.1
 """A quick answer takes about so long [s]."""
+MAX_QUICK_BODIES = 100
+"""Of larger assemblies a quick answer from rest would say nothing yet; they have one where an answer at another gap is near."""
 MAX_QUICK_ANSWERS = 10
 """So many quick answers are looked for before the full one."""
 NEIGHBOURHOODS = (64, 512, None)
 """So many parts may give way to a dragged one at first, then more where others hold it, then all."""
+MAX_WHOLE_BODIES = 800
+"""In smaller assemblies all may give way from the first: that takes no longer, and there is nothing to be found afterwards."""
 MAX_DRAG_STEPS, MAX_STALLED_STEPS = 50, 3
 """So often a drag is gone on with, and so often in vain."""
 MIN_APPROACH = 1e-4
@@ -62,6 +63,8 @@ def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
     live = document.live(design)
     if not isinstance(live, Live):
         return True  # in space there is no quicker answer
+    if len(live.ready.bodies.fixed) > MAX_QUICK_BODIES and not live.follows(goals):
+        return True
     last: float | None = None
     for _ in range(MAX_QUICK_ANSWERS):
         result = live.flex(goals, seconds=QUICK_SECONDS, stop=out.stop)
@@ -72,7 +75,7 @@ def flex(document: Document, request: FlexRequest, out: Reporter) -> bool:
         last = value
         display.move(live.assembly, result.motion)
         content = answer_reply(quick(live.assembly, goals, result), command("flex", document.file, design))
-        tell_shapes(content, display.new_shapes(document.designs.shape(design), live.assembly, out.stop))
+        tell_outlines(content, display.new_outlines(document.designs.shape(design), live.assembly, request.shown))
         content.settled = False
         out.reply(content, [result.motion[None]])
         if result.settled:
@@ -86,7 +89,7 @@ def settled(document: Document, request: FlexRequest, out: Reporter) -> bool:
     document.display.move(answer.assembly, answer.motion)
     content = answer_reply(answer, command("flex", document.file, request.design))
     shape = document.designs.shape(request.design)
-    tell_shapes(content, document.display.new_shapes(shape, answer.assembly, out.stop))
+    tell_outlines(content, document.display.new_outlines(shape, answer.assembly, request.shown))
     out.reply(content, [frames_of(answer.assembly, answer.waypoints)])
     return False
 
@@ -95,12 +98,12 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
     """Bring a part as near to a place as it goes; told at once, and again while it gets nearer."""
     live = document.live(request.design)
     grip, target = (_spot(place, live) for place in (request.grip, request.target))
-    shapes = document.display.new_shapes(document.designs.shape(request.design), live.assembly, out.stop)
+    outlines = document.display.new_outlines(document.designs.shape(request.design), live.assembly, request.shown)
     goals = document.asked(request.design) if request.from_ == "answer" else None
     start, shown, last = request.from_, math.inf, math.inf
-    stuck = 0
+    stuck, large = 0, isinstance(live, Live) and len(live.ready.bodies.fixed) > MAX_WHOLE_BODIES
     for times in range(MAX_DRAG_STEPS):
-        within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)]
+        within = NEIGHBOURHOODS[min(times, len(NEIGHBOURHOODS) - 1)] if large else None
         result = live.drag(
             request.part, grip, target,
             start=start, goals=goals, within=within, stop=out.stop,
@@ -124,11 +127,11 @@ def drag(document: Document, request: DragRequest, out: Reporter) -> None:
             blocking=list(result.blocking),
             settled=settled,
         )
-        tell_shapes(content, shapes)
+        tell_outlines(content, outlines)
         out.reply(content, [still_frame(result.motion)])
         if settled:
             return
-        shapes, shown = UNSET, min(shown, result.distance)
+        outlines, shown = None, min(shown, result.distance)
 
 
 def _spot(place: tuple[float, ...], live: Live | SpatialLive) -> Any:
@@ -179,7 +182,8 @@ def release(_: Document, __: ReleaseRequest, out: Reporter) -> None:
 def shape(document: Document, request: ShapeRequest, out: Reporter) -> None:
     """Outlines, or solids, with the gap applied."""
     content = ShapeReply()
-    tell_shapes(content, shapes_of(document.assembly(request.design)))
+    assembly = document.assembly(request.design)
+    tell_outlines(content, document.display.new_outlines(document.designs.shape(request.design), assembly, ""))
     out.reply(content)
 
 

@@ -47,6 +47,10 @@ class File:
         How commands flatten them at a gap, where they are not told.
     text : str
         Of a file in space, as it is.
+    data : bytes
+        Of a drawing, as it is: it may be a cutting sheet.
+    options : ReadOptions
+        What is read of a drawing.
     """
 
     name: str
@@ -56,6 +60,8 @@ class File:
     flatten: float | None = None
     flattening: Flattening | None = None
     text: str = ""
+    data: bytes = b""
+    options: ReadOptions = dataclasses.field(default_factory=ReadOptions)
 
 
 def opened(request: OpenRequest) -> File:
@@ -85,7 +91,9 @@ def opened(request: OpenRequest) -> File:
     if path.suffix.lower() == ".json":
         flatten = None
     same = dataclasses.replace(drawing, flattening=None)  # outlines on screen stay as they are while the gap is dragged
-    return File(name, request.path or name, same, request.unit, flatten, how)
+    return File(
+        name, request.path or name, same, request.unit, flatten, how, data=request.data, options=_options(request)
+    )
 
 
 def first_open(
@@ -182,11 +190,14 @@ def first_open_in_space(path: Path, drawing: SpatialDrawing) -> bytes:
     )
 
 
+def _options(request: OpenRequest) -> ReadOptions:
+    return ReadOptions(request.only, request.skip, request.join, request.solid)
+
+
 def _read(path: Path, request: OpenRequest) -> Drawing:
     if path.suffix.lower() == ".json":
         return read_drawing(path, unit=request.unit, gap=request.gap)
-    options = ReadOptions(request.only, request.skip, request.join, request.solid)
-    return read_drawing(path, unit=request.unit, flatten=request.flatten, gap=request.gap, options=options)
+    return read_drawing(path, unit=request.unit, flatten=request.flatten, gap=request.gap, options=_options(request))
 
 
 def opened_reply(file: File, drawing: Drawing) -> Opened:

@@ -103,5 +103,7 @@ _WORDS = (
     (r"name the parts that stand with --fix NAME", "choose a part that stands"),
     (r"say what moves with --pull NAME:\+y", "choose what is pulled, and which way"),
     (r"say what moves with --pull NAME:\+z", "choose what is pulled, and which way"),
+    (r", and a hint \(\[\[plate\]\]\) can say where", ": lay it on another"),
+    (r" \(\[\[plate\]\]\)", ""),
     (r"--gap (\S+)", r"\1 mm"),
 )

@@ -6,9 +6,11 @@ import os
 import queue
 import sys
 import threading
+from contextlib import suppress
 from typing import BinaryIO
 
 from wiggleroom.app.worker_protocol import Done, Ready, StartOrder, StopOrder, block, read_order
+from wiggleroom.errors import StoppedError
 
 KEPT_TICKETS = 4
 """So many pieces of work can still be told that they were stopped, also when they are done: nobody got their reply."""
@@ -39,9 +41,8 @@ class Orders:
         """The next piece of work, and what is set when it is to stop."""
         return self._waiting.get()
 
-    @property
-    def waiting(self) -> bool:
-        """True where work has come already."""
+    def is_set(self) -> bool:
+        """True where work has come already: a request to stop what nobody asked for."""
         return not self._waiting.empty()
 
 
@@ -58,10 +59,11 @@ def main(source: BinaryIO, target: BinaryIO) -> None:
     from wiggleroom.app.resource_limits import bound_memory
 
     bound_memory()
-    dispatcher, cold = Dispatcher(), steps()
+    dispatcher, cold = Dispatcher(), steps(orders)
     while True:
-        if cold and not orders.waiting:  # work that has come goes first, and loads what it needs
-            cold.pop(0)()
+        if cold and not orders.is_set():  # work that has come goes first, and loads what it needs
+            with suppress(StoppedError):
+                cold.pop(0)()
             if not cold:
                 say(Ready())
             continue

@@ -51,12 +51,12 @@ class SpatialDesignCache:
         return self._drawing.gap if design.gap is None else design.gap
 
     def shape(self, design: Design) -> Hashable:
-        """What the solids as made depend on."""
-        return self.gap(design), tuple(sorted(design.extra.items()))
+        """What the solids as shown depend on: glue keeps them together in an exploded view."""
+        return self._made_by(design), tuple(map(tuple, design.glue))
 
     def body(self, design: Design) -> Hashable:
         """What all but the question depends on."""
-        return self.shape(design), tuple(sorted(design.fixed)), tuple(map(tuple, design.glue))
+        return self.shape(design), tuple(sorted(design.fixed))
 
     def drawing(self, design: Design) -> SpatialDrawing:
         """The drawing with the roles of a design.
@@ -90,8 +90,12 @@ class SpatialDesignCache:
         """
         used = replace(self.drawing(design), goals=())
         inward = {name: extra / 2 for name, extra in design.extra.items()}
-        made = self._made.get(self.shape(design), lambda: assemble_spatial(used, inward=inward))
+        made = self._made.get(self._made_by(design), lambda: assemble_spatial(used, inward=inward))
         return self._assemblies.get(self.body(design), lambda: SpatialAssembly(used, made.made))
+
+    def _made_by(self, design: Design) -> Hashable:
+        """What the solids as made depend on."""
+        return self.gap(design), tuple(sorted(design.extra.items()))
 
 
 def spatial_goals_of(design: Design) -> tuple[SpatialGoal, ...]:

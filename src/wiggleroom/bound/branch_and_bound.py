@@ -25,6 +25,7 @@ from wiggleroom.bound.joint_constraints import (
 )
 from wiggleroom.bound.joint_multipliers import goal_weights
 from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
+from wiggleroom.bound.neighbourhood_tightening import neighbourhood_cuts
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
 from wiggleroom.bound.window_bounds import WindowProof, bounded_windows
@@ -48,8 +49,10 @@ MAX_PROOF_DEPTH = 200
 """So many steps may follow each other in a proof that is kept: beyond, it is the regions that are too large."""
 MANY_BODIES = 60
 """With more bodies than this local windows pay, and only some bodies are asked about at first."""
+MAX_WHOLE_BODIES = 300
+"""With more bodies than this programs of the whole take too long, and turns are tightened a neighbourhood at a time."""
 FIRST_HOPS, MIN_GAIN = 2, 0.5
-"""At first bodies so many joints apart; nearer ones where the bound's distance from `cut` does not fall by this share."""
+"""At first bodies so many joints apart are asked about; nearer ones where the bound's distance from `cut` falls by less than this share."""
 
 
 @dataclass(eq=False)
@@ -105,18 +108,26 @@ class BranchAndBound:
         ranges = first_ranges(bodies.fixed, self.joints, self.regions, self.linkage.turns)
         if np.isfinite(ranges.far).sum() > MANY_BODIES:
             self.cuts.unlike = COARSE_NORMALS
-            for linkage, proof in bounded_windows(bodies, self.linkage, self.cuts, self.clock.is_set):
+            for linkage, proof in bounded_windows(self.linkage, self.cuts, self.clock.is_set):
                 self.linkage = linkage
                 self.windows.append(proof)
                 self.tell(np.nan, f"windows of {len(proof.window.bodies)} bodies")
             ranges = first_ranges(bodies.fixed, self.joints, self.regions, self.linkage.turns)
         return ranges
 
+    def relaxed(self, ranges: AngleRanges) -> float:
+        """Value that no motion within `ranges` exceeds, from one linear program."""
+        self.cuts.unlike = COARSE_NORMALS
+        try:
+            return RelaxationInRanges(self.linkage, self.cuts, ranges).largest(self.weights, self.clock.is_set)[0]
+        except InfeasibleRanges:
+            return self.cut
+
     def run(self, ranges: AngleRanges, enough: float) -> float:
         """Value that no motion within `ranges` exceeds; ends where that is at most `enough`."""
         number = itertools.count()
         best = np.inf
-        hops = self._hops(ranges)
+        hops = FIRST_HOPS if np.isfinite(ranges.far).sum() > MANY_BODIES else 0
         todo = [(-np.inf, next(number), ranges, np.inf, hops, self.proof)]
         while todo:
             value = min(best, -todo[0][0])
@@ -133,9 +144,6 @@ class BranchAndBound:
                 )
         return self.cut
 
-    def _hops(self, ranges: AngleRanges) -> int:
-        return FIRST_HOPS if np.isfinite(ranges.far).sum() > MANY_BODIES else 0
-
     def _worked(
         self, ranges: AngleRanges, before: float, hops: int, best: float, step: ProofNode | None
     ) -> list[tuple[AngleRanges, float, int]]:
@@ -148,7 +156,9 @@ class BranchAndBound:
                 step.at(ranges, None)
                 step.empty = nothing.pair
             return []
-        most, multipliers, y, x = program.largest(self.weights, self.clock.is_set)
+        held = np.flatnonzero(program.linear.column >= 0)
+        many = len(held) > MAX_WHOLE_BODIES
+        most, multipliers, y, x = program.largest(self.weights, self.clock.is_set, interior=many)
         value = min(before, most)
         if step is not None:
             step.at(ranges, program.at)
@@ -156,10 +166,12 @@ class BranchAndBound:
         if value <= self.cut:
             return []
         best = min(best, value) if np.isfinite(best) else value
-        held = np.flatnonzero(program.linear.column >= 0)
         asked = dominating(self.linkage, held, hops)
         self.tell(max(best, self.cut), f"turns of {len(asked)} of {len(held)} bodies")
-        cuts = program.turn_cuts(asked, self.cutoff, self.clock.is_set)
+        if many:
+            cuts = neighbourhood_cuts(program, multipliers, asked, self.cutoff, self.clock.is_set)
+        else:
+            cuts = program.turn_cuts(asked, self.cutoff, self.clock.is_set)
         left = after_cuts(ranges, cuts, self.linkage.turns)
         if step is not None:
             step.cuts = cuts
@@ -174,11 +186,11 @@ class BranchAndBound:
         if max(gain, float((1 - share).max(initial=0.0))) > MIN_REDUCTION or self.clock.is_set():
             return [(left, value, 0)]
         if self._sharpen(program, y):
-            return [(left, value, hops)]
+            return [(left, value, 0)]
         body, middle, halves = self._halves(program, x, left)
         if step is not None:
             step.split = body, middle
-        return [(part, value, hops) for part in halves]
+        return [(part, value, 0) for part in halves]
 
     def _sharpen(self, program: RelaxationInRanges, y: Floats) -> bool:
         """Make the intervals narrower whose facets hold the program up; False where all are narrow enough."""

@@ -22,7 +22,7 @@ from wiggleroom.search.prepare import Survey
 
 Floats = NDArray[np.float64]
 
-FORMAT = "wiggleroom.certificate/3"
+FORMAT = "wiggleroom.certificate/4"
 ABOVE = 1e-12
 """A bound is stated larger by this share, so that whoever works it out with other rounding does not come out above it."""
 

@@ -15,17 +15,20 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.freespace.outer.outer_slices import SAFETY_MARGIN, PairMaterial, corners_of, loops
+from wiggleroom.freespace.outer.outer_slices import PairMaterial, corners_of, loops
 from wiggleroom.geometry.relative_pose import turn
 
 Floats = NDArray[np.float64]
 
-STRIP_WIDTH = 20.0
-"""Strips are so many clearances wide: a joint seldom lets its bodies go further."""
-CORNER_REACH = 4.0
-"""Corners that lie within so many clearances of the other body tell joints from each other."""
+STRIP_WIDTHS = (20.0, 80.0, 320.0)
+"""Strips are so many clearances wide: a joint seldom lets its bodies go further; the next width is for those that it does."""
+CORNER_REACH = 0.2
+"""Corners that lie within this share of the width of the other body tell joints from each other."""
 CONGRUENCE_TOLERANCE = 2e-10
-"""Bodies hold a strip but for this share of its size, a fiftieth of what regions are too large by."""
+"""Bodies hold a strip, and pairs of one class lie alike, but for this share of their size, a fiftieth of what regions are too large by."""
+MAX_SIZE_RATIO = 4.0
+"""Pairs share a joint where none of them is larger than the one that it was worked out for by more than this factor, as those of a
+class differ by a share of their own size."""
 MAX_REFERENCES, MIN_COMMON_CORNERS = 6, 0.5
 """So many corners are tried as the one that is carried to its like; where at least this share finds its like, strips are compared."""
 ANGLE_TOLERANCE = 1e-7
@@ -41,7 +44,7 @@ class Corners:
     at : (n, 2) float64 [mm]
     angle : (n,) float64 [rad]
         By which the boundary turns there.
-    way : (n,) float64 [rad]
+    heading : (n,) float64 [rad]
         Direction of the side that begins there.
     long : (n,) float64 [mm]
         Its length if it ends near the other body, too, else nought.
@@ -49,31 +52,32 @@ class Corners:
 
     at: Floats
     angle: Floats
-    way: Floats
+    heading: Floats
     long: Floats
 
 
 @dataclass(frozen=True, eq=False)
 class CongruentJoint:
-    """Strips of two bodies along each other, to look for in other pairs."""
+    """Strips of two bodies along each other, `width` clearances wide, to look for in other pairs."""
 
     material: PairMaterial
+    width: float = STRIP_WIDTHS[0]
 
     @cached_property
     def strips(self) -> PairMaterial:
         """What of both bodies lies near the other one."""
-        return self.material.strips(STRIP_WIDTH * self.material.clearance)
+        return self.material.strips(self.width * self.material.clearance)
 
     @cached_property
     def _inner(self) -> tuple[shapely.Geometry, shapely.Geometry]:
         """Strips less what congruent ones may differ by."""
-        off = CONGRUENCE_TOLERANCE / SAFETY_MARGIN * self.strips.margin
+        off = CONGRUENCE_TOLERANCE * self.strips.extent
         a, b = (shapely.buffer(g, -off, join_style="mitre") for g in (self.strips.a, self.strips.b))
         return a, b
 
     @cached_property
     def _corners(self) -> Corners:
-        return near_corners(self.material.a, self.material.b, CORNER_REACH * self.material.clearance)
+        return near_corners(self.material.a, self.material.b, CORNER_REACH * self.width * self.material.clearance)
 
     @property
     def reference_angles(self) -> Floats:
@@ -87,14 +91,15 @@ class CongruentJoint:
         `corners` are those of the first of the two, from `near_corners`.
         """
         mine = self._corners
-        if abs(other.clearance - self.material.clearance) > 1e-6 * self.material.clearance or len(mine.at) < 2:
+        alike = abs(other.clearance - self.material.clearance) <= 1e-6 * self.material.clearance
+        if not alike or other.extent > MAX_SIZE_RATIO * self.material.extent or len(mine.at) < 2:
             return None
         close = 1e-7 * self.strips.radius
         # the longest sides may be those that end where the bodies do, elsewhere in another pair
         first = np.argsort(-mine.long, kind="stable")[:MAX_REFERENCES]
-        alike = np.abs(corners.angle - mine.angle[first, None]) < ANGLE_TOLERANCE
-        for j, k in zip(*np.nonzero(alike), strict=True):
-            angle = float(corners.way[k] - mine.way[first[j]])
+        same = np.abs(corners.angle - mine.angle[first, None]) < ANGLE_TOLERANCE
+        for j, k in zip(*np.nonzero(same), strict=True):
+            angle = float(corners.heading[k] - mine.heading[first[j]])
             shift = corners.at[k] - turn(mine.at[first[j]], angle)
             there = turn(mine.at, angle) + shift
             away = np.hypot(*(corners.at[:, None] - there).transpose(2, 0, 1)).min(0)
@@ -138,18 +143,19 @@ class Congruence:
 
 
 class KnownJoints:
-    """Joints that were met so far, found again by the angles of their corners."""
+    """Joints that were met so far, with strips of some width, found again by the angles of their corners."""
 
-    def __init__(self) -> None:
+    def __init__(self, width: float = STRIP_WIDTHS[0]) -> None:
+        self.width = width
         self.joints: list[CongruentJoint] = []
         self._by_angle: dict[int, set[int]] = {}
 
     def congruence(self, material: PairMaterial) -> Congruence:
         """Which joint a pair holds, a new one where it holds none of those."""
         shapely.prepare([material.a, material.b])
-        reach = CORNER_REACH * material.clearance
+        reach = CORNER_REACH * self.width * material.clearance
         for swapped in (False, True):
-            pair = PairMaterial(material.b, material.a, material.clearance) if swapped else material
+            pair = PairMaterial(material.b, material.a, material.clearance, material.size) if swapped else material
             corners = near_corners(pair.a, pair.b, reach)
             keys = {k + side for k in _angle_keys(corners.angle) for side in (-1, 0, 1)}
             alike = set().union(*(self._by_angle.get(k, set()) for k in keys))
@@ -157,7 +163,7 @@ class KnownJoints:
                 motion = self.joints[number].motion_onto(pair, corners)
                 if motion is not None:
                     return Congruence(number, swapped, *motion)
-        return self._added(CongruentJoint(material))
+        return self._added(CongruentJoint(material, self.width))
 
     def _added(self, joint: CongruentJoint) -> Congruence:
         number = len(self.joints)
@@ -171,8 +177,10 @@ def _angle_keys(angles: Floats) -> list[int]:
     return np.round(angles / (10 * ANGLE_TOLERANCE)).astype(np.int64).tolist()
 
 
-def congruent_joints(materials: Sequence[PairMaterial]) -> tuple[list[CongruentJoint], list[Congruence]]:
-    """Joints that differ, and which of them each pair holds."""
-    known = KnownJoints()
+def congruent_joints(
+    materials: Sequence[PairMaterial], width: float = STRIP_WIDTHS[0]
+) -> tuple[list[CongruentJoint], list[Congruence]]:
+    """Joints that differ, with strips of some width, and which of them each pair holds."""
+    known = KnownJoints(width)
     found = [known.congruence(material) for material in materials]
     return known.joints, found

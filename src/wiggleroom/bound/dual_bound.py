@@ -22,7 +22,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.congruent_joints import Congruence, KnownJoints
+from wiggleroom.bound.congruent_joints import CONGRUENCE_TOLERANCE, Congruence, KnownJoints
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints, first_ranges
 from wiggleroom.bound.limited_tightening import tightened
 from wiggleroom.bound.outer_regions import JointPlacement, links_about, material_of, placement
@@ -106,7 +106,7 @@ def quick_bound(
     them, cells = drawn or found.program.bodies, found.program.cells
     wrench = _wrenches(found)
     force = np.hypot(wrench[:, 0], wrench[:, 1])
-    first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b))
+    first, label = classes(them, cells.a, cells.b, relative_pose(them, cells.a, cells.b), CONGRUENCE_TOLERANCE)
     by_class = np.bincount(label, force, len(first))
     wanted = np.argsort(-by_class)[: np.count_nonzero(by_class > ACTIVE_MULTIPLIER * by_class.max())]
     known_joints, pivots = KnownJoints(), np.zeros((len(first), 2))

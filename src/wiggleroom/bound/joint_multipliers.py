@@ -19,9 +19,10 @@ then v is best somewhere between. Any multipliers give a valid bound.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
@@ -29,6 +30,9 @@ from wiggleroom.bound.joint_ranges import JointRanges
 from wiggleroom.bound.trigonometric_envelopes import support
 from wiggleroom.geometry.relative_pose import turn
 from wiggleroom.program.objectives import PointMotion
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -71,20 +75,23 @@ class LagrangianBound:
     ranges: AngleRanges
     deviation: float = 0.0
 
-    def most(self, weights: Floats, constant: Floats, multipliers: Floats) -> Floats:
-        """Upper bounds (K,) of weights (K, 5 n) . (x, y, C - 1, S, t) + constant, by multipliers (K, P, 8)."""
+    def most(self, weights: Floats, constant: Floats, multipliers: Floats, size: Floats | None = None) -> Floats:
+        """Upper bounds (K,) of weights (K, 5 n) . (x, y, C - 1, S, t) + constant, by multipliers (K, P, 8).
+
+        Weights that are sums are rounded: `size` (K, 5 n) is what their terms amount to.
+        """
         count = len(multipliers)
         flat = multipliers.reshape(count, -1)
-        body = self._bodies()
-        weights = weights + (body @ flat.T).T
-        size = np.abs(weights) + (abs(body) @ np.abs(flat).T).T
-        total, terms = constant.copy(), np.abs(constant)
-        for value, doubt in (self._turns(weights, size), self._joints(multipliers)):
-            total, terms = total + value, terms + doubt
-        return np.asarray(total + ROUNDING_MARGIN * terms)
+        size = np.abs(weights) if size is None else size
+        weights, size = weights + (self.loads @ flat.T).T, size + (abs(self.loads) @ np.abs(flat).T).T
+        of_bodies, of_joints = self.of_bodies(weights, size), self.of_joints(multipliers)
+        return np.asarray(constant + ROUNDING_MARGIN * np.abs(constant) + of_bodies.sum(1) + of_joints.sum(1))
 
-    def _bodies(self) -> sp.csr_matrix:
+    @cached_property
+    def loads(self) -> sp.csr_matrix:
         """Weights of bodies (5 n,) that multipliers (8 P,) give."""
+        import scipy.sparse as sp  # slow to import, and not always needed
+
         joints, at = self.joints, self.at
         arm = {0: joints.arm_a + at.middle, 1: joints.arm_b}
         one, none = np.ones(len(joints.a)), np.zeros(len(joints.a))
@@ -114,11 +121,13 @@ class LagrangianBound:
         rows, columns, values = (np.concatenate(v) for v in zip(*parts, strict=True))
         return sp.csr_matrix((values, (rows, columns)), shape=(5 * len(self.fixed), MULTIPLIERS * len(joints.a)))
 
-    def _turns(self, weights: Floats, size: Floats) -> tuple[Floats, Floats]:
-        """What bodies add at most, and the sum of absolute terms."""
+    def of_bodies(self, weights: Floats, size: Floats) -> Floats:
+        """What bodies add at most (K, n) by weights (K, 5 n) that are rounded sums of terms, `size` (K, 5 n) in all."""
+        found = np.zeros((len(weights), len(self.fixed)))
         moving = np.flatnonzero(~self.fixed & (size.reshape(len(size), -1, 5) != 0).any((0, 2)))
         if not np.isfinite(self.ranges.far[moving]).all():
-            return np.full(len(weights), np.inf), np.zeros(len(weights))
+            found[:, moving] = np.inf
+            return found
         low, high, far = (v[moving] for v in (self.ranges.low, self.ranges.high, self.ranges.far))
         middle, half = (low + high) / 2, (high - low) / 2 * (1 + 1e-15) + 1e-15
         w = weights.reshape(len(weights), -1, 5)[:, moving]
@@ -127,11 +136,12 @@ class LagrangianBound:
         top = support(alpha * c + beta * s, beta * c - alpha * s, gamma, half) + gamma * middle - alpha
         shift = (np.abs(w[..., X]) + np.abs(w[..., Y])) * far
         scale = np.column_stack([far, far, 2 + 0 * far, 1 + 0 * far, np.abs(middle) + half])
-        doubt = (size.reshape(len(size), -1, 5)[:, moving] * scale).sum((1, 2))
-        return (top + shift).sum(1), doubt
+        doubt = (size.reshape(len(size), -1, 5)[:, moving] * scale).sum(2)
+        found[:, moving] = top + shift + ROUNDING_MARGIN * doubt
+        return found
 
-    def _joints(self, multipliers: Floats) -> tuple[Floats, Floats]:
-        """What joints add at most, and the sum of absolute terms."""
+    def of_joints(self, multipliers: Floats) -> Floats:
+        """What joints add at most (K, P) by multipliers (K, P, 8)."""
         at, m = self.at, multipliers
         force = m[..., :2]
         size = np.hypot(force[..., 0], force[..., 1])
@@ -145,38 +155,39 @@ class LagrangianBound:
             + np.abs(m[..., SINE]) * at.sag
             + np.abs(m[..., COSINE]) * at.skew
             + m[..., CURVATURE] * (1 - np.cos(at.turn))
-        ).sum(1)
-        total[(coupled[:, ~at.coupled] != 0).any(1)] = np.inf
+        )
+        total[(coupled != 0) & ~at.coupled] = np.inf
         moment = m[..., MOMENT] - m[..., SINE] * at.chord
-        doubt = (np.abs(m[..., TURN_SLOPE] * at.turn) + np.abs(m[..., MEAN_SLOPE] * at.mean)).sum(1)
-        doubt += 2 * np.abs(m[..., CURVATURE]).sum(1)
+        doubt = np.abs(m[..., TURN_SLOPE] * at.turn) + np.abs(m[..., MEAN_SLOPE] * at.mean)
+        doubt += 2 * np.abs(m[..., CURVATURE])
         for p in np.flatnonzero((m != 0).any((0, 2))):
+            asked = np.flatnonzero((m[:, p] != 0).any(1))
             corner, margin = at.corner[p], at.cuts[p].margin
-            w, k, slope, curvature = local[:, p], moment[:, p], m[:, p, TURN_SLOPE], m[:, p, CURVATURE]
+            w, k, one = local[asked, p], moment[asked, p], m[asked, p]
+            slope, curvature, long = one[:, TURN_SLOPE], one[:, CURVATURE], size[asked, p]
             half = at.half_turn[p]
             plain = corner @ np.stack([w[:, 0], w[:, 1], k])
             # w . R(v) d = w . d + v (w . J d) and a remainder; far from the middle the plain blur is less
             bent = np.abs(corner[:, :2] @ np.stack([w[:, 1], -w[:, 0]]) - slope)
-            other = np.abs(np.outer(corner[:, 2], m[:, p, COSINE]) - m[:, p, MEAN_SLOPE])
+            other = np.abs(np.outer(corner[:, 2], one[:, COSINE]) - one[:, MEAN_SLOPE])
             side = at.half_mean[p] * other
             # 1 - cos v lies between v^2 / 2 and this share of it; the remainder takes away from it
             least = max(0.0, 1 - half * half / 12)
-            left = np.where(curvature >= 0, least, 1.0) * curvature - size[:, p] * at.reach[p] * (1 + half / 3)
+            left = np.where(curvature >= 0, least, 1.0) * curvature - long * at.reach[p] * (1 + half / 3)
             most = (plain + side + _highest(bent, left, half)).max(0)
-            flat = (plain + side).max(0) + size[:, p] * at.blur[p] + half * np.abs(slope)
+            flat = (plain + side).max(0) + long * at.blur[p] + half * np.abs(slope)
             flat += np.maximum(-curvature, 0.0) * min(half * half / 2, 2.0)
             spread = np.abs(corner).max(0)
-            terms = (
-                size[:, p] * (np.abs(at.middle[p]).sum() + spread[:2].sum() * (1 + half))
+            doubt[asked, p] += (
+                long * (np.abs(at.middle[p]).sum() + spread[:2].sum() * (1 + half))
                 + np.abs(k) * spread[2]
                 + np.abs(slope) * half
                 + np.abs(left) * half * half
-                + (np.abs(m[:, p, COSINE]) * spread[2] + np.abs(m[:, p, MEAN_SLOPE])) * at.half_mean[p]
+                + (np.abs(one[:, COSINE]) * spread[2] + np.abs(one[:, MEAN_SLOPE])) * at.half_mean[p]
             )
-            rounded = margin * 2 * size[:, p] * (1 + half) + at.cuts[p].angle_margin * np.abs(k)
-            total += np.minimum(most, flat) + rounded
-            doubt += terms
-        return total, doubt
+            angle = at.cuts[p].angle_margin * (np.abs(k) + at.half_mean[p] * np.abs(one[:, COSINE]))
+            total[asked, p] += np.minimum(most, flat) + margin * 2 * long * (1 + half) + angle
+        return np.asarray(total + ROUNDING_MARGIN * doubt)
 
 
 def _highest(slope: Floats, curvature: Floats, half: float) -> Floats:

@@ -5,7 +5,8 @@ Regions cut alike are cut once. For that the ends of intervals are moved outward
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,6 +130,14 @@ class JointRanges:
     coupled: NDArray[np.bool_]
     cuts: tuple[Facets, ...]
     corner: tuple[Floats, ...]
+
+    def some(self, which: Ints) -> JointRanges:
+        """Of some of the joints."""
+        every: dict[str, Any] = {f.name: getattr(self, f.name) for f in fields(self)}
+        arrays = {k: v[which] for k, v in every.items() if isinstance(v, np.ndarray)}
+        return JointRanges(
+            **arrays, cuts=tuple(self.cuts[p] for p in which), corner=tuple(self.corner[p] for p in which)
+        )
 
 
 def joint_ranges(

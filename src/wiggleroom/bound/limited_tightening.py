@@ -13,6 +13,8 @@ from wiggleroom.bound.branch_and_bound import MANY_BODIES
 from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges, turn_differences
 from wiggleroom.bound.joint_multipliers import goal_weights
 from wiggleroom.bound.joint_ranges import InfeasibleRanges, RegionCuts
+from wiggleroom.bound.local_windows import SPANS
+from wiggleroom.bound.neighbourhood_tightening import neighbourhood_cuts
 from wiggleroom.bound.turn_tightening import Cutoff, Linkage, RelaxationInRanges, after_cuts, dominating
 from wiggleroom.bound.window_bounds import bounded_windows
 from wiggleroom.freespace.outer.local_outer_region import LocalOuterRegion
@@ -24,6 +26,10 @@ NEAR = 0.03
 """A quick bound that lies no further above the motion found than this share is near enough."""
 MANY_NEAR = 0.1
 """The same where there are many bodies."""
+WORK_OF_MANY = 2500.0
+"""It may always cost so much where bodies are many: without programs their bound says too little."""
+MIN_PLACEMENTS = 4
+"""Where the work is not infinite only windows are looked at that stand so often."""
 HOPS = 2
 """Turns are tightened of bodies so many joints apart."""
 MIN_GAIN = 0.1
@@ -41,7 +47,7 @@ def tightened(
 ) -> float:
     """Value that no motion exceeds, near `found`, the value of a motion; infinite where the work does not allow a program at all.
 
-    Where the work is infinite and bodies are many, local windows come first.
+    Where bodies are many, local windows come first, and it may cost more: a few seconds.
     """
     held = them.fixed | np.isfinite(first_ranges(them.fixed, joints, regions).far)
     joints = joints.some(held[joints.a] & held[joints.b])
@@ -54,35 +60,45 @@ def tightened(
         min((region.material.clearance for region in regions), default=1.0),
     )
     cuts = RegionCuts([*regions])
-    many = np.isinf(work) and np.count_nonzero(held) > MANY_BODIES
+    many = int(np.count_nonzero(held)) > MANY_BODIES
     if many:
         cuts.unlike = COARSE_NORMALS
-        for known, _ in bounded_windows(them, linkage, cuts, over):
+        work = max(work, WORK_OF_MANY)
+        spans, least = (SPANS, 1) if np.isinf(work) else (SPANS[:2], MIN_PLACEMENTS)
+        for known, _ in bounded_windows(linkage, cuts, over, spans, least):
             linkage = known
     ranges = first_ranges(them.fixed, joints, regions, linkage.turns)
     weights = goal_weights(goal, len(held))
     cutoff = Cutoff(weights, (1 + NEAR / 2) * found)
     bodies = np.flatnonzero(held & ~them.fixed)
     asked, near = dominating(linkage, bodies, HOPS), MANY_NEAR if many else NEAR
-    first, again = _work_of_program(len(bodies), len(joints.a))
+    first, again = _work_of_program(len(bodies), len(joints.a), many)
     best = np.inf
     while work >= first and not over():
         try:
             program = RelaxationInRanges(linkage, cuts, ranges)
         except InfeasibleRanges:
             return cutoff.worth
-        most = max(program.largest(weights, over)[0], cutoff.worth if np.isfinite(best) else -np.inf)
+        value, multipliers, *_ = program.largest(weights, over, interior=many)
+        most = max(value, cutoff.worth if np.isfinite(best) else -np.inf)
         gain = (best - most) / (best - found) if np.isfinite(best) else 1.0
         best, work = min(best, most), work - first - 2 * len(asked) * again
         if best <= (1 + near) * found or gain < MIN_GAIN or work < first:
             break
-        ranges = after_cuts(ranges, program.turn_cuts(asked, cutoff, over), linkage.turns)
+        new = (
+            neighbourhood_cuts(program, multipliers, asked, cutoff, over)
+            if many
+            else program.turn_cuts(asked, cutoff, over)
+        )
+        ranges = after_cuts(ranges, new, linkage.turns)
         if np.any(ranges.low > ranges.high):
             return cutoff.worth
     return float(best)
 
 
-def _work_of_program(bodies: int, joints: int) -> tuple[float, float]:
+def _work_of_program(bodies: int, joints: int, many: bool) -> tuple[float, float]:
     """Rather more than a linear program takes when it is solved first, and when it is asked again with another cost."""
-    first = 80 * ((5 * bodies + 4 * joints) / 340) ** 2.1
-    return first, 0.3 * first
+    size = (5 * bodies + 4 * joints) / 340
+    if many:  # by an interior-point method, and again in neighbourhoods alone
+        return 35 * size**2, 120.0
+    return 80 * size**2.1, 24 * size**2.1

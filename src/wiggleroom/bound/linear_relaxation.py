@@ -17,9 +17,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.bound.joint_constraints import AngleRanges, JointConstraints
@@ -37,6 +37,9 @@ from wiggleroom.bound.joint_multipliers import (
 from wiggleroom.bound.joint_ranges import JointRanges
 from wiggleroom.bound.trigonometric_envelopes import envelope
 from wiggleroom.geometry.relative_pose import turn
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -161,6 +164,8 @@ class _RowBuilder:
         self.count += count
 
     def build(self) -> LinearRelaxation:
+        import scipy.sparse as sp  # slow to import, and not always needed
+
         least, most = self._boxes()
         self._envelopes()
         self._pivots()

@@ -1,6 +1,6 @@
 """Local windows: small sub-assemblies in which turns are bounded against one of their bodies, whatever the rest does.
 
-What joints of a few neighbours allow is less than what turns add up to along ways: rings of bodies have to close. So in every
+What joints of a few neighbours allow is less than what turns add up to along paths: rings of bodies have to close. So in every
 motion of the whole, one body of a window turns against another one within a range that a small program finds, in which that other
 one stands. Congruent windows share it, body by body: the range belongs to a pair of places in the window.
 """
@@ -8,7 +8,6 @@ one stands. Congruent windows share it, body by body: the range belongs to a pai
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,11 +20,13 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 SPANS = (2, 4, 6)
-"""Windows hold all shortest ways between two bodies so many joints apart."""
+"""Windows hold all shortest paths between two bodies so many joints apart."""
 MAX_BODIES = 16
 """Larger windows cost more than they tell."""
-CONGRUENCE_TOLERANCE = 1e-10
-"""Windows are congruent where their bodies agree to this share of their radius; what that leaves open is `deviation`."""
+CONGRUENCE_TOLERANCE = 1e-4
+"""Windows are congruent where pivots agree to this share of the clearance; what that leaves open is `deviation`."""
+ANGLE_TOLERANCE = 1e-6
+"""The same for the angles of joints [rad]."""
 ROUNDING_MARGIN = 1e-13
 """Lengths are worked out to this share."""
 
@@ -52,16 +53,13 @@ class Window:
     placed_joints: Ints
 
 
-def windows(shape: Ints, rest: Floats, radius: Floats, joints: JointConstraints, span: int) -> Iterator[Window]:
-    """Windows of a span whose joints form rings and that stand more than once, those that do so most often first.
-
-    Bodies have a `shape` (n,) each and rest at `rest` (n, 3) [mm, mm, rad].
-    """
-    n = len(rest)
+def windows(place: Floats, joints: JointConstraints, clearance: float, span: int) -> list[Window]:
+    """Windows of a span whose joints form rings, those that stand most often first; origins of bodies rest at `place` (n, 2) [mm]."""
+    n = len(place)
     near = _neighbours(n, joints)
     away = [_distances(near, k, span) for k in range(n)]
     number = {(int(a), int(b)): k for k, (a, b) in enumerate(zip(joints.a, joints.b, strict=True))}
-    places = _Places(shape, rest, radius)
+    places = _Places(place, joints, CONGRUENCE_TOLERANCE * clearance)
     done: set[tuple[int, ...]] = set()
     found: list[Window] = []
     for root in range(n):
@@ -76,12 +74,11 @@ def windows(shape: Ints, rest: Floats, radius: Floats, joints: JointConstraints,
             own = [number[p] for p in ((a, b) for a in inside for b in near[a] if b in inside) if p in number]
             if key in done or len(inside) > MAX_BODIES or len(own) < len(inside) or len(inside) == n:
                 continue
-            made = _placed(places, np.array(inside), np.array(sorted(own)), joints, number)
+            made = places.window(np.array(inside), np.array(sorted(own)))
             # what the last body turns against the first one the first one turns against the last one
             done |= {(int(row[k]), *sorted(row.tolist())) for row in made.placements for k in (0, -1)}
-            if len(made.placements) > 1:
-                found.append(made)
-    return iter(sorted(found, key=lambda w: -len(w.placements)))
+            found.append(made)
+    return sorted(found, key=lambda w: -len(w.placements))
 
 
 def _neighbours(n: int, joints: JointConstraints) -> list[list[int]]:
@@ -106,64 +103,95 @@ def _distances(near: list[list[int]], start: int, most: int) -> dict[int, int]:
 
 
 class _Places:
-    """Bodies by shape and place."""
+    """Joints by place: windows are congruent where their joints are, whatever the outlines of their bodies."""
 
-    def __init__(self, shape: Ints, rest: Floats, radius: Floats) -> None:
+    def __init__(self, place: Floats, joints: JointConstraints, tolerance: float) -> None:
         from scipy.spatial import KDTree  # slow to load
 
-        self.shape, self.rest = shape, rest
-        self.near = CONGRUENCE_TOLERANCE * radius
-        self.tree = KDTree(rest[:, :2])
+        self.joints, self.tolerance = joints, tolerance
+        self.pivot = place[joints.a] + joints.arm_a
+        self.tree = KDTree(self.pivot)
 
-    def moved(self, bodies: Ints, to: int) -> Ints | None:
-        """The bodies that lie where some would lie if the first of them were moved onto another one; None where one is missing."""
-        angle = float(self.rest[to, 2] - self.rest[bodies[0], 2])
-        at = turn(self.rest[bodies, :2] - self.rest[bodies[0], :2], angle) + self.rest[to, :2]
+    def window(self, bodies: Ints, own: Ints) -> Window:
+        """A window of some bodies and their joints, with all its placements."""
+        rows, mine = [bodies], [own]
+        for other in np.flatnonzero(self.joints.kind == self.joints.kind[own[0]]).tolist():
+            found = None if other == own[0] else self._joints_at(own, other)
+            at = None if found is None else self._bodies_of(bodies, own, found)
+            if found is not None and at is not None:
+                rows.append(at)
+                mine.append(found)
+        return Window(bodies, own, np.array(rows), np.array(mine))
+
+    def _joints_at(self, own: Ints, first: int) -> Ints | None:
+        """The joints that lie where some would lie if the first of them were moved onto another one; None where one is missing."""
+        axes, kind = self.joints.axes, self.joints.kind
+        angle = float(axes[first] - axes[own[0]])
+        at = turn(self.pivot[own] - self.pivot[own[0]], angle) + self.pivot[first]
         away, which = self.tree.query(at)
-        same = (away <= self.near[bodies]) & (self.shape[which] == self.shape[bodies])
-        turned = self.rest[which, 2] - self.rest[bodies, 2] - angle
-        same &= np.abs(np.remainder(turned + np.pi, 2 * np.pi) - np.pi) <= CONGRUENCE_TOLERANCE
-        return which.astype(np.int64) if same.all() else None
+        turned = np.remainder(axes[which] - axes[own] - angle + np.pi, 2 * np.pi) - np.pi
+        same = (away <= self.tolerance) & (kind[which] == kind[own]) & (np.abs(turned) <= ANGLE_TOLERANCE)
+        return np.asarray(which, dtype=np.int64) if same.all() else None
+
+    def _bodies_of(self, bodies: Ints, own: Ints, found: Ints) -> Ints | None:
+        """The bodies (w,) that joints `found` join as the joints `own` do `bodies`; None where they join others."""
+        other: dict[int, int] = {}
+        for end in (self.joints.a, self.joints.b):
+            for one, two in zip(end[own].tolist(), end[found].tolist(), strict=True):
+                if other.setdefault(one, two) != two:
+                    return None
+        return np.array([other[k] for k in bodies.tolist()]) if len(set(other.values())) == len(bodies) else None
 
 
-def _placed(
-    places: _Places, bodies: Ints, own: Ints, joints: JointConstraints, number: dict[tuple[int, int], int]
-) -> Window:
-    """A window with all its placements."""
-    rows, mine = [bodies], [own]
-    place = {int(b): k for k, b in enumerate(bodies)}
-    for other in np.flatnonzero(places.shape == places.shape[bodies[0]]):
-        at = None if other == bodies[0] else places.moved(bodies, int(other))
-        if at is None:
-            continue
-        found = [
-            number.get((int(at[place[int(joints.a[p])]]), int(at[place[int(joints.b[p])]])), -1) for p in own.tolist()
-        ]
-        if min(found) >= 0 and (joints.kind[found] == joints.kind[own]).all():
-            rows.append(at)
-            mine.append(np.array(found))
-    return Window(bodies, own, np.array(rows), np.array(mine))
+def _arms(window: Window, joints: JointConstraints, which: Ints) -> tuple[Floats, Floats]:
+    """Arms (k, 2) of the window's joints, or of those `which` (k,) that stand for them, from the first pivot of each body in the window.
+
+    So it does not matter where bodies have their origin, which their outlines decide.
+    """
+    own, arms = window.joints, []
+    first: dict[int, Floats] = {}
+    for p, q in zip(own.tolist(), which.tolist(), strict=True):
+        first.setdefault(int(joints.a[p]), joints.arm_a[q])
+        first.setdefault(int(joints.b[p]), joints.arm_b[q])
+    for end, arm in ((joints.a, joints.arm_a), (joints.b, joints.arm_b)):
+        arms.append(arm[which] - np.array([first[int(k)] for k in end[own]]))
+    return arms[0], arms[1]
 
 
 def window_joints(window: Window, joints: JointConstraints) -> JointConstraints:
-    """Joints of a window, its bodies numbered by their place in it."""
+    """Joints of a window, its bodies numbered by their place in it, their origins where their first pivots are."""
     place = {int(b): k for k, b in enumerate(window.bodies)}
     some = joints.some(window.joints)
     renamed = [np.array([place[int(k)] for k in v], dtype=np.int64) for v in (some.a, some.b)]
-    return JointConstraints(renamed[0], renamed[1], some.kind, some.arm_a, some.arm_b, some.axes)
+    return JointConstraints(renamed[0], renamed[1], some.kind, *_arms(window, joints, window.joints), some.axes)
 
 
 def window_turns(window: Window, turns: TurnDifferences) -> TurnDifferences:
-    """What is known of turns between the bodies of a window: of its joints first."""
-    place = {int(b): k for k, b in enumerate(window.bodies)}
-    more = [
-        k
-        for k, (a, b) in enumerate(zip(turns.a.tolist(), turns.b.tolist(), strict=True))
-        if a in place and b in place and k not in set(window.joints.tolist())
-    ]
-    which = np.concatenate([window.joints, np.array(more, dtype=np.int64)])
-    a, b = (np.array([place[int(k)] for k in v[which]], dtype=np.int64) for v in (turns.a, turns.b))
-    return TurnDifferences(a, b, turns.low[which], turns.high[which])
+    """What is known of turns between bodies of a window in all its placements: of its joints first.
+
+    What only some placements know, from neighbours that others lack, does not count: the window's ranges hold in all of them.
+    """
+    mine = window.placed_joints
+    n = int(max(turns.a.max(), turns.b.max(), window.placements.max())) + 1
+    swap = turns.a > turns.b
+    key = np.where(swap, turns.b * n + turns.a, turns.a * n + turns.b)
+    order = np.argsort(key)
+    one, two = np.triu_indices(len(window.bodies), 1)
+    a, b = window.placements[:, one], window.placements[:, two]
+    wanted = np.minimum(a, b) * n + np.maximum(a, b)
+    found = order[np.minimum(np.searchsorted(key[order], wanted), len(key) - 1)]
+    more = (key[found] == wanted).all(0) & ~np.isin(found[0], mine[0])
+    found, other = found[:, more], swap[found[:, more]] != (a > b)[:, more]
+    low = np.where(other, -turns.high[found], turns.low[found]).min(0)
+    high = np.where(other, -turns.low[found], turns.high[found]).max(0)
+    place = {int(k): i for i, k in enumerate(window.bodies)}
+    ends = [np.array([place[int(k)] for k in v[mine[0]]], dtype=np.int64) for v in (turns.a, turns.b)]
+    return TurnDifferences(
+        np.concatenate([ends[0], one[more]]),
+        np.concatenate([ends[1], two[more]]),
+        np.concatenate([turns.low[mine].min(0), low]),
+        np.concatenate([turns.high[mine].max(0), high]),
+    )
 
 
 def deviation(window: Window, joints: JointConstraints, far: Floats) -> float:
@@ -172,14 +200,18 @@ def deviation(window: Window, joints: JointConstraints, far: Floats) -> float:
     `far` (P,) is the largest motion of each joint's pivot [mm]. Congruent windows agree up to a tolerance only. A pivot at p from
     an origin moves by (R - 1) p: an arm that differs by d changes that by at most 2 d.
     """
-    own, placed = window.joints, window.placed_joints
-    angle = (joints.axes[placed[:, 0]] - joints.axes[own[0]])[:, None]
-    away = np.abs(2 * np.sin((joints.axes[placed] - joints.axes[own] - angle) / 2)) * far[own]
-    size = np.zeros(placed.shape)
-    for arm in (joints.arm_a, joints.arm_b):
-        away += 2 * np.hypot(*np.moveaxis(turn(arm[own], angle) - arm[placed], -1, 0))
-        size += np.hypot(*arm[placed].T).T
-    return float((away + ROUNDING_MARGIN * (size + far[own])).max())
+    own, most = window.joints, 0.0
+    size = np.hypot(*joints.arm_a.T) + np.hypot(*joints.arm_b.T)
+    arms = _arms(window, joints, own)
+    for placed in window.placed_joints:
+        angle = float(joints.axes[placed[0]] - joints.axes[own[0]])
+        away = np.abs(2 * np.sin((joints.axes[placed] - joints.axes[own] - angle) / 2)) * far[own]
+        for arm, other in zip(arms, _arms(window, joints, placed), strict=True):
+            away += 2 * np.hypot(*(turn(arm, angle) - other).T)
+        # of an arm, and of the one to the first pivot that is taken from it
+        rounded = 2 * (size[own].max() + size[placed].max()) + far[own]
+        most = max(most, float((away + ROUNDING_MARGIN * rounded).max()))
+    return most
 
 
 def with_window(

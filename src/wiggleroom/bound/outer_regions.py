@@ -10,7 +10,13 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.bound.congruent_joints import Congruence, congruent_joints
+from wiggleroom.bound.congruent_joints import (
+    CONGRUENCE_TOLERANCE,
+    STRIP_WIDTHS,
+    Congruence,
+    CongruentJoint,
+    congruent_joints,
+)
 from wiggleroom.bound.joint_constraints import JointConstraints
 from wiggleroom.freespace.outer.caging_surface import CagingSurface, caging_surface
 from wiggleroom.freespace.outer.outer_region import OuterRegion, outer_region, pivot_of, reached_slices
@@ -37,7 +43,7 @@ def outer_regions(
     With `certify` they are caging surfaces, which a certificate can show.
     """
     them, a, b = ground.bodies, ground.near.a, ground.near.b
-    first, label = classes(them, a, b, relative_pose(them, a, b))
+    first, label = classes(them, a, b, relative_pose(them, a, b), CONGRUENCE_TOLERANCE)
     made = [
         material_of(them, ground.geometry, int(a[k]), int(b[k]), float(ground.near.clearance[k]))
         for k in first.tolist()
@@ -45,29 +51,29 @@ def outer_regions(
     ]
     if len(made) < len(first):
         return links_about(them, a[:0], b[:0], np.zeros(0, dtype=np.int64), []), []
-    joints, held = congruent_joints([m for m, *_ in made])
     limit = them.radius[a[first]] + them.radius[b[first]]
-    leader = [next(c for c, one in enumerate(held) if one.joint == k) for k in range(len(joints))]
+    held: list[Congruence] = [Congruence(0, False, 0.0, np.zeros(2))] * len(first)
+    regions: list[OuterRegion | CagingSurface] = []
+    kind = np.full(len(first), -1, dtype=np.int64)
 
-    def region(material: PairMaterial, c: int) -> OuterRegion | CagingSurface | None:
-        return None if over() else _region(material, made[c][2], float(limit[c]), over, certify)
+    def region(one: CongruentJoint, c: int) -> OuterRegion | CagingSurface | None:
+        if over() or (one.strips is one.material and np.isfinite(one.width)):
+            return None
+        most = min(one.width * one.material.clearance, float(limit[c]))
+        return _region(one.strips, made[c][2], most, over, certify)
 
     with ThreadPoolExecutor(WORKERS) as pool:
-        found = list(pool.map(lambda k: region(joints[k].strips, leader[k]), range(len(joints))))
-        # what strips alone leave open, whole bodies may close
-        open_ = [c for c, one in enumerate(held) if found[one.joint] is None]
-        alone = dict(zip(open_, pool.map(lambda c: region(made[c][0], c), open_), strict=True))
-    regions: list[OuterRegion | CagingSurface] = [r for r in found if r is not None]
-    number = np.cumsum([r is not None for r in found]) - 1
-    kind = np.full(len(first), -1, dtype=np.int64)
-    for c, one in enumerate(held):
-        own = alone.get(c)
-        if own is not None:
-            kind[c] = len(regions)
-            regions.append(own)
-            held[c] = Congruence(one.joint, False, 0.0, np.zeros(2))
-        elif found[one.joint] is not None:
-            kind[c] = number[one.joint]
+        for width in (*STRIP_WIDTHS, np.inf):
+            # what strips alone leave open, wider ones may close, or whole bodies
+            open_ = np.flatnonzero(kind < 0).tolist()
+            joints, found = congruent_joints([made[c][0] for c in open_], width)
+            leader = [open_[next(i for i, one in enumerate(found) if one.joint == k)] for k in range(len(joints))]
+            closed = list(pool.map(region, joints, leader))
+            number = len(regions) - 1 + np.cumsum([r is not None for r in closed])
+            regions += [r for r in closed if r is not None]
+            for c, one in zip(open_, found, strict=True):
+                if closed[one.joint] is not None:
+                    kind[c], held[c] = number[one.joint], one
     known = np.flatnonzero(kind[label] >= 0)
     placements = [placement(them, int(a[k]), int(b[k]), made[c][1], held[c]) for c, k in enumerate(first.tolist())]
     label = label[known]
@@ -131,5 +137,7 @@ def _region(
     """Region of one pair, None where the joint is open or it was `over` first."""
     if not certify:
         return outer_region(material, lever, limit, over)
-    slices = reached_slices(material, lever, limit, over)
-    return None if slices is None else caging_surface(material, slices, over)
+    # chords are checked in every pair by themselves: of strips only their own size matters
+    own = PairMaterial(material.a, material.b, material.clearance)
+    slices = reached_slices(own, lever, limit, over)
+    return None if slices is None else caging_surface(own, slices, over)

@@ -40,21 +40,24 @@ class TurnCuts:
     end : (K,) float64 [rad]
     goal : (K,) float64
         Weight of "worth at least the cutoff".
-    multipliers : (K, P, 8) float64
+    joints : tuple of K arrays (k,) int64
+    multipliers : tuple of K arrays (k, 8) float64
+        Of these joints. All others have none, or `goal` times those of `base`.
+    base : (P, 8) float64, optional
     """
 
     body: Ints
     sign: Ints
     end: Floats
     goal: Floats
-    multipliers: Floats
+    joints: tuple[Ints, ...]
+    multipliers: tuple[Floats, ...]
+    base: Floats | None = None
 
     def record(self) -> list[list[Any]]:
         """The same for a file."""
-        return [
-            [int(b), int(s), float(e), _multipliers(float(g), m)]
-            for b, s, e, g, m in zip(self.body, self.sign, self.end, self.goal, self.multipliers, strict=True)
-        ]
+        every = zip(self.body, self.sign, self.end, self.goal, self.joints, self.multipliers, strict=True)
+        return [[int(b), int(s), float(e), _multipliers(float(g), p, m)] for b, s, e, g, p, m in every]
 
 
 @dataclass(eq=False)
@@ -98,7 +101,9 @@ class ProofNode:
             return out | {"empty": self.empty}
         out["turns"] = [] if self.turns is None else self.turns.tolist()
         if not self.nothing_left and self.bound() == self.value and self.best is not None:
-            return out | {"best": _multipliers(0.0, self.best)}
+            return out | {"best": _multipliers(0.0, *_some(self.best))}
+        if self.cuts is not None and self.cuts.base is not None:
+            out["base"] = _multipliers(0.0, *_some(self.cuts.base))
         out["cuts"] = [] if self.cuts is None else self.cuts.record()
         if not self.nothing_left:
             out["then"] = [step.record() for step in self.then]
@@ -111,9 +116,14 @@ def _numbers(values: Floats | None) -> list[float | None]:
     return [] if values is None else [v if np.isfinite(v) else None for v in values.tolist()]
 
 
-def _multipliers(goal: float, multipliers: Floats) -> list[Any]:
+def _some(multipliers: Floats) -> tuple[Ints, Floats]:
+    """The joints that have multipliers (P, 8), and these."""
+    used = np.flatnonzero(multipliers.any(1))
+    return used, multipliers[used]
+
+
+def _multipliers(goal: float, joints: Ints, multipliers: Floats) -> list[Any]:
     """[unit, weight of the goal, [[joint, eight whole numbers], ..]]."""
     unit = float(multiplier_units(multipliers[None])[0])
     whole = np.round(multipliers / unit).astype(np.int64)
-    used = np.flatnonzero(whole.any(1))
-    return [unit, goal, [[int(p), *whole[p].tolist()] for p in used]]
+    return [unit, goal, np.column_stack([joints, whole]).tolist()]

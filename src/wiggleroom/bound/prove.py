@@ -10,14 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.bound.branch_and_bound import BranchAndBound
+from wiggleroom.bound.branch_and_bound import MANY_BODIES, BranchAndBound
 from wiggleroom.bound.certificate import certificate
-from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges
+from wiggleroom.bound.confined_pairs import confined_pairs
+from wiggleroom.bound.joint_constraints import JointConstraints, first_ranges, narrowed
 from wiggleroom.bound.outer_regions import outer_regions
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.deadline import Deadline
 from wiggleroom.errors import InputError, Stop, WiggleroomError
 from wiggleroom.freespace.outer.caging_surface import CagingSurface
+from wiggleroom.freespace.outer.outer_region import OuterRegion
 from wiggleroom.program.objectives import PointMotion, objective
 from wiggleroom.search.answer import Answer, Bound, with_bound
 from wiggleroom.search.loop import Progress
@@ -27,6 +29,8 @@ Ints = NDArray[np.int64]
 
 CUTOFF_SHARE = 0.6
 """Motions worth more than the witness by this share of what is asked for are looked for."""
+LOOSE_SHARE = 1.0
+"""Where the first linear program allows this share more than the witness, pairs whose joints are open are looked at too."""
 
 
 def prove(
@@ -106,10 +110,18 @@ def prove(
             answer, clock, _why_open(answer.assembly, ground, joints, asked[~held[asked]], clock, certify)
         )
     proof = ProofNode() if certify else None
-    bounding = BranchAndBound(
-        ground, joints, regions, goal, witness + CUTOFF_SHARE * aim, clock, lambda most, doing: tell(doing, most), proof
-    )
-    ranges = bounding.first()
+    cut = witness + CUTOFF_SHARE * aim
+    bounding = BranchAndBound(ground, joints, regions, goal, cut, clock, lambda most, doing: tell(doing, most), proof)
+    outer = [region for region in regions if isinstance(region, OuterRegion)]
+    few = not certify and held.sum() <= MANY_BODIES
+    if few and bounding.relaxed(ranges) > witness + LOOSE_SHARE * abs(witness):
+        tell("pairs that others keep together", math.nan)
+        some = Deadline(clock.left / 2, clock) if clock.left > 0 else clock
+        joints, outer, ranges = confined_pairs(ground, joints, outer, ranges, some.is_set)
+        bounding = BranchAndBound(
+            ground, joints, [*outer], goal, cut, clock, lambda most, doing: tell(doing, most), proof
+        )
+    ranges = narrowed(bounding.first(), ranges.low, ranges.high)
     most = bounding.run(ranges, witness + aim)
     if not math.isfinite(most):
         return _not_proven(answer, clock, "no bound was found in the time given")

@@ -19,7 +19,7 @@ from wiggleroom.bound.joint_constraints import (
     narrowed,
     propagated,
 )
-from wiggleroom.bound.joint_multipliers import MULTIPLIERS, TURN, LagrangianBound
+from wiggleroom.bound.joint_multipliers import TURN, LagrangianBound
 from wiggleroom.bound.joint_ranges import JointRanges, RegionCuts, joint_ranges
 from wiggleroom.bound.linear_relaxation import LinearRelaxation, relaxation
 from wiggleroom.bound.proof_steps import TurnCuts, rounded
@@ -88,11 +88,16 @@ class RelaxationInRanges:
         )
         self.lagrangian = LagrangianBound(linkage.fixed, linkage.joints, self.at, ranges, linkage.deviation)
 
-    def largest(self, weights: Floats, over: Callable[[], bool]) -> tuple[float, Floats, Floats, Floats]:
-        """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 8) that prove it, those of rows, and where it is taken."""
+    def largest(
+        self, weights: Floats, over: Callable[[], bool], *, interior: bool = False
+    ) -> tuple[float, Floats, Floats, Floats]:
+        """Bound of weights (5 n,) . (x, y, C - 1, S, t), multipliers (P, 8) that prove it, those of rows, and where it is taken.
+
+        By an `interior`-point method large programs are quicker, and `turn_cuts` with a cutoff has nothing to begin from.
+        """
         linear = self.linear
         self.program = program = self._program(over)
-        y = program.ask(linear.cost(weights))
+        y = program.ask(linear.cost(weights), interior=interior)
         multipliers = rounded(linear.multipliers(y[None]))
         most = self.lagrangian.most(weights[None], np.zeros(1), multipliers)
         return float(most[0]), multipliers[0], y, program.x * linear.unit
@@ -145,8 +150,7 @@ class RelaxationInRanges:
         body, sign = np.array(asked, dtype=np.int64).reshape(-1, 2).T
         count = len(body)
         if not count:
-            none = np.zeros(0)
-            return TurnCuts(body, sign, none, none, np.zeros((0, len(self.linkage.joints.a), MULTIPLIERS)))
+            return TurnCuts(body, sign, np.zeros(0), np.zeros(0), (), ())
         weights, constant, goal = np.zeros((count, 5 * len(self.linkage.fixed))), np.zeros(count), np.zeros(count)
         weights[np.arange(count), 5 * body + TURN] = sign
         if cutoff is not None:
@@ -154,10 +158,21 @@ class RelaxationInRanges:
             weights, constant, y = weights + goal[:, None] * cutoff.weights, -goal * cutoff.worth, y[:, :-1]
         multipliers = rounded(self.linear.multipliers(y))
         most = self.lagrangian.most(weights, constant, multipliers)
-        width = self.ranges.high[body] - self.ranges.low[body]
-        end = sign * (most + 1e-12 + RANGE_MARGIN * width)
-        news = np.where(sign > 0, end < self.ranges.high[body], end > self.ranges.low[body])
-        return TurnCuts(body[news], sign[news], end[news], goal[news], multipliers[news])
+        joints = [np.flatnonzero(m.any(1)) for m in multipliers]
+        made = TurnCuts(
+            body, sign, most, goal, tuple(joints), tuple(m[p] for m, p in zip(multipliers, joints, strict=True))
+        )
+        return news(made, self.ranges)
+
+
+def news(found: TurnCuts, ranges: AngleRanges) -> TurnCuts:
+    """Of largest values of sign times turn those that cut a range, with the ends that they cut."""
+    body, sign = found.body, found.sign
+    width = ranges.high[body] - ranges.low[body]
+    end = sign * (found.end + 1e-12 + RANGE_MARGIN * width)
+    some = np.flatnonzero(np.where(sign > 0, end < ranges.high[body], end > ranges.low[body]))
+    joints, multipliers = tuple(found.joints[k] for k in some), tuple(found.multipliers[k] for k in some)
+    return TurnCuts(body[some], sign[some], end[some], found.goal[some], joints, multipliers, found.base)
 
 
 def after_cuts(ranges: AngleRanges, cuts: TurnCuts, turns: TurnDifferences) -> AngleRanges:
@@ -169,16 +184,22 @@ def after_cuts(ranges: AngleRanges, cuts: TurnCuts, turns: TurnDifferences) -> A
     return propagated(narrowed(ranges, low, high), turns)
 
 
-def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
-    """Bodies such that every one lies no more than so many joints from one of them, neighbours one after the other."""
+def joined_bodies(joints: JointConstraints, bodies: Ints) -> dict[int, list[int]]:
+    """For each of some bodies those others of them that it is joined to."""
     near: dict[int, list[int]] = {int(b): [] for b in bodies}
-    for a, b in zip(linkage.joints.a.tolist(), linkage.joints.b.tolist(), strict=True):
+    for a, b in zip(joints.a.tolist(), joints.b.tolist(), strict=True):
         if a in near and b in near:
             near[a].append(b)
             near[b].append(a)
+    return near
+
+
+def dominating(linkage: Linkage, bodies: Ints, hops: int) -> Ints:
+    """Bodies such that every one lies no more than so many joints from one of them, neighbours one after the other."""
+    near = joined_bodies(linkage.joints, bodies)
     chosen: list[int] = []
     left = set(near)
-    # from the outside inwards: ends of ways matter most
+    # from the outside inwards: ends of paths matter most
     far = np.hypot(*(linkage.place[bodies] - linkage.place[linkage.fixed].mean(0)).T)
     for b in bodies[np.argsort(-far, kind="stable")].tolist():
         if b not in left:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,7 +15,6 @@ from wiggleroom.bound.joint_ranges import RegionCuts
 from wiggleroom.bound.local_windows import SPANS, Window, deviation, window_joints, window_turns, windows, with_window
 from wiggleroom.bound.proof_steps import ProofNode
 from wiggleroom.bound.turn_tightening import Linkage, RelaxationInRanges, after_cuts
-from wiggleroom.geometry.bodies import Bodies
 
 Floats = NDArray[np.float64]
 
@@ -44,11 +43,12 @@ class WindowProof:
 
 
 def bounded_windows(
-    bodies: Bodies, linkage: Linkage, regions: RegionCuts, over: Callable[[], bool]
+    linkage: Linkage, regions: RegionCuts, over: Callable[[], bool], spans: Sequence[int] = SPANS, least: int = 1
 ) -> Iterator[tuple[Linkage, WindowProof]]:
-    """The linkage with what one window after the other says of turns, and why that is so."""
-    for span in SPANS:
-        found = windows(bodies.shape, bodies.rest, bodies.radius, linkage.joints, span)
+    """The linkage with what one window after the other says of turns, and why that is so; of windows that stand `least` times or more."""
+    for span in spans:
+        every = windows(linkage.place, linkage.joints, linkage.unit, span)
+        found = [one for one in every if len(one.placements) >= least]
         # those of one span know of shorter spans only, so that several are worked on at once
         known = linkage
         with ThreadPoolExecutor(WORKERS) as pool:
@@ -77,7 +77,7 @@ def _bounded(window: Window, linkage: Linkage, regions: RegionCuts, over: Callab
         linkage.unit,
         deviation(window, linkage.joints, np.array([regions.regions[k].far for k in linkage.joints.kind])),
     )
-    first = ranges = first_ranges(fixed, small.joints, regions.regions, small.turns)
+    first = ranges = first_ranges(fixed, small.joints, regions.regions, small.turns, small.deviation)
     steps = []
     for _ in range(SWEEPS):
         program = RelaxationInRanges(small, regions, ranges)

@@ -92,7 +92,7 @@ def read_in_space(
         Where it is not sure how the panels of a sheet go together.
     """
     from wiggleroom.assembly.statements import unknown
-    from wiggleroom.cli.asking import group_findings, names
+    from wiggleroom.cli.asking import group_findings, joint_gaps, names
     from wiggleroom.cli.say import note
     from wiggleroom.cli.watch import at_once
     from wiggleroom.errors import InputError
@@ -101,7 +101,7 @@ def read_in_space(
     if asked.gap is not None and not (math.isfinite(asked.gap) and asked.gap >= 0):
         wrong.append(f"--gap {asked.gap:g}: it must be 0 or more")
     drawn = sheet is not None and sheet.given
-    for option in ("unit", "flatten", "objective", "only", "skip", "join", "solid", "gap_of"):
+    for option in ("unit", "flatten", "objective", "only", "skip", "join", "solid"):
         if getattr(asked, option) not in (None, ()) and not (drawn and option in _OF_DRAWINGS):
             wrong.append(
                 f"--{option.replace('_', '-')} is for parts in the plane; {file} is asked in space: leave it out"
@@ -125,13 +125,17 @@ def read_in_space(
     members = {p.name: None for p in drawing.parts}
     fixed = names(asked.fix, set(members))
     glued, ignored = ([tuple(names([text], set(members))) for text in texts] for texts in (asked.glue, asked.ignore))
-    for option, groups in (("glue", glued), ("ignore", ignored)):
+    gaps, odd = joint_gaps(asked.gap_of, set(members), str)
+    wrong += odd
+    for option, groups in (("glue", glued), ("ignore", ignored), ("gap-of", [joint.parts for joint in gaps])):
         wrong += [f"--{option}: {unknown(name, members)}" for group in groups for name in group if name not in members]
     wrong += group_findings(asked.glue, glued, asked.ignore, ignored)
     if wrong:
         raise InputError(wrong)
     pairs = tuple((one, other) for one, other in ignored)
-    drawing = replace(drawing, glue=(*drawing.glue, *glued), ignore=(*drawing.ignore, *pairs))
+    asked_pairs = {frozenset(joint.parts) for joint in gaps}
+    own = (*(joint for joint in drawing.gaps if frozenset(joint.parts) not in asked_pairs), *gaps)
+    drawing = replace(drawing, glue=(*drawing.glue, *glued), ignore=(*drawing.ignore, *pairs), gaps=own)
     return assemble_spatial(drawing, gap=asked.gap, fix=fixed, goals=goals)
 
 

@@ -9,7 +9,6 @@ from wiggleroom.cli.outputs import PictureOutputs, command_line
 from wiggleroom.report.file_endings import PAGE, ending
 
 if TYPE_CHECKING:
-    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.compare.monte_carlo import SampledAccuracy
     from wiggleroom.freespace.free_space import FreeSpace
 
@@ -65,13 +64,11 @@ def space(
         from wiggleroom.report.space_report import space_table
 
         show(space_table(found, judged))
-    _write(found, assembly, judged, outputs, command_line())
+    _write(found, judged, outputs, command_line())
     return 0
 
 
-def _write(
-    found: FreeSpace, assembly: Assembly, judged: SampledAccuracy | None, outputs: PictureOutputs, command: str
-) -> None:
+def _write(found: FreeSpace, judged: SampledAccuracy | None, outputs: PictureOutputs, command: str) -> None:
     """JSON and picture, where they are asked for."""
     from wiggleroom.cli.outputs import write_picture, write_result
     from wiggleroom.report.space_report import space_result
@@ -83,4 +80,4 @@ def _write(
             from wiggleroom.report.pages import page_of_space as show
         else:
             from wiggleroom.report.space_report import space_picture as show
-        write_picture(show(found, assembly, judged, command=command), outputs.picture)
+        write_picture(show(found, judged, command=command), outputs.picture)

@@ -19,8 +19,8 @@ from wiggleroom.program.objectives import Objective
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.search.loop import ESCAPE_DISTANCE, FINE_TOLERANCE, MIN_GAIN, TOLERANCE_PER_BODY, Progress, nudged
 from wiggleroom.search.multistart import pulls
-from wiggleroom.solve.interior_point import Solution
 from wiggleroom.solve.kkt_conditions import conditions
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]
@@ -47,7 +47,7 @@ def flex_hull(
     best: End | None = None
     while True:
         program, solution = run.round(faces, begin)
-        points = [program.motion(u) for u in (*solution.way, solution.u)]
+        points = [program.motion(u) for u in (*solution.path, solution.u)]
         value = objective.value(points[-1])
         least = MIN_GAIN * len(begin) * max(abs(value), ready.clearance)
         gained = best is None or value > best.value + least

@@ -21,11 +21,11 @@ from wiggleroom.disassembly.escape import BOXES_FOR_ONE_BODY, EscapeEffort
 from wiggleroom.disassembly.escape_search import MAX_QUESTIONS
 from wiggleroom.disassembly.passages_by_gap import PassagesByGap
 from wiggleroom.disassembly.remaining import only
+from wiggleroom.displayable import Displayable, Drawable
 from wiggleroom.drawing.model import Turn
 from wiggleroom.errors import InputError, Stop, TouchingError, WiggleroomError
 from wiggleroom.form_closure.mobility import tight_verdict
 from wiggleroom.maximise import witness
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.simplified_outlines import prepare_outlines
 from wiggleroom.verdict import Certainty, Separability, Tightness
@@ -37,13 +37,13 @@ Ints = NDArray[np.int64]
 TRIAL_GAP = 1e-4
 """Gap, as a share of the drawing's size, with which parts that touch at rest are looked at."""
 MIN_BOUND_SECONDS = 1.0
-"""A distance that no part exceeds may take as long as the verdict, and at least so many seconds."""
+"""The bound on displacements may take as long as the verdict did, and at least this long [s]."""
 MIN_REFINED_SECONDS = 0.1
-"""The same where a distance is known already and a nearer one is looked for."""
+"""The same for a tighter bound, where one is known already."""
 
 
 @dataclass(frozen=True, eq=False)
-class Escape:
+class Escape(Displayable):
     """Parts that leave together.
 
     Parameters

@@ -12,6 +12,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.escape import EscapeEffort
 from wiggleroom.disassembly.interlock import Interlock, interlock
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.flatten import finer_below
 from wiggleroom.errors import InputError, Stop, StoppedError, TouchingError, go_on
 from wiggleroom.search.loop import Progress, silent
@@ -30,7 +31,7 @@ NOT_HELD = {"comes apart", "gone"}
 
 
 @dataclass(frozen=True, eq=False)
-class LargestGap:
+class LargestGap(Drawable):
     """Where interlock is lost.
 
     Parameters
@@ -38,7 +39,7 @@ class LargestGap:
     holds : float or None [mm]
         Largest gap that was seen to interlock; None where no gap does.
     parts_at : float or None [mm]
-        Smallest gap at which a way apart was found; None where the parts fall to pieces before they come apart.
+        Smallest gap at which a path apart was found; None where the parts fall to pieces before they come apart.
     interlocked, apart : Interlock, SpatialDisassembly or None
         The verified states on both sides.
     """
@@ -58,7 +59,7 @@ def largest_gap(
 ) -> LargestGap:
     """The gap of the whole assembly at which it comes apart, to 0.1 %.
 
-    Parts only get smaller as the gap grows, so a way apart stays a way apart, and bisection finds the border. Gaps of single joints and
+    Parts only get smaller as the gap grows, so a path apart stays a path apart, and bisection finds the border. Gaps of single joints and
     offsets of parts stay as they are. Where some gaps cannot be decided, both sides stay further apart.
 
     Parameters

@@ -20,6 +20,7 @@ from scipy import sparse
 from scipy.sparse import csgraph
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Displayable
 from wiggleroom.form_closure.point_contacts import ANGLE_TOLERANCE, PointContacts, point_contacts
 from wiggleroom.geometry.blocking import unblocked
 
@@ -31,7 +32,7 @@ Move = tuple[tuple[str, ...], tuple[float, float]]
 
 
 @dataclass(frozen=True, eq=False)
-class Blocking:
+class Blocking(Displayable):
     """What directional blocking graphs say about parts drawn tight.
 
     Parameters

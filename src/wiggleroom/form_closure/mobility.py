@@ -21,6 +21,7 @@ from scipy.sparse import csgraph
 from scipy.sparse.linalg import eigsh, splu
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Displayable
 from wiggleroom.form_closure.point_contacts import PointContacts, point_contacts
 from wiggleroom.form_closure.self_stress import SelfStress, holds
 from wiggleroom.verdict import Tightness
@@ -37,7 +38,7 @@ MAX_DENSE_UNKNOWNS = 300
 
 
 @dataclass(frozen=True, eq=False)
-class TightVerdict:
+class TightVerdict(Displayable):
     """Whether parts drawn tight are locked.
 
     Parameters

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.statements import unknown
+from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells
 from wiggleroom.freespace.cells.cover import cover
@@ -44,6 +45,8 @@ class FreeSlices:
 
     Parameters
     ----------
+    assembly : Assembly
+        Where the two parts are from.
     parts : (a, b)
         Names.
     slices : tuple of Slice [mm]
@@ -59,6 +62,7 @@ class FreeSlices:
         That point of b, from b's reference point, in the axes of a's frame at rest: the middle of b's material near a.
     """
 
+    assembly: Assembly
     parts: tuple[str, str]
     slices: tuple[Slice, ...]
     angles: tuple[float, float]
@@ -68,7 +72,7 @@ class FreeSlices:
 
 
 @dataclass(frozen=True, eq=False)
-class FreeSpace(FreeSlices):
+class FreeSpace(FreeSlices, Drawable):
     """The free space as a union of cells, each free of overlap by its walls; its slices are evenly spaced over the angles.
 
     Parameters
@@ -239,7 +243,7 @@ def free_slices(
         found.append(space.at(float(phi)))
     slices = [space.slices[0], *(one for one in found if one is not None), space.slices[-1]]
     return FreeSlices(
-        (a, b), tuple(_about_reference(s, relation) for s in slices), space.ends, space.limit == np.inf, space.limit,
+        assembly, (a, b), tuple(_about_reference(s, relation) for s in slices), space.ends, space.limit == np.inf, space.limit,
         -relation.point,
     )  # fmt: skip
 
@@ -274,6 +278,7 @@ def _walls(
     space, relation = _marched(assembly, them, rows, names, material, reach, stop)
     covered = cover(them, rows, relation, space, stop)
     return FreeSpace(
+        assembly=assembly,
         parts=names,
         cells=covered.cells,
         slices=tuple(_about_reference(s, relation) for s in covered.slices),

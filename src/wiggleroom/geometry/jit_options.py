@@ -118,6 +118,7 @@ def njit(**options: Any) -> Callable[[Callable], Any]:
     return compiled
 
 
+@cache
 def source_key(path: Path) -> str:
     """Hash of a module's source and of the sources of all modules of the package that it imports, directly or not."""
     digest = hashlib.sha256()
@@ -134,10 +135,16 @@ def _below(path: Path) -> set[Path]:
         if file in found:
             continue
         found.add(file)
-        names = _IMPORT.findall(_source(file).decode())
-        files = ((_ROOT / name.replace(".", "/")).with_suffix(".py") for name in names)
-        waiting += [f for f in files if f.exists()]
+        waiting += _imported(file)
     return found
+
+
+@cache
+def _imported(file: Path) -> tuple[Path, ...]:
+    """Files of the package that one imports from."""
+    names = _IMPORT.findall(_source(file).decode())
+    files = ((_ROOT / name.replace(".", "/")).with_suffix(".py") for name in names)
+    return tuple(f for f in files if f.exists())
 
 
 @cache

@@ -122,7 +122,7 @@ def relative_pose(bodies: Bodies, a: Ints, b: Ints, motion: Floats | None = None
     return np.column_stack([c * x + s * y, -s * x + c * y, pose[b, 2] - pose[a, 2]])
 
 
-def classes(bodies: Bodies, a: Ints, b: Ints, pose: Floats) -> tuple[Ints, Ints]:
+def classes(bodies: Bodies, a: Ints, b: Ints, pose: Floats, tolerance: float = 1e-9) -> tuple[Ints, Ints]:
     """Congruent pairs: same shapes in the same relative pose, wherever they lie and however they are turned.
 
     Parameters
@@ -130,6 +130,8 @@ def classes(bodies: Bodies, a: Ints, b: Ints, pose: Floats) -> tuple[Ints, Ints]
     a, b : (P,) int64
     pose : (P, 3) [mm, mm, rad]
         Relative poses.
+    tolerance : float
+        Poses are the same up to this share of the larger body's radius and this angle [rad].
 
     Returns
     -------
@@ -138,10 +140,9 @@ def classes(bodies: Bodies, a: Ints, b: Ints, pose: Floats) -> tuple[Ints, Ints]
     label : (P,) int64
         Class of each pair.
     """
-    unit = 1e-9 * np.maximum(bodies.radius[a], bodies.radius[b])
+    unit = tolerance * np.maximum(bodies.radius[a], bodies.radius[b])
     angle = np.remainder(pose[:, 2] + 1e-6, 2 * np.pi) - 1e-6
-    key = np.column_stack([bodies.shape[a], bodies.shape[b], pose[:, 0] // unit, pose[:, 1] // unit, angle // 1e-9])
-    key[:, 2:4] = np.round(pose[:, :2] / unit[:, None])
-    key[:, 4] = np.round(angle / 1e-9)
+    place = np.round(pose[:, :2] / unit[:, None])
+    key = np.column_stack([bodies.shape[a], bodies.shape[b], place, np.round(angle / tolerance)])
     _, first, label = np.unique(key, axis=0, return_index=True, return_inverse=True)
     return first, label.ravel()

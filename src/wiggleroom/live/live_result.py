@@ -7,11 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.displayable import Displayable
 from wiggleroom.search.answer import Contact
 
 
 @dataclass(frozen=True, eq=False)
-class LiveResult:
+class LiveResult(Displayable):
     """A motion found in the time that there was.
 
     Parameters
@@ -50,7 +51,7 @@ class LiveResult:
 
 
 @dataclass(frozen=True, eq=False)
-class Mode:
+class Mode(Displayable):
     """One freedom: a motion there, back through rest, and to the other side.
 
     Parameters

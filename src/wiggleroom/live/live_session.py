@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import cast
 
 import numpy as np
@@ -16,57 +16,33 @@ from wiggleroom.assembly.findings import asked_goals
 from wiggleroom.drawing.model import Drawing, Goal, Towards
 from wiggleroom.errors import Stop
 from wiggleroom.geometry.neighbours import relative_pose
-from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.rigid_motions import of_parts
+from wiggleroom.live.drag_search import ARRIVAL_TOLERANCE, dragged, dragged_among_few, holding
+from wiggleroom.live.gap_continuation import KnownEnds, kept
 from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.live.loose_modes import modes
-from wiggleroom.live.neighbourhood import neighbourhood
 from wiggleroom.live.prepared_designs import GapDesign, PreparedDesigns
 from wiggleroom.live.warm_start import (
     FIRST_BARRIER,
     State,
     TimeBudget,
     WarmSearch,
-    free_of_overlap,
-    pushed,
     state_at_rest,
 )
 from wiggleroom.maximise import witness
-from wiggleroom.program.gap_sensitivity import carried
-from wiggleroom.program.objectives import Approach, Points
-from wiggleroom.search.answer import Answer, Contact
+from wiggleroom.program.objectives import Approach
+from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import unlimited
-from wiggleroom.search.contact_forces import contacts
 from wiggleroom.search.loop import Progress
 from wiggleroom.search.multistart import pulls
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.search.recession import recession_direction
-from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 Spot = tuple[float, float]
 
-ARRIVAL_TOLERANCE = 1e-3
-"""A grip this share of the clearance from its target has arrived."""
 MAX_TARGET_DISTANCE = 3.0
 """A target further from the grip than this multiple of the drawing's size is moved nearer: parts that come free stay in sight."""
-MAX_CARRIED_GROWTH = 0.1
-"""A largest motion is followed to parts larger by up to this share of the clearance."""
-RETREAT_SHARES = (0.01, 0.05, 0.15)
-"""Shares of its motion that it is taken back by besides, one after the other: into the room of all joints."""
-MAX_WARM_STARTS = 3
-"""So many ends of earlier requests are tried, the nearest first."""
-MAX_KEPT_ENDS = 16
-"""So many ends of largest motions are kept, for others to begin at."""
-
-
-@dataclass(frozen=True, eq=False)
-class _End:
-    """Where a largest motion ended, in which design."""
-
-    goals: tuple[Goal, ...]
-    design: GapDesign
-    state: State
 
 
 class Live:
@@ -94,7 +70,7 @@ class Live:
         self._designs = PreparedDesigns(drawing.drawing if isinstance(drawing, Assembly) else drawing)
         self._now: GapDesign | None = None
         self._state: State | None = None
-        self._ends: list[_End] = []
+        self._ends = KnownEnds()
 
     def design(
         self,
@@ -128,7 +104,7 @@ class Live:
         """
         new, old = self._designs.design(gap, extra or {}, fixed, glue), self._now
         if new is not old:
-            self._state = _kept(self._state, old, new)
+            self._state = None if self._state is None or old is None else kept(self._state, old, new)
             self._now = new
         return new.assembly
 
@@ -203,12 +179,8 @@ class Live:
         goal = Towards(part, (float(aim[0]), float(aim[1])), (float(grip[0]), float(grip[1])))
         term = cast(Approach, ready.objective(self._asked(goal)))
         state, until = self._begun(start, goals), TimeBudget(seconds, stop)
-        near = None if within is None else self._neighbours(term, aim, state, within, until)
-        if near is not None:
-            after, search, settled = near
-        else:
-            search = _towards(ready, term, state, float(away @ away), until)
-            after, settled = search.reach()
+        near = None if within is None else dragged_among_few(ready, term, aim, state, within, until)
+        after, search, settled = near or dragged(ready, term, state, float(away @ away), until)
         # pressed against what could give way, few parts are a bad place for all to begin at
         self._state = after if near is None or settled else state
         motion = of_parts(ready.assembly, ready.bodies, after.motion[None])[0]
@@ -216,10 +188,14 @@ class Live:
         reached = (x, y)
         distance = float(np.hypot(*np.subtract(target, reached)))
         left = float(np.hypot(*np.subtract(aim, reached)))
-        held = _held(search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
+        held = holding(search, 2 * left) if settled and left > ARRIVAL_TOLERANCE * ready.clearance else ()
         blocking = dict.fromkeys(n for c in held if part in c.parts for n in c.parts if n != part)
         seconds = time.perf_counter() - began
         return LiveResult(motion, settled, seconds, held, tuple(blocking), reached=reached, distance=distance)
+
+    def follows(self, goals: Goal | Sequence[Goal] | None = None) -> bool:
+        """Whether `flex` would begin at the end of an answer to these goals, at this gap or one nearby."""
+        return self._ends.near(self._asked(goals), self._design) is not None
 
     def flex(
         self, goals: Goal | Sequence[Goal] | None = None, *, seconds: float = 0.1, stop: Stop | None = None
@@ -241,7 +217,7 @@ class Live:
         began, ready = time.perf_counter(), self.ready
         asked = self._asked(goals)
         term, until = ready.objective(asked), TimeBudget(seconds, stop)
-        state = self._nearby(asked)
+        state = self._ends.near(asked, self._design)
         if state is None:
             state = state_at_rest(ready)
             for pull in pulls(ready.bodies, term, ready.clearance)[:1]:  # rest shows no direction
@@ -249,12 +225,12 @@ class Live:
         search = WarmSearch(ready, term, state, until)
         state, settled = search.reach()
         settled = settled and state.linked
-        self._remember(_End(asked, self._design, state))
+        self._ends.keep(asked, self._design, state)
         motion = of_parts(ready.assembly, ready.bodies, state.motion[None])[0]
         if search.search.unlimited and recession_direction(ready, term, state.motion) is not None:
             leaves, turns = unlimited(ready.assembly, ready.bodies, state.motion, ready.size)
             return LiveResult(motion, settled, time.perf_counter() - began, leaves=leaves, turns=turns)
-        held = _held(search, 1.0)
+        held = holding(search, 1.0)
         settled = (
             settled and not search.search.unlimited
         )  # whether a turn repeats for ever is for the full answer to say
@@ -286,7 +262,7 @@ class Live:
             cells = found.program.cells
             ended = relative_pose(self.ready.bodies, cells.a, cells.b, found.motion)
             state = State(cells, found.program.motion(found.solution.inner), found.motion, ended=ended)
-            self._remember(_End(asked, self._design, state))
+            self._ends.keep(asked, self._design, state)
         return answer
 
     def wiggle(
@@ -332,100 +308,7 @@ class Live:
         if start == "here" and self._state is not None:
             return self._state
         if start == "answer":
-            asked = self._asked(goals)
-            found = [e.state for e in self._ends if e.goals == asked and e.design.assembly is self._design.assembly]
-            if found and found[-1].linked:
-                return replace(found[-1], mu=FIRST_BARRIER, ended=None)
+            found = self._ends.at(self._asked(goals), self._design)
+            if found is not None and found.linked:
+                return replace(found, mu=FIRST_BARRIER, ended=None)
         return state_at_rest(self.ready)
-
-    def _neighbours(
-        self, term: Approach, aim: Floats, state: State, count: int, until: TimeBudget
-    ) -> tuple[State, WarmSearch, bool] | None:
-        """Drag with few bodies free to move; the state, the search, whether no other could help; None where all are few."""
-        ready = self.ready
-        near = neighbourhood(ready, state, int(term.points.body[0]), count)
-        if near is None:
-            return None
-        body = int(np.searchsorted(near.body, term.points.body[0]))
-        points = Points(np.array([body]), term.points.turned(state.inner))
-        grip = aim + term.apart[0] + term.points.moved(state.inner)[0]
-        local = Approach(points, (grip - aim)[None], term.weight)
-        search = _towards(near.ready, local, state_at_rest(near.ready), float((grip - aim) @ (grip - aim)), until)
-        there, settled = search.reach()
-        if near.left(search):
-            return None
-        after = near.whole(state, there)
-        if overlaps(ready.bodies, after.motion, ready.ignored).deepest > OVERLAP_TOLERANCE * ready.size:
-            return None
-        held = {name for contact in _held(search, 1.0) for name in contact.parts}
-        short = float(np.hypot(*(grip + points.moved(there.motion)[0] - aim)))
-        arrived = short <= ARRIVAL_TOLERANCE * ready.clearance
-        return after, search, settled and (arrived or not held & near.held)
-
-    def _remember(self, end: _End) -> None:
-        """Keep an end, in place of an older one of the same design and goals."""
-        others = [e for e in self._ends if e.goals != end.goals or e.design.assembly is not end.design.assembly]
-        self._ends = [*others, end][-MAX_KEPT_ENDS:]
-
-    def _nearby(self, goals: tuple[Goal, ...]) -> State | None:
-        """State to begin at: the end of the same goals at the nearest gap, or at a smaller one."""
-        now = self._design
-        if now.assembly.drawing.gaps:
-            return None
-        same = [e for e in self._ends if e.goals == goals and e.design.roles == now.roles]
-        same.sort(key=lambda e: float(np.abs(e.design.inward - now.inward).max()))
-        for end in same[:MAX_WARM_STARTS]:
-            state = _kept(end.state, end.design, now)
-            if (
-                state is None
-                and np.abs(end.design.inward - now.inward).max() < MAX_CARRIED_GROWTH * now.ready.clearance
-            ):
-                state = _followed(end.state, end.design, now)
-            if state is not None:
-                return replace(state, near=True)
-        return None
-
-
-def _kept(state: State | None, old: GapDesign | None, new: GapDesign) -> State | None:
-    """The state in another design, where all parts are as small or smaller; else None."""
-    if state is None or old is None or old.roles != new.roles or not (old.inward <= new.inward + 1e-12).all():
-        return None
-    return _in_design(state, old, new)
-
-
-def _followed(end: State, old: GapDesign, new: GapDesign) -> State | None:
-    """The state in a design where some parts are a little larger; None where they do not fit there."""
-    there = _in_design(end, old, new)
-    if there is None:
-        return None
-    less = 2 * float((old.inward - new.inward).max()) / old.ready.clearance  # motions shrink like the gap
-    for aside in RETREAT_SHARES:
-        state = pushed(new.ready, replace(there, inner=max(1 - less - aside, 0.0) * there.inner, linked=False))
-        if state is not None and free_of_overlap(new.ready, state.inner):  # the old motion is one of smaller parts
-            return replace(state, motion=state.inner)
-    return None
-
-
-def _in_design(state: State, old: GapDesign, new: GapDesign) -> State | None:
-    """The state with its cells carried to the outlines of another design; None where these have other corners."""
-    one, other = old.ready.bodies, new.ready.bodies
-    if one is other:
-        return state
-    if not np.array_equal(np.diff(one.shapes.first)[one.shape], np.diff(other.shapes.first)[other.shape]):
-        return None
-    return replace(state, cells=carried(state.cells, one, other))
-
-
-def _towards(ready: Prepared, term: Approach, state: State, whole: float, until: TimeBudget) -> WarmSearch:
-    """A search that ends where a target is reached; `whole` [mm2] is the squared distance from rest to it."""
-    here = term.value(state.inner)  # what counts is what is gained from there
-    enough = whole - here - (ARRIVAL_TOLERANCE * ready.clearance) ** 2
-    return WarmSearch(ready, replace(term, zero=here), state, until, enough)
-
-
-def _held(search: WarmSearch, unit: float) -> tuple[Contact, ...]:
-    """Contacts that hold the best motion, forces in this unit."""
-    found = search.best
-    if found is None or found.solution.status is not SolverStatus.CONVERGED:
-        return ()
-    return contacts(search.ready.assembly, found.program, found.solution.u, found.active, unit)

@@ -23,7 +23,8 @@ from wiggleroom.search.moves import regrow_stale, stale, tighten
 from wiggleroom.search.path_check import missed
 from wiggleroom.search.prepare import NEIGHBOUR_REACH, Prepared
 from wiggleroom.solve.factorisation import factor
-from wiggleroom.solve.interior_point import INITIAL_BARRIER, solve
+from wiggleroom.solve.interior_point import solve
+from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -42,7 +43,7 @@ FIRST_BARRIER = 3e-3
 MAX_LIVE_ROUNDS = 30
 """Rounds of one request at most, whatever its time."""
 PATH_SAMPLES = 8
-"""So many of a way's points show where it leads: the solver's steps wander."""
+"""So many of a path's points show where it leads: the solver's steps wander."""
 WANTED_ROOM, MIN_ROOM, SLACK_ROW_WEIGHT, MAX_PUSHES = 2e-3, 1e-6, 1e-6, 8
 """Room that a push aims at and is content with, in clearances; weight of rows that need none; so many pushes are tried."""
 PICTURE_TOLERANCE = 1e-6
@@ -199,7 +200,7 @@ class WarmSearch:
         """The motion of an incumbent; None where something overlaps there or may have met on the path."""
         motion = found.motion
         if found.solution.status not in FINISHED:  # the last iterate may be on its way through a wall; these are not
-            motion = found.program.motion(found.solution.way[-1] if found.solution.way else found.begin)
+            motion = found.program.motion(found.solution.path[-1] if found.solution.path else found.begin)
         if not free_of_overlap(self.ready, motion):
             return None
         return None if len(self._unchecked(self.search, found)[0]) else motion

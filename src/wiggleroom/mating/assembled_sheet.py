@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import InputError, Stop
+from wiggleroom.errors import Stop
 from wiggleroom.mating.beam_search import BeamState, Effort, Placement, extent, grow
 from wiggleroom.mating.closed_search import Closed, closed_placements
+from wiggleroom.mating.congruence import congruent
+from wiggleroom.mating.contact import MET_TOLERANCE
 from wiggleroom.mating.cutting_sheet import CuttingSheet
-from wiggleroom.mating.flanks import SheetPlate, plates_of
+from wiggleroom.mating.edge_constraints import EdgeConstraints, edge_constraints, without_skipped
+from wiggleroom.mating.edge_ends import aligned_ends
+from wiggleroom.mating.flanks import SheetPlate, bits, plates_of
 from wiggleroom.mating.hints import Hints
-from wiggleroom.mating.known import joined_start, with_fixed_plates
-from wiggleroom.mating.pair_poses import PairPoseTable, bits
+from wiggleroom.mating.known import known_starts, with_fixed_plates
+from wiggleroom.mating.pair_poses import PairPoseTable
 from wiggleroom.mating.refinement import pressed_panel, refined, relief_needed
 
 Floats = NDArray[np.float64]
@@ -41,6 +45,8 @@ class SheetSettings:
         Free room between two bodies in the file that is written.
     max_scored : int
         No other beam is begun after as many poses were scored for the sheet.
+    aligned_share : float in (0, 1)
+        Share of the poses of a search that the one of edges that end together may try.
     """
 
     efforts: tuple[Effort, ...] = (Effort(8, 0.5), Effort(6, 1.0), Effort(20, 0.5))
@@ -50,6 +56,7 @@ class SheetSettings:
     sure_relief: float = 0.12
     body_distance: float = 20.0
     max_scored: int = 400_000
+    aligned_share: float = 0.3
 
 
 SETTINGS = SheetSettings()
@@ -148,17 +155,19 @@ def assemble_sheet(
     the one is chosen in which the sides drawn face outward.
     """
     hints = hints or Hints()
-    _see_names(sheet, hints)
+    sheet = without_skipped(sheet, hints)
     taken = burn if burn is not None else hints.burn if hints.burn is not None else sheet.burn or 0.0
     names = [panel.name for panel in sheet.panels]
     real = [hints.thicknesses.get(name, thickness) for name in names]
     # A panel a little thinner than its slots is a real sheet; one far off has slots of its own.
     drawn = [size if abs(size - thickness) > 0.15 * thickness else thickness for size in real]
     plates = plates_of(names, [panel.polygon for panel in sheet.panels], drawn, taken)
-    bench = BeamState(plates)
-    tables = PairPoseTable(bench, whole=True), PairPoseTable(bench, whole=False)
+    constraints = edge_constraints(sheet, plates, hints)
+    bench = BeamState(_told_apart(plates, constraints.named), constraints)
+    whole = PairPoseTable(bench, whole=True)
+    tables = PairPoseTable(bench, whole=True, aligned_of=whole), whole, PairPoseTable(bench, whole=False)
     found, doubts = _bodies(bench, tables, hints, stop, progress)
-    bodies, unplaced = with_fixed_plates(bench, [_outward(bench, refined(bench, body)) for body in found], hints)
+    bodies, unplaced = with_fixed_plates(bench, [_outward(bench, refined(bench, body)) for body in found], constraints)
     notes = [*sheet.notes]
     bodies, relief, pressed = _relieved(bench, bodies, real, thickness)
     unplaced = sorted({*unplaced, *pressed})
@@ -178,7 +187,8 @@ def assemble_sheet(
         doubts.append(
             f"{sum(len(rows) for rows in left.values())} flanks meet nothing, of {_listed(names, list(left))}"
         )
-    loose = _loose(bench, tables[0], bodies, unplaced)
+    doubts += _not_kept(constraints, bodies)
+    loose = _loose(bench, tables[1], bodies, unplaced)
     if loose:
         fits = (
             "no edge of it fits another panel: it lies"
@@ -210,27 +220,23 @@ def _loose(bench: BeamState, table: PairPoseTable, bodies: Sequence[Placement], 
     return found
 
 
+def _told_apart(plates: Sequence[SheetPlate], named: frozenset[int]) -> tuple[SheetPlate, ...]:
+    """Plates of which those named in hints have kinds of their own."""
+    return tuple(replace(plate, kind=len(plates) + row) if row in named else plate for row, plate in enumerate(plates))
+
+
+def _not_kept(constraints: EdgeConstraints, bodies: Sequence[Placement]) -> list[str]:
+    """What was said of edges of panels that are not in one body."""
+    return [
+        f"{words}: said to belong together, but not all of these panels are placed in one body"
+        for panels, words in constraints.pairs
+        if not any(set(panels) <= set(body.rows) for body in bodies)
+    ]
+
+
 def _listed(names: Sequence[str], rows: Sequence[int]) -> str:
     shown = ", ".join(names[row] for row in rows[:6])
     return shown + (f" and {len(rows) - 6} more" if len(rows) > 6 else "")
-
-
-def _see_names(sheet: CuttingSheet, hints: Hints) -> None:
-    """Raise InputError for every name in the hints that no panel has."""
-    import difflib
-
-    known = [panel.name for panel in sheet.panels]
-    said = [*hints.thicknesses, *(name for group in hints.groups for name in group)]
-    said += [name for join in hints.joins for name in join.panels]
-    said += [name for plate in hints.plates for name in (plate.panel, plate.frame)]
-    findings = []
-    for name in dict.fromkeys(said):
-        if name not in known:
-            near = difflib.get_close_matches(name, known, 1)
-            meant = f'did you mean "{near[0]}"?' if near else f"it must be one of {', '.join(known[:8])}"
-            findings.append(f'{sheet.source}: there is no panel "{name}"; {meant}')
-    if findings:
-        raise InputError(findings)
 
 
 def _bodies(
@@ -242,15 +248,14 @@ def _bodies(
 ) -> tuple[list[Placement], list[str]]:
     """Bodies, largest first as they are found, and what makes them doubtful."""
     names = [plate.name for plate in bench.plates]
-    said = {names.index(plate.panel) for plate in hints.plates}
-    groups = [frozenset(names.index(name) for name in group) - said for group in hints.groups]
-    rest = frozenset(range(len(names))) - said - frozenset().union(*groups)
+    groups = [frozenset(names.index(name) for name in group) for group in hints.groups]
+    rest = frozenset(range(len(names))) - frozenset().union(*groups)
     bodies: list[Placement] = []
     doubts: list[str] = []
     for group in [*groups, rest]:
         left = {row for row in group if len(bench.flanks[row])}
         while len(left) > 1:
-            body, doubt = _body(bench, hints, frozenset(left), tables, 1.0 / (1 + len(bodies)), stop, progress)
+            body, doubt = _body(bench, frozenset(left), tables, 1.0 / (1 + len(bodies)), stop, progress)
             doubts += doubt
             if len(body.rows) < 2:
                 left -= set(body.rows)
@@ -262,7 +267,6 @@ def _bodies(
 
 def _body(
     bench: BeamState,
-    hints: Hints,
     left: frozenset[int],
     tables: tuple[PairPoseTable, ...],
     share: float,
@@ -271,12 +275,18 @@ def _body(
 ) -> tuple[Placement, list[str]]:
     """One body of some of the panels, and why it may be wrong; with a share of the work that the first body may take."""
     root = max(left, key=lambda row: (len(bench.flanks[row]), bench.plates[row].polygon.area))
-    start = joined_start(bench, hints, left) or bench.start(root)
-    name = bench.plates[root].name
+    starts = known_starts(bench, bench.constraints, left, tables[-1]) or [bench.start(root)]
+    name = bench.plates[starts[0].rows[0]].name
     best: tuple[int, Placement] | None = None
     doubts: list[str] = []
-    for table in tables:
-        closed = closed_placements(bench, start, left, table, share=share, stop=stop)
+    aligned = closed_placements(
+        bench, starts, left, tables[0], share=SETTINGS.aligned_share * share, max_open_lines=0, stop=stop
+    )
+    for table in tables[1:]:
+        # What has edges that end together is likelier, but it counts as sure only where nothing else fits.
+        spare = {"max_open_lines": 0} if aligned.placements else {}
+        closed = closed_placements(bench, starts, left, table, share=share, stop=stop, **spare)
+        closed = _merged(bench, aligned, closed)
         if not closed.placements:
             continue
         placed = _best(bench, closed.placements)
@@ -287,15 +297,33 @@ def _body(
     for effort in SETTINGS.efforts:
         if bench.scored > SETTINGS.max_scored or (best is not None and _complete(bench, best[1], left)):
             break
-        found = grow(bench, start, left, effort, stop=stop, progress=progress)[0]
-        if len(found.rows) > 2:
-            found = _trimmed(bench, found)
-        if best is None or _met(bench, found) > best[0]:
-            best = _met(bench, found), found
-            doubts = [f"no way was found to put panels round {name} so that every flank meets another"]
+        grown = [grow(bench, start, left, effort, stop=stop, progress=progress)[0] for start in starts]
+        for found in grown:
+            if len(found.rows) > 2:
+                found = _trimmed(bench, found, len(starts[0].rows))
+            if best is None or _met(bench, found) > best[0]:
+                best = _met(bench, found), found
+                doubts = [f"no way was found to put panels round {name} so that every flank meets another"]
     if best is None or len(best[1].rows) < 2:
-        return start, []
+        return starts[0], []
     return best[1], doubts
+
+
+def _merged(bench: BeamState, aligned: Closed, closed: Closed) -> Closed:
+    """What two searches found; whether there is nothing else, the second one says."""
+    if not aligned.placements:
+        return closed
+    kinds = [plate.kind for plate in bench.plates]
+    found = list(aligned.placements)
+    for each in closed.placements if closed.open_lines == 0 else []:
+        panels = [
+            [(kinds[row], turn, move) for row, turn, move in zip(one.rows, one.turns, one.moves, strict=True)]
+            for one in (each, *aligned.placements)
+        ]
+        tolerance = MET_TOLERANCE * bench.tolerance
+        if not any(congruent(bench.isometries, panels[0], other, tolerance) for other in panels[1:]):
+            found.append(each)
+    return Closed(found, 0, closed.exhausted)
 
 
 def _open_share(bench: BeamState, placed: Placement) -> float:
@@ -310,9 +338,16 @@ def _complete(bench: BeamState, placed: Placement, left: frozenset[int]) -> bool
 
 
 def _best(bench: BeamState, placements: list[Placement]) -> Placement:
-    """The placement in which the most flanks meet; of several the one whose panels press least on each other, then the smallest."""
+    """The placement in which the most flanks meet; of several the one whose edges end together, then the one whose panels press least.
+
+    Of placements that are equal in this, too, the smallest one.
+    """
     most = max(_met(bench, each) for each in placements)
     equal = [each for each in placements if _met(bench, each) == most]
+    if len(equal) == 1:
+        return equal[0]
+    together = [aligned_ends(bench, each) for each in equal]
+    equal = [each for each, ends in zip(equal, together, strict=True) if ends > max(together) - 0.5]
     if len(equal) == 1:
         return equal[0]
     drawn = [plate.thickness for plate in bench.plates]
@@ -358,11 +393,11 @@ def _met(bench: BeamState, placed: Placement) -> int:
     return sum(len(pairs) for *_, pairs in bench.met(placed)[0])
 
 
-def _trimmed(bench: BeamState, body: Placement) -> Placement:
-    """Body without the panels that hardly meet the others, worst first."""
-    while len(body.rows) > 2:
+def _trimmed(bench: BeamState, body: Placement, known: int) -> Placement:
+    """Body without the panels that hardly meet the others, worst first; the first ones are known and stay."""
+    while len(body.rows) > max(2, known):
         _, flags = bench.met(body)
-        share = {row: flags[row].mean() for row in body.rows[1:]}
+        share = {row: flags[row].mean() for row in body.rows[known:]}
         worst = min(share, key=lambda row: share[row])
         if share[worst] >= SETTINGS.min_met_share:
             return body

@@ -21,7 +21,8 @@ from wiggleroom.mating.contact import (
     met_flags,
     scores,
 )
-from wiggleroom.mating.flanks import SheetPlate, inset
+from wiggleroom.mating.edge_constraints import EdgeConstraints
+from wiggleroom.mating.flanks import SheetPlate, bits, inset
 
 Floats = NDArray[np.float64]
 
@@ -94,16 +95,33 @@ class Placement:
 
 
 class BeamState:
-    """Panels with everything that the search asks of them again and again."""
+    """Panels with everything that the search asks of them again and again.
 
-    def __init__(self, plates: Sequence[SheetPlate]) -> None:
+    Parameters
+    ----------
+    plates : sequence of SheetPlate
+        Those of which something was said have kinds of their own.
+    constraints : EdgeConstraints, optional
+    """
+
+    def __init__(self, plates: Sequence[SheetPlate], constraints: EdgeConstraints | None = None) -> None:
         self.plates = plates
+        self.constraints = constraints or EdgeConstraints()
         self.eroded = [inset(p.polygon, SETTINGS.erosion * p.thickness) for p in plates]
         self.edges = [_edges(polygon) for polygon in self.eroded]
         self.filled = [_edges(_filled(p)) for p in plates]
         self.radius = [p.radius for p in plates]
         self.corners = [_edges(p.polygon)[:, :2] for p in plates]
-        self.isometries = PanelIsometries({p.kind: p.polygon for p in plates})
+        named = self.constraints.named
+        # Corners of panels of which something was said count differently: what was said is of one of several equal edges.
+        self.corner_weights = [
+            np.linspace(0.6, 1.4, len(corners)) if k in named else np.ones(len(corners))
+            for k, corners in enumerate(self.corners)
+        ]
+        outlines = {p.kind: p.polygon for p in plates}
+        self.isometries = PanelIsometries(outlines)
+        # While placements grow, panels of which something was said must not stand for others.
+        self.told_isometries = PanelIsometries(outlines, {plates[k].kind for k in named}) if named else self.isometries
         self.first = {kind: i for i, kind in reversed(list(enumerate(p.kind for p in plates)))}
         self.tolerance = VOTING.midpoint_tolerance * min(p.thickness for p in plates)
         self.most = SETTINGS.max_shared_volume * min(p.thickness for p in plates) ** 3
@@ -218,17 +236,35 @@ class BeamState:
                 return True
         return False
 
+    def flanks_met(self, state: Placement, new: int, turn: Floats, move: Floats) -> dict[int, tuple[int, int]]:
+        """By placed panel, flanks of it and of a new one that meet, as bits."""
+        met = {}
+        for k, row in enumerate(state.rows):
+            inner, shift = state.turns[k].T @ turn, state.turns[k].T @ (move - state.moves[k])
+            flags = self.met_flags(row, new, inner[None], shift[None])
+            met[row] = bits(flags[0])[0] if flags[0].size else 0, bits(flags[1])[0] if flags[1].size else 0
+        return met
+
+    def allowed(self, state: Placement, new: int, turn: Floats, move: Floats) -> bool:
+        """Whether a panel would share no material with the placed ones, and what was said of them holds."""
+        if self.overlaps(state, new, turn, move):
+            return False
+        if not self.constraints.named:
+            return True
+        met = self.flanks_met(state, new, turn, move)
+        return self.constraints.allow(state.rows, state.turns, state.moves, new, turn, move, met)
+
     def trace(self, kind: int, turns: Floats, moves: Floats) -> Floats:
         """Numbers (k, 3) that tell poses of one kind of panel apart unless they cover the same places."""
-        corners = self.corners[self.first[kind]]
-        ways = np.einsum("wi,kij->kwj", self._waves, turns)[:, :, :2]
-        phase = ways @ corners.T + (moves @ self._waves.T)[:, :, None]
-        return np.sin(phase + 0.1).sum(axis=2)
+        corners, weights = self.corners[self.first[kind]], self.corner_weights[self.first[kind]]
+        waves = np.einsum("wi,kij->kwj", self._waves, turns)[:, :, :2]
+        phase = waves @ corners.T + (moves @ self._waves.T)[:, :, None]
+        return np.sin(phase + 0.1) @ weights
 
     def signature(self, state: Placement) -> Floats:
         """Moments (9,) that agree for placements which are congruent or mirror images, whichever of equal panels is where."""
         points = self.places(state)
-        weights = np.concatenate([np.full(len(p), self.shape[i]) for i, p in zip(state.rows, points, strict=True)])
+        weights = np.concatenate([self.shape[i] * self.corner_weights[i] for i in state.rows])
         stacked = np.vstack(points)
         stacked = stacked - (weights @ stacked) / weights.sum()
         radius = np.linalg.norm(stacked, axis=1)
@@ -403,7 +439,7 @@ def _children(bench: BeamState, state: Placement, free: frozenset[int], effort: 
         if mark in seen:
             continue
         seen.add(mark)
-        if bench.overlaps(state, waiting[kind], pool.turns[k], pool.moves[k]):
+        if not bench.allowed(state, waiting[kind], pool.turns[k], pool.moves[k]):
             pool.score[k] = -np.inf
             continue
         placed, turn, move = (*state.rows, waiting[kind]), pool.turns[k], pool.moves[k]

@@ -11,7 +11,7 @@ is the same on every machine.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop, go_on
 from wiggleroom.mating.beam_search import BeamState, Placement
-from wiggleroom.mating.congruence import congruent
+from wiggleroom.mating.congruence import PanelIsometries, congruent
 from wiggleroom.mating.contact import MAX_ASKEW_COSINE, MET_TOLERANCE
-from wiggleroom.mating.pair_poses import PairPoseTable, bits, flank_rows
+from wiggleroom.mating.flanks import bits, flank_rows
+from wiggleroom.mating.pair_poses import PairPoseTable
 
 Floats = NDArray[np.float64]
 
@@ -78,24 +79,28 @@ class Closed:
 
 def closed_placements(
     bench: BeamState,
-    start: Placement,
+    starts: Sequence[Placement],
     free: Iterable[int],
     table: PairPoseTable,
     *,
     share: float = 1.0,
+    max_open_lines: int = SETTINGS.max_open_lines,
     stop: Stop | None = None,
 ) -> Closed:
-    """Assemblies that hold the panels of `start` and leave as few lines of needed flanks open as possible.
+    """Assemblies that hold the panels of one of `starts` and leave as few lines of needed flanks open as possible.
 
     Parameters
     ----------
     bench : BeamState
-    start : Placement
+    starts : sequence of Placement
+        Of the same panels.
     free : iterable of int
         Panels that may be used.
     table : PairPoseTable
     share : float in (0, 1)
         Of the poses that are tried at most.
+    max_open_lines : int
+        Lines of flanks that may stay open.
 
     Notes
     -----
@@ -109,11 +114,11 @@ def closed_placements(
             table.between(a, b)
     search = _ExhaustiveSearch(bench, frozenset(free), table, stop)
     most = share * SETTINGS.max_poses
-    found = search.closed(start, 0, int(most))
-    for spare in range(1, SETTINGS.max_open_lines + 1):
+    found = search.closed(starts, 0, int(most))
+    for spare in range(1, max_open_lines + 1):
         if found.placements:
             break
-        found = search.closed(start, spare, int(SETTINGS.open_share * most))
+        found = search.closed(starts, spare, int(SETTINGS.open_share * most))
     return found
 
 
@@ -155,14 +160,15 @@ class _ExhaustiveSearch:
                 matchable |= met
         return matchable
 
-    def closed(self, start: Placement, spare: int, max_poses: int) -> Closed:
+    def closed(self, starts: Sequence[Placement], spare: int, max_poses: int) -> Closed:
         """Assemblies that leave as many lines open; what failed before is looked at first."""
         self.left = max_poses
         self.result = Closed(open_lines=spare)
         self._seen: dict[int, tuple[list[Floats], list[Placement]]] = {}
-        _, flags = self.bench.met(start)
-        met = tuple(bits(flags[row][None])[0] if len(flags[row]) else 0 for row in start.rows)
-        self.descend(_Partial(start, met, tuple(self._hopeless.get(row, 0) for row in start.rows)), spare)
+        for start in starts:
+            _, flags = self.bench.met(start)
+            met = tuple(bits(flags[row][None])[0] if len(flags[row]) else 0 for row in start.rows)
+            self.descend(_Partial(start, met, tuple(self._hopeless.get(row, 0) for row in start.rows)), spare)
         return self.result
 
     def descend(self, node: _Partial, spare: int) -> None:
@@ -175,7 +181,9 @@ class _ExhaustiveSearch:
         marks, states = self._seen.setdefault(spare, ([], []))
         if marks:
             near = np.abs(np.array(marks) - mark).max(axis=1) < SETTINGS.moment_tolerance
-            if any(self._same(states[k], node.state) for k in np.flatnonzero(near).tolist()):
+            if any(
+                self._same(states[k], node.state, self.bench.told_isometries) for k in np.flatnonzero(near).tolist()
+            ):
                 return
         marks.append(mark)
         states.append(node.state)
@@ -194,7 +202,7 @@ class _ExhaustiveSearch:
     def _keep(self, state: Placement) -> None:
         """Keep an assembly; the larger one of two where lines stay open."""
         kept = self.result.placements
-        if any(self._same(other, state) for other in kept):
+        if any(self._same(other, state, self.bench.isometries) for other in kept):
             return
         if self.result.open_lines and kept:
             if len(state.rows) < len(kept[0].rows):
@@ -221,7 +229,7 @@ class _ExhaustiveSearch:
                     found.append((failed, rest == line, -rest.bit_count(), place, number, rest))
         return [(place, number, rest) for *_, place, number, rest in sorted(found)]
 
-    def _same(self, a: Placement, b: Placement) -> bool:
+    def _same(self, a: Placement, b: Placement, isometries: PanelIsometries) -> bool:
         """Whether two placements are congruent or mirror images."""
         panels = [
             [
@@ -230,7 +238,7 @@ class _ExhaustiveSearch:
             ]
             for each in (a, b)
         ]
-        return congruent(self.bench.isometries, panels[0], panels[1], MET_TOLERANCE * self.bench.tolerance)
+        return congruent(isometries, panels[0], panels[1], MET_TOLERANCE * self.bench.tolerance)
 
     def _fewest(self, node: _Partial, left: list[tuple[int, int, int]]) -> tuple[int, int, list[_Partial]]:
         """Place and line of the open flank that leaves the fewest choices, and those choices: one panel more each."""
@@ -254,7 +262,7 @@ class _ExhaustiveSearch:
         """Every way in which a panel can meet one flank of a placed panel without overlap or blocking another flank."""
         state, bench = node.state, self.bench
         row = state.rows[place]
-        found: list[tuple[int, _Partial]] = []
+        found: list[tuple[int, float, _Partial]] = []
         for kind, other in waiting.items():
             poses = self.table.between(row, other)
             hopeless = self._hopeless[other]
@@ -275,8 +283,8 @@ class _ExhaustiveSearch:
                     tried[mark] = self._joined(node, place, other, turn, move, met, mine)
                 joined = tried[mark]
                 if joined is not None:
-                    found.append(joined)
-        return [child for _, child in sorted(found, key=lambda item: -item[0])]
+                    found.append((joined[0], float(poses.together[k]), joined[1]))
+        return [child for *_, child in sorted(found, key=lambda item: (-item[0], -item[1]))]
 
     def _joined(
         self, node: _Partial, place: int, other: int, turn: Floats, move: Floats, met: int, mine: int
@@ -289,6 +297,7 @@ class _ExhaustiveSearch:
         odd = 0
         refused: list[tuple[int, int]] = []
         closed = met.bit_count()
+        meeting = {state.rows[place]: (met, mine)}
         for q, a in enumerate(state.rows):
             if q == place:
                 continue
@@ -303,12 +312,17 @@ class _ExhaustiveSearch:
             met_a, met_b, blocked_a, blocked_b = (bits(each)[0] if each.size else 0 for each in flags)
             everyone[q] |= met_a
             mine |= met_b
+            meeting[a] = met_a, met_b
             closed += met_a.bit_count()
             refused.append((q, blocked_a))
             odd |= blocked_b
         if odd & ~(mine | self._hopeless[other]):
             return None
         if any(blocked & ~(everyone[q] | node.excused[q]) for q, blocked in refused):
+            return None
+        if bench.constraints.named and not bench.constraints.allow(
+            state.rows, state.turns, state.moves, other, turn, move, meeting
+        ):
             return None
         move = bench.centred(state, other, turn, move)
         turns, moves = np.concatenate([state.turns, turn[None]]), np.concatenate([state.moves, move[None]])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 
 import numpy as np
 import shapely
@@ -24,16 +24,23 @@ class PanelIsometries:
     ----------
     outlines : mapping of int to shapely.Polygon [mm]
         By kind: a panel in its own frame, the middle of its thickness at z = 0.
+    marked : set of int
+        Kinds that are told apart from all others, and each of their edges from the others, though they may be congruent.
     """
 
-    def __init__(self, outlines: Mapping[int, shapely.Polygon]) -> None:
-        self._outlines = outlines
+    def __init__(self, outlines: Mapping[int, shapely.Polygon], marked: Set[int] = frozenset()) -> None:
+        self._outlines, self._marked = outlines, marked
         self._known: dict[tuple[int, int], list[Isometry]] = {}
 
     def between(self, a: int, b: int) -> list[Isometry]:
         """Isometries that lay a panel of kind `a` on one of kind `b`, each in its own frame."""
         if (a, b) not in self._known:
-            self._known[a, b] = _isometries(self._outlines[a], self._outlines[b])
+            if a == b and a in self._marked:
+                self._known[a, b] = [(np.diag([1.0, 1.0, up]), np.zeros(3)) for up in (1.0, -1.0)]
+            elif a in self._marked or b in self._marked:
+                self._known[a, b] = []
+            else:
+                self._known[a, b] = _isometries(self._outlines[a], self._outlines[b])
         return self._known[a, b]
 
     def marks(self, kind: int) -> Floats:

@@ -7,7 +7,7 @@ that stands square on the plane of its partner. So finger edges, rows of holes a
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -248,8 +248,8 @@ def joint_angles(plates: Sequence[SheetPlate]) -> Floats:
     """
     found: Counter[float] = Counter()
     for plate in plates:
-        ways = [line.along for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
-        for a, b in combinations(ways, 2):
+        directions = [line.along for line in plate.lines if len(line.rows) >= FLANKS.angle_flanks]
+        for a, b in combinations(directions, 2):
             sine, cosine = abs(a[0] * b[1] - a[1] * b[0]), abs(a @ b)
             angle = round(float(np.degrees(np.arctan2(sine, cosine))), 1)
             if FLANKS.least_angle < angle < 90.0 - FLANKS.square_angle:
@@ -429,3 +429,23 @@ def _direction(points: Floats, near: Floats) -> Floats:
     along = axes[0] if axes[0] @ near > 0 else -axes[0]
     snapped = np.round(along)
     return snapped if np.abs(along - snapped).max() < 1e-3 and np.abs(snapped).sum() == 1 else along
+
+
+def bits(flags: NDArray[np.bool_]) -> list[int]:
+    """Every row of `flags` (k, n) as an integer whose bit i is flag i.
+
+    Examples
+    --------
+    >>> bits(np.array([[True, False, True], [False, True, False]]))
+    [5, 2]
+    """
+    packed = np.packbits(flags, axis=1, bitorder="little")
+    return [int.from_bytes(row.tobytes(), "little") for row in packed]
+
+
+def flank_rows(mask: int) -> Iterator[int]:
+    """Numbers of the bits that are set, ascending."""
+    while mask:
+        low = mask & -mask
+        yield low.bit_length() - 1
+        mask ^= low

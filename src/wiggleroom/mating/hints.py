@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import tomllib
 from dataclasses import dataclass, field
@@ -11,21 +12,64 @@ from typing import Any
 from wiggleroom.errors import InputError
 
 SIDES = ("left", "right", "bottom", "top")
+EDGE_WORDS = (
+    f'an edge is "lid:top" ({", ".join(SIDES)}), or "lid@12.5,40" for the one next to a point of the sheet [mm, y up]'
+)
 
 
 @dataclass(frozen=True)
-class Join:
-    """One joint that is known: an edge of one panel holds an edge of another.
+class EdgeReference:
+    """An edge of a panel as it lies on the sheet.
 
     Parameters
     ----------
-    panels : (str, str)
-    sides : (str, str)
-        left, right, bottom or top of each panel as it lies on the sheet.
+    panel : str
+        Empty: whichever panel lies at the point.
+    side : str
+        left, right, bottom or top; empty where a point is given.
+    point : (x, y) [mm], optional
+        On the sheet, y up; the edge is what is nearest to it.
+
+    Examples
+    --------
+    >>> str(EdgeReference("lid", "top")), str(EdgeReference("lid", point=(12.5, 40.0)))
+    ('lid:top', 'lid@12.5,40')
     """
 
-    panels: tuple[str, str]
-    sides: tuple[str, str]
+    panel: str
+    side: str = ""
+    point: tuple[float, float] | None = None
+
+    def __str__(self) -> str:
+        """As it stands in a file of hints."""
+        return (
+            f"{self.panel}:{self.side}" if self.point is None else f"{self.panel}@{self.point[0]:g},{self.point[1]:g}"
+        )
+
+
+def edge_reference(text: str) -> EdgeReference | None:
+    """An edge from its text; None where it is none.
+
+    Examples
+    --------
+    >>> edge_reference("lid:top"), edge_reference("lid") is None
+    (EdgeReference(panel='lid', side='top', point=None), True)
+    >>> edge_reference("@12.5,40").point
+    (12.5, 40.0)
+    """
+    name, at, place = text.rpartition("@")
+    if at:
+        try:
+            x, y = (float(number) for number in place.split(","))
+        except ValueError:
+            x = y = math.nan
+        if math.isfinite(x + y):
+            return EdgeReference(name, point=(x, y))
+    name, _, side = text.rpartition(":")
+    return EdgeReference(name, side) if name and side in SIDES else None
+
+
+EdgePair = tuple[EdgeReference, EdgeReference]
 
 
 @dataclass(frozen=True)
@@ -62,16 +106,23 @@ class Hints:
     burn : float [mm], optional
     groups : tuple of tuples of names
         Panels that make one body each.
-    joins : tuple of Join
+    joins : tuple of (EdgeReference, EdgeReference)
+        Edges of which one holds the other.
+    flush : tuple of (EdgeReference, EdgeReference)
+        Edges that end in one plane.
     plates : tuple of FixedPlate
+    skip : tuple of names
+        Outlines that are no panels.
     """
 
     thickness: float | None = None
     thicknesses: dict[str, float] = field(default_factory=dict)
     burn: float | None = None
     groups: tuple[tuple[str, ...], ...] = ()
-    joins: tuple[Join, ...] = ()
+    joins: tuple[EdgePair, ...] = ()
+    flush: tuple[EdgePair, ...] = ()
     plates: tuple[FixedPlate, ...] = ()
+    skip: tuple[str, ...] = ()
 
 
 def read_hints(path: str | Path) -> Hints:
@@ -94,13 +145,49 @@ def read_hints(path: str | Path) -> Hints:
     return _Hinted(path.name, raw).hints()
 
 
+def write_hints(hints: Hints) -> str:
+    """Text of a TOML file that says the same.
+
+    Examples
+    --------
+    >>> print(write_hints(Hints(3.0, joins=((EdgeReference("lid", "top"), EdgeReference("back", point=(1, 2))),))))
+    thickness = 3.0
+    join = [
+        ["lid:top", "back@1,2"],
+    ]
+    <BLANKLINE>
+    """
+    lines = [f"{key} = {value!r}" for key in ("thickness", "burn") if (value := getattr(hints, key)) is not None]
+    lists: list[tuple[str, list[str]]] = [
+        ("groups", [_text(list(group)) for group in hints.groups]),
+        ("join", [_text([str(edge) for edge in pair]) for pair in hints.joins]),
+        ("flush", [_text([str(edge) for edge in pair]) for pair in hints.flush]),
+    ]
+    for key, rows in lists:
+        if rows:
+            lines += [f"{key} = [", *(f"    {row}," for row in rows), "]"]
+    if hints.skip:
+        lines.append(f"skip = {_text(list(hints.skip))}")
+    if hints.thicknesses:
+        lines += ["", "[thicknesses]", *(f"{_text(name)} = {size!r}" for name, size in hints.thicknesses.items())]
+    for plate in hints.plates:
+        lines += ["", "[[plate]]", f"panel = {_text(plate.panel)}", f"frame = {_text(plate.frame)}"]
+        lines += [f"{key} = {_text([*getattr(plate, key)])}" for key in ("centre", "right", "up")]
+    return "\n".join([*lines, ""])
+
+
+def _text(value: Any) -> str:
+    """Strings and lists are written alike in TOML and in JSON."""
+    return json.dumps(value, ensure_ascii=False)
+
+
 class _Hinted:
     def __init__(self, file: str, raw: dict[str, Any]) -> None:
         self._file, self._raw = file, raw
         self._findings: list[str] = []
 
     def hints(self) -> Hints:
-        known = ("thickness", "thicknesses", "burn", "groups", "join", "plate")
+        known = ("thickness", "thicknesses", "burn", "groups", "join", "flush", "plate", "skip")
         for key in self._raw:
             if key not in known:
                 self._say(key, f"is not known; it must be one of {', '.join(known)}")
@@ -108,15 +195,16 @@ class _Hinted:
         if not isinstance(thicknesses, dict):
             self._say("thicknesses", "must be a table, such as thicknesses = {lid = 2.8}")
             thicknesses = {}
-        joins = tuple(found for i, value in enumerate(self._list("join")) if (found := self._join(i, value)))
         plates = tuple(plate for i, value in enumerate(self._list("plate")) if (plate := self._plate(i, value)))
         result = Hints(
             thickness=self._length("thickness", self._raw.get("thickness")),
             thicknesses={n: size for n, v in thicknesses.items() if (size := self._length(n, v)) is not None},
             burn=self._length("burn", self._raw.get("burn"), zero=True),
             groups=tuple(self._names(f"groups[{i}]", value) for i, value in enumerate(self._list("groups"))),
-            joins=joins,
+            joins=self._pairs("join"),
+            flush=self._pairs("flush"),
             plates=plates,
+            skip=self._names("skip", self._raw.get("skip", [])),
         )
         if self._findings:
             raise InputError(self._findings)
@@ -147,14 +235,16 @@ class _Hinted:
         self._say(where, "must be a list of names of panels")
         return ()
 
-    def _join(self, i: int, value: Any) -> Join | None:
-        ends = [str(end).rpartition(":") for end in value] if isinstance(value, list) else []
-        if len(ends) != 2 or any(side not in SIDES or not name for name, _, side in ends):
-            self._say(
-                f"join[{i}]", f'must be two edges, such as ["lid:top", "back:bottom"]; edges are {", ".join(SIDES)}'
-            )
-            return None
-        return Join((ends[0][0], ends[1][0]), (ends[0][2], ends[1][2]))
+    def _pairs(self, key: str) -> tuple[EdgePair, ...]:
+        found = []
+        for i, value in enumerate(self._list(key)):
+            two = isinstance(value, list) and len(value) == 2
+            ends = [edge_reference(end) if isinstance(end, str) else None for end in value] if two else []
+            if len(ends) == 2 and ends[0] and ends[1]:
+                found.append((ends[0], ends[1]))
+            else:
+                self._say(f"{key}[{i}]", f'must be two edges, such as ["lid:top", "back:top"]; {EDGE_WORDS}')
+        return tuple(found)
 
     def _plate(self, i: int, value: Any) -> FixedPlate | None:
         keys = ("panel", "centre", "right", "up", "frame")

@@ -8,95 +8,151 @@ import numpy as np
 
 from wiggleroom.errors import InputError
 from wiggleroom.mating.beam_search import BeamState, Placement
-from wiggleroom.mating.candidates import line_fits
-from wiggleroom.mating.flanks import FlankLine, SheetPlate
-from wiggleroom.mating.hints import Hints, Join
+from wiggleroom.mating.congruence import congruent
+from wiggleroom.mating.contact import MET_TOLERANCE
+from wiggleroom.mating.edge_constraints import EdgeConstraints, JoinedEdges
+from wiggleroom.mating.flanks import flank_rows
+from wiggleroom.mating.pair_poses import PairPoseTable
 
-_AXES = {"left": (0, -1), "right": (0, 1), "bottom": (1, -1), "top": (1, 1)}
+MAX_STARTS = 16
+"""So many ways to fold what is joined are tried at most."""
 
 
-def joined_start(bench: BeamState, hints: Hints, free: frozenset[int]) -> Placement | None:
-    """Panels placed by the joins among `free` that hang together, or None where there is none.
+def known_starts(
+    bench: BeamState, constraints: EdgeConstraints, free: frozenset[int], table: PairPoseTable
+) -> list[Placement]:
+    """Placements of the panels among `free` of which something was said that hangs together; empty where nothing was.
+
+    Every join can be folded in several ways: each of them is one placement, those that are mirror images once.
 
     Raises
     ------
     InputError
-        If two edges of a join do not fit each other.
+        If two edges of a join do not fit each other, or panels overlap where hints put them.
     """
-    names = [plate.name for plate in bench.plates]
-    waiting = [join for join in hints.joins if {names.index(name) for name in join.panels} <= free]
-    if not waiting:
-        return None
-    state = bench.start(names.index(waiting[0].panels[0]))
+    said = [pose.panels for pose in constraints.poses] + [join.panels for join in constraints.joins]
+    pairs = [panels for panels in said if set(panels) <= free]
+    if not pairs:
+        return []
+    states = [bench.start(pairs[0][0])]
     while True:
-        placed = {names[row] for row in state.rows}
-        join = next((j for j in waiting if len(placed & set(j.panels)) == 1), None)
-        if join is None:
-            return state
-        if join.panels[0] not in placed:
-            join = Join(join.panels[::-1], join.sides[::-1])
-        state = _joined(bench, state, join, names)
+        placed = set(states[0].rows)
+        reached = next((pair for pair in pairs if len(placed & set(pair)) == 1), None)
+        if reached is None:
+            return states[:MAX_STARTS]
+        old, new = reached if reached[0] in placed else reached[::-1]
+        grown = [child for state in states for child in _grown(bench, constraints, state, old, new, table)]
+        if not grown:
+            raise InputError(_why_not(bench, constraints, old, new, table))
+        states = _distinct(bench, grown)
 
 
-def _joined(bench: BeamState, state: Placement, join: Join, names: Sequence[str]) -> Placement:
-    """One panel more, laid on the other's edge where most flanks meet."""
-    a, b = (names.index(name) for name in join.panels)
-    one, other = bench.plates[a], bench.plates[b]
-    place = state.rows.index(a)
-    options = []
-    for line in _lines(one, join.sides[0]):
-        for partner in _lines(other, join.sides[1]):
-            for fit in line_fits(line, partner, one.thickness, other.thickness):
-                turn = state.turns[place] @ fit.turn
-                move = state.turns[place] @ fit.move + state.moves[place]
-                if not bench.overlaps(state, b, turn, move):
-                    options.append((fit.votes, turn, move))
-    if not options:
-        message = f"{join.panels[0]}:{join.sides[0]} and {join.panels[1]}:{join.sides[1]} do not fit; name edges whose fingers do"
-        raise InputError(message)
-    votes, turn, move = max(options, key=lambda option: option[0])
-    turns, moves = np.concatenate([state.turns, turn[None]]), np.concatenate([state.moves, move[None]])
-    return Placement((*state.rows, b), turns, moves, state.met + votes, {})
+def _grown(
+    bench: BeamState, constraints: EdgeConstraints, state: Placement, old: int, new: int, table: PairPoseTable
+) -> list[Placement]:
+    """Placements with one panel more, joined to a placed one as was said."""
+    place = state.rows.index(old)
+    given = next((pose for pose in constraints.poses if set(pose.panels) == {old, new}), None)
+    if given is not None:
+        turn, move = given.turn, given.move
+        if given.panels[0] == new:
+            turn, move = turn.T, -turn.T @ move
+        options = [(turn, move)]
+    else:
+        poses = table.between(old, new)
+        options = list(zip(poses.turns, poses.moves, strict=True))
+    found = []
+    for inner, shift in options:
+        turn, move = state.turns[place] @ inner, state.turns[place] @ shift + state.moves[place]
+        if bench.overlaps(state, new, turn, move):
+            continue
+        met = bench.flanks_met(state, new, turn, move)
+        others = EdgeConstraints(constraints.joins, constraints.flush) if given is None else EdgeConstraints()
+        if others.allow(state.rows, state.turns, state.moves, new, turn, move, met):
+            turns, moves = np.concatenate([state.turns, turn[None]]), np.concatenate([state.moves, move[None]])
+            count = sum(own.bit_count() for own, _ in met.values())
+            found.append(Placement((*state.rows, new), turns, moves, state.met + count, {}))
+    return found
 
 
-def _lines(plate: SheetPlate, side: str) -> list[FlankLine]:
-    """Lines of flanks along one side of a panel's box."""
-    axis, sign = _AXES[side]
-    bounds = plate.polygon.bounds
-    edge = bounds[axis + 2] if sign > 0 else bounds[axis]
-    lines = []
-    for line in plate.lines:
-        point = line.offset * line.across
-        if abs(line.along[axis]) < 0.1 and abs(point[axis] - edge) < 2.0 * plate.thickness:
-            lines.append(line)
-    return lines
+def _distinct(bench: BeamState, states: Sequence[Placement]) -> list[Placement]:
+    """Placements of which none is congruent to another or a mirror image of one; the most flanks that meet first."""
+    found: list[Placement] = []
+    kinds = [plate.kind for plate in bench.plates]
+    for state in sorted(states, key=lambda each: -each.met):
+        panels = [
+            [(kinds[row], turn, move) for row, turn, move in zip(each.rows, each.turns, each.moves, strict=True)]
+            for each in (state, *found)
+        ]
+        tolerance = MET_TOLERANCE * bench.tolerance
+        if not any(congruent(bench.told_isometries, panels[0], other, tolerance) for other in panels[1:]):
+            found.append(state)
+    return found
 
 
-def with_fixed_plates(bench: BeamState, bodies: Sequence[Placement], hints: Hints) -> tuple[list[Placement], list[int]]:
-    """Bodies with the panels added whose place is given, and the rows of panels in no body.
+def _why_not(bench: BeamState, constraints: EdgeConstraints, old: int, new: int, table: PairPoseTable) -> str:
+    """One line about a join that cannot hold, or a pose at which panels overlap."""
+    names = [plate.name for plate in bench.plates]
+    if any(set(pose.panels) == {old, new} for pose in constraints.poses):
+        row = next(pose.panels[1] for pose in constraints.poses if set(pose.panels) == {old, new})
+        return f'panel "{names[row]}" overlaps others where the hint puts it; move it'
+    join = constraints.between(old, new)[0]
+    if len(table.between(old, new).turns):
+        return f"{join.words} fit each other, but not together with what else was said; leave out one of the hints"
+    return f"{join.words} do not fit; {_fitting(bench, join, table)}"
+
+
+def _fitting(bench: BeamState, join: JoinedEdges, table: PairPoseTable) -> str:
+    """Which edges would fit the first one of a join."""
+    names = [plate.name for plate in bench.plates]
+    row, edge = join.panels[0], join.flanks[0]
+    found = []
+    for other in range(len(names)):
+        poses = table.unjoined(row, other) if other != row else None
+        if poses is None:
+            continue
+        for met, own in poses.met:
+            if (met & edge).bit_count() >= max(1, edge.bit_count() // 2):
+                plate = bench.plates[other]
+                x, y = plate.middle[list(flank_rows(own))].mean(axis=0) + plate.centre
+                found.append(f"{names[other]}@{x:.4g},{y:.4g}")
+    found = list(dict.fromkeys(found))
+    if not found:
+        return f"nothing fits {join.words.split(' and ')[0]}: name another edge, or the edge by a point of it"
+    return f"what fits {join.words.split(' and ')[0]} is {', '.join(found[:4])}"
+
+
+def with_fixed_plates(
+    bench: BeamState, bodies: Sequence[Placement], constraints: EdgeConstraints
+) -> tuple[list[Placement], list[int]]:
+    """Bodies put together where the pose of a panel of the one is given in the frame of the other, and the rows of panels in no body.
 
     Raises
     ------
     InputError
-        If the panel in whose frame a place is given is not placed itself.
+        If a panel overlaps others where it is put.
     """
-    names = [plate.name for plate in bench.plates]
     result = list(bodies)
-    for plate in hints.plates:
-        frame, row = names.index(plate.frame), names.index(plate.panel)
-        home = next((k for k, body in enumerate(result) if frame in body.rows), None)
-        if home is None:
-            result.append(bench.start(frame))
-            home = len(result) - 1
-        body = result[home]
-        place = body.rows.index(frame)
-        right, up = (np.array(way) / np.linalg.norm(way) for way in (plate.right, plate.up))
-        turn = body.turns[place] @ np.column_stack([right, up, np.cross(right, up)])
-        move = body.turns[place] @ np.array(plate.centre) + body.moves[place]
-        if bench.overlaps(body, row, turn, move):
-            message = f'panel "{plate.panel}" overlaps others where the hint puts it; move it'
-            raise InputError(message)
-        turns, moves = np.concatenate([body.turns, turn[None]]), np.concatenate([body.moves, move[None]])
-        result[home] = Placement((*body.rows, row), turns, moves, body.met, {})
+    for pose in constraints.poses:
+        homes = []
+        for row in pose.panels:
+            if not any(row in body.rows for body in result):
+                result.append(bench.start(row))
+            homes.append(next(body for body in result if row in body.rows))
+        base, guest = homes
+        if base is guest:
+            continue  # both stood from the start of the search
+        frame, row = base.rows.index(pose.panels[0]), guest.rows.index(pose.panels[1])
+        turn = base.turns[frame] @ pose.turn @ guest.turns[row].T
+        move = base.turns[frame] @ pose.move + base.moves[frame] - turn @ guest.moves[row]
+        turns, moves = turn @ guest.turns, guest.moves @ turn.T + move
+        for k, other in enumerate(guest.rows):
+            if bench.overlaps(base, other, turns[k], moves[k]):
+                message = f'panel "{bench.plates[other].name}" overlaps others where the hint puts it; move it'
+                raise InputError(message)
+        result = [body for body in result if body is not guest and body is not base]
+        whole = np.concatenate([base.turns, turns]), np.concatenate([base.moves, moves])
+        result.append(Placement((*base.rows, *guest.rows), *whole, base.met + guest.met, {}))
+    result.sort(key=lambda body: -len(body.rows))
     placed = {row for body in result for row in body.rows}
-    return result, [row for row in range(len(names)) if row not in placed]
+    return result, [row for row in range(len(bench.plates)) if row not in placed]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,7 +12,9 @@ from numpy.typing import NDArray
 from wiggleroom.mating.beam_search import BeamState
 from wiggleroom.mating.candidates import VOTING
 from wiggleroom.mating.contact import ASKEW_LENGTH_TOLERANCE, finger_length, finger_setback, line_shifts
-from wiggleroom.mating.flanks import FlankLine, SheetPlate, joint_angles
+from wiggleroom.mating.edge_constraints import JoinedEdges
+from wiggleroom.mating.edge_ends import edge_ends, ends_together
+from wiggleroom.mating.flanks import FlankLine, SheetPlate, bits, flank_rows, joint_angles
 
 Floats = NDArray[np.float64]
 LONG_ROW = 4
@@ -32,12 +34,15 @@ class PairPoses:
         Flanks of A and of B that meet.
     blocked : tuple of (int, int)
         Needed flanks of A and of B that the other's material leaves no partner for.
+    together : (k,) float64
+        How many of the ends of the edges that are joined are together.
     """
 
     turns: Floats
     moves: Floats
     met: tuple[tuple[int, int], ...]
     blocked: tuple[tuple[int, int], ...]
+    together: Floats
 
     @cached_property
     def at_flank(self) -> dict[int, list[int]]:
@@ -57,11 +62,14 @@ class PairPoseTable:
     bench : BeamState
     whole : bool
         Only poses in which rows of fingers meet from end to end: a joint is a row of one panel in a row of another.
+    aligned_of : PairPoseTable, optional
+        A table of which only those poses count in which the edges end together.
     """
 
-    def __init__(self, bench: BeamState, *, whole: bool) -> None:
+    def __init__(self, bench: BeamState, *, whole: bool, aligned_of: PairPoseTable | None = None) -> None:
         self.bench = bench
         self.whole = whole
+        self.aligned_of = aligned_of
         self.angles = joint_angles(bench.plates)
         self._known: dict[tuple[int, int], PairPoses] = {}
 
@@ -69,32 +77,48 @@ class PairPoseTable:
         """Poses of a panel like `b` in the frame of a panel like `a`; both are rows."""
         key = self.bench.plates[a].kind, self.bench.plates[b].kind
         if key not in self._known:
-            if key[::-1] in self._known:
+            if self.aligned_of is not None:
+                poses = self.aligned_of.between(a, b)
+                joined = bool(self.bench.constraints.between(a, b))
+                self._known[key] = poses if joined else _chosen(poses, poses.together == 2.0)
+            elif key[::-1] in self._known:
                 self._known[key] = _inverse(self._known[key[::-1]])
             else:
-                self._known[key] = self._worked_out(a, b)
+                self._known[key] = self._worked_out(a, b, self.bench.constraints.between(a, b))
         return self._known[key]
 
-    def _worked_out(self, a: int, b: int) -> PairPoses:
+    def unjoined(self, a: int, b: int) -> PairPoses:
+        """The same as if nothing had been said of the two."""
+        return self._worked_out(a, b, [])
+
+    def _worked_out(self, a: int, b: int, joins: Sequence[JoinedEdges]) -> PairPoses:
+        """Poses in which every join holds; these need not close whole rows."""
         bench = self.bench
         found = list(_line_poses(bench.plates[a], bench.plates[b], bench.tolerance))
         for angle in self.angles:
             found += _askew_poses(bench.plates[a], bench.plates[b], bench.tolerance, float(np.cos(angle)))
         if not found:
-            return PairPoses(np.zeros((0, 3, 3)), np.zeros((0, 3)), (), ())
-        turns, moves = (np.concatenate(values) for values in zip(*found, strict=True))
+            return PairPoses(np.zeros((0, 3, 3)), np.zeros((0, 3)), (), (), np.zeros(0))
+        turns, moves, together = (np.concatenate(values) for values in zip(*found, strict=True))
         met_a, met_b = bench.met_flags(a, b, turns, moves)
         fine = met_a.any(axis=1)
-        if self.whole:
+        for join in joins:
+            for met, edge in zip((met_a, met_b), join.flanks, strict=True):
+                fine &= met[:, list(flank_rows(edge))].sum(axis=1) >= join.least
+        if self.whole and not joins:
             fine &= _meets_whole_rows(bench.plates[a], met_a) & _meets_whole_rows(bench.plates[b], met_b)
-        turns, moves = turns[fine], moves[fine]
+        turns, moves, together = turns[fine], moves[fine], together[fine]
         met_a, met_b, blocked_a, blocked_b = bench.masks(a, b, turns, moves)
         count, odd = met_a.sum(axis=1), blocked_a.sum(axis=1) + blocked_b.sum(axis=1)
         corners = np.column_stack([np.round(turns.reshape(-1, 9) * 10), np.round(moves / bench.tolerance)]).astype(int)
         keep, marks = [], set()
-        for k in np.argsort(-count, kind="stable").tolist():
+        for k in np.lexsort([-together, -count]).tolist():
             mark = corners[k].tobytes()
-            if odd[k] > count[k] or mark in marks or bench.volume(a, b, turns[k], moves[k]) > bench.most:
+            if (
+                (odd[k] > count[k] and not joins)
+                or mark in marks
+                or bench.volume(a, b, turns[k], moves[k]) > bench.most
+            ):
                 continue
             marks.add(mark)
             keep.append(k)
@@ -103,7 +127,15 @@ class PairPoseTable:
             moves[keep],
             tuple(zip(bits(met_a[keep]), bits(met_b[keep]), strict=True)),
             tuple(zip(bits(blocked_a[keep]), bits(blocked_b[keep]), strict=True)),
+            together[keep],
         )
+
+
+def _chosen(poses: PairPoses, keep: NDArray[np.bool_]) -> PairPoses:
+    """Some of the poses."""
+    rows = np.flatnonzero(keep).tolist()
+    met, blocked = (tuple(pairs[k] for k in rows) for pairs in (poses.met, poses.blocked))
+    return PairPoses(poses.turns[keep], poses.moves[keep], met, blocked, poses.together[keep])
 
 
 def _inverse(poses: PairPoses) -> PairPoses:
@@ -111,7 +143,7 @@ def _inverse(poses: PairPoses) -> PairPoses:
     turns = np.swapaxes(poses.turns, 1, 2)
     moves = -np.einsum("kij,kj->ki", turns, poses.moves)
     met, blocked = ((tuple((b, a) for a, b in pairs)) for pairs in (poses.met, poses.blocked))
-    return PairPoses(turns, moves, met, blocked)
+    return PairPoses(turns, moves, met, blocked, poses.together)
 
 
 def _meets_whole_rows(plate: SheetPlate, met: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -127,38 +159,24 @@ def _meets_whole_rows(plate: SheetPlate, met: NDArray[np.bool_]) -> NDArray[np.b
     return ~broken.any(axis=1)
 
 
-def bits(flags: NDArray[np.bool_]) -> list[int]:
-    """Every row of `flags` (k, n) as an integer whose bit i is flag i.
-
-    Examples
-    --------
-    >>> bits(np.array([[True, False, True], [False, True, False]]))
-    [5, 2]
-    """
-    packed = np.packbits(flags, axis=1, bitorder="little")
-    return [int.from_bytes(row.tobytes(), "little") for row in packed]
-
-
-def flank_rows(mask: int) -> Iterator[int]:
-    """Numbers of the bits that are set, ascending."""
-    while mask:
-        low = mask & -mask
-        yield low.bit_length() - 1
-        mask ^= low
-
-
-def _line_poses(a: SheetPlate, b: SheetPlate, tolerance: float) -> Iterator[tuple[Floats, Floats]]:
+def _line_poses(a: SheetPlate, b: SheetPlate, tolerance: float) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Poses, many at once, that lay a line of flanks of B on one of A, their planes square to each other."""
-    for line in a.lines:
-        for other in b.lines:
+    ends = [[edge_ends(plate, line) for line in plate.lines] for plate in (a, b)]
+    for line, own in zip(a.lines, ends[0], strict=True):
+        for other, its in zip(b.lines, ends[1], strict=True):
             for sign in (1.0, -1.0):
                 shifts = _shifts(line, other, sign, a, b, tolerance)
                 if len(shifts):
+                    laid = [] if its is None else sorted(sign * end for end in its)
+                    moved = [(laid[0] + shift, laid[1] + shift) if laid else None for shift in shifts.tolist()]
+                    together = np.array([ends_together(own, each, a.thickness) for each in moved])
                     for fold in (1.0, -1.0):
-                        yield _poses(line, other, sign, shifts, fold)
+                        yield *_poses(line, other, sign, shifts, fold), together
 
 
-def _askew_poses(a: SheetPlate, b: SheetPlate, tolerance: float, cosine: float) -> Iterator[tuple[Floats, Floats]]:
+def _askew_poses(
+    a: SheetPlate, b: SheetPlate, tolerance: float, cosine: float
+) -> Iterator[tuple[Floats, Floats, Floats]]:
     """Poses that join edges of two plates which turn by an angle at the joint; its cosine."""
     if abs(a.thickness - b.thickness) > 0.01 * a.thickness:
         return
@@ -189,7 +207,7 @@ def _askew_poses(a: SheetPlate, b: SheetPlate, tolerance: float, cosine: float) 
                     axis = np.append((line.offset + line.outward * back) * line.across, 0.0)
                     own = np.append((other.offset + other.outward * back) * other.across, 0.0)
                     moves = axis - turn @ own + shifts[:, None] * np.append(line.along, 0.0)
-                    yield np.repeat(turn[None], len(shifts), axis=0), moves
+                    yield np.repeat(turn[None], len(shifts), axis=0), moves, np.full(len(shifts), 2.0)
 
 
 def _shifts(a: FlankLine, b: FlankLine, sign: float, one: SheetPlate, other: SheetPlate, tolerance: float) -> Floats:

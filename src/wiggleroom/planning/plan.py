@@ -14,11 +14,11 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.deadline import Deadline
 from wiggleroom.disassembly.disassembly_sequence import disassemble
 from wiggleroom.disassembly.interlock import with_ground
+from wiggleroom.displayable import Drawable
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.planning.gravity import Gravity
 from wiggleroom.planning.path_improvement import improved_steps
 from wiggleroom.planning.steps import Step, measured, steps_of
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress, silent
 from wiggleroom.search.prepare import survey
 from wiggleroom.verdict import Certainty, Separability

@@ -13,6 +13,7 @@ from wiggleroom.assembly.build import assemble
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.disassembly.interlock import with_ground
 from wiggleroom.disassembly.remaining import only
+from wiggleroom.displayable import Displayable
 from wiggleroom.errors import InputError, Stop, TouchingError
 from wiggleroom.planning.path_improvement import improved_steps
 from wiggleroom.planning.plan import Plan
@@ -31,7 +32,7 @@ RANK_SHARE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class PlanSample:
+class PlanSample(Displayable):
     """What becomes of a plan when the gap round every part varies at random.
 
     Parameters
@@ -65,7 +66,7 @@ class PlanSample:
 
 
 @dataclass(frozen=True, eq=False)
-class PlanRanking:
+class PlanRanking(Displayable):
     """Whose gap decides how much room a plan has.
 
     Parameters
@@ -83,11 +84,12 @@ class PlanRanking:
 
 
 @dataclass(frozen=True, eq=False)
-class SmallestGap:
+class SmallestGap(Displayable):
     """The smallest gap at which a plan works, from both sides.
 
     Parameters
     ----------
+    plan : Plan
     works_at : float [mm]
         Smallest gap at which all steps, fitted anew, were found to be free.
     works : tuple of Step
@@ -100,6 +102,7 @@ class SmallestGap:
         Two parts that are in each other's way there; empty where they touch at rest.
     """
 
+    plan: Plan
     works_at: float
     works: tuple[Step, ...]
     fails_at: float | None
@@ -202,7 +205,7 @@ def smallest_gap(plan: Plan, *, stop: Stop | None = None) -> SmallestGap:
         if low is not None and high - low <= GAP_TOLERANCE * high:
             break
         trial = high / 2 if low is None else (low + high) / 2
-    return SmallestGap(high, works, low, *why)
+    return SmallestGap(plan, high, works, low, *why)
 
 
 def _at_gap(

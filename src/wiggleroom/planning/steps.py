@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.clearance import distances
 from wiggleroom.disassembly.disassembly_sequence import Departure
+from wiggleroom.displayable import Displayable
 from wiggleroom.geometry.rigid_motions import of_bodies
 from wiggleroom.search.prepare import Survey
 
@@ -29,7 +30,7 @@ MOST_CLEARANCE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class Step(Displayable):
     """One step of a plan: some parts move, all others stay.
 
     Parameters

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from wiggleroom.geometry.jit_options import NO_ALLOCATION, njit
+from wiggleroom.geometry.jit_options import COMPILED_CALLERS_ONLY, NO_ALLOCATION, njit
 
 A_EDGE, B_EDGE, LOW, HIGH, FACE = 0, 1, 2, 3, 4
 
@@ -70,21 +70,42 @@ def wall_gradients(g, row, kind, normal, per_turn, corner, d):
                 d[k, 0], d[k, 1], d[k, 2] = nx, ny, ny * zx - nx * zy + per_turn[k]
 
 
+@njit(inline="always", **COMPILED_CALLERS_ONLY)
+def _relative_change(p, g, turn, i, j, scale, u):
+    """Change (x, y, psi) of the relative pose of pair p, of the free bodies i and j (-1: fixed), along u."""
+    c, s = turn[p, 0], turn[p, 1]
+    ex, ey, et = 0.0, 0.0, 0.0
+    if j >= 0:
+        vx, vy = u[3 * j] * scale[3 * j], u[3 * j + 1] * scale[3 * j + 1]
+        ex, ey, et = c * vx + s * vy, -s * vx + c * vy, u[3 * j + 2] * scale[3 * j + 2]
+    if i >= 0:
+        vx, vy, w = u[3 * i] * scale[3 * i], u[3 * i + 1] * scale[3 * i + 1], u[3 * i + 2] * scale[3 * i + 2]
+        ex += -c * vx - s * vy + g[p, 1] * w
+        ey += s * vx - c * vy - g[p, 0] * w
+        et -= w
+    return ex, ey, et
+
+
+@njit(inline="always", **COMPILED_CALLERS_ONLY)
+def _add_wrench(p, g, turn, i, j, scale, fx, fy, ft, out):
+    """Add what a force (fx, fy) and torque ft on B in A's frame, of pair p, mean for the free bodies i and j (-1: fixed)."""
+    c, s = turn[p, 0], turn[p, 1]
+    wx, wy = c * fx - s * fy, s * fx + c * fy
+    if j >= 0:
+        out[3 * j] += wx * scale[3 * j]
+        out[3 * j + 1] += wy * scale[3 * j + 1]
+        out[3 * j + 2] += ft * scale[3 * j + 2]
+    if i >= 0:
+        out[3 * i] -= wx * scale[3 * i]
+        out[3 * i + 1] -= wy * scale[3 * i + 1]
+        out[3 * i + 2] += (g[p, 1] * fx - g[p, 0] * fy - ft) * scale[3 * i + 2]
+
+
 @njit(**NO_ALLOCATION)
 def jacobian_product(g, turn, a, b, row, d, scale, slot, u, out):
     """Out = J u: directional derivative of every row; `slot` maps bodies to free bodies (-1: fixed)."""
     for p in range(len(a)):
-        c, s = turn[p, 0], turn[p, 1]
-        ex, ey, et = 0.0, 0.0, 0.0
-        i, j = slot[a[p]], slot[b[p]]
-        if j >= 0:
-            vx, vy = u[3 * j] * scale[3 * j], u[3 * j + 1] * scale[3 * j + 1]
-            ex, ey, et = c * vx + s * vy, -s * vx + c * vy, u[3 * j + 2] * scale[3 * j + 2]
-        if i >= 0:
-            vx, vy, w = u[3 * i] * scale[3 * i], u[3 * i + 1] * scale[3 * i + 1], u[3 * i + 2] * scale[3 * i + 2]
-            ex += -c * vx - s * vy + g[p, 1] * w
-            ey += s * vx - c * vy - g[p, 0] * w
-            et -= w
+        ex, ey, et = _relative_change(p, g, turn, slot[a[p]], slot[b[p]], scale, u)
         for k in range(row[p], row[p + 1]):
             out[k] = d[k, 0] * ex + d[k, 1] * ey + d[k, 2] * et
 
@@ -98,17 +119,40 @@ def transposed_jacobian_product(g, turn, a, b, row, d, scale, slot, y, out):
             fx += d[k, 0] * y[k]
             fy += d[k, 1] * y[k]
             ft += d[k, 2] * y[k]
-        c, s = turn[p, 0], turn[p, 1]
-        i, j = slot[a[p]], slot[b[p]]
-        wx, wy = c * fx - s * fy, s * fx + c * fy
-        if j >= 0:
-            out[3 * j] += wx * scale[3 * j]
-            out[3 * j + 1] += wy * scale[3 * j + 1]
-            out[3 * j + 2] += ft * scale[3 * j + 2]
-        if i >= 0:
-            out[3 * i] -= wx * scale[3 * i]
-            out[3 * i + 1] -= wy * scale[3 * i + 1]
-            out[3 * i + 2] += (g[p, 1] * fx - g[p, 0] * fy - ft) * scale[3 * i + 2]
+        _add_wrench(p, g, turn, slot[a[p]], slot[b[p]], scale, fx, fy, ft, out)
+
+
+@njit(**NO_ALLOCATION)
+def eliminated_product(g, turn, a, b, row, d, scale, slot, s, lam, primal, goal, out):
+    """Add J^T ((lam * primal + goal) / s) to out: what rows ask of the variables once slacks and multipliers are eliminated."""
+    for p in range(len(a)):
+        fx, fy, ft = 0.0, 0.0, 0.0
+        for k in range(row[p], row[p + 1]):
+            y = (lam[k] * primal[k] + goal[k]) / s[k]
+            fx += d[k, 0] * y
+            fy += d[k, 1] * y
+            ft += d[k, 2] * y
+        _add_wrench(p, g, turn, slot[a[p]], slot[b[p]], scale, fx, fy, ft, out)
+
+
+@njit(**NO_ALLOCATION)
+def eliminated_changes(g, turn, a, b, row, d, scale, slot, u, s, lam, primal, goal, ds, dlam):
+    """Fill in the changes of slacks, J u - primal, and multipliers, (goal - lam * ds) / s, that belong to a change u.
+
+    Returns the largest ratios -ds / s and -dlam / lam, at least 1: the reciprocals of the longest steps.
+    """
+    fastest, dual_fastest = 1.0, 1.0
+    for p in range(len(a)):
+        ex, ey, et = _relative_change(p, g, turn, slot[a[p]], slot[b[p]], scale, u)
+        for k in range(row[p], row[p + 1]):
+            change = d[k, 0] * ex + d[k, 1] * ey + d[k, 2] * et - primal[k]
+            other = (goal[k] - lam[k] * change) / s[k]
+            ds[k], dlam[k] = change, other
+            if -change > fastest * s[k]:
+                fastest = -change / s[k]
+            if -other > dual_fastest * lam[k]:
+                dual_fastest = -other / lam[k]
+    return fastest, dual_fastest
 
 
 @njit(**NO_ALLOCATION)

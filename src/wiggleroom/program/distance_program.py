@@ -30,27 +30,23 @@ class DistanceProgram(Program):
 
     def row_values(self, g: Floats) -> Floats:
         """Distances (R,) in units of `length` at relative poses g (P, 3)."""
-        near, h = self.cells, np.empty(self.rows)
+        h = np.empty(self.rows)
 
         def fill(some: slice) -> None:
-            row = row_of(near.row, some)
-            kernel.distances(g[some], row, *self._listed, h)
-            h[row[0] : row[-1]] /= self.length
+            kernel.distances(g[some], row_of(self.cells.row, some), *self._listed, self.length, h)
 
         in_batches(len(g), self.batches, fill)
         return h
 
-    def row_gradients(self, g: Floats) -> Floats:
-        """Derivatives (R, 3) of the distances with respect to (q, psi), in units of `length`."""
-        near, d = self.cells, np.empty((self.rows, 3))
+    def rows_at(self, g: Floats) -> tuple[Floats, Floats]:
+        """Distances (R,) and their derivatives (R, 3) with respect to (q, psi), in units of `length`."""
+        h, d = np.empty(self.rows), np.empty((self.rows, 3))
 
         def fill(some: slice) -> None:
-            row = row_of(near.row, some)
-            kernel.distance_gradients(g[some], row, *self._listed, d)
-            d[row[0] : row[-1]] /= self.length
+            kernel.distance_rows(g[some], row_of(self.cells.row, some), *self._listed, self.length, h, d)
 
         in_batches(len(g), self.batches, fill)
-        return d
+        return h, d
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
         """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), made positive semidefinite, and D^T lam (P, 2) by q."""

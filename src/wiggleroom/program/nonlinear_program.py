@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.geometry.batches import THREADS, in_batches
@@ -16,9 +16,12 @@ from wiggleroom.program.constraint_rows import Regions, rows_of
 from wiggleroom.program.objectives import Objective
 from wiggleroom.program.sparsity_pattern import Pattern, pattern
 
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
+T = TypeVar("T")
 
 MIN_PARALLEL_ROWS = 20_000
 """From so many rows on two threads are quicker than one."""
@@ -115,8 +118,8 @@ class Program:
         in_batches(len(g), self.batches, fill)
         return h
 
-    def row_gradients(self, g: Floats) -> Floats:
-        """Derivatives (R, 3) of the rows with respect to (q, psi), in units of `length`."""
+    def rows_at(self, g: Floats) -> tuple[Floats, Floats]:
+        """Rows h (R,) and their derivatives (R, 3) with respect to (q, psi), in units of `length`."""
         d = np.empty((self.rows, 3))
 
         def fill(some: slice) -> None:
@@ -125,7 +128,7 @@ class Program:
             d[row[0] : row[-1]] /= self.length
 
         in_batches(len(g), self.batches, fill)
-        return d
+        return self.row_values(g), d
 
     def pair_blocks(self, g: Floats, d: Floats, weight: Floats, lam: Floats) -> tuple[Floats, Floats]:
         """D^T diag(weight) D - sum lam h'' of every pair (P, 6), by (q, psi), and D^T lam (P, 2) by q."""
@@ -145,9 +148,7 @@ class Program:
         motion = self.motion(u)
         g, turn = self.relative(motion)
         gradient = self.objective.gradient(motion)[self.free].ravel() * self.scale
-        return Linearised(
-            self, motion, g, turn, self.row_values(g), self.row_gradients(g), self.objective.value(motion), gradient
-        )
+        return Linearised(self, motion, g, turn, *self.rows_at(g), self.objective.value(motion), gradient)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,31 +166,66 @@ class Linearised:
 
     def jacobian_product(self, u: Floats) -> Floats:
         """J u (R,)."""
-        P, out = self.program, np.empty(self.program.rows)
-        kernel.jacobian_product(self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, u, out)
+        out = np.empty(self.program.rows)
+        self._in_batches(lambda pairs: kernel.jacobian_product(*pairs, u, out))
         return out
 
     def transposed_jacobian_product(self, y: Floats) -> Floats:
         """J^T y (3F,)."""
-        P, out = self.program, np.zeros(len(self.program.scale))
-        kernel.transposed_jacobian_product(
-            self.g, self.turn, P.cells.a, P.cells.b, P.cells.row, self.d, P.scale, P.slot, y, out
-        )
-        return out
+        return self._summed(lambda pairs, out: kernel.transposed_jacobian_product(*pairs, y, out))
+
+    def eliminated_product(self, s: Floats, lam: Floats, primal: Floats, goal: Floats) -> Floats:
+        """J^T ((lam * primal + goal) / s) (3F,): what rows ask of the variables once slacks and multipliers are eliminated."""
+        return self._summed(lambda pairs, out: kernel.eliminated_product(*pairs, s, lam, primal, goal, out))
+
+    def eliminated_changes(
+        self, u: Floats, s: Floats, lam: Floats, primal: Floats, goal: Floats
+    ) -> tuple[Floats, Floats, float, float]:
+        """Changes of slacks and multipliers (R,) that belong to a change u, and the longest steps in [0, 1] that keep them positive."""
+        ds, dlam = np.empty_like(s), np.empty_like(s)
+        found = self._in_batches(lambda pairs: kernel.eliminated_changes(*pairs, u, s, lam, primal, goal, ds, dlam))
+        fastest, dual_fastest = np.array(found).max(axis=0).tolist()
+        return ds, dlam, 1.0 / fastest, 1.0 / dual_fastest
 
     def condensed(self, weight: Floats, lam: Floats, balance: Floats | None = None, share: float = 1.0) -> Floats:
         """Entries of J^T diag(weight) J - share objective'' - sum lam h'' in the order of `program.pattern`."""
         P, pattern = self.program, self.program.pattern
-        data = np.zeros(len(pattern.indices))
         M, force = P.pair_blocks(self.g, self.d, weight, lam)
         if balance is not None:
             force += balance
-        kernel.add_condensed_blocks(
-            self.g, self.turn, P.cells.a, P.cells.b, M, force, P.scale, P.slot,
-            pattern.diagonal_at, pattern.block_at, np.zeros((3, 6, 6)), data,
-        )  # fmt: skip
+
+        def add(some: slice) -> Floats:
+            data = np.zeros(len(pattern.indices))
+            kernel.add_condensed_blocks(
+                self.g[some], self.turn[some], P.cells.a[some], P.cells.b[some], M[some], force[some], P.scale, P.slot,
+                pattern.diagonal_at, pattern.block_at[some], np.zeros((3, 6, 6)), data,
+            )  # fmt: skip
+            return data
+
+        data = _sum(in_batches(len(self.g), P.batches, add))
         self._add_objective(data, share)
         return data
+
+    def _in_batches(self, work: Callable[[tuple[Any, ...]], T]) -> list[T]:
+        """Results of `work` for batches of pairs, each given as what the kernels of the Jacobian take first."""
+        P = self.program
+
+        def done(some: slice) -> T:
+            row = row_of(P.cells.row, some)
+            pairs = self.g[some], self.turn[some], P.cells.a[some], P.cells.b[some], row, self.d, P.scale, P.slot
+            return work(pairs)
+
+        return in_batches(len(self.g), P.batches, done)
+
+    def _summed(self, add: Callable[[tuple[Any, ...], Floats], None]) -> Floats:
+        """Sum (3F,) of what is added for each batch of pairs."""
+
+        def done(pairs: tuple[Any, ...]) -> Floats:
+            out = np.zeros(len(self.program.scale))
+            add(pairs, out)
+            return out
+
+        return _sum(self._in_batches(done))
 
     def _add_objective(self, data: Floats, share: float) -> None:
         """Take a share of the objective's second derivatives off."""
@@ -210,6 +246,8 @@ class Linearised:
 
     def jacobian(self) -> sp.csr_matrix:
         """The whole Jacobian (R, 3F), for checks and for solvers that want it."""
+        import scipy.sparse as sp  # slow to import, and not always needed
+
         P = self.program
         pair = np.repeat(np.arange(len(P.cells.a)), np.diff(P.cells.row))
         c, s = self.turn[pair].T
@@ -229,7 +267,16 @@ class Linearised:
         return sp.csr_matrix((np.concatenate(vals), where), shape=(P.rows, len(P.scale)))
 
 
-def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float) -> Program:
+def _sum(terms: list[Floats]) -> Floats:
+    """Sum of some arrays, in the first of them."""
+    for term in terms[1:]:
+        terms[0] += term
+    return terms[0]
+
+
+def build(
+    bodies: Bodies, cells: Regions, objective: Objective, *, length: float, like: Program | None = None
+) -> Program:
     """Put all pairs and the objective into one program.
 
     Parameters
@@ -240,10 +287,17 @@ def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float
     objective : Objective
     length : float [mm]
         Typical clearance; variables and rows are scaled by it.
+    like : Program, optional
+        Another one for the same bodies and objective: where its pairs are the same ones too, both share a pattern.
 
     Source: Mind the Gap, Eq. (4); glue and fixed parts are eliminated instead of added as equations.
     """
     rows = rows_of(bodies, cells)
+    if like is not None and _alike(like, bodies, cells, objective, length):
+        return Program(
+            bodies, objective, cells, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, like.slot, like.free,
+            like.scale, length, like.pattern, like.coupled_at,
+        )  # fmt: skip
     free = np.flatnonzero(~bodies.fixed)
     slot = np.full(len(bodies.fixed), -1, dtype=np.int64)
     slot[free] = np.arange(len(free))
@@ -262,3 +316,9 @@ def build(bodies: Bodies, cells: Regions, objective: Objective, *, length: float
         bodies, objective, cells, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, slot, free, scale.ravel(),
         length, replace(whole, block_at=whole.block_at[: len(own)]), whole.block_at[at],
     )  # fmt: skip
+
+
+def _alike(like: Program, bodies: Bodies, cells: Regions, objective: Objective, length: float) -> bool:
+    """True where a program has the same bodies, pairs and objective."""
+    same = like.bodies is bodies and like.objective is objective and like.length == length
+    return same and np.array_equal(like.cells.a, cells.a) and np.array_equal(like.cells.b, cells.b)

@@ -9,7 +9,6 @@ motions only.
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.program.nonlinear_program import Linearised, Program
@@ -25,6 +24,7 @@ class Retraction:
 
     def __init__(self, program: Program) -> None:
         import qdldl
+        import scipy.sparse as sp
 
         cells, slot = program.cells, program.slot
         pairs = np.arange(len(cells.a))

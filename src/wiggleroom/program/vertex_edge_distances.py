@@ -32,36 +32,41 @@ def nearer_to_end(ahead, beyond):
     return beyond > 0.0 or ahead < beyond
 
 
+@njit(inline="always", **COMPILED_CALLERS_ONLY)
+def _distance(x, y, e, corner, normal, length):
+    """Distance of (x, y) from edge e, and the unit vector along which it grows."""
+    rx, ry = x - corner[e, 0], y - corner[e, 1]
+    nx, ny = normal[e, 0], normal[e, 1]
+    ahead, along = nx * rx + ny * ry, nx * ry - ny * rx
+    if not nearer_to_end(ahead, max(-along, along - length[e])):
+        return ahead, nx, ny
+    beyond = along if along < 0.5 * length[e] else along - length[e]
+    size = np.sqrt(ahead * ahead + beyond * beyond)
+    return size, (ahead * nx - beyond * ny) / size, (ahead * ny + beyond * nx) / size
+
+
 @njit(**NO_ALLOCATION)
-def distances(g, row, kind, edge, vertex, corner, normal, length, h):
-    """Distances h (R,); negative behind an edge."""
+def distances(g, row, kind, edge, vertex, corner, normal, length, unit, h):
+    """Distances h (R,) in units of `unit`; negative behind an edge."""
     for p in range(len(row) - 1):
         c, s = np.cos(g[p, 2]), np.sin(g[p, 2])
         for r in range(row[p], row[p + 1]):
-            e, v = edge[r], vertex[r]
+            v = vertex[r]
             x, y = _seen(kind[r], c, s, g[p, 0], g[p, 1], corner[v, 0], corner[v, 1])
-            rx, ry = x - corner[e, 0], y - corner[e, 1]
-            ahead = normal[e, 0] * rx + normal[e, 1] * ry
-            along = normal[e, 0] * ry - normal[e, 1] * rx
-            beyond = max(-along, along - length[e])
-            h[r] = np.sqrt(ahead * ahead + beyond * beyond) if nearer_to_end(ahead, beyond) else ahead
+            h[r] = _distance(x, y, edge[r], corner, normal, length)[0] / unit
 
 
 @njit(**NO_ALLOCATION)
-def distance_gradients(g, row, kind, edge, vertex, corner, normal, length, d):
-    """Derivatives d (R, 3) of all distances with respect to (q, psi)."""
+def distance_rows(g, row, kind, edge, vertex, corner, normal, length, unit, h, d):
+    """Distances h (R,) and their derivatives d (R, 3) with respect to (q, psi), in units of `unit`."""
     for p in range(len(row) - 1):
         c, s = np.cos(g[p, 2]), np.sin(g[p, 2])
         for r in range(row[p], row[p + 1]):
-            e, v, k = edge[r], vertex[r], kind[r]
+            v, k = vertex[r], kind[r]
             x, y = _seen(k, c, s, g[p, 0], g[p, 1], corner[v, 0], corner[v, 1])
-            rx, ry = x - corner[e, 0], y - corner[e, 1]
-            nx, ny = normal[e, 0], normal[e, 1]
-            ahead, along = nx * rx + ny * ry, nx * ry - ny * rx
-            if nearer_to_end(ahead, max(-along, along - length[e])):
-                beyond = along if along < 0.5 * length[e] else along - length[e]
-                size = np.sqrt(ahead * ahead + beyond * beyond)
-                nx, ny = (ahead * nx - beyond * ny) / size, (ahead * ny + beyond * nx) / size
+            size, nx, ny = _distance(x, y, edge[r], corner, normal, length)
+            h[r] = size / unit
+            nx, ny = nx / unit, ny / unit
             if k == A_EDGE:
                 zx, zy = x - g[p, 0], y - g[p, 1]
                 d[r, 0], d[r, 1], d[r, 2] = nx, ny, ny * zx - nx * zy

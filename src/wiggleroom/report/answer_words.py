@@ -13,7 +13,9 @@ from wiggleroom.spatial.spatial_model import SpatialGoal, SpatialPull, SpatialTu
 from wiggleroom.verdict import Verdict
 
 if TYPE_CHECKING:
+    from wiggleroom.assembly.assembly import Assembly
     from wiggleroom.search.answer import Answer, Contact
+    from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 MAX_NAME_LENGTH = 40
 """Longer names are cut in the middle [characters]."""
@@ -106,6 +108,14 @@ def goals_text(goals: tuple[Goal | SpatialGoal, ...], most: int = 1) -> str:
     """
     more = f" and {len(goals) - most} more" if len(goals) > most else ""
     return ", ".join(ask(g) for g in goals[:most]) + more
+
+
+def assembly_lines(assembly: Assembly | SpatialAssembly) -> list[str]:
+    """What an assembly is, in two lines: its size and gap, then what stands and what is asked."""
+    fixed = [part.name for part in assembly.parts if part.fixed]
+    stands = f"{few(fixed)} {'stands' if len(fixed) == 1 else 'stand'}" if fixed else "nothing stands"
+    wanted = f"asked: {goals_text(assembly.goals, 3)}" if assembly.goals else "nothing is asked"
+    return [f"{len(assembly.parts)} parts, gap {number(assembly.gap)} mm", f"{stands}; {wanted}"]
 
 
 def unit(goals: tuple[Goal | SpatialGoal, ...]) -> str:

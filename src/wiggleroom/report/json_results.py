@@ -30,7 +30,7 @@ def flex_result(answer: Answer) -> FlexResult:
         leaves=list(answer.leaves) if free else UNSET,
         turns=list(answer.turns) if free else UNSET,
         period=_period(answer),
-        parts=_motions(answer, answer.motion, answer.assembly.names),
+        parts=_motions(answer, answer.motion, set(answer.assembly.names)),
         collision_free=bool(answer.collision_free),
         deepest_overlap=float(answer.deepest_overlap),
         path=answer.path,  # type: ignore[arg-type]

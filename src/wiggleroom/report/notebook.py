@@ -1,25 +1,46 @@
-"""Assemblies, answers and studies in a notebook: the one-file page in a frame, and a few lines where no page can be shown."""
+"""Whatever is found, and what it is about, in a notebook: the one-file page in a frame, and a few lines where no page can be shown."""
 
 from __future__ import annotations
 
 import html
 
+import numpy as np
+
 from wiggleroom.assembly.assembly import Assembly
-from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.disassembly.interlock import Escape, Interlock
+from wiggleroom.disassembly.largest_gap import LargestGap
+from wiggleroom.displayable import Displayable
+from wiggleroom.form_closure.blocking_graph import Blocking
+from wiggleroom.form_closure.mobility import TightVerdict
+from wiggleroom.freespace.free_space import FreeSpace
+from wiggleroom.freespace.models.polyhedron import Polyhedron
+from wiggleroom.live.live_result import LiveResult, Mode
 from wiggleroom.planning.plan import Plan
+from wiggleroom.planning.plan_tolerance import PlanRanking, PlanSample, SmallestGap
+from wiggleroom.planning.steps import Step
 from wiggleroom.report import importance_picture, study_plots
-from wiggleroom.report.answer_words import facts, headline, verdict_sentence
+from wiggleroom.report.answer_words import assembly_lines, facts, few, headline, number, towards, verdict_sentence
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence
-from wiggleroom.report.pages import assembly_lines, page_of_answer, page_of_assembly
-from wiggleroom.report.plan_results import plan_facts, plan_title
-from wiggleroom.report.separability import check_facts, check_title
+from wiggleroom.report.pages import page_of_answer, page_of_assembly
+from wiggleroom.report.plan_pictures import page_of_plan
+from wiggleroom.report.plan_results import (
+    PlanTolerances,
+    plan_facts,
+    plan_title,
+    step_sentence,
+    tolerance_sentences,
+)
+from wiggleroom.report.separability import border_sentence, check_facts, check_title
 from wiggleroom.report.separability_picture import Checked
+from wiggleroom.report.solid_page import page_of_spatial_assembly
+from wiggleroom.report.space_report import space_facts, space_headline
 from wiggleroom.report.spatial_table import check_sentence, spatial_headline, spatial_sentence
 from wiggleroom.report.study_results import lost_sentence
 from wiggleroom.report.tolerance_results import tolerances_facts, tolerances_sentence
 from wiggleroom.report.write_spatial import spatial_page
-from wiggleroom.report.write_study import Study, assembly_of, in_space, page_of_study
+from wiggleroom.report.write_study import StudyResult, assembly_of, in_space, page_of_study
 from wiggleroom.search.answer import Answer
+from wiggleroom.search.prepare import Prepared
 from wiggleroom.sensitivity.gap_trials import AllowableGap
 from wiggleroom.sensitivity.rank import Ranking
 from wiggleroom.sensitivity.sample import Sample
@@ -27,17 +48,19 @@ from wiggleroom.sensitivity.sweep import Sweep
 from wiggleroom.sensitivity.tighten import Tightening
 from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.spatial.spatial_answer import SpatialAnswer
-from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
+from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly, SpatialEscape
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 HEIGHT = 560
 """Height of the frame [px]."""
+MAX_MOVES = 5
+"""Sets of parts that can begin to slide are listed up to so many."""
 
 
-def mime_bundle(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study) -> dict[str, str]:
+def mime_bundle(found: Displayable) -> dict[str, str]:
     """What a notebook shows: the page in a frame that may run its script and nothing else, and text.
 
-    Where there is nothing to put on a page, an empty sweep, the text is alone.
+    Where there is nothing to put on a page, an empty sweep or a thing that knows no assembly, the text is alone.
 
     Examples
     --------
@@ -49,13 +72,9 @@ def mime_bundle(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | 
     >>> sorted(bundle)
     ['text/html', 'text/plain']
     """
-    said = lines(found)
+    said, page = lines(found), _page(found)
     shown = {"text/plain": "\n".join(said)}
-    if isinstance(found, Sweep) and all(step.answer is None for step in found.steps):
-        return shown
-    if isinstance(found, Sweep | Sample | AllowableGap) and _is_curve_in_space(found):
-        return shown
-    return shown | {"text/html": frame(_page(found), said[0])}
+    return shown if page is None else shown | {"text/html": frame(page, said[0])}
 
 
 def frame(page: str, title: str) -> str:
@@ -66,11 +85,13 @@ def frame(page: str, title: str) -> str:
     )
 
 
-def lines(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study) -> list[str]:
+def lines(found: Displayable) -> list[str]:
     """What was found in a few lines of text, the headline first."""
     match found:
-        case Assembly():
+        case Assembly() | SpatialAssembly():
             return assembly_lines(found)
+        case Prepared():
+            return [*assembly_lines(found.assembly), f"prepared: {len(found.cells.a)} pairs of neighbours"]
         case Answer():
             return [headline(found), f"{found.verdict}: {verdict_sentence(found)}", *facts(found)]
         case SpatialAnswer():
@@ -79,10 +100,14 @@ def lines(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interl
             return [f"{found.verdict} at gap {found.assembly.gap:g} mm: {check_sentence(found)}"]
         case Interlock():
             return [check_title(found), *check_facts(found, None)]
+        case LargestGap():
+            return [border_sentence(found)]
         case Checked():
             return [check_title(found.found), *check_facts(found.found, found.border)]
         case Plan():
             return [plan_title(found), *plan_facts(found)]
+        case PlanSample() | PlanRanking() | SmallestGap():
+            return [*tolerance_sentences(_tolerances(found)), plan_title(found.plan)]
         case Ranking():
             return [headline(found.answer), *importance_picture.ranking_facts(found)]
         case Tightening():
@@ -95,17 +120,83 @@ def lines(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interl
             return [gap_sentence(found), *gap_facts(found)]
         case WorstCase():
             return [tolerances_sentence(found), *tolerances_facts(found)]
+        case FreeSpace():
+            return [space_headline(found), *space_facts(found, None)]
+    return _lines_alone(found)
 
 
-def _is_curve_in_space(found: Sweep | Sample | AllowableGap) -> bool:
-    return isinstance(assembly_of(found), SpatialAssembly) and in_space(found) is None
+def _lines_alone(found: Displayable) -> list[str]:
+    """The same of what knows no assembly."""
+    match found:
+        case Polyhedron():
+            low, high = (number(np.degrees(angle), 3) for angle in found.angles)
+            ends = "closed" if found.closed else "open"
+            return [
+                f"{found.parts[1]} against {found.parts[0]}, model {found.model}: {found.rows} faces, {low}° to {high}°, {ends}"
+            ]
+        case TightVerdict():
+            moving = f": {few(found.moving)}" if found.moving else ""
+            return [f"{found.verdict}, drawn tight{moving}"]
+        case Blocking():
+            moves = [
+                f"{few(names)} can begin to slide in {towards(direction)}"
+                for names, direction in found.moves[:MAX_MOVES]
+            ]
+            return [f"{found.verdict}, drawn tight" + (f"; the key is {found.key}" if found.key else ""), *moves]
+        case LiveResult():
+            end = "its end" if found.settled else "not settled: ask again to go on"
+            value = [] if found.objective is None else [f"objective {number(found.objective)}"]
+            short = [] if found.distance is None else [f"{number(found.distance, 3)} mm short of the target"]
+            held = [f"held by {few(found.blocking)}"] if found.blocking else []
+            gone = [f"leaves: {few(found.leaves)}"] if found.leaves else []
+            return [f"motion of {len(found.motion)} parts, {end}", *value, *short, *held, *gone]
+        case Mode():
+            far = f"up to {number(found.size, 3)} mm" if found.ends else "without end"
+            return [f"freedom {far}, most of all {few(found.parts)}"]
+        case Escape() | SpatialEscape():
+            return [
+                f"{few(found.parts)} {'leaves' if len(found.parts) == 1 else 'leave'} on a way of {len(found.path)} points"
+            ]
+        case Step():
+            return [step_sentence(found)]
+    raise TypeError(type(found).__name__)
 
 
-def _page(found: Assembly | Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study) -> str:
-    if isinstance(found, Assembly):
-        return page_of_assembly(found)
-    if isinstance(found, Answer):
-        return page_of_answer(found)
-    if isinstance(found, SpatialAnswer | SpatialDisassembly):
-        return spatial_page(found)
-    return page_of_study(Checked(found) if isinstance(found, Interlock) else found)
+def _tolerances(found: PlanSample | PlanRanking | SmallestGap) -> PlanTolerances:
+    match found:
+        case PlanSample():
+            return PlanTolerances(sample=found)
+        case PlanRanking():
+            return PlanTolerances(rank=found)
+        case SmallestGap():
+            return PlanTolerances(gap=found)
+
+
+def _page(found: Displayable) -> str | None:
+    """The page; None where there is nothing to put on one."""
+    match found:
+        case Assembly():
+            return page_of_assembly(found)
+        case SpatialAssembly():
+            return page_of_spatial_assembly(found)
+        case Prepared():
+            return page_of_assembly(found.assembly)
+        case Answer():
+            return page_of_answer(found)
+        case SpatialAnswer() | SpatialDisassembly():
+            return spatial_page(found)
+        case PlanSample() | PlanRanking() | SmallestGap():
+            return page_of_plan(found.plan, _tolerances(found))
+    return page_of_study(found) if isinstance(found, StudyResult) and _has_page(found) else None
+
+
+def _has_page(found: StudyResult) -> bool:
+    """False where there is nothing to put on a page."""
+    match found:
+        case LargestGap():
+            return found.apart is not None or found.interlocked is not None
+        case Sweep() if all(step.answer is None for step in found.steps):
+            return False
+        case Sweep() | Sample() | AllowableGap():  # curves in space have none
+            return not isinstance(assembly_of(found), SpatialAssembly) or in_space(found) is not None
+    return True

@@ -13,7 +13,7 @@ from wiggleroom.disassembly.interlock import Interlock
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.report import study_plots
-from wiggleroom.report.answer_words import few, goals_text, headline, number, unit
+from wiggleroom.report.answer_words import assembly_lines, headline, unit
 from wiggleroom.report.gap_limit import gap_facts, gap_sentence, gap_sure, picture_of_gap
 from wiggleroom.report.importance_picture import ranking_facts
 from wiggleroom.report.separability import check_facts, check_title
@@ -64,14 +64,6 @@ def page_of_assembly(assembly: Assembly) -> str:
     table = section("Parts", columns=["part", "width mm", "height mm", ""], rows=rows)
     shown = shown_drawing(assembly, assembly.goals)
     return standalone_page(title, opened=shown, said=Title(title, more), tab="study", study=StudyTab("Parts", [table]))
-
-
-def assembly_lines(assembly: Assembly) -> list[str]:
-    """What an assembly is, in two lines: its size and gap, then what stands and what is asked."""
-    fixed = [part.name for part in assembly.parts if part.fixed]
-    stands = f"{few(fixed)} {'stands' if len(fixed) == 1 else 'stand'}" if fixed else "nothing stands"
-    wanted = f"asked: {goals_text(assembly.goals, 3)}" if assembly.goals else "nothing is asked"
-    return [f"{len(assembly.parts)} parts, gap {number(assembly.gap)} mm", f"{stands}; {wanted}"]
 
 
 def page_of_ranking(ranking: Ranking, *, command: str = "") -> str:
@@ -182,14 +174,12 @@ def page_of_tolerances(found: WorstCase, *, command: str = "") -> str:
     return standalone_page(title, **told)
 
 
-def page_of_space(
-    space: FreeSpace, assembly: Assembly, judged: SampledAccuracy | None = None, *, command: str = ""
-) -> str:
+def page_of_space(space: FreeSpace, judged: SampledAccuracy | None = None, *, command: str = "") -> str:
     """Free space of a pair as one HTML page: the solid to be turned, slices, cells, and how they were judged."""
     result = space_result(space, judged, command)
     cells = [(k + 1, c.walls, *c.angles_deg) for k, c in enumerate(result.cells)]
     sections = [
-        section("Picture", svg=space_picture(space, assembly, judged, framed=False)),
+        section("Picture", svg=space_picture(space, judged, framed=False)),
         section("Slices", columns=["turn °", "area mm²"], rows=[(s.angle_deg, s.area) for s in result.slices]),
         section("Cells", columns=["cell", "walls", "from °", "to °"], rows=cells),
     ]
@@ -197,7 +187,7 @@ def page_of_space(
         judgement = [(term, str(value)) for term, value in asdict(result.audit).items()]
         sections.append(section("Judged against polygon intersection", terms=judgement))
     told = {
-        "opened": shown_drawing(assembly),
+        "opened": shown_drawing(space.assembly),
         "said": Title(space_headline(space), space_facts(space, judged)),
         "tab": "space",
         "space": space_message(space, (0.0, 0.0, 0.0), command),

@@ -18,7 +18,14 @@ from wiggleroom.report.film import film
 from wiggleroom.report.leaving_picture import Leaving, inside, leaving_picture
 from wiggleroom.report.picture import LegendWords, picture
 from wiggleroom.report.plan_messages import plan_steps, plan_sure
-from wiggleroom.report.plan_results import plan_facts, plan_title, searched_sentence, step_sentence
+from wiggleroom.report.plan_results import (
+    PlanTolerances,
+    plan_facts,
+    plan_title,
+    searched_sentence,
+    step_sentence,
+    tolerance_sentences,
+)
 from wiggleroom.report.standalone_page import packed_frames, shown_drawing, standalone_page
 from wiggleroom.schema.replies import CheckReply, Title
 from wiggleroom.schema.standalone_schema import StandaloneCheck
@@ -62,13 +69,13 @@ def film_of_plan(
     )
 
 
-def page_of_plan(found: Plan, *, command: str = "") -> str:
-    """Plan as one HTML page: the drawing, and the steps, each of which can be played."""
-    title = plan_title(found)
+def page_of_plan(found: Plan, told: PlanTolerances | None = None, *, command: str = "") -> str:
+    """Plan as one HTML page: the drawing, the steps, each of which can be played, and what is known of it when gaps vary."""
+    title, said = plan_title(found), [*plan_facts(found), *tolerance_sentences(told or PlanTolerances())]
     reply = CheckReply(
         verdict=found.verdict,
         certainty=found.certainty,
-        words=f"{found.verdict}: {'; '.join(plan_facts(found)) or searched_sentence(found)}",
+        words=f"{found.verdict}: {'; '.join(said) or searched_sentence(found)}",
         sure=plan_sure(found),
         escapes=plan_steps(found),
         spins=[],
@@ -80,7 +87,7 @@ def page_of_plan(found: Plan, *, command: str = "") -> str:
     return standalone_page(
         title,
         opened=shown_drawing(found.assembly),
-        said=Title(title, plan_facts(found)),
+        said=Title(title, said),
         tab="apart",
         check=StandaloneCheck(reply, paths),
     )

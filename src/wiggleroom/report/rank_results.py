@@ -85,9 +85,13 @@ def rank_table(ranking: Ranking) -> Group:
     return Group(Text(headline(answer), style="bold"), Text(), found, Text(), joints, Text(), *lines)
 
 
+BY = {"duals": "the forces that hold the answer", "differences": "answers with each part a little smaller"}
+"""What a ranking is worked out from."""
+
+
 def ranking_sure(ranking: Ranking) -> list[tuple[str, str]]:
     """How sure the ranking is: a word and a sentence each."""
-    said = [("by", f"{ranking.by}; extra gap moves a part's own outline inward by half of it")]
+    said = [("by", f"{ranking.by}: {BY[ranking.by]}; extra gap moves a part's own outline inward by half of it")]
     if not ranking.unique.all():
         said.append(("unique", ranking_unique(ranking)))
     if ranking.virtual > 1e-6:

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.drawing.plain import json_bytes
-from wiggleroom.report.answer_words import few, number, short, spatial_towards
+from wiggleroom.report.answer_words import assembly_lines, few, number, short, spatial_towards
+from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.solid_colours import Colour, part_colours
 from wiggleroom.report.spatial_path import waypoint_times, with_quaternions
 from wiggleroom.report.spatial_table import (
@@ -105,6 +106,15 @@ def page_of_separation(found: SpatialDisassembly, command: str = "") -> str:
     return _page(title, body, f"{found.questions} questions", command, found.assembly, waypoints, ())
 
 
+def page_of_spatial_assembly(assembly: SpatialAssembly) -> str:
+    """Assembly in space as a page: the parts at rest, to be turned and taken apart, and what the file asks."""
+    title, *more = assembly_lines(assembly)
+    still = np.zeros((1, len(assembly.parts), 6))
+    rows = [[part.name, "stands" if part.fixed else ""] for part in assembly.parts[:MAX_ROWS]]
+    body = "".join(f"<p>{escape(line)}</p>" for line in more) + _table("Parts", ("part", ""), rows, ticks=True)
+    return _page(title, body, "", "", assembly, still, ())
+
+
 def _motion_rows(assembly: SpatialAssembly, motion: Floats) -> list[list[str]]:
     farthest = float(np.linalg.norm(motion[:, :3], axis=1).max(initial=0.0))
     return [
@@ -163,7 +173,9 @@ def _scene(
     parts = []
     corners = []
     shown = colours or part_colours(assembly)
-    for part, made, at, colour in zip(assembly.parts, assembly.made, reference, shown, strict=True):
+    for part, made, at, colour, aside in zip(
+        assembly.parts, assembly.made, reference, shown, exploded_offsets(assembly).tolist(), strict=True
+    ):
         world = made.surface.vertices @ part.R.T + part.at
         corners.append(world)
         parts.append(
@@ -173,6 +185,7 @@ def _scene(
                 "vertices": packed(world - at, "<f4"),
                 "triangles": packed(made.surface.faces, "<u4"),
                 "reference": at.tolist(),
+                "aside": aside,
             }
         )
     everything = np.vstack(corners)

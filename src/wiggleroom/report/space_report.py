@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from wiggleroom.assembly.assembly import Assembly, place
+from wiggleroom.assembly.assembly import place
 from wiggleroom.compare.monte_carlo import SampledAccuracy, about_pivot
 from wiggleroom.freespace.free_space import FreeSlices, FreeSpace
 from wiggleroom.freespace.slices import Slice
@@ -18,7 +18,7 @@ from wiggleroom.report.answer_words import number, short
 from wiggleroom.report.axes import text
 from wiggleroom.report.layout import View, round_down
 from wiggleroom.report.names import common_font_size, label
-from wiggleroom.report.part_paths import PartPaths, spot, use
+from wiggleroom.report.part_paths import PartPaths, colour_attributes, spot, use
 from wiggleroom.report.stacked_slices import rings, slices_box, stack
 from wiggleroom.report.text import escape
 from wiggleroom.schema.free_space_schema import AuditEntry, CellEntry, SliceEntry, SpaceResult
@@ -140,12 +140,7 @@ def _judged(judged: SampledAccuracy) -> list[str]:
 
 
 def space_picture(
-    space: FreeSpace,
-    assembly: Assembly,
-    judged: SampledAccuracy | None = None,
-    *,
-    command: str = "",
-    framed: bool = True,
+    space: FreeSpace, judged: SampledAccuracy | None = None, *, command: str = "", framed: bool = True
 ) -> str:
     """Free space as an SVG picture: the solid over (x, y, angle), the two parts beside it, and some slices.
 
@@ -158,7 +153,7 @@ def space_picture(
     head, below = frame.header(title if framed else "", facts, 900.0)
     solid, wide, tall = stack(space, palette.MARGIN, below + 16)
     left = palette.MARGIN + wide + 20
-    pair, pair_tall = _pair(space, assembly, left, below + 40)
+    pair, pair_tall = _pair(space, left, below + 40)
     row = below + 16 + max(tall, pair_tall + 40) + 24
     canvas = max(left + SIDE_WIDTH, palette.MARGIN + TILES_PER_ROW * (TILE_SIZE + 24)) + palette.MARGIN
     tiles, bottom = _slices(space, palette.MARGIN, row)
@@ -172,8 +167,9 @@ def space_picture(
     return frame.document(canvas, bottom + 24, title, facts, command, body)
 
 
-def _pair(space: FreeSpace, assembly: Assembly, left: float, top: float) -> tuple[str, float]:
+def _pair(space: FreeSpace, left: float, top: float) -> tuple[str, float]:
     """Both parts at rest in the axes of the first, and how tall that is [px]."""
+    assembly = space.assembly
     rows = [assembly.names.index(n) for n in space.parts]
     parts, at_a = [assembly.parts[k] for k in rows], assembly.rest[rows[0]]
     turn = -float(at_a[2])
@@ -196,17 +192,16 @@ def _pair(space: FreeSpace, assembly: Assembly, left: float, top: float) -> tupl
     mark = shapely.STRtree([shapely.Point(*pivot).buffer(14.0)])
     for part, shape, pose, colours in zip(parts, of, poses, (palette.FIXED, palette.PULLED), strict=True):
         where = spot(view, part, pose)
-        style = f'fill="{colours[0]}" fill-opacity="0.85" stroke="{colours[1]}" fill-rule="evenodd"'
+        style = f'{colour_attributes(colours)} fill-rule="evenodd"'
         found.append(f"<g {style}>{use(shape, where, escape(part.name))}</g>")
         names.append(label(short(part.name), shape, where, size, mark))
     x, y = pivot
-    defs = "".join(f'<path id="{s.key}" d="{s.path}"/>' for s in shapes.known.values())
     cross = (
         f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="{palette.PAPER}" stroke="{palette.MOTION}" stroke-width="1.5"/>'
         f'<path d="M{x - 9:.1f},{y:.1f}h18M{x:.1f},{y - 9:.1f}v18" stroke="{palette.MOTION}" stroke-width="1.5"/>'
     )
     said_names = f'<g fill="{palette.INK}" text-anchor="middle">{"".join(names)}</g>'
-    return f"<defs>{defs}</defs>{''.join(found)}{said_names}{cross}", float(tall)
+    return f"<defs>{shapes.definitions}</defs>{''.join(found)}{said_names}{cross}", float(tall)
 
 
 def _slices(space: FreeSpace, left: float, top: float) -> tuple[str, float]:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wiggleroom.assembly.statements import glue_groups
-from wiggleroom.drawing.model import Drawing
+from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.spatial_picture import write_moved_parts
 from wiggleroom.report.table import columns
 from wiggleroom.spatial.spatial_assembly import assemble_spatial
@@ -51,10 +50,7 @@ def draw_spatial_parts(assembly: SpatialAssembly, path: Path) -> None:
         If the name has another ending.
     """
     motion = np.zeros((len(assembly.parts), 6))
-    glued = glue_groups(Drawing((), glue=assembly.drawing.glue))
-    body = np.unique([str(glued.get(name, name)) for name in assembly.names], return_inverse=True)[1]
-    centre = np.array([assembly.reference[body == b].mean(axis=0) for b in range(body.max() + 1)])
-    motion[:, :3] = (SPREAD * (centre - centre.mean(axis=0)))[body]
+    motion[:, :3] = SPREAD * exploded_offsets(assembly)
     lines = [f"{len(assembly.parts)} parts, gap {assembly.gap:g} mm", "drawn apart; dashed: where they belong"]
     write_moved_parts(assembly, motion, path, lines, names=assembly.names)
 

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError
 from wiggleroom.report.answer_words import few, number, unit
+from wiggleroom.report.exploded_view import exploded_offsets
 from wiggleroom.report.page_messages import flex_reply
 from wiggleroom.report.solid_page import packed
 from wiggleroom.report.spatial_path import along_path, with_quaternions
@@ -101,7 +102,12 @@ def solids_message(assembly: SpatialAssembly) -> Solids:
             world = made.surface.vertices @ part.R.T + part.at
             shapes.append(SolidShape(packed(world - at, "<f4"), packed(made.surface.faces, "<u4")))
         of.append(known[key])
-    return Solids(shapes, of, [(float(x), float(y), float(z)) for x, y, z in reference])
+    aside = exploded_offsets(assembly)
+    return Solids(shapes, of, _triples(reference), _triples(aside))
+
+
+def _triples(points: Floats) -> list[tuple[float, float, float]]:
+    return [(float(x), float(y), float(z)) for x, y, z in points]
 
 
 def spatial_answer_message(answer: SpatialAnswer, command: str) -> FlexReply:

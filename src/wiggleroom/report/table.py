@@ -71,8 +71,9 @@ def _parts(answer: Answer) -> Table:
     names, moved = answer.assembly.names, np.hypot(answer.motion[:, 0], answer.motion[:, 1]).tolist()
     farthest = max(moved)
     order = sorted(range(len(names)), key=lambda k: (names[k] not in asked, -round(moved[k], 9), k))
-    still = [k for k in order if not answer.motion[k].any()]
-    order = [k for k in order if k not in set(still)]
+    moves = (answer.motion != 0).any(axis=1).tolist()
+    still = [k for k in order if not moves[k]]
+    order = [k for k in order if moves[k]]
     found = columns("part", "dx mm", "dy mm", "turn deg")
     for k in order[:MAX_PARTS]:
         x, y, turn = answer.motion[k].tolist()

@@ -15,12 +15,11 @@ from wiggleroom.spatial.spatial_answer import SpatialAnswer
 from wiggleroom.spatial.spatial_disassembly import SpatialDisassembly
 
 if TYPE_CHECKING:
-    from wiggleroom.disassembly.interlock import Interlock
-    from wiggleroom.report.write_study import Study
+    from wiggleroom.report.write_study import StudyResult
 
 
 def draw(
-    found: Answer | SpatialAnswer | SpatialDisassembly | Interlock | Study,
+    found: Answer | SpatialAnswer | SpatialDisassembly | StudyResult,
     path: str | PathLike[str],
     *,
     command: str = "",

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.disassembly.interlock import Interlock
+from wiggleroom.disassembly.largest_gap import LargestGap
 from wiggleroom.errors import InputError
 from wiggleroom.files import write_whole
+from wiggleroom.freespace.free_space import FreeSpace
 from wiggleroom.planning.plan import Plan
 from wiggleroom.report import importance_picture as blame
 from wiggleroom.report import pages, study_plots
@@ -16,6 +19,7 @@ from wiggleroom.report.file_endings import ANSWERS, FILMS, PAGE, STUDIES, check_
 from wiggleroom.report.gap_limit import picture_of_gap
 from wiggleroom.report.plan_pictures import film_of_plan, page_of_plan, picture_of_plan
 from wiggleroom.report.separability_picture import Checked, film_of_check, picture_of_check
+from wiggleroom.report.space_report import space_picture
 from wiggleroom.report.stills import write_still
 from wiggleroom.report.tolerance_results import picture_of_tolerances
 from wiggleroom.report.write_spatial import SpatialFound, spatial_page, write_spatial
@@ -29,18 +33,19 @@ from wiggleroom.sensitivity.worst_case import WorstCase
 from wiggleroom.spatial.spatial_model import SpatialAssembly
 
 Study = Ranking | Tightening | Sweep | Sample | Checked | AllowableGap | WorstCase | Plan
+StudyResult = Interlock | LargestGap | FreeSpace | Study
+"""As the questions return them; a check and a largest gap are drawn as `Checked`."""
 
 
 def draw_study(
-    found: Interlock | Study, path: Path, command: str, progress: Callable[[int, int], None] | None = None
+    found: StudyResult, path: Path, command: str, progress: Callable[[int, int], None] | None = None
 ) -> None:
     """Write what was found, as `wiggleroom.report.write_picture.draw` does."""
-    if isinstance(found, Interlock):
-        found = Checked(found)
     shown = in_space(found)
     if shown is not None:
         write_spatial(shown, path, command)
         return
+    found = as_checked(found)
     check_ending(path, ANSWERS if isinstance(found, Checked | Plan) else STUDIES)
     kind = ending(path)
     if kind in FILMS and isinstance(found, Checked):
@@ -53,7 +58,7 @@ def draw_study(
         write_still(_picture(found, command), path)
 
 
-def in_space(found: Study) -> SpatialFound | None:
+def in_space(found: StudyResult) -> SpatialFound | None:
     """What is shown as parts in space; None for curves, and for drawings."""
     if not isinstance(assembly_of(found), SpatialAssembly):
         return None
@@ -62,10 +67,39 @@ def in_space(found: Study) -> SpatialFound | None:
             return found
         case AllowableGap():
             return found.sides[1] or found.sides[0]
+        case LargestGap():
+            return found.apart or found.interlocked
     return None
 
 
-def _picture(found: Study, command: str) -> str:
+def as_checked(found: StudyResult) -> Study | FreeSpace:
+    """What is drawn of a result: of a largest gap the state on one of its sides.
+
+    Raises
+    ------
+    InputError
+        If no state was found on either side.
+    """
+    match found:
+        case Interlock():
+            return Checked(found)
+        case LargestGap():
+            return Checked(_side(found), found)
+        case _:
+            return found
+
+
+def _side(found: LargestGap) -> Any:
+    """The state on that side of a largest gap that says more: how it comes apart, where that is known."""
+    side = found.apart or found.interlocked
+    if side is None:
+        raise InputError(
+            "largest gap: no gap was found that holds it together, or at which it comes apart: nothing to show"
+        )
+    return side
+
+
+def _picture(found: Study | FreeSpace, command: str) -> str:
     match found:
         case Checked():
             return picture_of_check(found, command=command)
@@ -83,15 +117,18 @@ def _picture(found: Study, command: str) -> str:
             return picture_of_gap(found, command=command)
         case WorstCase():
             return picture_of_tolerances(found, command=command)
+        case FreeSpace():
+            return space_picture(found, command=command)
 
 
-def page_of_study(found: Study, command: str = "") -> str:
+def page_of_study(found: StudyResult, command: str = "") -> str:
     """Study or check as one HTML page."""
     shown = in_space(found)
     if shown is not None:
         return spatial_page(shown, command)
     if isinstance(assembly_of(found), SpatialAssembly):
         raise InputError("page: curves in space are not made into a page; name an .svg or .png")
+    found = as_checked(found)
     match found:
         case Checked():
             return pages.page_of_check(found, command=command)
@@ -109,9 +146,11 @@ def page_of_study(found: Study, command: str = "") -> str:
             return pages.page_of_gap(found, command=command)
         case WorstCase():
             return pages.page_of_tolerances(found, command=command)
+        case FreeSpace():
+            return pages.page_of_space(found, command=command)
 
 
-def assembly_of(found: Answer | Interlock | Study) -> Assembly:
+def assembly_of(found: Answer | StudyResult) -> Assembly:
     """The assembly that was asked about."""
     match found:
         case Ranking() | Sample():
@@ -120,4 +159,6 @@ def assembly_of(found: Answer | Interlock | Study) -> Assembly:
             return found.before.assembly
         case Checked():
             return found.found.assembly
+        case LargestGap():
+            return _side(found).assembly
     return found.assembly

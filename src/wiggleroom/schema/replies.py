@@ -20,7 +20,8 @@ from wiggleroom.schema.fields import (
     Point,
     Ring,
 )
-from wiggleroom.schema.requests import Design, GoalEntry
+from wiggleroom.schema.listing_schema import SheetJointEntry, UnmatchedEntry
+from wiggleroom.schema.requests import Design, GoalEntry, PlateHint
 from wiggleroom.verdict import Certainty, Separability, Verdict
 
 Terms = Annotated[list[tuple[str, str]], Meta(description="a word and a sentence each")]
@@ -77,11 +78,15 @@ class SolidShape(Struct):
 
 
 class Solids(Struct):
-    """Parts in space as they are made: each shape once, which one a part has, and its reference point at rest."""
+    """Parts in space as they are made: each shape once, which one a part has, its reference point at rest, and where it is set aside."""
 
     shapes: list[SolidShape]
     of: list[int]
     reference: Annotated[list[tuple[float, float, float]], Meta(description="[mm]")]
+    aside: Annotated[
+        list[tuple[float, float, float]],
+        Meta(description="by how much in an exploded view that doubles distances [mm]"),
+    ]
 
 
 class Opened(Reply, kw_only=True):
@@ -105,6 +110,7 @@ class ShapeReply(Reply, tag="shape", kw_only=True):
 
     rings: list[Outline] = []
     solids: Solids | UnsetType = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class FlexReply(Reply, tag="flex", kw_only=True):
@@ -124,8 +130,9 @@ class FlexReply(Reply, tag="flex", kw_only=True):
     seconds: float
     command: Command
     settled: Annotated[bool, Meta(description="false where a fuller answer is to come")] = True
-    rings: Annotated[list[Outline] | UnsetType, Meta(description="where the outlines changed a moment ago")] = UNSET
+    rings: Annotated[list[Outline] | UnsetType, Meta(description="where the page shows others")] = UNSET
     solids: Annotated[Solids | UnsetType, Meta(description="in space, as the outlines")] = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class DragReply(Reply, tag="drag", kw_only=True):
@@ -140,6 +147,7 @@ class DragReply(Reply, tag="drag", kw_only=True):
     settled: bool
     rings: list[Outline] | UnsetType = UNSET
     solids: Solids | UnsetType = UNSET
+    shown: Annotated[str | UnsetType, Meta(description="name of these outlines")] = UNSET
 
 
 class ReachReply(Reply, tag="reach", kw_only=True):
@@ -391,6 +399,51 @@ class Finding(Struct):
     mends: list[Mend] = []
 
 
+class SheetEdge(Struct):
+    """A row of fingers, slots or holes of a panel, as it lies on the sheet."""
+
+    reference: Annotated[str, Meta(description="how hints name it")]
+    ends: tuple[Point, Point]
+    joints: Annotated[list[str], Meta(description="names of the joints of which it is a side")]
+    open: Annotated[int, Meta(description="how many of its flanks meet nothing that they should")]
+
+
+class SheetPanel(Struct):
+    """A panel of a cutting sheet."""
+
+    name: str
+    rings: Outline
+    centre: Point
+    state: Annotated[Literal["placed", "waiting", "loose"], Meta(description="loose: no edge of it fits another panel")]
+    edges: list[SheetEdge]
+
+
+class Assembled(Reply, kw_only=True):
+    """A cutting sheet put together; what is drawn on the sheet has y up [mm]."""
+
+    certainty: Literal["sure", "not sure"]
+    headline: str
+    doubts: list[str]
+    notes: list[str]
+    thickness: Mm
+    burn: Mm
+    panels: list[SheetPanel]
+    joints: list[SheetJointEntry]
+    unmatched: list[UnmatchedEntry]
+    placed: Annotated[Names, Meta(description="in the order of the solids")]
+    solids: Solids
+    file: Annotated[str, Meta(description="text of the assembly file of what is placed; empty where nothing is")]
+    toml: Annotated[str, Meta(description="text of a file of hints that says the same")]
+    command: Command
+
+
+class LayReply(Reply, tag="lay", kw_only=True):
+    """Where a loose panel could lie, what seems best first."""
+
+    panel: str
+    ways: list[PlateHint]
+
+
 class Failed(Reply, kw_only=True):
     """What is wrong, one plain line each; of a design with all that is, and what would help."""
 
@@ -401,5 +454,6 @@ class Failed(Reply, kw_only=True):
 
 AnyReply = (
     Hello | Opened | ShapeReply | FlexReply | DragReply | ReachReply | Released | Modes | RankReply | CheckReply | LimitReply
-    | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState | Failed
+    | PlanReply | StepReply | SweepReply | SpaceReply | StudyReply | ProveReply | BoundReply | Saved | ProgressReply | WorkerState
+    | Assembled | LayReply | Failed
 )  # fmt: skip

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
+import msgspec
 from msgspec import Meta, Struct
 
 Number = Annotated[int, Meta(ge=0, le=2**32 - 1)]
@@ -97,21 +98,26 @@ class ShapeRequest(DesignRequest, tag="shape", kw_only=True):
 
 
 class FlexRequest(DesignRequest, tag="flex", kw_only=True):
-    """How far it moves: a quick answer first, then the full one; thorough: the full one alone."""
+    """How far it moves: a quick answer first, then the full one; thorough: the full one alone.
+
+    `shown` names the outlines that the page shows, as the reply with them did.
+    """
 
     thorough: bool = False
+    shown: str = ""
 
 
 class DragRequest(DesignRequest, tag="drag", kw_only=True, rename={"from_": "from"}):
     """A part drawn towards a place, from rest, from where the last drag ended or from the end of the answer.
 
-    `grip` is where it was taken, in world coordinates at rest [mm].
+    `grip` is where it was taken, in world coordinates at rest [mm]; `shown` names the outlines that the page shows.
     """
 
     part: str
     grip: Vector
     target: Vector
     from_: Literal["rest", "here", "answer"] = "here"
+    shown: str = ""
 
 
 class ReachRequest(DesignRequest, tag="reach", kw_only=True):
@@ -196,6 +202,55 @@ class SaveRequest(DesignRequest, tag="save", kw_only=True):
     of: Literal["flex", "check", "plan"] = "flex"
 
 
+Triple = tuple[Length, Length, Length]
+EdgeText = Annotated[
+    str,
+    Meta(max_length=300, description='an edge: "lid:top", or "lid@12.5,40" for what is next to a point of the sheet'),
+]
+PanelName = Annotated[str, Meta(max_length=255)]
+
+
+class PlateHint(Struct, forbid_unknown_fields=True):
+    """Where a panel stands in the frame of another, as in a file of hints."""
+
+    panel: PanelName
+    frame: PanelName
+    centre: Triple
+    right: Triple
+    up: Triple
+
+
+class SheetHints(Struct, forbid_unknown_fields=True):
+    """What is known of a cutting sheet, as in a file of hints."""
+
+    join: Annotated[list[tuple[EdgeText, EdgeText]], Meta(max_length=1000)] = []
+    flush: Annotated[list[tuple[EdgeText, EdgeText]], Meta(max_length=1000)] = []
+    groups: Annotated[list[list[PanelName]], Meta(max_length=1000)] = []
+    plate: Annotated[list[PlateHint], Meta(max_length=1000)] = []
+    skip: Annotated[list[PanelName], Meta(max_length=1000)] = []
+
+
+class SheetRequest(Request, kw_only=True):
+    """Base of requests about the cutting sheet that is open: thickness of the material and burn [mm]; without burn what the sheet says."""
+
+    thickness: Annotated[float, Meta(gt=0, le=1e6)]
+    burn: Annotated[float, Meta(ge=0, le=1e6)] | None = None
+    hints: SheetHints = msgspec.field(default_factory=SheetHints)
+
+
+class AssembleRequest(SheetRequest, tag="assemble", kw_only=True):
+    """The panels of the sheet put together in space."""
+
+
+class LayRequest(SheetRequest, tag="lay", kw_only=True):
+    """Where a loose panel could lie that is to touch another one: both by a point of the sheet [mm]."""
+
+    panel: PanelName
+    at: tuple[Length, Length]
+    onto: PanelName
+    there: tuple[Length, Length]
+
+
 class CancelRequest(Request, tag="cancel", kw_only=True):
     """Forget a request of this kind, waiting or running."""
 
@@ -205,5 +260,5 @@ class CancelRequest(Request, tag="cancel", kw_only=True):
 AnyRequest = (
     OpenRequest | ShapeRequest | FlexRequest | DragRequest | ReachRequest | ReleaseRequest | WiggleRequest | RankRequest
     | CheckRequest | LimitRequest | PlanRequest | SweepRequest | SpaceRequest | TightenRequest | SampleRequest | ProveRequest | BoundRequest
-    | SaveRequest | CancelRequest
+    | SaveRequest | AssembleRequest | LayRequest | CancelRequest
 )  # fmt: skip

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.global_search import SearchEffort
 from wiggleroom.search.incumbent import Incumbent
 from wiggleroom.verdict import Verdict

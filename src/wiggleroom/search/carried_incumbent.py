@@ -19,7 +19,7 @@ from wiggleroom.search.incumbent import Incumbent, PathSegment, Start
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.solution import Solution
 
 Floats = NDArray[np.float64]
 

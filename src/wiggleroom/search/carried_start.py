@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from wiggleroom.program.nonlinear_program import Program, build
 from wiggleroom.search.incumbent import Start
 from wiggleroom.solve.carried_multipliers import even_multipliers, wrenches
-from wiggleroom.solve.interior_point import Solution, barrier_unit
+from wiggleroom.solve.interior_point import barrier_unit
+from wiggleroom.solve.solution import Solution
 
 
 def carried_start(start: Start, program: Program, solution: Solution, fresh: NDArray[np.bool_]) -> Start:
@@ -19,7 +20,7 @@ def carried_start(start: Start, program: Program, solution: Solution, fresh: NDA
     if lam is None:
         return start
     forces = wrenches(program.linearise(solution.inner), lam)
-    renewed = build(program.bodies, start.cells, program.objective, length=program.length)
+    renewed = build(program.bodies, start.cells, program.objective, length=program.length, like=program)
     at = renewed.linearise(renewed.variables(start.inner))
     given = np.full(renewed.rows, np.nan)
     given[~fresh[start.cells.pair]] = lam[~fresh[program.cells.pair]]

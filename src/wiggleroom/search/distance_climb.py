@@ -12,20 +12,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import StoppedError, go_on
-from wiggleroom.freespace.cells.cells import Cells, grow_cells, replaced, select
+from wiggleroom.freespace.cells.cells import Cells, concatenated, grow_cells, replaced, select
+from wiggleroom.geometry.bodies import Bodies
 from wiggleroom.geometry.neighbours import relative_pose
 from wiggleroom.geometry.overlap import OVERLAP_TOLERANCE, overlaps
 from wiggleroom.geometry.vertex_edge_pairs import near_vertices
+from wiggleroom.program.constraint_rows import rows_of
+from wiggleroom.program.contact_functions import wall_values
 from wiggleroom.program.distance_program import DistanceProgram, build_distances
 from wiggleroom.search.active_set import ActiveSet
 from wiggleroom.search.carried_start import carried_start
 from wiggleroom.search.incumbent import HANDED_OVER_TOLERANCE, Incumbent, PathSegment, Start
 from wiggleroom.search.loop import ESCAPE_DISTANCE, LocalSearch, Progress, nudged
+from wiggleroom.search.prepare import congruent_cells
 from wiggleroom.solve import interior_point
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 MIN_BODIES = 100
 """In smaller assemblies cells alone come as far."""
@@ -41,6 +46,8 @@ FURTHER_CLIMBS = 8
 """In assemblies that are not large so many more climbs begin at points beside rest: they end on several hills."""
 SCATTER = 0.3
 """Standard deviation of where these begin, in units of the clearance; less where that is not inside all rows."""
+KEPT_ROOM = 0.05
+"""A pair keeps its cell of rest where all walls are further away than this, in units of the clearance."""
 MAX_ROWS_PER_PAIR = 40
 """Curves of many short edges list more, most of them about the same place; there the climb takes too many steps."""
 
@@ -68,7 +75,7 @@ def climbed(search: LocalSearch, start: Start, further: int = 0) -> Start | Incu
         if other.status is SolverStatus.CONVERGED and _value(program, other) > _value(program, solution):
             begin, solution = aside, other
     search.seconds["solve"] += time.perf_counter() - began
-    if solution.status not in (SolverStatus.CONVERGED, SolverStatus.STOPPED) or not solution.way:
+    if solution.status not in (SolverStatus.CONVERGED, SolverStatus.STOPPED) or not solution.path:
         return start
     try:
         return _handed_over(search, start, program, solution)
@@ -121,7 +128,7 @@ def _program(search: LocalSearch, start: Start) -> DistanceProgram:
 def _handed_over(search: LocalSearch, start: Start, program: DistanceProgram, solution: Solution) -> Start:
     """The start of a search among cells, grown where the climb was still well inside all rows; its end stays inside them."""
     began = time.perf_counter()
-    points = [program.variables(start.inner), *solution.way]
+    points = [program.variables(start.inner), *solution.path]
     inner = next((k for k, point in enumerate(points) if point is solution.inner), 0)
     end = _last_free(search, [program.motion(point) for point in (*points, solution.u)])
     motion = program.motion((*points, solution.u)[end])
@@ -161,17 +168,48 @@ def _last_free(search: LocalSearch, motions: list[Floats]) -> int:
 
 
 def _cells(search: LocalSearch, program: DistanceProgram, inner: Floats, end: Floats) -> Cells | None:
-    """Cells of all pairs of a program round an inner motion, with the end inside where that is possible; None where there are none."""
+    """Cells of all pairs of a program round an inner motion, with the end inside where that is possible; None where there are none.
+
+    Pairs that still have room in their cell of rest, at both motions, keep it: congruent ones share it, so it costs nothing.
+    """
     bodies, a, b = search.ready.bodies, program.cells.a, program.cells.b
     seed, keep = relative_pose(bodies, a, b, inner), relative_pose(bodies, a, b, end)
     room = np.full(len(a), search.ready.clearance)
-    cells, grown = grow_cells(bodies, a, b, seed, room, keep=keep[:, None, :], stop=search.stop)
-    rest = np.flatnonzero(~grown)
-    if len(rest):
+    cells, roomy = _cells_of_rest(search, a, b)
+    for pose in (seed, keep):
+        roomy &= np.minimum.reduceat(_row_values(bodies, cells, pose), cells.row[:-1]) > KEPT_ROOM * room
+    tight = np.flatnonzero(~roomy)
+    made, grown = grow_cells(
+        bodies, a[tight], b[tight], seed[tight], room[tight], keep=keep[tight, None, :], stop=search.stop
+    )
+    cells, left = replaced(cells, tight, made), tight[~grown]
+    if len(left):
         others, grown = grow_cells(
-            bodies, a[rest], b[rest], seed[rest], room[rest], target=keep[rest], stop=search.stop
+            bodies, a[left], b[left], seed[left], room[left], target=keep[left], stop=search.stop
         )
         if not grown.all():
             return None
-        cells = replaced(cells, rest, select(others, np.arange(len(rest))))
+        cells = replaced(cells, left, others)
     return cells
+
+
+def _cells_of_rest(search: LocalSearch, a: Ints, b: Ints) -> tuple[Cells, NDArray[np.bool_]]:
+    """Cells of some pairs at rest, and which of them (P,) are good."""
+    ready = search.ready
+    n = len(ready.bodies.fixed)
+    key, known = a * n + b, ready.cells.a * n + ready.cells.b
+    other = np.flatnonzero(~np.isin(key, known))
+    room = np.full(len(other), ready.clearance)
+    more, fine = congruent_cells(ready.bodies, a[other], b[other], room, search.stop)
+    both = concatenated(ready.cells, more)
+    order = np.argsort(np.concatenate([known, key[other]]), kind="stable")
+    place = order[np.searchsorted(np.concatenate([known, key[other]])[order], key)]
+    good = np.concatenate([np.ones(len(known), dtype=bool), fine])
+    return select(both, place), good[place]
+
+
+def _row_values(bodies: Bodies, cells: Cells, pose: Floats) -> Floats:
+    """Values (R,) [mm] of all rows of some cells at relative poses (P, 3)."""
+    rows, h = rows_of(bodies, cells), np.empty(cells.row[-1])
+    wall_values(pose, cells.row, rows.kind, rows.normal, rows.per_turn, rows.off, rows.corner, h)
+    return h

@@ -22,7 +22,7 @@ from wiggleroom.search.incumbent import Incumbent, PathSegment, Start, start_at_
 from wiggleroom.search.path_check import CertainPrefix, CheckedPath, certain_prefix, check_path
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.solve import interior_point
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -260,10 +260,10 @@ class LocalSearch:
         """Value up to which the path to the best motion is certain, and whether it is all the way and nothing stops it there."""
         if self.best is None:
             return 0.0, False
-        way = self.checked_path(self.best)
-        if way.sure:
+        checked = self.checked_path(self.best)
+        if checked.sure:
             return self.best.value, self.unlimited
-        return self.objective.value(way.motions[max(way.certain, 1) - 1]), False
+        return self.objective.value(checked.motions[max(checked.certain, 1) - 1]), False
 
     def checked_path(self, found: Incumbent) -> CheckedPath:
         """The path to a motion, checked; worked out once."""
@@ -289,7 +289,8 @@ class LocalSearch:
     def _round(self, start: Start) -> Incumbent:
         """Build and solve the program of some cells."""
         began = time.perf_counter()
-        program = build(self.ready.bodies, start.cells, self.objective, length=self.ready.clearance)
+        before = start.segments[-1].program if start.segments else None
+        program = build(self.ready.bodies, start.cells, self.objective, length=self.ready.clearance, like=before)
         self.rounds += 1
         number, begin = self.rounds, program.variables(start.inner)
         tolerance = self.policy.rough if start.tolerance is None else start.tolerance

@@ -25,7 +25,7 @@ from wiggleroom.search.loop import (
     Policy,
     Progress,
 )
-from wiggleroom.solve.interior_point import INITIAL_BARRIER
+from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER
 from wiggleroom.verdict import SolverStatus
 
 Ints = NDArray[np.int64]

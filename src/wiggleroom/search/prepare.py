@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.audit.audit_outlines import AuditOutlines, outlines
+from wiggleroom.displayable import Displayable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, TouchingError, go_on
 from wiggleroom.freespace.cells.cells import Cells, grow_cells, select
@@ -31,7 +32,7 @@ NEIGHBOUR_REACH = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Prepared:
+class Prepared(Displayable):
     """An assembly made ready for questions.
 
     Parameters
@@ -157,20 +158,29 @@ def _facing(a: NDArray[np.object_], b: NDArray[np.object_], clearance: float) ->
 
 def cells_at(assembly: Assembly, them: Bodies, a: Ints, b: Ints, clearance: Floats, stop: Stop | None = None) -> Cells:
     """Cells of some pairs round rest; congruent pairs are worked out once."""
-    pose = relative_pose(them, a, b)
-    first, label = classes(them, a, b, pose)
-    grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first], stop=stop)
+    cells, good = congruent_cells(them, a, b, clearance, stop)
     if not good.all():
-        k = first[np.flatnonzero(~good)[0]]
+        k = np.flatnonzero(~good)[0]
         one, other = (" + ".join(assembly.names[p] for p in them.members[x]) for x in (a[k], b[k]))
         finding = (
             f'{assembly.drawing.source or "the assembly"}: parts "{one}" and "{other}": no free space was found round '
             "where they lie; two corners may point at each other: round one off, or give a larger gap"
         )
         raise InputError(finding)
+    return cells
+
+
+def congruent_cells(
+    them: Bodies, a: Ints, b: Ints, clearance: Floats, stop: Stop | None = None
+) -> tuple[Cells, NDArray[np.bool_]]:
+    """Cells of some pairs round rest, and which of them (P,) are free there; congruent pairs are worked out once."""
+    pose = relative_pose(them, a, b)
+    first, label = classes(them, a, b, pose)
+    grown, good = grow_cells(them, a[first], b[first], pose[first], clearance[first], stop=stop)
     cells = select(grown, label)
     turns = np.round((pose[:, 2] - pose[first[label], 2]) / (2 * np.pi)) * (2 * np.pi)
-    return Cells(a, b, cells.row, cells.kind, cells.edge, cells.corner, cells.ends + turns[:, None], pose)
+    placed = Cells(a, b, cells.row, cells.kind, cells.edge, cells.corner, cells.ends + turns[:, None], pose)
+    return placed, good[label]
 
 
 def typical_clearance(gap: float, geometry: NDArray[np.object_], size: float) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from wiggleroom.search.drawable import Drawable
+from wiggleroom.displayable import Drawable
 from wiggleroom.verdict import Certainty
 
 Question = Literal["at most", "holds", "fits"]

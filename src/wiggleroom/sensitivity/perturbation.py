@@ -28,7 +28,8 @@ from wiggleroom.search.incumbent import Incumbent, start_at_rest
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import WITHOUT_BRANCHES
 from wiggleroom.search.prepare import Prepared
-from wiggleroom.solve.interior_point import Solution, solve
+from wiggleroom.solve.interior_point import solve
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus, Verdict
 
 Floats = NDArray[np.float64]

@@ -35,7 +35,7 @@ from wiggleroom.sensitivity.perturbation import (
     perturbed_objective_anew,
 )
 from wiggleroom.sensitivity.study_model import DifferenceQuotients, GapDerivatives
-from wiggleroom.solve.interior_point import Solution
+from wiggleroom.solve.solution import Solution
 
 Floats = NDArray[np.float64]
 

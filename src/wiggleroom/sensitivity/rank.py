@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.prepare import Prepared
 from wiggleroom.sensitivity.dual_face import is_unique
 from wiggleroom.sensitivity.parallel import ParallelRun

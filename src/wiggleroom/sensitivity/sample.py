@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.assembly.assembly import Assembly
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.sensitivity.gap_distribution import Spread, wilson
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.planar_model import model_of

@@ -17,6 +17,7 @@ from wiggleroom.assembly.findings import question_findings
 from wiggleroom.audit.path_audit import audit_path
 from wiggleroom.bound.prove import check_request
 from wiggleroom.bound.prove import prove as prove_bound
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Goal
 from wiggleroom.errors import InputError, Stop, StoppedError
 from wiggleroom.geometry.bodies import bodies
@@ -27,7 +28,6 @@ from wiggleroom.program.gap_sensitivity import carried
 from wiggleroom.program.objectives import objective
 from wiggleroom.search.answer import Answer
 from wiggleroom.search.build_answer import answer_of
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.incumbent import Start
 from wiggleroom.search.loop import LocalSearch
 from wiggleroom.search.moves import THOROUGH

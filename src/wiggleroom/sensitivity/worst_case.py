@@ -18,11 +18,11 @@ from wiggleroom.assembly.assembly import Assembly
 from wiggleroom.assembly.build import assemble
 from wiggleroom.assembly.deviations import deviated
 from wiggleroom.bound.prove import prove
+from wiggleroom.displayable import Drawable
 from wiggleroom.drawing.model import Drawing, Goal, Tolerance
 from wiggleroom.errors import InputError, MissingExtraError, Stop, StoppedError
 from wiggleroom.maximise import flex, witness
 from wiggleroom.search.answer import Answer
-from wiggleroom.search.drawable import Drawable
 from wiggleroom.search.loop import Progress
 from wiggleroom.sensitivity.parallel import ParallelRun
 from wiggleroom.sensitivity.rank import Ranking, rank

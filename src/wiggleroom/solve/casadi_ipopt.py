@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import see_extra
+from wiggleroom.errors import Stop, require_extra
+from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
 
@@ -17,18 +21,56 @@ MAX_ITERATIONS = 1000
 """Of one program."""
 
 
-class IterationMonitor(Protocol):
-    """Sees every iterate; keeps an error that is raised on the way."""
+@dataclass(eq=False, kw_only=True)
+class IterationMonitor(ABC):
+    """Sees every iterate, and knows the reasons to end.
 
-    error: BaseException | None
+    Parameters
+    ----------
+    unit : float
+        Largest derivative of the objective, by which it is divided.
+    horizon : float [mm]
+        A body that moves further than this is taken to escape.
+    stop, progress : optional
+        Asked and told (iteration, objective) at every iterate.
+
+    Attributes
+    ----------
+    iteration : int
+    status : SolverStatus or None
+        Why it ends here; None where IPOPT ends by itself.
+    error : BaseException or None
+        Raised while an iterate was looked at.
+    """
+
+    unit: float
+    horizon: float
+    stop: Stop | None
+    progress: Callable[[int, float], None] | None
+    iteration: int = -1
+    status: SolverStatus | None = None
+    error: BaseException | None = None
 
     def see(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:
         """Look at variables u, scaled objective, rows h and their multipliers; True to go on."""
+        self.iteration += 1
+        if self.progress is not None:
+            self.progress(self.iteration, value * self.unit)
+        escapes = self.keep(u, value, h, lam)
+        if self.stop is not None and self.stop.is_set():
+            self.status = SolverStatus.STOPPED
+        elif escapes:
+            self.status = SolverStatus.ESCAPING
+        return self.status is None
+
+    @abstractmethod
+    def keep(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:
+        """Keep what is of use of an iterate; True where a body escapes there."""
 
 
 def import_casadi() -> Any:
     """CasADi, imported when it is needed."""
-    see_extra("ipopt", 'solver "ipopt" needs CasADi', "casadi")
+    require_extra("ipopt", 'solver "ipopt" needs CasADi', "casadi")
     import casadi
 
     return casadi

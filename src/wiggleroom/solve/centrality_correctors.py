@@ -5,15 +5,16 @@ Each costs one more solution with the same factor. Source: Gondzio 1996; the sha
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.newton_step import Iterate, max_step, newton
-from wiggleroom.solve.row_operations import add_share, centring_goal, step_length
+from wiggleroom.solve.newton_step import Direction, Iterate, newton
+from wiggleroom.solve.row_operations import add_share, centring_goal, step_lengths
 
 Floats = NDArray[np.float64]
-Direction = tuple[Floats, Floats, Floats]
 
 MAX_CORRECTORS = 4
 ASPIRED_STEP = 0.3
@@ -29,22 +30,24 @@ LONG = 0.99
 
 
 def corrected(state: Iterate, matrix: Factor, direction: Direction, mean: float) -> Direction:
-    """The direction (du, ds, dlam), changed so that longer steps are possible along it; products should come near `mean`."""
+    """The direction, changed in place so that longer steps are possible along it; products should come near `mean`."""
     s, lam = state.s, state.lam
-    du, ds, dl = direction
-    goal, none = np.empty_like(s), np.zeros_like(s)
-    far, dfar = max_step(s, ds), max_step(lam, dl)
+    goal, none, shares = np.empty_like(s), np.zeros_like(s), np.array(SHARES)
+    still, steps, dual_steps = np.zeros_like(direction.u), np.empty(len(SHARES)), np.empty(len(SHARES))
     for _ in range(MAX_CORRECTORS):
+        far, dfar = direction.primal, direction.dual
         if min(far, dfar) > LONG:
             break
         aspired, dual_aspired = min(1.0, far + ASPIRED_STEP), min(1.0, dfar + ASPIRED_STEP)
-        centring_goal(s, ds, lam, dl, aspired, dual_aspired, NARROWEST * mean, WIDEST * mean, goal)
-        more, more_s, more_lam = newton(state, matrix, none, np.zeros_like(du), goal)
-        trials = [(step_length(s, ds, more_s, share), step_length(lam, dl, more_lam, share)) for share in SHARES]
-        best = int(np.argmax([sum(steps) for steps in trials]))
-        if sum(trials[best]) < far + dfar + MIN_LONGER:
+        centring_goal(s, direction.s, lam, direction.lam, aspired, dual_aspired, NARROWEST * mean, WIDEST * mean, goal)
+        more = newton(state, matrix, none, still, goal)
+        step_lengths(s, direction.s, more.s, shares, steps)
+        step_lengths(lam, direction.lam, more.lam, shares, dual_steps)
+        best = int(np.argmax(steps + dual_steps))
+        if steps[best] + dual_steps[best] < far + dfar + MIN_LONGER:
             break
-        far, dfar = trials[best]
-        for whole, part in ((du, more), (ds, more_s), (dl, more_lam)):
+        for whole, part in ((direction.u, more.u), (direction.s, more.s), (direction.lam, more.lam)):
             add_share(whole, part, SHARES[best])
-    return du, ds, dl
+        del more, whole, part  # in assemblies of a million parts these arrays count
+        direction = replace(direction, primal=float(steps[best]), dual=float(dual_steps[best]))
+    return direction

@@ -9,13 +9,15 @@ multipliers prove bounds that are worked out elsewhere.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from wiggleroom.errors import see_extra
+from wiggleroom.errors import require_extra
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 Floats = NDArray[np.float64]
 
@@ -28,7 +30,7 @@ def need_highs() -> Any:
     MissingExtraError
         If it is not installed.
     """
-    see_extra("prove", "proving a bound needs highspy", "highspy")
+    require_extra("prove", "proving a bound needs highspy", "highspy")
     import highspy
 
     return highspy
@@ -53,6 +55,7 @@ class DualLinearProgram:
 
     Examples
     --------
+    >>> import scipy.sparse as sp
     >>> rows, zero, one = sp.csr_matrix([[1.0, 1.0]]), np.zeros(2), np.ones(2)
     >>> program = DualLinearProgram(rows, np.array([-np.inf]), np.array([1.5]), zero, one)
     >>> program.ask(np.array([1.0, 2.0])), program.x.round(6)
@@ -68,6 +71,8 @@ class DualLinearProgram:
         most: Floats,
         over: Callable[[], bool] = lambda: False,
     ) -> None:
+        import scipy.sparse as sp  # slow to import, and not always needed
+
         highspy = need_highs()
         self.up, self.down = np.flatnonzero(np.isfinite(high)), np.flatnonzero(np.isfinite(low))
         (self.count, n), self.more = rows.shape, False
@@ -102,9 +107,13 @@ class DualLinearProgram:
         other.highs.addCol(-low, 0.0, highspy.kHighsInf, len(used), used, -row[used])
         return other
 
-    def ask(self, cost: Floats) -> Floats:
-        """Multipliers (m,) of the rows, positive where a row's upper side holds; where it ended is left in `x`."""
+    def ask(self, cost: Floats, *, interior: bool = False) -> Floats:
+        """Multipliers (m,) of the rows, positive where a row's upper side holds; where it ended is left in `x`.
+
+        `interior` solves it by an interior-point method that leaves no basis to go on from: many times as quick for a large program.
+        """
         self.highs.changeRowsBounds(len(self.every), self.every, cost, cost)
+        self.highs.setOptionValue("solver", "ipm" if interior else "simplex")
         self.highs.run()
         found = self.highs.getSolution()
         y = np.zeros(self.count + self.more)
@@ -131,12 +140,14 @@ def _solver(highspy: Any, over: Callable[[], bool]) -> Any:
         answer.user_interrupt = over()
 
     solver.setCallback(interrupt, None)
-    solver.startCallback(highspy.cb.HighsCallbackType.kCallbackSimplexInterrupt)
+    for kind in ("kCallbackSimplexInterrupt", "kCallbackIpmInterrupt"):
+        solver.startCallback(getattr(highspy.cb.HighsCallbackType, kind))
     for option, value in (
         ("output_flag", False),
         ("threads", 1),
         ("solver", "simplex"),
         ("presolve", "off"),
+        ("run_crossover", "off"),
     ):
         solver.setOptionValue(option, value)
     return solver

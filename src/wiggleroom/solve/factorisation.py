@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import os
 from typing import Any, Protocol
+from weakref import WeakKeyDictionary
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from wiggleroom.program.sparsity_pattern import Pattern
-from wiggleroom.solve.multifrontal import Multifrontal
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -19,6 +18,8 @@ MAX_SIMPLICIAL_ROWS, MIN_DISSECTION_ROWS = 1000, 3000
 """Up to so many rows one column at a time is the quickest, and from so many on nested dissection and threads pay."""
 BODY_VARIABLES = 3
 """Of a body in the plane."""
+_PLANS: WeakKeyDictionary[Pattern, Any] = WeakKeyDictionary()
+"""Plans of multifrontal factorisations: programs of the same pairs share a pattern."""
 
 
 class SparsePattern(Protocol):
@@ -55,7 +56,14 @@ def factor(pattern: SparsePattern) -> Factor:
     if len(pattern.indptr) <= MAX_SIMPLICIAL_ROWS:
         return Plain(pattern)
     if isinstance(pattern, Pattern):
-        return Multifrontal(pattern.at, pattern.indptr, pattern.indices, BODY_VARIABLES)
+        from wiggleroom.solve.multifrontal import (  # with what it needs of scipy it is slow to import
+            FrontalPlan,
+            Multifrontal,
+        )
+
+        if pattern not in _PLANS:
+            _PLANS[pattern] = FrontalPlan(pattern.at, pattern.indptr, pattern.indices, BODY_VARIABLES)
+        return Multifrontal(_PLANS[pattern])
     try:
         return Supernodal(pattern)
     except ImportError:
@@ -66,6 +74,8 @@ class Plain:
     """qdldl: one column at a time."""
 
     def __init__(self, pattern: SparsePattern) -> None:
+        import scipy.sparse as sp
+
         self._diagonal = pattern.diagonal
         n = len(pattern.indptr) - 1
         self._matrix = sp.csc_matrix((np.zeros(len(pattern.indices)), pattern.indices, pattern.indptr), shape=(n, n))
@@ -97,6 +107,7 @@ class Supernodal:
 
     def __init__(self, pattern: SparsePattern) -> None:
         import rslab
+        import scipy.sparse as sp
 
         n = len(pattern.indptr) - 1
         upper = sp.csc_matrix(

@@ -20,8 +20,9 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.program import contact_functions as kernel
 from wiggleroom.program.nonlinear_program import Program
 from wiggleroom.program.objectives import Nearness, PointMotion, Points, SquaredTravel, Sum
-from wiggleroom.solve.casadi_ipopt import import_casadi, ipopt_options, iteration_listener
-from wiggleroom.solve.interior_point import INITIAL_BARRIER, WARM_START_GAP, Solution
+from wiggleroom.solve.casadi_ipopt import IterationMonitor, import_casadi, ipopt_options, iteration_listener
+from wiggleroom.solve.interior_point_settings import INITIAL_BARRIER, WARM_START_GAP
+from wiggleroom.solve.solution import Solution
 from wiggleroom.verdict import SolverStatus
 
 Floats = NDArray[np.float64]
@@ -76,7 +77,7 @@ def solve(
     u = np.zeros(len(program.scale)) if start is None else start
     at = program.linearise(u)
     unit = float(np.abs(at.gradient).max()) or 1.0
-    watch = _IpoptMonitor(program, unit, u, horizon, stop, progress)
+    watch = _IpoptMonitor(program=program, u=u, unit=unit, horizon=horizon, stop=stop, progress=progress)
     variables, value, rows = _expressions(casadi, program)
     nlp = {"x": variables, "f": -value / unit, "g": rows}
     listener = iteration_listener(casadi, watch, len(program.scale), program.rows)
@@ -91,7 +92,7 @@ def solve(
         end, end_lam = np.array(out["x"]).ravel(), np.maximum(-np.array(out["lam_g"]).ravel(), 0.0)
         status = SolverStatus.CONVERGED if stats["success"] else SolverStatus.FAILED
     left = _error(program, end, end_lam, unit)
-    return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_mu, tuple(watch.way), left)
+    return Solution(end, end_lam * unit, status, watch.iteration, watch.inner, watch.inner_mu, tuple(watch.path), left)
 
 
 def described() -> str:
@@ -179,44 +180,30 @@ def _of_kind(kind: int, sees: list, program: Program, k: Ints) -> Any:
     return nx * (psi - off) if kind == kernel.LOW else nx * (off - psi)
 
 
-@dataclass(eq=False)
-class _IpoptMonitor:
-    """What is kept from the iterations, and the reasons to end them."""
+@dataclass(eq=False, kw_only=True)
+class _IpoptMonitor(IterationMonitor):
+    """What is kept of the iterates: the last one, points inside all rows, and the one from which the next program can start."""
 
     program: Program
-    unit: float
     u: Floats
-    horizon: float
-    stop: Stop | None
-    progress: Callable[[int, float], None] | None
-    iteration: int = -1
-    status: SolverStatus | None = None
-    error: BaseException | None = None
     lam: Floats = field(init=False)
     inner: Floats = field(init=False)
     inner_mu: float = INITIAL_BARRIER
-    way: list[Floats] = field(default_factory=list)
+    path: list[Floats] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         """Begin at the start."""
         self.inner, self.lam = self.u, np.zeros(self.program.rows)
 
-    def see(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:
-        """Look at one iterate: value and multipliers in units of the scaled objective; True to go on."""
-        self.iteration += 1
+    def keep(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:
+        """Keep one iterate; True where it is inside all rows and beyond the horizon."""
         self.u, self.lam = u, lam
-        if self.progress is not None:
-            self.progress(self.iteration, value * self.unit)
         inside = h.min(initial=np.inf) > 0
         if inside:
-            self.way.append(u)
-            if len(self.way) == 1 or h @ lam > WARM_START_GAP * max(abs(value), 1.0):
+            self.path.append(u)
+            if len(self.path) == 1 or h @ lam > WARM_START_GAP * max(abs(value), 1.0):
                 self.inner, self.inner_mu = u, float(h @ lam) / max(len(h), 1)
-        if self.stop is not None and self.stop.is_set():
-            self.status = SolverStatus.STOPPED
-        elif inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon:
-            self.status = SolverStatus.ESCAPING
-        return self.status is None
+        return bool(inside and np.abs(self.program.motion(u)[:, :2]).max(initial=0.0) > self.horizon)
 
 
 def _error(program: Program, u: Floats, lam: Floats, unit: float) -> float:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from wiggleroom.program.nonlinear_program import Linearised
 from wiggleroom.program.retraction import Retraction
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.newton_step import MIN_SHIFT, Iterate, dot, max_step, newton
+from wiggleroom.solve.newton_step import MIN_SHIFT, Iterate, dot, newton
 
 Floats = NDArray[np.float64]
 
@@ -88,17 +88,16 @@ class MonotoneBarrier:
         data = at.condensed(lam / s, lam, self._retraction.balance(dual, at), 1.0 / state.unit)
         while not self._matrix.update(data, shift + state.proximal_weight):
             shift = max(8 * shift, 1e-5)
-        du, ds, dlam = newton(state, self._matrix, primal, dual, mu - s * lam)
-        far = float(np.abs(du).max(initial=0.0))
-        share = min(_step_to_boundary(s, ds), 1.0, self._farthest / far if far > 0 else 1.0)
-        if not _line_search(state, self._retraction, du, share, mu, strides=shift > SETTINGS.max_free_shift):
+        step = newton(state, self._matrix, primal, dual, mu - s * lam)
+        far = float(np.abs(step.u).max(initial=0.0))
+        share = min(_step_to_boundary(s, step.s), 1.0, self._farthest / far if far > 0 else 1.0)
+        if not _line_search(state, self._retraction, step.u, share, mu, strides=shift > SETTINGS.max_free_shift):
             return False
-        reach = max_step(lam, dlam)
-        lam = lam + (SETTINGS.fraction_to_boundary * reach if reach < 1 else 1.0) * dlam
+        lam = lam + (SETTINGS.fraction_to_boundary * step.dual if step.dual < 1 else 1.0) * step.lam
         state.lam = np.clip(
             lam, mu / (SETTINGS.max_multiplier_ratio * state.s), SETTINGS.max_multiplier_ratio * mu / state.s
         )
-        state.move = du
+        state.move = step.u
         self._shift = MIN_SHIFT if shift <= 1e-8 else shift / 3
         return True
 

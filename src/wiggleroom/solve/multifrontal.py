@@ -7,9 +7,10 @@ there. Independent parts of the tree run on both cores. Source: Duff and Reid 19
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from llvmlite import ir
@@ -23,6 +24,7 @@ from wiggleroom.solve.nested_dissection import EliminationTree, dissect
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+T = TypeVar("T")
 
 SUBTREE_DEPTH = 3
 """Nodes at this depth are the roots of independent subtrees."""
@@ -30,8 +32,8 @@ MIN_THREADED_FRONT = 1500
 """From so many rows in the largest front on, the linear-algebra library may use its own threads for the last fronts."""
 
 
-class Multifrontal:
-    """Cholesky factor of a symmetric matrix of blocks, whose pattern stays the same while its numbers change.
+class FrontalPlan:
+    """What a factorisation does, whatever the numbers are: elimination tree, and where everything lies.
 
     Parameters
     ----------
@@ -45,58 +47,92 @@ class Multifrontal:
 
     def __init__(self, at: Floats, indptr: Ints, indices: Ints, block: int) -> None:
         column = np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))
-        tree = dissect(at, *_neighbours(indices // block, column // block, len(at)))
+        self.tree = tree = dissect(at, *_neighbours(indices // block, column // block, len(at)))
         nodes = len(tree.parent)
-        panel, target, owner = _targets(
+        self.block = block
+        self.panel, target, owner = _targets(
             tree.first, tree.border_start, tree.border, tree.place, np.repeat(np.arange(nodes), np.diff(tree.first)),
             indices, column, block,
         )  # fmt: skip
         source = np.argsort(owner, kind="stable")
         entry = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=nodes))])
         in_parent = _places_in_parent(tree.first, tree.border_start, tree.border, tree.parent)
-        self._shares, region = _shares(tree)
-        place, workplace, size = _stack_places(
-            tree.border_start, tree.child, tree.sibling, region, len(self._shares), block
+        self.shares, region = _shares(tree)
+        place, workplace, self.stack = _stack_places(
+            tree.border_start, tree.child, tree.sibling, region, len(self.shares), block
         )
-        self._tree, self._block, self._panel = tree, block, panel
-        self._factor = np.empty(panel[-1])
-        self._plan = (
-            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, panel, place, workplace, entry,
-            target[source], source, block, self._factor, np.empty(size), *_ADDRESSES,
+        self.assembly = (
+            tree.first, tree.border_start, tree.child, tree.sibling, in_parent, self.panel, place, workplace, entry,
+            target[source], source, block,
         )  # fmt: skip
-        self._order = (block * tree.order[:, None] + np.arange(block)).ravel()
-        self._widest = block * int((np.diff(tree.first) + np.diff(tree.border_start)).max())
-        self._libraries = _libraries()
-        threads = min(2, os.cpu_count() or 1, len(self._shares) - 1)
-        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
+        self.order = (block * tree.order[:, None] + np.arange(block)).ravel()
+        self.widest = block * int((np.diff(tree.first) + np.diff(tree.border_start)).max())
 
     @property
     def operations(self) -> float:
         """Floating-point operations of one factorisation."""
-        wide = self._block * np.diff(self._tree.first).astype(float)
-        high = self._block * np.diff(self._tree.border_start).astype(float)
+        wide = self.block * np.diff(self.tree.first).astype(float)
+        high = self.block * np.diff(self.tree.border_start).astype(float)
         return float((wide**3 / 3 + wide**2 * high + wide * high**2).sum())
+
+
+class Multifrontal:
+    """Cholesky factor of a symmetric matrix of blocks, whose pattern stays the same while its numbers change.
+
+    Parameters
+    ----------
+    plan : FrontalPlan
+        Of its pattern; several factors may share it.
+    """
+
+    def __init__(self, plan: FrontalPlan) -> None:
+        self._plan, self._factor = plan, np.empty(plan.panel[-1])
+        self._work = *plan.assembly, self._factor, np.empty(plan.stack), *_ADDRESSES
+        self._libraries = _libraries()
+        self._threads = max(1, min(2, os.cpu_count() or 1, len(plan.shares) - 1))
+        self._pool = ThreadPoolExecutor(self._threads) if self._threads > 1 else None
 
     def update(self, data: Floats, shift: float) -> bool:
         """Factorise with `shift` added to the diagonal; False where the matrix is not positive definite."""
-        *subtrees, top = self._shares
+        *subtrees, top = self._plan.shares
 
         def done(nodes: Ints) -> bool:
-            return _factorise(nodes, *self._plan, data, shift, np.empty(8, np.int32))
+            return _factorise(nodes, *self._work, data, shift, np.empty(8, np.int32))
 
         with self._libraries.limit(limits=1):  # fronts are small: threads of a library would cost more than they save
-            each = map(done, subtrees) if self._pool is None else self._pool.map(done, subtrees)
-            fine = all(list(each))
-        with self._libraries.limit(limits=1 if self._widest < MIN_THREADED_FRONT else None):
+            fine = all(self._on_threads(done, subtrees))
+        with self._libraries.limit(limits=1 if self._plan.widest < MIN_THREADED_FRONT else None):
             return fine and done(top)
 
     def solve(self, right: Floats) -> Floats:
         """Solution of the factorised system."""
-        tree, x, out = self._tree, right[self._order], np.empty(len(right))
-        room = np.empty(len(right))
-        _substitute(tree.first, tree.border_start, tree.border, self._panel, self._block, self._factor, x, room)
-        out[self._order] = x
+        plan, tree = self._plan, self._plan.tree
+        *subtrees, top = plan.shares
+        x, out, longest = right[plan.order], np.empty(len(right)), plan.widest
+        table = tree.first, tree.border_start, tree.border, plan.panel, plan.block, self._factor
+        groups = [subtrees[k :: self._threads] for k in range(self._threads)]
+
+        def forward(group: list[Ints]) -> Floats:
+            above = np.zeros(len(x))  # what nodes of other shares are told; each thread has its own
+            for nodes in group:
+                _forward(nodes, *table, x, above, np.empty(longest))
+            return above
+
+        def backward(group: list[Ints]) -> None:
+            for nodes in group:
+                _backward(nodes, *table, x, np.empty(longest))
+
+        for above in self._on_threads(forward, groups):
+            x += above
+        _forward(top, *table, x, x, np.empty(longest))
+        _backward(top, *table, x, np.empty(longest))
+        self._on_threads(backward, groups)
+        out[plan.order] = x
         return out
+
+    def _on_threads(self, work: Callable[[Any], T], items: list[Any]) -> list[T]:
+        """Results of `work` for some items."""
+        return list(map(work, items) if self._pool is None else self._pool.map(work, items))
 
 
 @cache
@@ -293,10 +329,12 @@ def _gather(A, C, stack, begin, places, block, width, high, tall):
 
 
 @njit(fastmath=True, **NO_ALLOCATION)
-def _substitute(first, border_start, border, panel, block, factor, x, room):
-    """Solve in place, forward and backward, for a right-hand side in the order of elimination."""
-    nodes = len(first) - 1
-    for t in range(nodes):
+def _forward(nodes, first, border_start, border, panel, block, factor, x, above, room):
+    """Solve with the factor in place for some nodes in order; what is left for nodes beyond the last of them goes to `above`."""
+    if len(nodes) == 0:
+        return
+    end = block * first[nodes[-1] + 1]
+    for t in nodes:
         width, high = block * (first[t + 1] - first[t]), block * (border_start[t + 1] - border_start[t])
         tall, at = width + high, block * first[t]
         below = room[:high]
@@ -311,9 +349,16 @@ def _substitute(first, border_start, border, panel, block, factor, x, room):
                 below[r] += column[width + r] * v
         for k in range(high // block):
             q = block * border[border_start[t] + k]
+            target = x if q < end else above
             for i in range(block):
-                x[q + i] -= below[block * k + i]
-    for t in range(nodes - 1, -1, -1):
+                target[q + i] -= below[block * k + i]
+
+
+@njit(fastmath=True, **NO_ALLOCATION)
+def _backward(nodes, first, border_start, border, panel, block, factor, x, room):
+    """Solve with the transposed factor in place for some nodes, the last one first."""
+    for n in range(len(nodes) - 1, -1, -1):
+        t = nodes[n]
         width, high = block * (first[t + 1] - first[t]), block * (border_start[t + 1] - border_start[t])
         tall, at = width + high, block * first[t]
         below = room[:high]

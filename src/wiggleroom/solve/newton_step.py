@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from wiggleroom.program.nonlinear_program import Linearised
 from wiggleroom.solve.factorisation import Factor
-from wiggleroom.solve.row_operations import eliminated, multiplier_change, step_length
+from wiggleroom.solve.row_operations import step_length
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ class Iterate:
     proximal_share: float
     shift: float = MIN_SHIFT
     stride: float = 1.0
-    way: list[Floats] = field(default_factory=list)
+    path: list[Floats] = field(default_factory=list)
 
     def residuals(self) -> tuple[Floats, Floats, float, float]:
         """Primal and dual residual, complementarity, and value in units of the objective's largest derivative."""
@@ -46,16 +46,25 @@ class Iterate:
         return self.proximal_share * max(abs(self.at.value) / self.unit, 1.0) / max(dot(self.u, self.u), 1.0)
 
 
-def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> tuple[Floats, Floats, Floats]:
-    """Directions (du, ds, dlam) that change s * lam by `goal` and remove both residuals, to first order."""
+@dataclass(frozen=True, eq=False)
+class Direction:
+    """Changes of variables `u` (3F,), slacks `s` (R,) and multipliers `lam` (R,), and the longest steps that keep these positive.
+
+    `primal` is that of the slacks, `dual` that of the multipliers, both in [0, 1].
+    """
+
+    u: Floats
+    s: Floats
+    lam: Floats
+    primal: float
+    dual: float
+
+
+def newton(state: Iterate, matrix: Factor, primal: Floats, dual: Floats, goal: Floats) -> Direction:
+    """The direction that changes s * lam by `goal` and removes both residuals, to first order."""
     s, lam, at = state.s, state.lam, state.at
-    change = np.empty_like(s)
-    eliminated(s, lam, primal, goal, change)
-    du = matrix.solve(at.transposed_jacobian_product(change) - dual)
-    ds = at.jacobian_product(du)
-    ds -= primal
-    multiplier_change(s, lam, ds, goal, change)
-    return du, ds, change
+    du = matrix.solve(at.eliminated_product(s, lam, primal, goal) - dual)
+    return Direction(du, *at.eliminated_changes(du, s, lam, primal, goal))
 
 
 def dot(x: Floats, y: Floats) -> float:

@@ -22,17 +22,32 @@ def step_length(x, dx, more, share):
 
 
 @njit(**NO_ALLOCATION)
-def eliminated(s, lam, primal, goal, out):
-    """Fill `out` with what rows ask of the variables once slacks and multipliers are eliminated: (lam * primal + goal) / s."""
-    for k in range(len(s)):
-        out[k] = (lam[k] * primal[k] + goal[k]) / s[k]
+def step_lengths(x, dx, more, shares, out):
+    """Fill `out` with the largest step in [0, 1] that keeps x + step * (dx + share * more) >= 0 for each of some shares, for x > 0."""
+    out[:] = 1.0
+    for k in range(len(x)):
+        for j in range(len(shares)):
+            change = dx[k] + shares[j] * more[k]
+            if -change > out[j] * x[k]:
+                out[j] = -change / x[k]
+    for j in range(len(shares)):
+        out[j] = 1.0 / out[j]
 
 
 @njit(**NO_ALLOCATION)
-def multiplier_change(s, lam, ds, goal, out):
-    """Fill `out` with the change of the multipliers that belongs to one of the slacks: (goal - lam * ds) / s."""
+def gap_after(s, ds, lam, dlam, step, dual_step):
+    """Sum of the products of slack and multiplier after some steps."""
+    total = 0.0
     for k in range(len(s)):
-        out[k] = (goal[k] - lam[k] * ds[k]) / s[k]
+        total += (s[k] + step * ds[k]) * (lam[k] + dual_step * dlam[k])
+    return total
+
+
+@njit(**NO_ALLOCATION)
+def corrector_goal(s, ds, lam, dlam, mean, most, goal):
+    """Fill `goal` with the changes that bring products to `mean`, less the predictor's second-order term, which is at most `most`."""
+    for k in range(len(s)):
+        goal[k] = mean - s[k] * lam[k] - min(max(ds[k] * dlam[k], -most), most)
 
 
 @njit(**NO_ALLOCATION)

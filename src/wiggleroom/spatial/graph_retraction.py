@@ -75,8 +75,7 @@ class GraphRetraction:
 
     def bodies(self, at: LinearisedSeparatingPlanes, u: Floats, share: float) -> SpatialPose:
         """Pose after `share` of the step u (V,)."""
-        P, pose = self._program, at.point.pose
-        change = P.unpacked(share * u) * P.scale
+        pose, change = at.point.pose, at.change(share * u)
         R = pose.R @ exponential(change[:, 3:])
         xi = at.seen(share * u)
         q = at.q + xi[:, :3] - np.cross(xi[:, 3:6], at.q)

@@ -1,6 +1,6 @@
 """Does an assembly of boxes come apart by moves of whole steps: an exhaustive search on the lattice of its coordinates.
 
-Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every way by whole steps is a way of the parts as
+Parts made of axis-aligned boxes, as drawn without gaps, have all faces on a lattice. Every path by whole steps is a path of the parts as
 made, which are smaller. Where the search ends without a way out, none exists by whole steps; turns, and what the gaps allow besides,
 are not seen.
 """
@@ -54,8 +54,6 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
 
     None where parts are not boxes along the axes of the world, where they overlap as drawn, and where there are too many cells.
     """
-    from scipy.signal import fftconvolve
-
     assembly, grouping = ready.assembly, ready.grouping
     count = len(grouping.bodies.at)
     if assembly.drawing.ignore or count > MOST_BODIES:
@@ -90,7 +88,7 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
             if i == j:
                 continue
             # entry k of the convolution: cells of j moved by d meet cells of i, d = k - (shape of j - 1) - (low j - low i)
-            common = fftconvolve(solid[i].astype(float), solid[j][::-1, ::-1, ::-1].astype(float)) > 0.5
+            common = _convolved(solid[i], solid[j][::-1, ::-1, ::-1]) > 0.5
             first = low[i] - low[j] - (np.array(solid[j].shape) - 1) + reach
             table = blocked[i, j]
             table[tuple(slice(a, a + n) for a, n in zip(first, common.shape, strict=True))] = common
@@ -98,6 +96,13 @@ def lattice(ready: SpatialPrepared) -> Lattice | None:
                 return None
     free = grouping.bodies.free[:, :3]
     return Lattice(unit * ROUNDING, blocked, ~free)
+
+
+def _convolved(one: Bools, other: Bools) -> Floats:
+    """Convolution of two blocks of cells, by Fourier transforms."""
+    shape = [m + n - 1 for m, n in zip(one.shape, other.shape, strict=True)]
+    axes = (0, 1, 2)
+    return np.fft.irfftn(np.fft.rfftn(one, shape, axes) * np.fft.rfftn(other, shape, axes), shape, axes)
 
 
 @njit(**OPTIONS)
@@ -110,8 +115,8 @@ def moves(blocked, stands, offset, groups, leaves):
     reach = np.array([(blocked.shape[2] - 1) // 2, (blocked.shape[3] - 1) // 2, (blocked.shape[4] - 1) // 2])
     met, ahead = np.zeros((n, n), dtype=np.bool_), np.zeros((n, n), dtype=np.bool_)
     todo = np.empty(n, dtype=np.int64)
-    for way in range(6):
-        axis, sign = way // 2, 1 - 2 * (way % 2)
+    for direction in range(6):
+        axis, sign = direction // 2, 1 - 2 * (direction % 2)
         met[:], ahead[:] = False, False
         for i in range(n):
             for j in range(n):
@@ -154,9 +159,9 @@ def moves(blocked, stands, offset, groups, leaves):
                             todo[top] = j
                             top += 1
                 if kind == 0:
-                    groups[first, way] = group & good
+                    groups[first, direction] = group & good
                 else:
-                    leaves[first, way] = good and not group.all()
+                    leaves[first, direction] = good and not group.all()
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,12 +198,12 @@ def lattice_search(found: Lattice, stop: Stop | None) -> LatticeSearch:
         moves(found.blocked, found.stands, offset, groups, leaves)
         if leaves.any():
             key: bytes | None = offset.tobytes()
-            way: list[Ints] = []
+            path: list[Ints] = []
             while key is not None:
                 state, key = before[key]
-                way.append(state)
+                path.append(state)
             k = int(np.argwhere(leaves)[0][1])
-            return LatticeSearch(tuple(way[::-1]), k // 2, 1 - 2 * (k % 2))
+            return LatticeSearch(tuple(path[::-1]), k // 2, 1 - 2 * (k % 2))
         ahead = {}
         for first, k in np.argwhere(groups.any(axis=2)):
             moved = offset.copy()
@@ -212,7 +217,7 @@ def lattice_search(found: Lattice, stop: Stop | None) -> LatticeSearch:
 
 
 def lattice_motions(ready: SpatialPrepared, found: Lattice, search: LatticeSearch) -> Floats:
-    """Motions (k, n, 6) [mm, rad] of the parts along a way by whole steps; steps that go on in the same direction are one."""
+    """Motions (k, n, 6) [mm, rad] of the parts along a path by whole steps; steps that go on in the same direction are one."""
     offsets = np.array(search.offsets)
     step = np.diff(offsets, axis=0)
     turns = np.flatnonzero((step[1:] != step[:-1]).any(axis=(1, 2))) + 1

@@ -15,7 +15,7 @@ from wiggleroom.spatial.convex import ConvexPiece, cuboid, prism
 from wiggleroom.spatial.convex_parts import convex_polygons
 from wiggleroom.spatial.mesh_pieces import mesh_made
 from wiggleroom.spatial.solid_boolean import solid_of, surface_of, union_of
-from wiggleroom.spatial.spatial_model import Boxes, MadeSolid, Plate, SpatialPart, Surface
+from wiggleroom.spatial.spatial_model import Boxes, MadeSolid, Plate, Solid, SpatialPart, Surface
 
 Floats = NDArray[np.float64]
 
@@ -39,6 +39,17 @@ def made_solid(part: SpatialPart, gap: float, inward: float = 0.0) -> tuple[Made
             return _boxes(part.solid, gap + 2 * inward)
         case Surface():
             return mesh_made(part.solid, gap + 2 * inward)
+
+
+def drawn_surface(solid: Solid) -> Surface:
+    """Boundary of a solid as drawn."""
+    match solid:
+        case Plate():
+            return surface_of(union_of([_extruded(p, 0.0, solid.thickness) for p in _polygons(solid.regions)]))
+        case Boxes():
+            return surface_of(union_of([_cuboid_solid(low, high) for low, high in solid.boxes]))
+        case Surface():
+            return solid
 
 
 def _plate(part: SpatialPart, plate: Plate, gap: float, inward: float) -> tuple[MadeSolid | None, list[str]]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.spatial.convex import ConvexPiece
+from wiggleroom.spatial.rotations import exponential, logarithm
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -25,7 +27,7 @@ class RigidBodies:
     at : (n, 3) float64 [mm]
         Reference points at rest.
     free : (n, 6) bool
-        Which of x, y, z, rx, ry, rz may change.
+        Which of x, y, z, rx, ry, rz may change; a turn that may not is a component of the rotation vector that stays zero.
     owner : tuple of (k,) int64
         Part of every piece.
     ignored : frozenset of (int, int)
@@ -43,10 +45,22 @@ class RigidBodies:
         """Bodies (n,) that are not fixed."""
         return np.asarray(self.free.any(axis=1))
 
-    @property
+    @cached_property
+    def corners(self) -> tuple[Floats, Ints, Ints]:
+        """Corners of all pieces (c, 3) in the frames of their bodies, the body of each, and the first one of each piece."""
+        every = [p.corners for body in self.pieces for p in body]
+        count = np.array([len(c) for c in every])
+        first = np.cumsum(count) - count
+        body = np.repeat(np.arange(len(self.pieces)), [len(pieces) for pieces in self.pieces])
+        return np.vstack(every), np.repeat(body, count), first
+
+    @cached_property
     def radius(self) -> Floats:
         """Largest distance of a corner from the reference point (n,) [mm]."""
-        return np.array([max(np.linalg.norm(p.corners, axis=1).max() for p in body) for body in self.pieces])
+        corners, body, _ = self.corners
+        radius = np.zeros(len(self.pieces))
+        np.maximum.at(radius, body, np.linalg.norm(corners, axis=1))
+        return radius
 
     @property
     def size(self) -> float:
@@ -59,6 +73,21 @@ class RigidBodies:
         """Pose at rest."""
         return SpatialPose(self.at.copy(), np.repeat(np.eye(3)[None], len(self.at), axis=0))
 
+    def turn_axes(self, pose: SpatialPose) -> Floats:
+        """Axes (n, 3, 3), as columns in each body's frame, about which its turns are counted.
+
+        Where one turn alone is locked, the rotation vector of the body has no component along that axis e of the world. Such rotations are
+        a great sphere of quaternions. A turn exp(a) from one of them stays there where a is across exp(-w/2) e, w the rotation vector:
+        so the axes of such a body are turned back by half its turn. Those of all others are the axes of its frame.
+
+        Source: Listing's law, Tweed and Vilis 1987.
+        """
+        axes = np.repeat(np.eye(3)[None], len(self.at), axis=0)
+        one = self.free[:, 3:].sum(axis=1) == 2
+        if one.any():
+            axes[one] = exponential(-logarithm(pose.R[one]) / 2)
+        return axes
+
 
 @dataclass(frozen=True, eq=False)
 class SpatialPose:
@@ -68,13 +97,11 @@ class SpatialPose:
     R: Floats
 
 
-def boxes_of(bodies: RigidBodies, pose: SpatialPose) -> list[tuple[Floats, Floats]]:
-    """Axis-aligned boxes of all pieces of each body: lower and upper corners (k, 3) [mm]."""
-    found = []
-    for pieces, T, R in zip(bodies.pieces, pose.T, pose.R, strict=True):
-        placed = [p.corners @ R.T + T for p in pieces]
-        found.append((np.array([c.min(axis=0) for c in placed]), np.array([c.max(axis=0) for c in placed])))
-    return found
+def boxes_of(bodies: RigidBodies, pose: SpatialPose) -> tuple[Floats, Floats]:
+    """Axis-aligned boxes of all pieces, one body after the other: lower and upper corners (k, 3) [mm]."""
+    corners, body, first = bodies.corners
+    placed = (pose.R[body] @ corners[:, :, None])[:, :, 0] + pose.T[body]
+    return np.minimum.reduceat(placed, first), np.maximum.reduceat(placed, first)
 
 
 def near_bodies(low: Floats, high: Floats, bodies: RigidBodies, reach: float) -> list[tuple[int, int]]:
@@ -90,13 +117,14 @@ def near_bodies(low: Floats, high: Floats, bodies: RigidBodies, reach: float) ->
 
 def near_pieces(bodies: RigidBodies, pose: SpatialPose, reach: float) -> Ints:
     """Pairs of pieces (k, 4) as body a, piece of a, body b, piece of b, whose boxes come within `reach` [mm]."""
-    boxes = boxes_of(bodies, pose)
-    low = np.array([lo.min(axis=0) for lo, _ in boxes])
-    high = np.array([hi.max(axis=0) for _, hi in boxes])
+    lows, highs = boxes_of(bodies, pose)
+    start = np.cumsum([0, *(len(pieces) for pieces in bodies.pieces)])
+    low, high = np.minimum.reduceat(lows, start[:-1]), np.maximum.reduceat(highs, start[:-1])
     found = [np.zeros((0, 4), dtype=np.int64)]
     for a, b in near_bodies(low, high, bodies, reach):
-        (al, ah), (bl, bh) = boxes[a], boxes[b]
-        meets = ((al[:, None] <= bh[None] + reach) & (ah[:, None] >= bl[None] - reach)).all(axis=2)
+        mine, other = slice(start[a], start[a + 1]), slice(start[b], start[b + 1])
+        along = (lows[mine, None] <= highs[None, other] + reach) & (highs[mine, None] >= lows[None, other] - reach)
+        meets = np.asarray(along.all(axis=2))
         if bodies.ignored:
             parts = [(min(p, q), max(p, q)) for p in bodies.owner[a].tolist() for q in bodies.owner[b].tolist()]
             ignored = np.array([pair in bodies.ignored for pair in parts])

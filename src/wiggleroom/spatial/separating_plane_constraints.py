@@ -6,8 +6,9 @@ a point c. With B seen from A at q = Ra^T (Tb - Ta), Psi = Ra^T Rb its rows are
     corner p of A's piece:  h = d - n . (p - c)
     corner v of B's piece:  h = n . (x - c) - d,   x = q + Psi v
 
-Variables are (dT, a) for a body, T <- T + dT, R <- R exp(a), and (alpha, delta) for a plane, n <- (n + N alpha)/|.|, d <- (d + delta)/|.|
-with N two unit vectors across n. A pair of bodies sees xi = (tau, a, beta) = (Ra^T (dTb - dTa), a_A, Psi a_B).
+Variables are (dT, w) for a body, T <- T + dT, R <- R exp(a), a = axes w, and (alpha, delta) for a plane, n <- (n + N alpha)/|.|,
+d <- (d + delta)/|.| with N two unit vectors across n. `axes` (n, 3, 3) are those, in the body's frame, about which its turns are counted.
+A pair of bodies sees xi = (tau, a, beta) = (Ra^T (dTb - dTa), a_A, Psi a_B).
 
 Planes of a pair of bodies follow each other: those of pair p are plane[p] .. plane[p + 1], rows of plane k are row[k] .. row[k + 1], the
 first `own[k]` of them belong to A's corners.
@@ -122,6 +123,7 @@ def condensed(
     q,
     Psi,
     R,
+    axes,
     a,
     b,
     plane,
@@ -246,18 +248,27 @@ def condensed(
         for i in range(9):
             for j in range(i):
                 S[i, j] = S[j, i]
-        # to the bodies: tau = Ra^T (dTb - dTa), a = a_A, beta = Psi a_B
+        # to the bodies: tau = Ra^T (dTb - dTa), a = axes_A w_A, beta = Psi axes_B w_B
         i_a, i_b = a[p], b[p]
+        for i in range(3):
+            for j in range(3):
+                s = 0.0
+                for t in range(3):
+                    s += Psi[p, i, t] * axes[i_b, t, j]
+                M[i, j] = s
         for i in range(9):
             for j in range(3):
                 s = 0.0
                 for t in range(3):
                     s += S[i, t] * R[i_a, j, t]
                 Y[i, j], Y[i, 6 + j] = -s, s
-                Y[i, 3 + j] = S[i, 3 + j]
                 s = 0.0
                 for t in range(3):
-                    s += S[i, 6 + t] * Psi[p, t, j]
+                    s += S[i, 3 + t] * axes[i_a, t, j]
+                Y[i, 3 + j] = s
+                s = 0.0
+                for t in range(3):
+                    s += S[i, 6 + t] * M[t, j]
                 Y[i, 9 + j] = s
         for j in range(12):
             for i in range(3):
@@ -265,10 +276,13 @@ def condensed(
                 for t in range(3):
                     s += R[i_a, i, t] * Y[t, j]
                 A[i, j], A[6 + i, j] = -s, s
-                A[3 + i, j] = Y[3 + i, j]
                 s = 0.0
                 for t in range(3):
-                    s += Psi[p, t, i] * Y[6 + t, j]
+                    s += axes[i_a, t, i] * Y[3 + t, j]
+                A[3 + i, j] = s
+                s = 0.0
+                for t in range(3):
+                    s += M[t, i] * Y[6 + t, j]
                 A[9 + i, j] = s
         for i in range(12):
             si = scale[i_a, i] if i < 6 else scale[i_b, i - 6]
@@ -280,7 +294,7 @@ def condensed(
 
 
 @njit(**NO_ALLOCATION)
-def against(Psi, R, a, b, plane, row, G, y, scale, on_bodies, on_planes):
+def against(Psi, R, axes, a, b, plane, row, G, y, scale, on_bodies, on_planes):
     """Add G^T y to on_bodies (n, 6), scaled, and fill on_planes (K, 3)."""
     for p in range(len(a)):
         x0, x1, x2, x3, x4, x5, x6, x7, x8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -301,26 +315,35 @@ def against(Psi, R, a, b, plane, row, G, y, scale, on_bodies, on_planes):
                 y1 += G[r, 10] * v
                 y2 += G[r, 11] * v
             on_planes[k, 0], on_planes[k, 1], on_planes[k, 2] = y0, y1, y2
-        to_bodies(p, Psi, R, a[p], b[p], x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, on_bodies)
+        to_bodies(p, Psi, R, axes, a[p], b[p], x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, on_bodies)
 
 
 @njit(**NO_ALLOCATION)
-def to_bodies(p, Psi, R, i, j, x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, out):
+def to_bodies(p, Psi, R, axes, i, j, x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, out):
     """Add what a pair feels by xi to what its two bodies feel."""
     for k in range(3):
         force = R[i, k, 0] * x0 + R[i, k, 1] * x1 + R[i, k, 2] * x2
         out[i, k] -= force * scale[i, k]
         out[j, k] += force * scale[j, k]
-        moment = Psi[p, 0, k] * x6 + Psi[p, 1, k] * x7 + Psi[p, 2, k] * x8
+    m0 = Psi[p, 0, 0] * x6 + Psi[p, 1, 0] * x7 + Psi[p, 2, 0] * x8
+    m1 = Psi[p, 0, 1] * x6 + Psi[p, 1, 1] * x7 + Psi[p, 2, 1] * x8
+    m2 = Psi[p, 0, 2] * x6 + Psi[p, 1, 2] * x7 + Psi[p, 2, 2] * x8
+    for k in range(3):
+        moment = axes[i, 0, k] * x3 + axes[i, 1, k] * x4 + axes[i, 2, k] * x5
+        out[i, 3 + k] += moment * scale[i, 3 + k]
+        moment = axes[j, 0, k] * m0 + axes[j, 1, k] * m1 + axes[j, 2, k] * m2
         out[j, 3 + k] += moment * scale[j, 3 + k]
-    out[i, 3] += x3 * scale[i, 3]
-    out[i, 4] += x4 * scale[i, 4]
-    out[i, 5] += x5 * scale[i, 5]
 
 
 @njit(**NO_ALLOCATION)
-def pair_changes(Psi, R, a, b, scale, u, xi):
-    """Fill xi (P, 9) with what pairs see of scaled changes u (n, 6) of the bodies."""
+def pair_changes(Psi, R, axes, a, b, scale, u, turn, xi):
+    """Fill xi (P, 9) with what pairs see of scaled changes u (n, 6) of the bodies, and turn (n, 3) with their turns in their frames."""
+    for i in range(len(u)):
+        for k in range(3):
+            s = 0.0
+            for t in range(3):
+                s += axes[i, k, t] * u[i, 3 + t] * scale[i, 3 + t]
+            turn[i, k] = s
     for p in range(len(a)):
         i, j = a[p], b[p]
         for k in range(3):
@@ -328,10 +351,10 @@ def pair_changes(Psi, R, a, b, scale, u, xi):
             for t in range(3):
                 s += R[i, t, k] * (u[j, t] * scale[j, t] - u[i, t] * scale[i, t])
             xi[p, k] = s
-            xi[p, 3 + k] = u[i, 3 + k] * scale[i, 3 + k]
+            xi[p, 3 + k] = turn[i, k]
             s = 0.0
             for t in range(3):
-                s += Psi[p, k, t] * u[j, 3 + t] * scale[j, 3 + t]
+                s += Psi[p, k, t] * turn[j, t]
             xi[p, 6 + k] = s
 
 
@@ -348,7 +371,7 @@ def along(plane, row, G, xi, y, out):
 
 
 @njit(**NO_ALLOCATION)
-def eliminate(Psi, R, a, b, plane, inverse, mixed, y, scale, share, on_bodies):
+def eliminate(Psi, R, axes, a, b, plane, inverse, mixed, y, scale, share, on_bodies):
     """Fill share (K, 3) with inverse y, and take what that means for the bodies off on_bodies (n, 6)."""
     for p in range(len(a)):
         x0, x1, x2, x3, x4, x5, x6, x7, x8 = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -366,7 +389,7 @@ def eliminate(Psi, R, a, b, plane, inverse, mixed, y, scale, share, on_bodies):
                 x6 += mixed[k, t, 6] * v
                 x7 += mixed[k, t, 7] * v
                 x8 += mixed[k, t, 8] * v
-        to_bodies(p, Psi, R, a[p], b[p], x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, on_bodies)
+        to_bodies(p, Psi, R, axes, a[p], b[p], x0, x1, x2, x3, x4, x5, x6, x7, x8, scale, on_bodies)
 
 
 @njit(**NO_ALLOCATION)

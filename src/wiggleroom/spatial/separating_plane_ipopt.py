@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wiggleroom.errors import InputError, Stop
-from wiggleroom.solve.casadi_ipopt import import_casadi, ipopt_options, iteration_listener
+from wiggleroom.solve.casadi_ipopt import IterationMonitor, import_casadi, ipopt_options, iteration_listener
 from wiggleroom.solve.factorisation import factor
 from wiggleroom.spatial.graph_retraction import GraphRetraction
 from wiggleroom.spatial.rigid import SpatialPose
@@ -80,8 +80,9 @@ def solve_with_ipopt(
     x, value, rows = _expressions(casadi, coordinates)
     twisted = any(isinstance(t, Twist) for t in coordinates.objective.terms)
     watch = _SeparatingPlaneMonitor(
-        coordinates, unit, start, horizon, min(most_turn, MOST_TWIST) if twisted else np.inf, stop, progress
-    )
+        coordinates=coordinates, most_turn=min(most_turn, MOST_TWIST) if twisted else np.inf,
+        unit=unit, horizon=horizon, stop=stop, progress=progress,
+    )  # fmt: skip
     listener = iteration_listener(casadi, watch, coordinates.variables, program.rows)
     options = ipopt_options(listener, FIRST_MU, TOLERANCE)
     solver = casadi.nlpsol("flex", "ipopt", {"x": x, "f": -value / unit, "g": rows}, options)
@@ -102,7 +103,7 @@ def _solution(
     program: SeparatingPlaneProgram, watch: _SeparatingPlaneMonitor, status: SolverStatus, unit: float
 ) -> SeparatingPlaneSolution:
     """The last point inside all rows, with the conditions there as our own program sees them."""
-    last = program.linearise(watch.way[-1], watch.value)
+    last = program.linearise(watch.path[-1], watch.value)
     slack = np.maximum(last.h, SETTINGS.least_slack)
     state = SeparatingPlaneIterate(last, slack, np.maximum(watch.lam, 1e-300), unit, 0.0, program.start.pose, 0.0)
     dual, dual_planes = state.residuals(0.0, state.displacement)
@@ -114,7 +115,7 @@ def _solution(
         system.set(state, dual, 0.0)
         curved = system.factorise(SETTINGS.least_curvature)
     return SeparatingPlaneSolution(
-        last.point, watch.lam * unit / program.length, last.value, status, watch.iteration, tuple(watch.way), error, curved
+        last.point, watch.lam * unit / program.length, last.value, status, watch.iteration, tuple(watch.path), error, curved
     )  # fmt: skip
 
 
@@ -243,38 +244,27 @@ def _rows(casadi: Any, of: _Coordinates, x: Any, T: list, R: list[list]) -> Any:
     return casadi.vertcat(behind, before)[back.tolist(), 0]
 
 
-@dataclass(eq=False)
-class _SeparatingPlaneMonitor:
-    """What is kept from the iterations, and the reasons to end them."""
+@dataclass(eq=False, kw_only=True)
+class _SeparatingPlaneMonitor(IterationMonitor):
+    """What is kept of the iterates: the path inside all rows, and the last multipliers."""
 
     coordinates: _Coordinates
-    unit: float
-    start: SeparatingPlanePoint
-    horizon: float
     most_turn: float
-    stop: Stop | None
-    progress: Callable[[int, float], None] | None
-    iteration: int = -1
     value: float = 0.0
-    status: SolverStatus | None = None
-    error: BaseException | None = None
     lam: Floats = field(init=False)
     before: Floats = field(init=False)
-    way: list[SeparatingPlanePoint] = field(init=False)
+    path: list[SeparatingPlanePoint] = field(init=False)
 
     def __post_init__(self) -> None:
         """Begin at rest."""
         program = self.coordinates.program
-        self.lam, self.way = np.zeros(program.rows), [program.start]
+        self.lam, self.path = np.zeros(program.rows), [program.start]
         self.before = self.coordinates.of(program.start)
 
-    def see(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:  # noqa: ARG002
-        """Look at one iterate: variables, scaled objective, rows and multipliers; True to go on."""
-        self.iteration += 1
+    def keep(self, u: Floats, value: float, h: Floats, lam: Floats) -> bool:  # noqa: ARG002
+        """Keep one iterate; True where it is beyond the horizon or turns without limit."""
         program = self.coordinates.program
         self.lam = np.maximum(lam, 0.0)
-        if self.progress is not None:
-            self.progress(self.iteration, value * self.unit)
         steps = 1 + int(self.coordinates.largest_turn(u - self.before))
         for share in np.linspace(0, 1, steps + 1)[1:]:
             point = self.coordinates.point(self.before + share * (u - self.before))
@@ -282,12 +272,8 @@ class _SeparatingPlaneMonitor:
             if rows.min(initial=np.inf) <= 0:
                 point = parted(program, point, rows)
             if program.values(point).min(initial=np.inf) > 0:
-                self.way.append(point)
+                self.path.append(point)
                 self.value = program.objective.value(point.pose, self.value)
         self.before = u
-        moved = np.abs(self.way[-1].pose.T - program.bodies.at).max(initial=0.0)
-        if self.stop is not None and self.stop.is_set():
-            self.status = SolverStatus.STOPPED
-        elif moved > self.horizon or abs(self.value) > self.most_turn:
-            self.status = SolverStatus.ESCAPING
-        return self.status is None
+        moved = np.abs(self.path[-1].pose.T - program.bodies.at).max(initial=0.0)
+        return bool(moved > self.horizon or abs(self.value) > self.most_turn)

@@ -53,6 +53,7 @@ class SeparatingPlaneIterate:
         """Scaled motion (V,) from the anchor."""
         P, pose = self.at.program, self.at.point.pose
         turn = logarithm(np.einsum("nji,njk->nik", self.anchor.R, pose.R))
+        turn = np.einsum("nji,nj->ni", self.at.axes, turn)
         return P.packed(np.hstack([pose.T - self.anchor.T, turn]) / P.scale)
 
     @property
@@ -139,8 +140,8 @@ class SeparatingPlaneSystem:
         bodies, share = P.unpacked(x - dual), np.empty_like(y)
         on_bodies = np.zeros_like(bodies)
         kernel.eliminate(
-            at.Psi, at.point.pose.R, P.a, P.b, P.plane, self._inverse, self._mixed, y, P.scale, share, on_bodies
-        )
+            at.Psi, at.point.pose.R, at.axes, P.a, P.b, P.plane, self._inverse, self._mixed, y, P.scale, share, on_bodies
+        )  # fmt: skip
         du = self._matrix.solve(P.packed(bodies + on_bodies))
         kernel.substitute(P.plane, self._inverse, self._mixed, at.seen(du), share)
         return du, share

@@ -146,9 +146,13 @@ class SeparatingPlaneProgram:
             q, Psi, self.plane, self.row, self.own, self.V, self.c, point.n, self.lever, np.empty((2, 3)), G
         )
         G[:, :9] /= self.length  # planes are counted in units of `length` themselves
-        gradient = self.packed(self.objective.gradient(point.pose) * self.scale)
+        axes = self.bodies.turn_axes(point.pose)
+        gradient = self.objective.gradient(point.pose)
+        gradient[:, 3:] = np.einsum("nji,nj->ni", axes, gradient[:, 3:])
         value = self.objective.value(point.pose, before)
-        return LinearisedSeparatingPlanes(self, point, q, Psi, h / self.length, G, value, gradient)
+        return LinearisedSeparatingPlanes(
+            self, point, q, Psi, axes, h / self.length, G, value, self.packed(gradient * self.scale)
+        )
 
     def packed(self, x: Floats) -> Floats:
         """Variables (V,) from entries (n, 6) of the bodies."""
@@ -163,12 +167,13 @@ class SeparatingPlaneProgram:
 
 @dataclass(frozen=True, eq=False)
 class LinearisedSeparatingPlanes:
-    """The program at one point: rows `h`, derivatives `G` (R, 12), objective `value` and `gradient` (V,)."""
+    """The program at one point: rows `h`, derivatives `G` (R, 12), objective `value` and `gradient` (V,), `axes` of turns (n, 3, 3)."""
 
     program: SeparatingPlaneProgram
     point: SeparatingPlanePoint
     q: Floats
     Psi: Floats
+    axes: Floats
     h: Floats
     G: Floats
     value: float
@@ -183,14 +188,21 @@ class LinearisedSeparatingPlanes:
     def seen(self, u: Floats) -> Floats:
         """What the pairs see (P, 9) of changes u (V,) of the bodies."""
         P, xi = self.program, np.empty((len(self.program.a), 9))
-        kernel.pair_changes(self.Psi, self.point.pose.R, P.a, P.b, P.scale, P.unpacked(u), xi)
+        turn = np.empty((len(P.slot), 3))
+        kernel.pair_changes(self.Psi, self.point.pose.R, self.axes, P.a, P.b, P.scale, P.unpacked(u), turn, xi)
         return xi
+
+    def change(self, u: Floats) -> Floats:
+        """What changes u (V,) are for the bodies: moves in the world and turns in their frames (n, 6) [mm, rad]."""
+        change = self.program.unpacked(u) * self.program.scale
+        change[:, 3:] = np.einsum("nij,nj->ni", self.axes, change[:, 3:])
+        return change
 
     def against(self, lam: Floats) -> tuple[Floats, Floats]:
         """J^T lam for the bodies (V,) and the planes (K, 3)."""
         P = self.program
         x, y = np.zeros(P.slot.shape), np.empty((P.planes, 3))
-        kernel.against(self.Psi, self.point.pose.R, P.a, P.b, P.plane, P.row, self.G, lam, P.scale, x, y)
+        kernel.against(self.Psi, self.point.pose.R, self.axes, P.a, P.b, P.plane, P.row, self.G, lam, P.scale, x, y)
         return P.packed(x), y
 
     def condensed(self, weight: Floats, lam: Floats, balance: Floats, share: float) -> tuple[Floats, Floats, Floats]:
@@ -199,11 +211,14 @@ class LinearisedSeparatingPlanes:
         data = np.zeros(len(P.pattern.indices))
         inverse, mixed = np.empty((P.planes, 3, 3)), np.empty((P.planes, 3, 9))
         kernel.condensed(
-            self.q, self.Psi, self.point.pose.R, P.a, P.b, P.plane, P.row, P.own, P.V, self.point.n, P.lever / P.length,
+            self.q, self.Psi, self.point.pose.R, self.axes, P.a, P.b, P.plane, P.row, P.own, P.V, self.point.n, P.lever / P.length,
             P.length * self.h, self.G, weight, lam / P.length, PLANE_DAMPING, balance, P.scale, P.pattern.entry, np.empty((8, 12, 12)),
             inverse, mixed, data,
         )  # fmt: skip
-        own = -share * self.program.objective.hessian(self.point.pose) * P.scale[:, :, None] * P.scale[:, None, :]
+        own = -share * self.program.objective.hessian(self.point.pose)
+        own[:, :, 3:] = own[:, :, 3:] @ self.axes
+        own[:, 3:] = self.axes.transpose(0, 2, 1) @ own[:, 3:]
+        own *= P.scale[:, :, None] * P.scale[:, None, :]
         upper = P.pattern.own >= 0
         data[P.pattern.own[upper]] += own[upper]
         return data, inverse, mixed
@@ -259,10 +274,11 @@ def best_axis(bodies: RigidBodies, pose: SpatialPose, who: Sequence[int], axis: 
 def beside_rest(program: SeparatingPlaneProgram, seed: int = 0, share: float = 1e-2) -> SeparatingPlanePoint:
     """A point inside all rows, up to `share` clearances beside rest.
 
-    A symmetric assembly would stay on the ridge between two equal ways. The point is the same each time.
+    A symmetric assembly would stay on the ridge between two equal directions. The point is the same each time.
     """
     P, rest = program, program.start
     step = np.random.default_rng(seed).uniform(-1.0, 1.0, P.slot.shape) * P.scale * P.bodies.free
+    step[:, 3:] = np.einsum("nij,nj->ni", P.bodies.turn_axes(rest.pose), step[:, 3:])
     room = P.values(rest)
     while share > 1e-9:
         pose = SpatialPose(rest.pose.T + share * step[:, :3], rest.pose.R @ exponential(share * step[:, 3:]))

@@ -49,6 +49,8 @@ class SeparatingPlaneSettings:
         mu stays above this, times the size in clearances: rows that are as small as their rounding make multipliers of noise.
     least_curvature : float > 0 [objective's unit per clearance squared]
         Curvature upwards that counts.
+    most_weights : tuple of float > 0
+        Largest weights of rows with which curvature is looked at, one after the other.
     anchored : float > 0
         Weight of the proximal term, in units of the barrier's, where iterates stay inside all rows.
     loose : float > 0
@@ -70,7 +72,7 @@ class SeparatingPlaneSettings:
     early : float > 0
         Share of the objective from which on it counts.
     stuck : int > 0
-        After so many iterations at one mu the way is narrow, and mu grows.
+        After so many iterations at one mu the path is narrow, and mu grows.
     raised : float > 1
         Factor by which it does, and the anchor follows.
     highest : float > 0
@@ -119,6 +121,7 @@ class SeparatingPlaneSettings:
     balanced: float = 1e-3
     rounding: float = 500 * float(np.finfo(float).eps)
     least_curvature: float = 1e-3
+    most_weights: tuple[float, ...] = (1e4, 1e6, 1e8, float("inf"))
     anchored: float = 1.0
     loose: float = 1e-3
     saddles: int = 2

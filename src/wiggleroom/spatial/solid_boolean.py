@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.errors import see_extra
+from wiggleroom.errors import require_extra
 from wiggleroom.spatial.spatial_model import Surface
 
 Floats = NDArray[np.float64]
@@ -22,7 +22,7 @@ def require_solid_library() -> None:
     MissingExtraError
         If they are not.
     """
-    see_extra("solid", "assemblies in space need trimesh and manifold3d", "trimesh", "manifold3d")
+    require_extra("solid", "assemblies in space need trimesh and manifold3d", "trimesh", "manifold3d")
 
 
 def solid_of(surface: Surface) -> Any:
@@ -48,6 +48,16 @@ def union_of(solids: Sequence[Any]) -> Any:
     import manifold3d
 
     return manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
+
+
+def behind_planes(normals: Floats, levels: Floats, far: float) -> Any | None:
+    """Solid of the library behind planes (k, 3), (k,) [mm], at most `far` [mm] from the origin along the axes; None where there is none."""
+    import manifold3d
+
+    solid = manifold3d.Manifold.cube((2 * far, 2 * far, 2 * far), center=True)
+    for normal, level in zip(normals, levels.tolist(), strict=True):
+        solid = solid.trim_by_plane(tuple((-normal).tolist()), -level)
+    return solid if solid.volume() > 0 else None
 
 
 def is_sound(solid: Any) -> bool:

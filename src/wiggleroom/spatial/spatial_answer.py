@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.search.drawable import Drawable
+from wiggleroom.displayable import Drawable
 from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.spatial_bodies import Grouping

@@ -9,7 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from wiggleroom.assembly.statements import unknown
+from wiggleroom.drawing.glue_groups import glued_names
 from wiggleroom.errors import InputError
+from wiggleroom.spatial.joint_gap_solid import patched_solids, with_joint_gaps
 from wiggleroom.spatial.made_solids import made_solid
 from wiggleroom.spatial.spatial_file import read_spatial
 from wiggleroom.spatial.spatial_model import MadeSolid, SpatialAssembly, SpatialDrawing, SpatialGoal, Weight
@@ -50,14 +52,19 @@ def assemble_spatial(
         raise InputError(message)
     parts = tuple(replace(p, fixed=p.fixed or p.name in fix) for p in drawing.parts)
     used = replace(drawing, parts=parts, gap=used_gap, goals=tuple(goals) or drawing.goals)
-    wrong += goal_findings(used, used.goals)
+    wrong += goal_findings(used, used.goals) + _joint_findings(used)
+    patched, findings = ({}, []) if wrong else patched_solids(used)
+    wrong += [f"{drawing.source or 'assembly'}: {line}" for line in findings]
     made: list[MadeSolid] = []
-    known: dict[tuple[int, float, float], MadeSolid] = {}
+    known: dict[tuple[int, str, float, float], MadeSolid] = {}
     for part in parts:
         further = (inward or {}).get(part.name, 0.0)
-        key = (id(part.solid), part.offset, further)
+        own = patched.get(part.name)
+        key = (id(part.solid), part.name if own else "", part.offset, further)
         if key not in known:
             found, findings = made_solid(part, used_gap, further)
+            if found is not None and own is not None:
+                found, findings = with_joint_gaps(part, found, own, used_gap, further)
             wrong += [f'{drawing.source or "assembly"}: part "{part.name}" {line}' for line in findings]
             if found is None:
                 continue
@@ -68,11 +75,23 @@ def assemble_spatial(
     return SpatialAssembly(used, tuple(made))
 
 
+def _joint_findings(drawing: SpatialDrawing) -> list[str]:
+    """What is wrong with gaps of single joints: unknown parts, sizes that make no sense."""
+    names = {p.name: None for p in drawing.parts}
+    found = [f"gaps: {unknown(name, names)}" for joint in drawing.gaps for name in joint.parts if name not in names]
+    for joint in drawing.gaps:
+        if joint.parts[0] == joint.parts[1]:
+            found.append(f'gaps: "{joint.parts[0]}" is named twice: a joint lies between two parts')
+        if not 0 <= joint.gap < np.inf:
+            found.append(f"gap of {joint.parts[0]} and {joint.parts[1]} is {joint.gap:g}: it must be 0 or more")
+    return found
+
+
 def goal_findings(drawing: SpatialDrawing, goals: Sequence[SpatialGoal]) -> list[str]:
     """What is wrong with goals: unknown parts, parts that stand, numbers that make no sense."""
     names = {p.name: None for p in drawing.parts}
     still = {p.name for p in drawing.parts if p.fixed}
-    for group in drawing.glue:
+    for group in glued_names(drawing.glue):
         if still & set(group):
             still |= set(group)
     found = []

@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.assembly_schema import convert
+from wiggleroom.drawing.assembly_schema import GapEntry, convert
 from wiggleroom.drawing.dimension import SPATIAL_FORMAT
 from wiggleroom.drawing.entry_reader import EntryReader, entry_of
 from wiggleroom.drawing.limits import LARGEST
-from wiggleroom.drawing.model import Region
+from wiggleroom.drawing.model import JointGap, Region
 from wiggleroom.drawing.rings import clean_ring
 from wiggleroom.drawing.source import load
 from wiggleroom.errors import InputError
@@ -80,8 +80,6 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         if len(entry.parts) > MOST_PARTS:
             self._say("", f"has {len(entry.parts)} parts; at most {MOST_PARTS} are read")
             raise InputError(self._findings)
-        if entry.gaps:
-            self._say("gaps", "gaps of single joints are not worked out in space; give one gap for all")
         gap = entry.gap * self._mm
         if not 0 <= gap <= LARGEST:
             self._say("", f"gap is {entry.gap:g}; it must be 0 or more")
@@ -90,10 +88,11 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         self._fixed = {part.name for part in parts if part.fixed}
         glue = tuple(self._together(f"glue[{i}]", value) for i, value in enumerate(entry.glue))
         ignore = tuple(self._pair(f"ignore[{i}]", value) for i, value in enumerate(entry.ignore))
+        gaps = tuple(joint for i, value in enumerate(entry.gaps) if (joint := self._joint_gap(i, value)))
         goals = tuple(goal for i, value in enumerate(entry.pull) if (goal := self._goal(i, value)))
         if self._findings:
             raise InputError(self._findings)
-        return SpatialDrawing(parts, gap, glue, ignore, goals, self._file, tuple(dict.fromkeys(self._notes)))
+        return SpatialDrawing(parts, gap, glue, ignore, gaps, goals, self._file, tuple(dict.fromkeys(self._notes)))
 
     def _numbers(self, values: Iterable[float], where: str, what: str) -> NDArray[np.float64]:
         """Lengths scaled to [mm], within bounds."""
@@ -119,8 +118,6 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
         odd = sorted(lock - set(AXES))
         if odd:
             self._say(where, f'lock names "{odd[0][:20]}"; it must be among {", ".join(AXES)}')
-        if len(lock & {"rx", "ry", "rz"}) == 1:
-            self._say(where, "lock holds one turn only; hold two or three of rx, ry, rz, or none")
         if not (math.isfinite(entry.density) and entry.density > 0):
             self._say(where, f"density is {entry.density:g}; it must be more than 0")
         offset = float(self._numbers([entry.offset], where, "offset")[0])
@@ -254,6 +251,16 @@ class _SpatialReader(EntryReader[SpatialFileEntry]):
             return None
         self._notes += notes
         return surface
+
+    def _joint_gap(self, i: int, value: Any) -> JointGap | None:
+        where = f"gaps[{i}]"
+        entry = convert(value, GapEntry, f"{self._file}: {where}", self._findings)
+        if entry is None:
+            return None
+        gap = entry.gap * self._mm
+        if not 0 <= gap <= LARGEST:
+            self._say(where, f"gap is {entry.gap:g}; it must be 0 or more")
+        return JointGap(self._pair(where, entry.parts), gap)
 
     def _goal(self, i: int, value: Any) -> SpatialGoal | None:
         where = f"pull[{i}]"

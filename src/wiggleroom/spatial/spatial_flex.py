@@ -13,6 +13,7 @@ from wiggleroom.errors import InputError, Stop
 from wiggleroom.solve import solver_named
 from wiggleroom.spatial.overlap_check import deepest_overlap
 from wiggleroom.spatial.rigid import SpatialPose
+from wiggleroom.spatial.rotations import exponential
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution
 from wiggleroom.spatial.spatial_answer import HeldMotion, SpatialAnswer
 from wiggleroom.spatial.spatial_assembly import goal_findings
@@ -26,6 +27,8 @@ from wiggleroom.verdict import SolverStatus, Verdict
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
+TURNING = 1e-6
+"""A body whose free axis of turns has a smaller share along a direction does not turn about it."""
 OVERLAP = 1e-9
 """Overlaps shallower than this share of the size are rounding."""
 
@@ -59,8 +62,8 @@ def flex_spatial(
     search = SpatialSearch(ready, spatial_objective(ready, asked), stop, progress, solver=solver)
     done = search.run()
     solved = time.perf_counter()
-    found, way, whole = done.found, done.way, done.whole
-    motion = way[-1]
+    found, path, whole = done.found, done.path, done.whole
+    motion = path[-1]
     deepest = deepest_overlap(its, motion)
     pose = ready.grouping.pose_of(motion)
     last = found.point.pose
@@ -72,7 +75,7 @@ def flex_spatial(
     spent = {"freespace": prepared - began, "solve": solved - prepared, "check": ended - solved, "total": ended - began}
     value = None if verdict is Verdict.UNBOUNDED else search.value(done)
     return SpatialAnswer(
-        assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=way, contacts=contacts,
+        assembly=its, goals=asked, verdict=verdict, objective=value, motion=motion, waypoints=path, contacts=contacts,
         path="checked" if whole or done.leaving else "not checked", collision_free=deepest <= OVERLAP * ready.size,
         deepest_overlap=deepest, solver=solver, rounds=search.rounds, iterations=search.iterations, seconds=spent,
         leaves=leaves, turns=turns, warm_start=HeldMotion(ready.grouping, done.program, found) if held else None,
@@ -98,7 +101,7 @@ def _verdict(
         return Verdict.UNBOUNDED, tuple(names[k] for k in done.leaving), ()
     if found.status is SolverStatus.ESCAPING and done.whole and at_end:
         turning = _spinning(ready, objective, found)
-        leaving = leaving_parts(ready, done.way[-1], objective)
+        leaving = leaving_parts(ready, done.path[-1], objective)
         if turning:
             return Verdict.UNBOUNDED, (), turning
         if leaving:
@@ -144,18 +147,22 @@ def leaving_parts(ready: SpatialPrepared, motion: Floats, objective: SumOfTerms)
 
 
 def _spinning(ready: SpatialPrepared, objective: SumOfTerms, found: SeparatingPlaneSolution) -> tuple[str, ...]:
-    """Parts that are twisted without limit: a whole turn in place, from the end of the path, is free."""
+    """Parts that are twisted without limit: a whole turn in place, from the end of the path, as far as locks let it, is free."""
     twists = [t for t in objective.terms if isinstance(t, Twist)]
     if len(twists) != 1 or len(objective.terms) != 1:
         return ()
-    from wiggleroom.spatial.rotations import exponential
-
-    twist, pose = twists[0], found.point.pose
+    twist, pose, bodies = twists[0], found.point.pose, ready.grouping.bodies
+    b = twist.body
+    axes = bodies.turn_axes(pose)[b]
+    about = axes @ (bodies.free[b, 3:] * (axes.T @ pose.R[b].T @ twist.direction))
+    if np.linalg.norm(about) < TURNING:
+        return ()
+    about *= np.sign(twist.weight) / np.linalg.norm(about)
     steps = []
     for angle in np.linspace(0, 2 * np.pi, 33):
         R = pose.R.copy()
-        R[twist.body] = exponential(angle * np.sign(twist.weight) * twist.direction) @ R[twist.body]
+        R[b] = R[b] @ exponential(angle * about)
         steps.append(ready.grouping.part_motion(SpatialPose(pose.T, R)))
     if any(ready.checker.overlaps(a, b) for a, b in itertools.pairwise(steps)):
         return ()
-    return tuple(n for n, b in zip(ready.assembly.names, ready.grouping.body_of, strict=True) if b == twist.body)
+    return tuple(n for n, k in zip(ready.assembly.names, ready.grouping.body_of, strict=True) if k == b)

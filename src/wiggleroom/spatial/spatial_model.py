@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wiggleroom.drawing.model import Region
+from wiggleroom.displayable import Displayable
+from wiggleroom.drawing.model import JointGap, Region
 from wiggleroom.spatial.convex import ConvexPiece
 
 Floats = NDArray[np.float64]
@@ -113,6 +114,7 @@ class SpatialDrawing:
     gap: float = 0.0
     glue: tuple[tuple[str, ...], ...] = ()
     ignore: tuple[tuple[str, str], ...] = ()
+    gaps: tuple[JointGap, ...] = ()
     goals: tuple[SpatialGoal, ...] = ()
     source: str = ""
     notes: tuple[str, ...] = ()
@@ -132,16 +134,19 @@ class MadeSolid:
         As drawn.
     centroid : (3,) float64 [mm]
         As drawn: the reference point.
+    steps : (k, 4) float64
+        Planes, by unit normal and offset [mm], of steps that end a joint's own gap inside a face: no gap moves them.
     """
 
     pieces: tuple[ConvexPiece, ...]
     surface: Surface
     volume: float
     centroid: Floats
+    steps: Floats = field(default_factory=lambda: np.zeros((0, 4)))
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialAssembly:
+class SpatialAssembly(Displayable):
     """Parts as made, at rest, and their roles.
 
     Parameters
@@ -169,6 +174,11 @@ class SpatialAssembly:
     def gap(self) -> float:
         """The gap that was applied [mm]."""
         return self.drawing.gap
+
+    @property
+    def widest_gap(self) -> float:
+        """The largest of all gaps, those of single joints too [mm]."""
+        return max([self.gap, *(joint.gap for joint in self.drawing.gaps)])
 
     @property
     def goals(self) -> tuple[SpatialGoal, ...]:

@@ -88,8 +88,12 @@ class SpatialModel:
         """Nothing is used again from draw to draw."""
 
     def room(self, whole: float, aim: float) -> Floats:
-        """How far the faces of each part (n,) may move out [mm]."""
-        return np.full(len(self.assembly.parts), (whole - aim) / 2)
+        """How far the faces of each part (n,) may move out [mm]; a joint with a smaller gap of its own limits both its parts."""
+        room = dict.fromkeys(self.assembly.names, whole)
+        for joint in self.assembly.drawing.gaps:
+            for name in joint.parts:
+                room[name] = min(room[name], joint.gap)
+        return np.maximum((np.array(list(room.values())) - aim) / 2, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,8 +244,9 @@ def _jacobian(at: LinearisedSeparatingPlanes, row: Ints, plane: Ints, pair: Ints
     a, b = P.a[pair], P.b[pair]
     G = at.G[row]
     force = np.einsum("kij,kj->ki", R[a], G[:, :3])
-    on_a = np.hstack([-force, G[:, 3:6]]) * P.scale[a]
-    on_b = np.hstack([force, np.einsum("kji,kj->ki", at.Psi[pair], G[:, 6:9])]) * P.scale[b]
+    turn_a = np.einsum("kji,kj->ki", at.axes[a], G[:, 3:6])
+    turn_b = np.einsum("kji,kj->ki", at.Psi[pair] @ at.axes[b], G[:, 6:9])
+    on_a, on_b = np.hstack([-force, turn_a]) * P.scale[a], np.hstack([force, turn_b]) * P.scale[b]
     used, which = np.unique(plane, return_inverse=True)
     size = int(P.slot.max(initial=-1)) + 1
     column = np.hstack([P.slot[a], P.slot[b], size + 3 * which.ravel()[:, None] + np.arange(3)])

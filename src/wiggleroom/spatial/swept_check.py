@@ -43,7 +43,10 @@ class SweptCheck:
             part += [k] * len(placed)
         self._reference, self._part = reference, np.array(part, dtype=np.int64)
         self._pieces = pieces
-        self._radius = np.array([np.linalg.norm(p.corners, axis=1).max() for p in pieces])
+        self._corners = np.vstack([p.corners for p in pieces])
+        count = np.array([len(p.corners) for p in pieces])
+        self._first, self._part_of_corner = np.cumsum(count) - count, np.repeat(self._part, count)
+        self._radius = np.maximum.reduceat(np.linalg.norm(self._corners, axis=1), self._first)
         self._allowed = free_pairs(assembly)
         self._fixed = np.array([p.fixed for p in assembly.parts])
 
@@ -89,11 +92,10 @@ class SweptCheck:
         part = self._part
         angle = np.linalg.norm(turn, axis=1)[part]
         bulge = self._radius * (1 - np.cos(np.minimum(angle, np.pi) / 2))  # how far an arc leaves its chord
-        low, high = np.empty((len(part), 3)), np.empty((len(part), 3))
-        for k, piece in enumerate(self._pieces):
-            p = part[k]
-            both = np.vstack([piece.corners @ R0[p].T + T0[p], piece.corners @ R1[p].T + T1[p]])
-            low[k], high[k] = both.min(axis=0) - bulge[k], both.max(axis=0) + bulge[k]
+        owner = self._part_of_corner
+        one, other = ((R[owner] @ self._corners[:, :, None])[:, :, 0] + T[owner] for T, R in ((T0, R0), (T1, R1)))
+        low = np.minimum.reduceat(np.minimum(one, other), self._first) - bulge[:, None]
+        high = np.maximum.reduceat(np.maximum(one, other), self._first) + bulge[:, None]
         flat = shapely.box(*low[:, :2].T, *high[:, :2].T)
         i, j = shapely.STRtree(flat).query(flat)
         a, b = part[i], part[j]

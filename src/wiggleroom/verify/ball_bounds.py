@@ -178,43 +178,80 @@ class RangedCase:
         least, most = self.case.known[p][2:]
         return max(math.nextafter(low, -math.inf), least), min(math.nextafter(high, math.inf), most)
 
-    def most(self, multipliers: list, asked: tuple[int, int] | None) -> arb:
-        """Bound of the goal, or of what a body (number, sign) turns in motions worth more than `worth`."""
+    def most(self, multipliers: list, asked: tuple[int, int] | None, base: BaseBound | None = None) -> arb:
+        """Bound of the goal, or of what a body (number, sign) turns in motions worth more than `worth`.
+
+        Pairs that are not named have no multipliers, or the weight of the goal times those of the base.
+        """
         unit, goal, rows = multipliers
         case = self.case
         weight = exact(goal) if asked else arb(1)
         need(bool(weight >= 0), "a weight is negative")
-        total = -weight * case.worth if asked else arb(0)
-        parts: dict[int, list[arb]] = {}  # weights of x, y, cos t - 1, sin t, t
-        if asked:
-            _part(parts, asked[0])[4] += asked[1]
-        case.work.spend(EXACT * (len(case.goal) + 2 * len(rows) + 1))
-        for body, dx, dy, px, py, spin in case.goal:
-            d = weight * exact(dx), weight * exact(dy)
-            part = _part(parts, body)
-            _add(part, d, less((exact(px), exact(py)), case.origin[body]))
-            part[4] += weight * exact(spin)
         need(len({row[0] for row in rows}) == len(rows), "a pair is named twice")
         of_one = exact(unit)
-        for p, *whole in rows:
-            total += self._pair(p, [of_one * v for v in whole], parts)
-        for k, (x, y, c, s, t) in parts.items():
-            if case.fixed[k] or all(v == 0 for v in (x, y, c, s, t)):
-                continue
-            need(self.far[k] is not None and self.low[k] is not None, "a body counts that nothing holds")
-            total += (
-                (abs(x) + abs(y)) * exact(self.far[k]) + highest(c, s, t, exact(self.low[k]), exact(self.high[k])) - c
-            )
-        return total
+        case.work.spend(EXACT * (2 * len(rows) + 1))
+        added = {p: self._pair(p, [of_one * v for v in whole]) for p, *whole in rows}
+        bodies = {k for p in added for k in case.pairs[p][:2]} | ({asked[0]} if asked else set())
+        total = -weight * case.worth if asked else arb(0)
+        if base is None:
+            case.work.spend(EXACT * len(case.goal))
+            parts = self._goal_parts()
+            bodies |= set(parts)
+        else:
+            parts = {k: list(base.parts[k]) for k in bodies if k in base.parts}
+            less_of = [base.pairs[p] for p in added if p in base.pairs]
+            for p in added:
+                if p in base.pairs:
+                    _gather(parts, case.pairs[p], base.pairs[p], -1)
+            gone = sum((value for value, *_ in less_of), start=arb(0))
+            gone += sum((base.bodies.get(k, arb(0)) for k in bodies), start=arb(0))
+            total += weight * (base.total - gone)
+        parts = {k: [weight * v for v in part] for k, part in parts.items()}
+        if asked:
+            _part(parts, asked[0])[4] += asked[1]
+        for p, found in added.items():
+            total += found[0]
+            _gather(parts, case.pairs[p], found, 1)
+        return total + sum((self._body(k, parts[k]) for k in bodies if k in parts), start=arb(0))
 
-    def _pair(self, p: int, multipliers: list[arb], parts: dict[int, list[arb]]) -> arb:
-        """What a pair adds; what depends on the turns of its bodies goes to their parts."""
+    def base(self, multipliers: list) -> BaseBound:
+        """What multipliers say of the goal, pair by pair and body by body."""
+        unit, _, rows = multipliers
+        case, of_one = self.case, exact(unit)
+        need(len({row[0] for row in rows}) == len(rows), "a pair is named twice")
+        case.work.spend(EXACT * (len(case.goal) + 2 * len(rows) + 1))
+        pairs = {p: self._pair(p, [of_one * v for v in whole]) for p, *whole in rows}
+        parts = self._goal_parts()
+        for p, found in pairs.items():
+            _gather(parts, case.pairs[p], found, 1)
+        bodies = {k: self._body(k, part) for k, part in parts.items()}
+        total = sum((value for value, *_ in pairs.values()), start=arb(0))
+        return BaseBound(pairs, parts, bodies, total + sum(bodies.values(), start=arb(0)))
+
+    def _goal_parts(self) -> dict[int, list[arb]]:
+        """Weights of x, y, cos t - 1, sin t and t of the bodies that are asked about."""
+        parts: dict[int, list[arb]] = {}
+        for body, dx, dy, px, py, spin in self.case.goal:
+            part = _part(parts, body)
+            _add(part, (exact(dx), exact(dy)), less((exact(px), exact(py)), self.case.origin[body]))
+            part[4] += exact(spin)
+        return parts
+
+    def _body(self, k: int, part: list[arb]) -> arb:
+        """What a body adds at most."""
+        x, y, c, s, t = part
+        if self.case.fixed[k] or all(v == 0 for v in part):
+            return arb(0)
+        need(self.far[k] is not None and self.low[k] is not None, "a body counts that nothing holds")
+        return (abs(x) + abs(y)) * exact(self.far[k]) + highest(c, s, t, exact(self.low[k]), exact(self.high[k])) - c
+
+    def _pair(self, p: int, multipliers: list[arb]) -> tuple[arb, list[arb], list[arb]]:
+        """What a pair adds, and the weights that depend on the turns of its two bodies."""
         wx, wy, k, slope, lean, r, s, curvature = multipliers
-        a, b = self.case.pairs[p][:2]
         shape = self._shape(p)
         middle, own, mean = shape.middle, shape.own, shape.mean
         force = wx, wy
-        one, two = _part(parts, a), _part(parts, b)
+        one, two = [arb(0)] * 5, [arb(0)] * 5
         _add(two, (-wx, -wy), shape.arm_b)
         _add(one, force, shape.arm_a)
         if not (r == 0 and s == 0):
@@ -261,7 +298,7 @@ class RangedCase:
         if curvature < 0:
             bounds = bounds[0], bounds[1] - curvature * (half * half / 2).min(arb(2))
         best = bounds[0] if bounds[0] < bounds[1] else bounds[1]
-        return total + best + arb(ROUNDED * terms)
+        return total + best + arb(ROUNDED * terms), one, two
 
     def _shape(self, p: int) -> Shape:
         """Corners less their middle in the world's axes, and what else does not depend on multipliers; kept."""
@@ -313,6 +350,16 @@ class RangedCase:
             coupling=coupling,
         )
         return self.shapes[p]
+
+
+@dataclass(frozen=True, eq=False)
+class BaseBound:
+    """What multipliers say of the goal: of each pair its value and the weights of its two bodies, of bodies weights and value, and all."""
+
+    pairs: dict[int, tuple[arb, list[arb], list[arb]]]
+    parts: dict[int, list[arb]]
+    bodies: dict[int, arb]
+    total: arb
 
 
 @dataclass(frozen=True, eq=False)
@@ -378,6 +425,12 @@ def _up(value: arb) -> float:
 def _part(parts: dict[int, list[arb]], body: int) -> list[arb]:
     """Weights that belong to a body, nought at first."""
     return parts.setdefault(body, [arb(0)] * 5)
+
+
+def _gather(parts: dict[int, list[arb]], pair: list, found: tuple[arb, list[arb], list[arb]], sign: int) -> None:
+    """Add what a pair gives its two bodies, or take it away."""
+    for body, more in zip(pair[:2], found[1:], strict=True):
+        parts[body] = [v + sign * m for v, m in zip(_part(parts, body), more, strict=True)]
 
 
 def _add(part: list, force: Point, arm: Point) -> None:

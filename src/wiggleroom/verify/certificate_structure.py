@@ -13,7 +13,7 @@ from typing import Any
 
 from wiggleroom.verify.ball_arithmetic import Refused, cross, less, need, point
 
-FORMAT = "wiggleroom.certificate/3"
+FORMAT = "wiggleroom.certificate/4"
 CHANGED = "the file was changed after it was written"
 
 LENGTH, ANGLE, FACTOR = 1e12, 1e6, 1e100
@@ -208,7 +208,7 @@ class _StructureCheck:
         need(len(steps) > 0, "a window has no steps")
         for step in steps:
             need(
-                isinstance(step, dict) and not {"best", "empty", "split"} & set(step),
+                isinstance(step, dict) and not {"best", "empty", "split", "base"} & set(step),
                 "a window's step does more than cut",
             )
             need(None not in step.get("low", [None]), "a window's step has no ranges")
@@ -238,7 +238,7 @@ class _StructureCheck:
             self.index(step["empty"], pairs, "proof")
             return []
         best = "best" in step
-        more = {"then", "split"} & set(step)
+        more = {"then", "split", "base"} & set(step)
         _keys(step, STEP | ({"best"} if best else {"cuts"} | more), "a step")
         need(len(_rows(step["turns"], "turns", 2)) == pairs, "turns of pairs are not complete")
         for ends in step["turns"]:
@@ -247,6 +247,8 @@ class _StructureCheck:
         if best:
             self.multipliers(step["best"], pairs)
             return []
+        if "base" in step:
+            self.multipliers(step["base"], pairs)
         for body, sign, end, multipliers in _rows(step["cuts"], "cuts", 4):
             self.index(body, bodies, "cuts")
             self.number(sign, 1, "cuts")

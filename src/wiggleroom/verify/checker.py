@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 from dataclasses import dataclass
 from typing import Any
 
 from flint import arb, ctx
 
-from wiggleroom.verify.ball_arithmetic import Refused, exact, less, need, point, size, turned
+from wiggleroom.verify.ball_arithmetic import Point, Refused, exact, less, need, point, size, turned
 from wiggleroom.verify.ball_bounds import Case, Enclosure, RangedCase
 from wiggleroom.verify.caging_check import Material, check_caging_surface
 from wiggleroom.verify.certificate_structure import CHANGED, check_structure, read
@@ -130,7 +131,10 @@ def _check_chords(content: dict[str, Any], work: WorkLimit) -> int:
 
 
 def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> None:
-    """Turns against the first body of a window, as its own steps prove them, become known in all placements that really are alike."""
+    """Turns against the first body of a window, as its own steps prove them, become known in all placements that really are alike.
+
+    Within a window a body's origin is the pivot of its first pair there, so its outline does not matter.
+    """
     placements, pairs = window["placements"], window["pairs"]
     bodies = placements[0]
     number = {k: i for i, k in enumerate(bodies)}
@@ -142,8 +146,9 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
     doubt = max(
         (_unlike(case, placements[0], pairs[0], *other) for other in zip(placements, pairs, strict=True)), default=0.0
     )
+    origin = _first_pivots(case, pairs[0])
     small = Case(
-        [case.origin[k] for k in bodies],
+        [origin.get(k, case.origin[k]) for k in bodies],
         [k == 0 for k in range(len(bodies))],
         case.enclosures,
         own,
@@ -154,12 +159,7 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
     )
     for at, p in enumerate(pairs[0]):
         small.known[at] = (*small.known[at][:2], *case.known[p][2:])
-    small.known += [
-        (number[a], number[b], low, high)
-        for a, b, low, high in case.known[len(case.pairs) :]
-        if a in number and b in number
-    ]
-    case.work.spend(len(case.known))
+    small.known += _known_in_all(case, placements)
     first = window["steps"][0]
     ranges = first["low"], first["high"], window["far"]
     small.first(*ranges, [f"body {k} of a window" for k in range(len(bodies))])
@@ -174,6 +174,40 @@ def _check_window(case: Case, window: dict[str, Any], counted: list[int]) -> Non
         case.known += [(placement[0], placement[k], low[k], high[k]) for k in range(1, len(bodies))]
 
 
+def _known_in_all(case: Case, placements: list[list[int]]) -> list[tuple[int, int, float, float]]:
+    """What windows before have shown of turns between two places of this one in every placement, not only in the first.
+
+    One placement may have neighbours that another one lacks, and so turn less.
+    """
+    shown = case.known[len(case.pairs) :]
+    case.work.spend(len(case.known))
+    tightest: dict[tuple[int, int], tuple[float, float]] = {}
+    for a, b, low, high in shown:
+        for key, one, two in (((a, b), low, high), ((b, a), -high, -low)):
+            least, most = tightest.get(key, (-math.inf, math.inf))
+            tightest[key] = max(least, one), min(most, two)
+    place = {k: i for i, k in enumerate(placements[0])}
+    asked = {(place[a], place[b]) for a, b, *_ in shown if a in place and b in place}
+    found = []
+    for i, j in sorted(asked):
+        case.work.spend(len(placements))
+        ends = [tightest.get((row[i], row[j]), (-math.inf, math.inf)) for row in placements]
+        low, high = min(one for one, _ in ends), max(two for _, two in ends)
+        if low > -math.inf:
+            found.append((i, j, low, high))
+    return found
+
+
+def _first_pivots(case: Case, pairs: list[int]) -> dict[int, Point]:
+    """For each body the pivot at rest of the first of some pairs that it belongs to."""
+    found: dict[int, Point] = {}
+    for p in pairs:
+        a, b, _, x, y, _ = case.pairs[p]
+        for body in (a, b):
+            found.setdefault(body, point([x, y]))
+    return found
+
+
 def _unlike(case: Case, bodies: list[int], pairs: list[int], others: list[int], joined: list[int]) -> float:
     """How much the equations of two windows may differ [mm], the second turned like its first pair; infinite where they are not alike.
 
@@ -182,6 +216,7 @@ def _unlike(case: Case, bodies: list[int], pairs: list[int], others: list[int], 
     place = dict(zip(bodies, others, strict=True))
     need(len(set(others)) == len(others), "a window names a body twice")
     turn = exact(case.pairs[joined[0]][5]) - exact(case.pairs[pairs[0]][5])
+    first, second = _first_pivots(case, pairs), _first_pivots(case, joined)
     worst = 0.0
     for p, q in zip(pairs, joined, strict=True):
         a, b, kind, x, y, axes = case.pairs[p]
@@ -192,8 +227,8 @@ def _unlike(case: Case, bodies: list[int], pairs: list[int], others: list[int], 
         half = (away / 2).sin()
         apart = abs(2 * half) * exact(case.enclosures[kind].far)
         for one, two in ((a, c), (b, d)):
-            arm = turned(less(point([x, y]), case.origin[one]), turn)
-            apart += 2 * size(less(arm, less(point([u, v]), case.origin[two])))
+            arm = turned(less(point([x, y]), first[one]), turn)
+            apart += 2 * size(less(arm, less(point([u, v]), second[two])))
         worst = max(worst, float(apart.upper()))
     return worst
 
@@ -217,11 +252,12 @@ def _cut(
     """Ranges after the cuts of a step, each of which its multipliers prove."""
     stage = RangedCase(case, *ranges, step["turns"])
     low, high = list(ranges[0]), list(ranges[1])
+    base = stage.base(step["base"]) if "base" in step else None
     for body, sign, end, multipliers in step["cuts"]:
         counted[0] += 1
         need(low[body] is not None and ranges[2][body] is not None, "a turn is cut of a body that nothing holds")
         need(worth or multipliers[1] == 0, "a window asks what motions are worth")
-        proven = stage.most(multipliers, (body, sign))
+        proven = stage.most(multipliers, (body, sign), base)
         need(bool(proven <= sign * exact(end)), "multipliers do not prove a cut of a turn")
         if sign > 0:
             high[body] = min(high[body], end)

@@ -2,7 +2,8 @@
 
 import { asks, design, goals, inSpace } from "../design.ts";
 import { factor, shown } from "../motion.ts";
-import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, unsure } from "../state.ts";
+import { answer, bound, standalone, busy, dragged, dragging, drawing, extent, modes, running, selected, tab, unsure } from "../state.ts";
+import { assembled } from "../sheet.ts";
 import { leavingStep } from "../leaving.ts";
 import { cancel } from "../session.ts";
 import type { Kind } from "../protocol.ts";
@@ -35,6 +36,10 @@ interface Said { title: string; line: string; tone: "" | "guess" | "warn" }
 const NOTHING = 2e-3;
 
 function said(): Said {
+  const onSheet = tab.value === "sheet" && !inSpace();
+  const sheet = onSheet ? assembled.value : null;
+  if (onSheet && !sheet) return { title: `${drawing.value!.parts.length} panels on the sheet`, line: "give the thickness of the material, then Assemble", tone: "" };
+  if (sheet) return { title: sheet.headline, line: sheet.doubts[0] ?? "every flank meets another, and no other way to put the panels together does as well", tone: sheet.certainty === "sure" ? "" : "warn" };
   const { what, label } = shown.value;
   const about = answer.value;
   const told = standalone.value?.said;
@@ -84,12 +89,12 @@ const enlarged = (): string[] => (factor() > 1 ? [`motion shown ×${factor()}`] 
 
 const NAMES: Record<string, string> = {
   flex: "solving", check: "checking whether it comes apart", limit: "looking for the largest gap", plan: "planning how it is taken apart", sweep: "sweeping gaps", rank: "ranking gaps", prove: "proving a bound", tighten: "looking for parts to make tighter", sample: "drawing gaps at random",
-  space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
+  assemble: "putting panels together", lay: "laying a panel", space: "free space", wiggle: "freedoms", reach: "how far it can be brought", save: "saving", open: "opening",
 };
 
 /** Long work under way: what it is, how far, and a way to end it. */
 function Work() {
-  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["check", "limit", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
+  const rows = [...running.value].filter(([kind, told]) => NAMES[kind] && (told !== null || ["assemble", "lay", "check", "limit", "plan", "sweep", "rank", "prove", "save", "space", "wiggle", "reach", "tighten", "sample"].includes(kind)));
   return (
     <>
       {rows.map(([kind, told]) => (

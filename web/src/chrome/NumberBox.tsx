@@ -36,7 +36,7 @@ export function NumberBox({ value, onChange, label, min, step, unit, digits = 5,
     }
   };
   return (
-    <span class="numberbox">
+    <span class="numberbox" style={{ "--letters": text.length }}>
       <input ref={box} type="text" inputMode="decimal" aria-label={unit ? `${label}, ${unit}` : label} disabled={disabled} onChange={take} onKeyDown={keys} />
       {unit && <span class="unit" aria-hidden="true">{unit}</span>}
     </span>

@@ -79,14 +79,14 @@ export function Gaps() {
         <tbody>
           {names.slice(0, most.value).map((name) => (
             <tr key={name} aria-selected={name === chosen}>
-              <td>
+              <td><div>
                 <input type="checkbox" aria-label={`choose ${name} too`} checked={many.value.has(name) || name === chosen} onChange={() => chooseToo(name)} />
                 <button type="button" class="link" onClick={() => chooseMany([name])}>
                   <i class={`dot ${fixedNames.value.has(name) ? "fixed" : pulledNames.value.has(name) ? "pulled" : ""}`} />
                   {short(name, 18)}
                   {groupOf(name) && <span class="quiet"> glued</span>}
                 </button>
-              </td>
+              </div></td>
               <td><NumberBox value={design.value.extra[name] ?? 0} step={stepOf(design.value.gap)} unit="mm" label={`extra gap around ${name}`} onChange={(value) => setExtra(name, value)} /></td>
               {about && <td class="bar" title={share(about.reply.per, about.reply.parts[name])}><meter min={0} max={largest} value={Math.abs(matters(name))} aria-label="importance" /><span>{number(matters(name), 3)}</span></td>}
             </tr>

@@ -3,12 +3,14 @@
 import { computed } from "@preact/signals";
 import { inSpace } from "../design.ts";
 import type { ComponentType } from "preact";
-import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab } from "../state.ts";
+import { ofSheet } from "../sheet.ts";
+import { answer, standalone, checked, drawing, printing, ranking, sheetOpen, space, type Tab, tab, trouble } from "../state.ts";
 import { Answer } from "./Answer.tsx";
 import { Apart } from "./Apart.tsx";
 import { Findings } from "./Findings.tsx";
 import { Gaps } from "./Gaps.tsx";
 import { Joints, Ranked } from "./Ranked.tsx";
+import { Sheet } from "./Sheet.tsx";
 import { Space } from "./Space.tsx";
 import { Study } from "./Study.tsx";
 import { Sure } from "./Sure.tsx";
@@ -23,7 +25,7 @@ export const pages = computed<Page[]>(() => {
   const page = (name: Tab, words: string, Shown: ComponentType, there: boolean = true): Page[] => (there ? [{ name, words, Shown }] : []);
   const told = standalone.value;
   if (!told) {
-    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space, !inSpace()), ...page("sure", "How sure", Sure)];
+    return [...page("answer", "Answer", Answer), ...page("gaps", "Gaps", GapsAndJoints), ...page("vary", "Vary", Vary), ...page("apart", "Come apart", Apart), ...page("space", "Free space", Space, !inSpace()), ...page("sure", "How sure", Sure), ...page("sheet", "Sheet", Sheet, !inSpace())];
   }
   return [
     ...page("answer", "Answer", Answer, answer.value !== null), ...page("gaps", "Whose gap", Ranked, ranking.value !== null),
@@ -61,7 +63,7 @@ export function Panel() {
           >{words}</button>
         ))}
       </div>
-      <Findings />
+      {(open.name !== "sheet" || trouble.value === "open" || ofSheet(trouble.value)) && <Findings />}
       <div class="tabpanel" id="tabpanel" role="tabpanel" aria-labelledby={`tab-${open.name}`} tabIndex={-1}><open.Shown /></div>
     </aside>
   );

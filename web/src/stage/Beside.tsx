@@ -39,9 +39,9 @@ function paintKept(g: CanvasRenderingContext2D, { about, shapes, roles }: Kept):
   const at = place.peek();
   const motion = along(way, at, new Float32Array(3 * way.n));
   const scene = {
-    shapes, names: names.peek(), roles, blame: null, motion, factor: factor(), chosen: NONE, hovered: -1, colours: colours(),
+    shapes, names: names.peek(), roles, blame: null, motion, factor: factor(), chosen: NONE, hovered: -1, held: NONE, colours: colours(),
   };
-  clear(g, { width: g.canvas.width, height: g.canvas.height }, 1, scene.colours);
+  clear(g, scene.colours);
   paint(g, size.peek(), ratio, view.peek(), scene, false);
   if (at < 0.999) return;
   const marks = { contacts: about.reply.contacts, at: end(way), thread: null, highlit: null };

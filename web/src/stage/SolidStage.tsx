@@ -2,7 +2,7 @@
 
 import { computed, effect, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { design, fixedNames, goals, groupOf } from "../design.ts";
+import { design, fixedNames, goals } from "../design.ts";
 import { end, factor, place, playing, pose, shown } from "../motion.ts";
 import { askDrag, release } from "../session.ts";
 import type { ContactEntry } from "../protocol.ts";
@@ -16,14 +16,14 @@ import { blame, roles } from "./roles.ts";
 type Open = typeof import("../stage3d.ts").openStage;
 const here = globalThis as { openStage?: Open };
 
-async function opener(): Promise<Open> {
+export async function opener(): Promise<Open> {
   if (!here.openStage) await import("./space-view.js" as string);
   return here.openStage!;
 }
 
 const failed = signal("");
 const grabbing = signal(false);
-const AXES: Record<"light" | "dark", [string, string, string]> = { light: ["#a02c22", "#2a6b4a", "#1f5f99"], dark: ["#f0a095", "#8fd0ac", "#8fc1ea"] };
+export const AXES: Record<"light" | "dark", [string, string, string]> = { light: ["#a02c22", "#2a6b4a", "#1f5f99"], dark: ["#f0a095", "#8fd0ac", "#8fc1ea"] };
 
 /** How each part is to be painted. */
 const looks = computed(() => {
@@ -58,7 +58,6 @@ function connected(box: HTMLElement, open: Open): () => void {
     factor: () => factor(),
     exploded: () => state.exploded.peek(),
     marks,
-    together: (part) => (groupOf(names.peek()[part]!) ?? [names.peek()[part]!]).flatMap((name) => state.indexOf.peek().get(name) ?? []),
     free: (part) => !fixedNames.peek().has(names.peek()[part]!),
     hover: (part) => void (state.hovered.value = part === null ? null : names.peek()[part]!),
     choose: (part) => choose(part === null ? null : names.peek()[part]!),

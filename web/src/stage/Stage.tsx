@@ -9,18 +9,22 @@ import { askDrag, askReach, release } from "../session.ts";
 import * as state from "../state.ts";
 import { bringIntoView, content, fitAll, fitted, keepFitted, panBy, pointIn, size, view, zoomBy, zoomByWheel } from "./camera.ts";
 import { colours } from "./colours.ts";
-import { type Lead, lead } from "./lead.ts";
+import { groupAt, lead, led, type Wanted } from "./lead.ts";
 import { chooseMany, chooseToo, close, draw, lassoing } from "./lasso.ts";
 import { cost, current, frame, gripAt, partAt, pointerTarget } from "./now.ts";
 import { paintMarks } from "./marks.ts";
 import { measuring, pick, picked } from "./measure.ts";
-import { clear, type Scene, paint, paintGhost } from "./paint.ts";
+import { clear, paint, paintGhost, paintOver, type Scene } from "./paint.ts";
 import { Overlay } from "./Overlay.tsx";
+import { Retained, UNSEEN } from "./retained.ts";
 import { blame, roles } from "./roles.ts";
 import { around, outOf, placed, shapes } from "./shapes.ts";
 import { toWorld } from "./view.ts";
 
 const SLOW = 36;
+/** So long after the view has changed for the last time [ms] everything is painted as it should be. */
+const STILL = 120;
+const NONE: ReadonlySet<number> = new Set();
 /** Of so few parts the reach is worked out when one is pressed. */
 const AT_ONCE = 25;
 
@@ -36,41 +40,50 @@ function painter(canvas: HTMLCanvasElement): () => void {
   let still = 0;
   let rough = false;
   let lastView = view.peek();
-  const behind = new Behind();
+  let hand: Wanted | null = null;
+  const retained = new Retained();
   const draw = (now: number): void => {
     wanted = 0;
     if (!size.peek().width || !state.drawing.peek()) return;
     const { motion, moving } = pose(now, current.shapes.length);
-    current.motion = motion;
-    const led = lead.peek();
-    for (const i of led?.group ?? []) {
-      motion[3 * i]! += led!.free[0];
-      motion[3 * i + 1]! += led!.free[1];
-    }
-    const changing = moving || lastView !== view.peek() || pointerTarget.peek() !== null;
+    const changing = moving || lastView !== view.peek();
     lastView = view.peek();
     rough = changing && (rough || cost.last > SLOW);
     const ratio = canvas.width / size.peek().width;
     const at = state.indexOf.peek();
-    const scene = {
+    hand = lead.peek() ?? (retained.behind && hand && at.has(hand.part) ? hand : null); // until the bitmap shows what was answered
+    const held = hand ? groupAt(hand.part) : NONE;
+    let scene: Scene = {
       shapes: current.shapes, names: state.names.peek(), roles: roles.peek(), blame: blame.peek(),
-      motion, factor: factor(), chosen: chosen.peek(), hovered: at.get(state.hovered.peek() ?? "") ?? -1, colours: colours(),
+      motion, factor: factor(), chosen: chosen.peek(), hovered: hand ? -1 : (at.get(state.hovered.peek() ?? "") ?? -1), held: moving ? NONE : held, colours: colours(),
     };
-    if (led && !moving) {
-      behind.show(g, scene, led);
-      paint(g, size.peek(), ratio, view.peek(), scene, false, new Set(led.group));
-      paintGhost(g, size.peek(), ratio, view.peek(), scene, led.group, [led.desired[0] - led.free[0], led.desired[1] - led.free[1]]);
-    } else {
-      clear(g, size.peek(), ratio, scene.colours);
+    if (changing) {
+      clear(g, scene.colours);
       paint(g, size.peek(), ratio, view.peek(), scene, rough);
+      current.motion = motion;
+    } else {
+      scene = retained.show(g, { size: size.peek(), ratio, view: view.peek(), scene }, pointerTarget.peek() ? UNSEEN : 0);
+      current.motion = scene.motion;
+    }
+    if (hand && !moving) {
+      const { free, desired } = led(hand, scene.motion);
+      const moved = (current.motion = scene.motion.slice());
+      for (const i of held) [moved[3 * i], moved[3 * i + 1]] = [moved[3 * i]! + free[0], moved[3 * i + 1]! + free[1]];
+      scene = { ...scene, motion: moved };
+      paintOver(g, size.peek(), ratio, view.peek(), scene, held);
+      if (lead.peek()) paintGhost(g, size.peek(), ratio, view.peek(), scene, held, [desired[0] - free[0], desired[1] - free[1]]);
     }
     const marks = marksNow();
-    if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, motion, scene.factor, marks);
-    requestAnimationFrame((next) => (cost.last = next - now)); // painting goes on after this function: only the next frame tells
+    if (marks) paintMarks(g, size.peek(), ratio, view.peek(), scene.colours, current.shapes, at, current.motion, scene.factor, marks);
+    requestAnimationFrame((next) => { // painting goes on after this function: only the next frame tells
+      cost.last = next - now;
+      if (retained.behind) retained.tune(next - now);
+    });
     frame.value++;
     clearTimeout(still);
-    if (moving) invalidate();
-    else if (rough) still = window.setTimeout(() => ((rough = false), (cost.last = 0), invalidate()), 120);
+    if (moving || retained.behind) invalidate();
+    else if (changing) still = window.setTimeout(() => ((rough = false), (cost.last = 0), invalidate()), STILL);
+    if (!retained.behind) canvas.dataset.shown = shown.peek().what === "drag" ? String(state.dragged.peek()?.reply.id) : shown.peek().what;
   };
   const invalidate = (): void => {
     if (!wanted) wanted = requestAnimationFrame(draw);
@@ -113,30 +126,6 @@ function painter(canvas: HTMLCanvasElement): () => void {
     stop();
     cancelAnimationFrame(wanted);
   };
-}
-
-/** All parts but those under the hand, painted once for many frames. */
-class Behind {
-  #canvas = document.createElement("canvas");
-  #of: unknown[] = [];
-
-  show(g: CanvasRenderingContext2D, scene: Scene, { group }: Lead): void {
-    const { width, height } = g.canvas;
-    const { frames } = shown.peek();
-    const of = [width, height, view.peek(), size.peek(), frames, place.peek(), scene.factor, scene.roles, scene.blame, scene.chosen, scene.colours, scene.shapes, group.join()];
-    if (of.some((one, k) => one !== this.#of[k])) {
-      this.#of = of;
-      if (this.#canvas.width !== width) this.#canvas.width = width;
-      if (this.#canvas.height !== height) this.#canvas.height = height;
-      const own = this.#canvas.getContext("2d", { alpha: false })!;
-      const ratio = width / size.peek().width;
-      clear(own, size.peek(), ratio, scene.colours);
-      const mine = new Set(group);
-      paint(own, size.peek(), ratio, view.peek(), { ...scene, hovered: -1 }, false, mine, true);
-    }
-    g.setTransform(1, 0, 0, 1, 0, 0);
-    g.drawImage(this.#canvas, 0, 0);
-  }
 }
 
 function marksNow() {

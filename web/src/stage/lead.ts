@@ -9,22 +9,25 @@ import { signal } from "@preact/signals";
 import { type Body, slideTowards } from "../collision/sweep.ts";
 import { type Outline, outlineOf } from "../collision/outline.ts";
 import { fixedNames, groupOf } from "../design.ts";
-import { end, place, shown } from "../motion.ts";
+import { place, shown } from "../motion.ts";
 import type { Point } from "../protocol.ts";
 import { drawing, extent, indexOf } from "../state.ts";
 import { current } from "./now.ts";
 import { outOf, placed, type Shape } from "./shapes.ts";
 
-export interface Lead {
-  /** Parts that move as one with the dragged one. */
-  group: readonly number[];
-  /** Shift [mm] from the last known motion, free by the outlines. */
+/** Where the hand wants a point of a part, given at rest; `shaped` tells whether the outlines shown are those of the present design. */
+export interface Wanted { part: string; grip: Point; target: Point; shaped: boolean }
+
+/** What the hand wants and is not answered yet. */
+export const lead = signal<Wanted | null>(null);
+
+/** How parts are led from a motion of all. */
+export interface Led {
+  /** Shift [mm] that is free by the outlines. */
   free: Point;
   /** Shift at which the grip would be at the pointer. */
   desired: Point;
 }
-
-export const lead = signal<Lead | null>(null);
 
 /** Kept between outlines, as a share of the drawing's size: more than they are rounded by on their way here. */
 const CLEARANCE = 3e-7;
@@ -36,34 +39,32 @@ function outlined(shape: Shape): Outline {
   return found;
 }
 
-/** The last motion known to be free, where a drag begins or goes on: what is shown at its end, or rest. */
-export function known(): { motion: Float32Array; from: "here" | "answer" | "rest" } {
+/** Where a drag begins or goes on, the last motion known to be free: what is shown at its end, or rest. */
+export function origin(): "here" | "answer" | "rest" {
   const { what, frames } = shown.peek();
   const n = drawing.peek()?.parts.length ?? 0;
-  if (frames?.n === n && what === "drag") return { motion: end(frames), from: "here" };
-  if (frames?.n === n && what === "answer" && place.peek() >= 1) return { motion: end(frames), from: "answer" };
-  return { motion: new Float32Array(3 * n), from: "rest" };
+  if (frames?.n === n && what === "drag") return "here";
+  return frames?.n === n && what === "answer" && place.peek() >= 1 ? "answer" : "rest";
 }
 
-/** Leads a part, and all that is glued to it, towards the pointer; `shaped` tells whether the outlines are those of the present design. */
-export function leadTo(part: string, grip: Point, target: Point, shaped: boolean): void {
-  const i = indexOf.peek().get(part);
-  if (i === undefined || !current.shapes[i]) return;
-  const { motion } = known();
+/** Parts that move as one with a part. */
+export function groupAt(part: string): ReadonlySet<number> {
+  return new Set((groupOf(part) ?? [part]).flatMap((name) => indexOf.peek().get(name) ?? []));
+}
+
+/** Leads a part, and all that is glued to it, from a motion that is known to be free towards the pointer. */
+export function led({ part, grip, target, shaped }: Wanted, motion: Float32Array): Led {
   const at = (k: number) => placed(current.shapes[k]!, motion, k, 1);
+  const i = indexOf.peek().get(part)!;
   const shape = current.shapes[i]!;
   const held = outOf(at(i), [grip[0] - shape.at[0], grip[1] - shape.at[1]]);
   const desired: Point = [target[0] - held[0], target[1] - held[1]];
-  const names = groupOf(part) ?? [part];
-  const group = names.flatMap((name) => indexOf.peek().get(name) ?? []);
-  if (!shaped || names.some((name) => fixedNames.peek().has(name))) {
-    lead.value = { group, free: [0, 0], desired };
-    return;
-  }
+  if (!shaped || (groupOf(part) ?? [part]).some((name) => fixedNames.peek().has(name))) return { free: [0, 0], desired };
   const body = (k: number): Body => ({ ...at(k), outline: outlined(current.shapes[k]!) });
+  const group = [...groupAt(part)];
   const moving = group.map(body);
   const free = slideTowards(moving, standing(moving, group, motion, desired).map(body), desired, CLEARANCE * 2 * extent.peek().radius);
-  lead.value = { group, free, desired };
+  return { free, desired };
 }
 
 /** Parts that the moving ones could meet on their way. */

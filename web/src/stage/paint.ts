@@ -14,63 +14,80 @@ export interface Scene {
   factor: number;
   chosen: ReadonlySet<number>;
   hovered: number;
+  /** Parts under the hand: they are drawn over the others, and their outlines at rest always. */
+  held: ReadonlySet<number>;
   colours: Colours;
 }
 
 const SMALLEST = 3;
 const NAMED = 70;
-const MOST_NAMES = 140;
 /** A ghost nearer than this [px] to its part is left out. */
 const GHOST = 2;
 
 /** The empty ground. */
-export function clear(g: CanvasRenderingContext2D, size: Size, ratio: number, colours: Colours): void {
+export function clear(g: CanvasRenderingContext2D, colours: Colours): void {
   g.setTransform(1, 0, 0, 1, 0, 0);
   g.fillStyle = colours.paper;
-  g.fillRect(0, 0, size.width * ratio, size.height * ratio);
+  g.fillRect(0, 0, g.canvas.width, g.canvas.height);
 }
 
-/**
- * Draws the parts; `rough` leaves out thin lines, for frames that come too slowly.
- * With a `group` only those of it, or all `besides` them.
- */
-export function paint(
-  g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, rough: boolean, group?: ReadonlySet<number>, besides = false,
-): void {
-  const { colours } = scene;
-  const scale = view.scale * ratio;
-  g.lineJoin = "round";
-  const seen = visible(size, view, scene).filter(({ i }) => !group || group.has(i) !== besides);
-  if (!rough && (!group || besides)) restOutlines(g, size, ratio, view, scene, group);
-  let last = "";
-  for (const { i, place } of seen) {
-    const one = scene.shapes[i]!;
-    const role = scene.roles[i] ?? "neutral";
-    const [fill, edge] = colours[role];
-    const tint = scene.blame ? blameColour(colours.blame, scene.blame[i]!) : fill;
-    stand(g, size, ratio, view, place);
-    if (last !== tint) g.fillStyle = last = tint;
-    g.fill(one.path, "evenodd");
-    if (role === "fixed" && one.radius * view.scale > 2 * SMALLEST) {
-      g.fillStyle = last = "";
-      g.fillStyle = hatch(g, scale, place, edge, ratio);
-      g.fill(one.path, "evenodd");
-    }
-    if (rough || one.radius * view.scale < SMALLEST) continue;
-    g.strokeStyle = edge;
-    g.lineWidth = (role === "neutral" ? 1 : 1.4) / view.scale;
-    g.stroke(one.path);
+/** Draws all parts but those under the hand; `rough` leaves out thin lines, for frames that come too slowly. */
+export function paint(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, rough = false, within?: Region): void {
+  for (const _ of painting(g, size, ratio, view, scene, rough, within)) void _;
+}
+
+/** Part of the canvas [px]: x0, y0, x1, y1. */
+export type Region = readonly [number, number, number, number];
+
+/** The same in steps, one a part, so that frames may come between; where a region is given, no more than what reaches into it. */
+export function* painting(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, rough: boolean, within?: Region): Generator<void> {
+  const seen = visible(size, view, scene, within).filter(({ i }) => !scene.held.has(i));
+  if (!rough) yield* restOutlines(g, size, ratio, view, scene, within);
+  for (const one of seen) {
+    body(g, size, ratio, view, scene, one, rough);
+    yield;
   }
+  rings(g, size, ratio, view, scene, seen);
+  if (!rough) names(g, size, ratio, view, scene, seen);
+}
+
+/** Draws some parts over all others. */
+export function paintOver(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, some: ReadonlySet<number>): void {
+  const seen = visible(size, view, scene).filter(({ i }) => some.has(i));
+  for (const one of seen) body(g, size, ratio, view, scene, one, false);
+  rings(g, size, ratio, view, scene, seen);
+  names(g, size, ratio, view, scene, seen);
+}
+
+function body(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, { i, place }: Seen, rough: boolean): void {
+  const { colours } = scene;
+  const one = scene.shapes[i]!;
+  const role = scene.roles[i] ?? "neutral";
+  const [fill, edge] = colours[role];
+  stand(g, size, ratio, view, place);
+  g.lineJoin = "round";
+  g.fillStyle = scene.blame ? blameColour(colours.blame, scene.blame[i]!) : fill;
+  g.fill(one.path, "evenodd");
+  if (role === "fixed" && one.radius * view.scale > 2 * SMALLEST) {
+    g.fillStyle = hatch(g, view.scale * ratio, place, edge, ratio);
+    g.fill(one.path, "evenodd");
+  }
+  if (rough || one.radius * view.scale < SMALLEST) return;
+  g.strokeStyle = edge;
+  g.lineWidth = (role === "neutral" ? 1 : 1.4) / view.scale;
+  g.stroke(one.path);
+}
+
+function rings(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, seen: readonly Seen[]): void {
   for (const found of seen) {
     if (scene.chosen.has(found.i)) ring(g, size, ratio, view, scene, found, true);
     else if (found.i === scene.hovered) ring(g, size, ratio, view, scene, found, false);
   }
-  if (!rough) names(g, size, ratio, view, scene, seen);
 }
 
 /** Where the hand wants parts that may not get there: not known yet, so it does not look like parts. */
 export function paintGhost(
-  g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, group: readonly number[], [dx, dy]: readonly [number, number],
+  g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, group: Iterable<number>, [dx, dy]: readonly [number, number],
 ): void {
   if (Math.hypot(dx, dy) * scene.factor * view.scale < GHOST) return;
   for (const i of group) {
@@ -92,20 +109,33 @@ export function paintGhost(
 
 interface Seen { i: number; place: Placed }
 
-const onScreen = (size: Size, view: View, x: number, y: number, radius: number): boolean =>
-  Math.abs(x - view.x) <= size.width / 2 / view.scale + radius && Math.abs(y - view.y) <= size.height / 2 / view.scale + radius;
+/** How far lines reach beyond a part, and names under the arrow of a pull [px]. */
+const LINE = 3;
+const NAME = 26;
+/** How far a part, its lines and its name reach from its place [px]. */
+export const extentOf = (view: View, radius: number): number => radius * view.scale + (2 * radius * view.scale < NAMED ? LINE : NAME);
+
+/** Whether a disc reaches into a region, or else onto the screen. */
+function onScreen(size: Size, view: View, x: number, y: number, radius: number, [x0, y0, x1, y1]: Region = [0, 0, size.width, size.height]): boolean {
+  const [px, py] = toScreen(view, size, [x, y]);
+  const far = extentOf(view, radius);
+  return px >= x0 - far && px <= x1 + far && py >= y0 - far && py <= y1 + far;
+}
 
 /** Parts on the screen; fixed ones first, pulled ones last, so that what matters is not covered. */
-function visible(size: Size, view: View, scene: Scene): Seen[] {
+function visible(size: Size, view: View, scene: Scene, within?: Region): Seen[] {
   const layers: Seen[][] = [[], [], []];
   scene.shapes.forEach((one, i) => {
     const place = placed(one, scene.motion, i, scene.factor);
-    if (!onScreen(size, view, place.x, place.y, one.radius)) return;
+    if (!onScreen(size, view, place.x, place.y, one.radius, within)) return;
     const role = scene.roles[i];
     layers[role === "fixed" ? 0 : role === "neutral" ? 1 : 2]!.push({ i, place });
   });
   return layers.flat();
 }
+
+/** How many parts reach into a region. */
+export const reaching = (size: Size, view: View, scene: Scene, region: Region): number => visible(size, view, scene, region).length;
 
 /** Canvas transform under which a part's path is drawn in place. */
 function stand(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, p: Placed): void {
@@ -114,17 +144,26 @@ function stand(g: CanvasRenderingContext2D, size: Size, ratio: number, view: Vie
   g.setTransform(c, -s, -s, -c, x * ratio, y * ratio);
 }
 
-function restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, underHand?: ReadonlySet<number>): void {
-  g.strokeStyle = scene.colours.rest;
-  g.lineWidth = 1 / view.scale;
+/** How far from rest [px] a part must be for its outline there to be drawn. */
+const AWAY = 0.6;
+
+/** Whether the outline of a part at rest is drawn. */
+const leftRest = (view: View, { shapes, motion, factor, held }: Scene, i: number): boolean =>
+  held.has(i) || changed(shapes[i]!, motion, null, i) * factor * view.scale >= AWAY;
+
+/** How far a part lies in one motion from where it is in another, or at rest [mm]: no corner lies farther. */
+export const changed = ({ radius }: Shape, a: Float32Array, b: Float32Array | null, i: number): number =>
+  Math.hypot(a[3 * i]! - (b?.[3 * i] ?? 0), a[3 * i + 1]! - (b?.[3 * i + 1] ?? 0)) + radius * Math.abs(a[3 * i + 2]! - (b?.[3 * i + 2] ?? 0));
+
+function* restOutlines(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, within?: Region): Generator<void> {
   for (let i = 0; i < scene.shapes.length; i++) {
     const one = scene.shapes[i]!;
-    if (one.radius * view.scale < SMALLEST || !onScreen(size, view, one.at[0], one.at[1], one.radius)) continue;
-    const place = placed(one, scene.motion, i, scene.factor);
-    const away = Math.hypot(place.x - one.at[0], place.y - one.at[1]) + one.radius * Math.hypot(place.cos - 1, place.sin);
-    if (away * view.scale < 0.6 && !underHand?.has(i)) continue;
+    if (one.radius * view.scale < SMALLEST || !onScreen(size, view, one.at[0], one.at[1], one.radius, within) || !leftRest(view, scene, i)) continue;
+    g.strokeStyle = scene.colours.rest;
+    g.lineWidth = 1 / view.scale;
     stand(g, size, ratio, view, { x: one.at[0], y: one.at[1], cos: 1, sin: 0 });
     g.stroke(one.path);
+    yield;
   }
 }
 
@@ -136,7 +175,6 @@ function ring(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View
 }
 
 function names(g: CanvasRenderingContext2D, size: Size, ratio: number, view: View, scene: Scene, seen: Seen[]): void {
-  if (seen.length > MOST_NAMES) return;
   g.setTransform(ratio, 0, 0, ratio, 0, 0);
   g.font = "500 12px system-ui, sans-serif";
   g.textAlign = "center";
@@ -150,9 +188,27 @@ function names(g: CanvasRenderingContext2D, size: Size, ratio: number, view: Vie
     const below = scene.roles[i] === "pulled" ? 20 : 0; // beside the foot of the arrow
     g.globalAlpha = 0.78;
     g.fillStyle = scene.blame ? inkOn(blameColour(scene.colours.blame, scene.blame[i]!)) : scene.colours.ink;
-    g.fillText(name.length > 14 ? `${name.slice(0, 12)}…` : name, x, y + below, one.width * view.scale - 12);
+    g.fillText(cut(g, name, NAME_SHARE * one.width * view.scale), x, y + below);
   }
   g.globalAlpha = 1;
+}
+
+/** Names take this share of the width of a part. */
+const NAME_SHARE = 0.6;
+const cuts = new Map<string, string>();
+
+/** A name, or as much of its beginning as is no wider than `room` [px]. */
+function cut(g: CanvasRenderingContext2D, name: string, room: number): string {
+  const key = `${Math.floor(room / 8)} ${name}`;
+  let found = cuts.get(key);
+  if (found === undefined) {
+    const letters = [...name];
+    found = name;
+    while (letters.length > 1 && g.measureText(found).width > room) found = `${(letters.pop(), letters.join(""))}…`;
+    if (cuts.size > 4000) cuts.clear();
+    cuts.set(key, found);
+  }
+  return found;
 }
 
 /** Dark or light ink, whichever is read better on a colour given as rgb(r,g,b). */

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wiggleroom.displayable import Displayable
 from wiggleroom.errors import InputError
 from wiggleroom.freespace.slices import Slice
 from wiggleroom.geometry.relative_pose import Relative
@@ -15,7 +16,7 @@ Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Polyhedron:
+class Polyhedron(Displayable):
     """Relative motions of part b against part a that the model `hull` or `halfplane` accepts; some of them may overlap.
 
     Relative motions are those of `wiggleroom.FreeSpace`.

@@ -207,7 +207,12 @@ def _loop(
 ) -> Loop | None:
     """Loop a little behind the walls of some free pieces; None where they lie apart or no edges cross somewhere along it."""
     off = outset * material.clearance
-    grown = shapely.buffer(shapely.union_all(pieces).simplify(off / 4), off, join_style="mitre", mitre_limit=MAX_MITRE)
+    try:
+        grown = shapely.buffer(
+            shapely.union_all(pieces).simplify(off / 4), off, join_style="mitre", mitre_limit=MAX_MITRE
+        )
+    except shapely.errors.GEOSException:  # pieces that cross themselves by rounding
+        return None
     if grown.geom_type != "Polygon":
         return None
     ring = shapely.get_coordinates(shapely.orient_polygons(grown).exterior)[:-1]

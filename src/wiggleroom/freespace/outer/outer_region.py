@@ -1,6 +1,6 @@
 """Outer regions: everything that B can reach against A, as prisms (an interval of turns, a convex polygon) and as facets of their hull.
 
-A way from rest stays inside. In every interval the boundary of an outer slice is forbidden at all its turns, so a way leaves a piece only
+A path from rest stays inside. In every interval the boundary of an outer slice is forbidden at all its turns, so a path leaves a piece only
 through the end of the interval, into a piece of the next one that meets it; all those are taken in, forwards and back, until nothing is
 new. Beyond the last intervals nothing is left over: no turn leads through them.
 """
@@ -30,6 +30,25 @@ REFINEMENT_FACTOR = 4
 """Intervals are refined into so many."""
 MAX_INTERVALS = 1100
 """So many intervals are looked at to see whether B can turn all the way round."""
+MAX_CONFINED_INTERVALS = 100
+"""So many intervals share the turns of a confined pair."""
+
+
+@dataclass(frozen=True, eq=False)
+class Confinement:
+    """Relative motions that a pair never leaves, known from what holds its bodies elsewhere.
+
+    Parameters
+    ----------
+    translations : shapely polygon [mm]
+        Convex, round the origin.
+    low, high : float [rad]
+        Least and greatest turn.
+    """
+
+    translations: shapely.Polygon
+    low: float
+    high: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +70,8 @@ class OuterRegion:
         Corners of convex polyhedra that hold what is free of the pieces, one interval after the other.
     which : (N,) int64
         Interval of each corner.
+    confinement : Confinement or None
+        What keeps the pair together where it does not do so by itself.
     """
 
     material: PairMaterial
@@ -60,6 +81,7 @@ class OuterRegion:
     pieces: tuple[Pieces, ...]
     corner: Floats
     which: Ints
+    confinement: Confinement | None = None
 
     @property
     def turns(self) -> tuple[float, float]:
@@ -82,7 +104,13 @@ class OuterRegion:
 
 
 def _outer(
-    material: PairMaterial, lever: float, low: Floats, high: Floats, pieces: list[Pieces], known: Shapes
+    material: PairMaterial,
+    lever: float,
+    low: Floats,
+    high: Floats,
+    pieces: list[Pieces],
+    known: Shapes,
+    confinement: Confinement | None = None,
 ) -> OuterRegion:
     """Region of these intervals; polyhedra of intervals that were there before are taken over."""
     corners = [
@@ -92,7 +120,7 @@ def _outer(
         for one, other, p in zip(low.tolist(), high.tolist(), pieces, strict=True)
     ]
     which = np.repeat(np.arange(len(corners)), [len(c) for c in corners])
-    return OuterRegion(material, lever, low, high, tuple(pieces), np.vstack(corners), which)
+    return OuterRegion(material, lever, low, high, tuple(pieces), np.vstack(corners), which, confinement)
 
 
 def _window(pieces: Pieces) -> float:
@@ -111,6 +139,23 @@ def outer_region(
     """Outer region in coarse intervals; None where it does not end within `limit` [mm], or is cut short by `over`."""
     found = reached_slices(material, lever, limit, over)
     return None if found is None else _outer(material, lever, found.low, found.high, list(found.pieces), {})
+
+
+def confined_region(
+    material: PairMaterial, lever: float, confinement: Confinement, over: Callable[[], bool] | None = None
+) -> OuterRegion | None:
+    """Outer region of a pair that is held together from elsewhere; None where it is cut short by `over`.
+
+    Slices end at the rim of the confinement, and so do turns: no way leads on from there.
+    """
+    half = min(FIRST_BLUR * material.clearance / (2 * lever), MAX_HALF_WIDTH)
+    half = max(half, (confinement.high - confinement.low) / (2 * MAX_CONFINED_INTERVALS))
+    window = 1.01 * _window(np.array([confinement.translations], dtype=object))
+    found = _followed(material, half, window, over, confinement)
+    if not isinstance(found, dict) or not found:
+        return None
+    slices = _sorted(found, half)
+    return _outer(material, lever, slices.low, slices.high, list(slices.pieces), {}, confinement)
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,17 +198,26 @@ def reached_slices(
             half /= REFINEMENT_FACTOR
         else:
             return None
+    return _sorted(found, half)
+
+
+def _sorted(found: dict[int, Pieces], half: float) -> ReachedSlices:
+    """Pieces in order of their turns; interval k lies round 2 k half."""
     order = sorted(found)
     ends = np.array([(2 * k - 1) * half for k in (*order, order[-1] + 1)])
     return ReachedSlices(ends[:-1], ends[1:], tuple(found[k] for k in order))
 
 
 def _followed(
-    material: PairMaterial, half: float, window: float, over: Callable[[], bool] | None
+    material: PairMaterial,
+    half: float,
+    window: float,
+    over: Callable[[], bool] | None,
+    confinement: Confinement | None = None,
 ) -> dict[int, Pieces] | bool | None:
     """Reached pieces of all intervals; True where one meets the rim of the window, False where B turns all the way round.
 
-    None where it was `over` first.
+    None where it was `over` first. A confined pair meets neither.
     """
     slices: dict[int, Leftover] = {}
     reached: dict[int, NDArray[np.bool_]] = {}
@@ -171,7 +225,7 @@ def _followed(
 
     def reach(k: int, met: shapely.Geometry) -> None:
         if k not in slices:
-            slices[k] = leftover(material, 2 * k * half, half, window)
+            slices[k] = leftover(material, 2 * k * half, half, window, confinement)
             reached[k] = np.zeros(len(slices[k].pieces), dtype=bool)
         new = ~reached[k] & shapely.dwithin(slices[k].pieces, met, material.margin)
         new[new] = slices[k].open(new)
@@ -185,12 +239,15 @@ def _followed(
             return None
         k = todo.pop()
         here = slices[k].pieces[reached[k]]
-        if _window(here) >= window * (1 - 1e-9):
+        if confinement is None and _window(here) >= window * (1 - 1e-9):
             return True
         if abs(k) * half > np.pi:
             return False
         for other in (k - 1, k + 1):
-            reach(other, shapely.multipolygons(here))
+            if confinement is None or (
+                (2 * other - 1) * half <= confinement.high and (2 * other + 1) * half >= confinement.low
+            ):
+                reach(other, shapely.multipolygons(here))
     return {k: slices[k].pieces[reached[k]] for k in slices if reached[k].any()}
 
 
@@ -208,11 +265,17 @@ class Leftover:
         return ~forbidden(self.a, self.core, self.pieces[which], self.margin)
 
 
-def leftover(material: PairMaterial, middle: float, half: float, window: float) -> Leftover:
-    """Pieces of the window at all turns within `half` of `middle`."""
+def leftover(
+    material: PairMaterial, middle: float, half: float, window: float, confinement: Confinement | None = None
+) -> Leftover:
+    """Pieces of the window, and of the confinement, at all turns within `half` of `middle`."""
     near = material.near(_apart(material, middle - half, middle + half, window))
     smaller = core(near.b, middle, half, material.margin)
-    return Leftover(uncovered(near.a, smaller, window), near.a, smaller, material.margin)
+    pieces = uncovered(near.a, smaller, window)
+    if confinement is not None:
+        within = shapely.get_parts(shapely.intersection(pieces, confinement.translations))
+        pieces = within[shapely.get_type_id(within) == shapely.GeometryType.POLYGON]
+    return Leftover(pieces, near.a, smaller, material.margin)
 
 
 def refined(outer: OuterRegion, wanted: Ints) -> OuterRegion:
@@ -229,7 +292,9 @@ def refined(outer: OuterRegion, wanted: Ints) -> OuterRegion:
             if cut[k]:
                 window = 1.001 * _window(mine)
                 # the ends are rounded: what is looked at is a little wider
-                found = leftover(outer.material, (one + other) / 2, (other - one) / 2 + 1e-14, window)
+                found = leftover(
+                    outer.material, (one + other) / 2, (other - one) / 2 + 1e-14, window, outer.confinement
+                )
                 spots = shapely.point_on_surface(found.pieces)
                 inside = shapely.dwithin(spots, shapely.multipolygons(mine), outer.material.margin)
                 left = found.pieces[inside][found.open(inside)]
@@ -242,7 +307,7 @@ def refined(outer: OuterRegion, wanted: Ints) -> OuterRegion:
         for k, (one, other) in enumerate(zip(outer.low.tolist(), outer.high.tolist(), strict=True))
         if not cut[k]
     }
-    return _outer(outer.material, outer.lever, np.array(lows), np.array(highs), pieces, known)
+    return _outer(outer.material, outer.lever, np.array(lows), np.array(highs), pieces, known, outer.confinement)
 
 
 def pivot_of(a: shapely.Geometry, b: shapely.Geometry, reach: float) -> tuple[Floats, float]:

@@ -39,11 +39,14 @@ class PairMaterial:
         Material.
     clearance : float [mm]
         Distance at rest.
+    size : float [mm]
+        Largest coordinate of the bodies that these are strips of: by a share of it bodies and congruent ones differ. Whole bodies know it.
     """
 
     a: shapely.Geometry
     b: shapely.Geometry
     clearance: float
+    size: float = 0.0
 
     @cached_property
     def radius(self) -> float:
@@ -51,10 +54,15 @@ class PairMaterial:
         return float(np.hypot(*shapely.get_coordinates(self.b).T).max())
 
     @cached_property
-    def margin(self) -> float:
-        """Length that makes up for rounding [mm]."""
+    def extent(self) -> float:
+        """Largest coordinate of both parts, or of the bodies that they are strips of [mm]."""
         low_x, low_y, high_x, high_y = shapely.total_bounds(np.array([self.a, self.b], dtype=object))
-        return SAFETY_MARGIN * float(max(high_x, high_y, -low_x, -low_y))
+        return max(self.size, float(max(high_x, high_y, -low_x, -low_y)))
+
+    @property
+    def margin(self) -> float:
+        """Length that makes up for rounding, and for what congruent pairs differ by [mm]."""
+        return SAFETY_MARGIN * self.extent
 
     def near(self, reach: float) -> PairMaterial:
         """Less of both parts, all within `reach` [mm] of each other: with less to meet, outer slices stay outer."""
@@ -64,7 +72,9 @@ class PairMaterial:
         return _near(self, self.clearance * 2 ** (steps / 2))
 
     def strips(self, width: float) -> PairMaterial:
-        """What of either part lies within `width` [mm] of the other one; all of both where that fails."""
+        """What of either part lies within `width` [mm] of the other one; all of both where that is all, or fails."""
+        if width >= 4 * self.extent:
+            return self
         cut = []
         try:
             for one, other in ((self.a, self.b), (self.b, self.a)):
@@ -74,9 +84,10 @@ class PairMaterial:
                 cut.append(_areas(strip))
         except shapely.errors.GEOSException:
             return self
-        if not all(g.is_valid for g in cut):
+        left = shapely.area(self.a) + shapely.area(self.b) - shapely.area(cut).sum()
+        if not all(g.is_valid for g in cut) or left <= 1e-9 * (shapely.area(self.a) + shapely.area(self.b)):
             return self
-        return PairMaterial(cut[0], cut[1], self.clearance)
+        return PairMaterial(cut[0], cut[1], self.clearance, self.extent)
 
 
 @lru_cache(maxsize=256)
@@ -159,17 +170,17 @@ def _contacts(
 
 def _clipped(lines: Floats, window: float) -> Floats:
     """Lines cut off just outside the window, where their ends no longer matter; those that miss it are left out."""
-    start, way = lines[:, 0], lines[:, 1] - lines[:, 0]
-    safe = np.where(way == 0, 1.0, way)
+    start, edge = lines[:, 0], lines[:, 1] - lines[:, 0]
+    safe = np.where(edge == 0, 1.0, edge)
     one, two = (-window - start) / safe, (window - start) / safe
-    flat = (way == 0) & (np.abs(start) <= window)
+    flat = (edge == 0) & (np.abs(start) <= window)
     one, two = np.where(flat, -np.inf, np.minimum(one, two)), np.where(flat, np.inf, np.maximum(one, two))
     enter, leave = np.maximum(one.max(1), 0.0), np.minimum(two.min(1), 1.0)
     keep = enter < leave
-    lines, start, way = lines[keep], start[keep], way[keep]
+    lines, start, edge = lines[keep], start[keep], edge[keep]
     enter, leave = enter[keep, None], leave[keep, None]
     return np.stack(
-        [np.where(enter > 0, start + enter * way, start), np.where(leave < 1, start + leave * way, lines[:, 1])], 1
+        [np.where(enter > 0, start + enter * edge, start), np.where(leave < 1, start + leave * edge, lines[:, 1])], 1
     )
 
 

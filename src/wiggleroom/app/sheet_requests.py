@@ -1,0 +1,111 @@
+"""Answers to `assemble` and `lay`: a cutting sheet put together, with what was clicked on it as hints."""
+
+from __future__ import annotations
+
+import shlex
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from wiggleroom.app.open_requests import saved_name
+from wiggleroom.app.reporter import Reporter, on_the_page
+from wiggleroom.drawing.layers import ReadOptions
+from wiggleroom.errors import InputError
+from wiggleroom.mating.assembled_sheet import AssembledSheet, assemble_sheet
+from wiggleroom.mating.cutting_sheet import CuttingSheet, read_sheet
+from wiggleroom.mating.hints import EdgePair, FixedPlate, Hints, edge_reference
+from wiggleroom.mating.laying import laid_plates
+from wiggleroom.report.sheet_messages import assembled_message
+from wiggleroom.schema.replies import LayReply
+from wiggleroom.schema.requests import AssembleRequest, LayRequest, PlateHint, SheetHints, SheetRequest
+
+if TYPE_CHECKING:
+    from wiggleroom.app.document import Document
+    from wiggleroom.app.open_requests import File
+
+
+def assemble(document: Document, request: AssembleRequest, out: Reporter) -> None:
+    """The panels of the sheet that is open put together in space."""
+    found, hints = _assembled(document.file, request, out)
+    reply = assembled_message(found, hints, request.thickness, _command(document.file, request))
+    reply.doubts = [on_the_page(doubt) for doubt in reply.doubts]
+    out.reply(reply)
+
+
+def lay(document: Document, request: LayRequest, out: Reporter) -> None:
+    """Where a loose panel could lie that touches another one."""
+    found, _ = _assembled(document.file, request, out)
+    ways = laid_plates(found, request.panel, request.at, request.onto, request.there, stop=out.stop)
+    out.check()
+    out.reply(
+        LayReply(
+            panel=request.panel,
+            ways=[PlateHint(way.panel, way.frame, way.centre, way.right, way.up) for way in ways],
+        )
+    )
+
+
+def _assembled(file: File, request: SheetRequest, out: Reporter) -> tuple[AssembledSheet, Hints]:
+    sheet = _sheet(file)
+    hints = _hints(request.hints, request.thickness, request.burn)
+    found = assemble_sheet(
+        sheet, request.thickness, burn=request.burn, hints=hints, stop=out.stop,
+        progress=lambda count: out.counted(count, len(sheet.panels)),
+    )  # fmt: skip
+    out.check()
+    return found, hints
+
+
+def _sheet(file: File) -> CuttingSheet:
+    """The open drawing read as a sheet, in a folder that is gone afterwards."""
+    options = file.options
+    with tempfile.TemporaryDirectory(prefix="wiggleroom-") as folder:
+        path = Path(folder) / file.name
+        path.write_bytes(file.data)
+        try:
+            return read_sheet(path, unit=file.unit, options=options)
+        except InputError as problem:
+            raise InputError([line.replace(f"{folder}/", "") for line in problem.findings]) from None
+
+
+def _hints(said: SheetHints, thickness: float, burn: float | None) -> Hints:
+    """Hints of a request.
+
+    Raises
+    ------
+    InputError
+        If a text names no edge.
+    """
+    pairs: dict[str, list[EdgePair]] = {"join": [], "flush": []}
+    for key, texts in (("join", said.join), ("flush", said.flush)):
+        for one, other in texts:
+            a, b = edge_reference(one), edge_reference(other)
+            if a is None or b is None:
+                message = f'{key}: "{one}" and "{other}" must both be edges, such as "lid:top" or "lid@12.5,40"'
+                raise InputError(message)
+            pairs[key].append((a, b))
+    return Hints(
+        thickness=thickness,
+        burn=burn,
+        groups=tuple(tuple(group) for group in said.groups),
+        joins=tuple(pairs["join"]),
+        flush=tuple(pairs["flush"]),
+        plates=tuple(FixedPlate(p.panel, p.centre, p.right, p.up, p.frame) for p in said.plate),
+        skip=tuple(said.skip),
+    )
+
+
+def _command(file: File, request: SheetRequest) -> str:
+    """The command that makes the same assembly file; hints go in the file that the page saves."""
+    said = ["wiggleroom", "assemble", file.path, "--thickness", f"{request.thickness:g}"]
+    if request.burn is not None:
+        said += ["--burn", f"{request.burn:g}"]
+    if request.hints != SheetHints():
+        said += ["--hints", saved_name(file.name, ".toml")]
+    return shlex.join([*said, *_reading(file.options), "-o", saved_name(file.name, "-assembled.json")])
+
+
+def _reading(options: ReadOptions) -> list[str]:
+    """How the drawing was read, as options."""
+    said = [f"--{key}={','.join(getattr(options, key))}" for key in ("only", "skip", "solid") if getattr(options, key)]
+    return said if options.join is None else [*said, "--join", f"{options.join:g}"]

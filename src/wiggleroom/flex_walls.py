@@ -1,0 +1,255 @@
+"""How far it can move, with walls: a climb from rest, then the search beyond the nearest hill."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wiggleroom.audit.path_audit import audit_path
+from wiggleroom.bound.dual_bound import with_quick_bound
+from wiggleroom.drawing.model import Goal
+from wiggleroom.errors import InputError, Stop, StoppedError
+from wiggleroom.geometry.overlap import overlaps
+from wiggleroom.geometry.rigid_motions import of_bodies
+from wiggleroom.program.objectives import Objective
+from wiggleroom.search.answer import Answer, Bound, with_bound
+from wiggleroom.search.build_answer import answer_of
+from wiggleroom.search.canonical_frame import canonical_frame
+from wiggleroom.search.carried_incumbent import carried_incumbent
+from wiggleroom.search.distance_climb import FURTHER_CLIMBS, climbed
+from wiggleroom.search.global_search import MAX_BODIES, effort, search_on
+from wiggleroom.search.incumbent import Incumbent, Start, start_at_rest
+from wiggleroom.search.loop import LocalSearch, Progress
+from wiggleroom.search.moves import THOROUGH
+from wiggleroom.search.multistart import pulls
+from wiggleroom.search.periodic_motion import PeriodicMotion, periodic_motion
+from wiggleroom.search.prepare import Prepared, prepare
+from wiggleroom.search.simplified_outlines import contact_places, prepare_simplified
+from wiggleroom.search.turn_in_place import better_climb, turned_in_place
+from wiggleroom.solve import solver_named
+from wiggleroom.solve.solution import Solution
+from wiggleroom.verdict import Verdict
+
+MAX_REFINEMENTS, MIN_REFINEMENT = 4, 1e-4
+"""So often simplified outlines are refined where they touch, as long as that gains this share."""
+
+
+@dataclass(frozen=True, eq=False)
+class MotionQuery:
+    """What is asked, and how it is looked for.
+
+    Parameters
+    ----------
+    goals : tuple of Goal
+    solver : str
+    search : int, optional
+        So many starts beside the one from rest; by default as many as a fixed amount of work allows.
+    start : Answer, optional
+        An earlier answer of the same prepared assembly.
+    periods : bool
+        Whether it is looked whether a motion repeats without end.
+    stop, tell
+        Asked every iteration; told a `Progress`.
+    began : float
+        When it was asked, by `time.perf_counter`.
+    """
+
+    goals: tuple[Goal, ...]
+    solver: str
+    search: int | None
+    start: Answer | None
+    periods: bool
+    stop: Stop | None
+    tell: Callable[[Progress], None]
+    began: float
+
+    @property
+    def solve(self) -> Callable[..., Solution]:
+        """The solver."""
+        return solver_named(self.solver)
+
+    @property
+    def stopped(self) -> bool:
+        """True where it was asked to stop."""
+        return self.stop is not None and self.stop.is_set()
+
+
+def flex_walls(ready: Prepared, query: MotionQuery) -> Answer:
+    """The answer, without any bound."""
+    if ready.simplified:
+        return _refined(ready, query)
+    if query.search != 0 and query.start is None:
+        answer = _in_own_frame(ready, query)
+        if answer is not None:
+            return answer
+    return _climbed(ready, query)
+
+
+def _refined(ready: Prepared, query: MotionQuery) -> Answer:
+    """Answer for outlines of many corners: fewer corners first, more where parts touch, as long as that gains."""
+    answer = _climbed(ready, query)
+    places, from_rest = contact_places(answer), replace(query, start=None)
+    for _ in range(MAX_REFINEMENTS if query.start is None else 0):
+        finer = prepare_simplified(ready.assembly, places, query.stop) if answer.verdict.ends and len(places) else None
+        if finer is None or query.stopped:
+            break
+        again = _climbed(finer, from_rest)
+        places = np.concatenate([places, contact_places(again)])
+        before, answer = answer, _better(answer, again)
+        if answer.objective is None or before.objective is None or answer is before:
+            break
+        if answer.objective < before.objective * (1 + MIN_REFINEMENT):
+            break
+    why = f"outlines of many corners were searched with fewer, up to {ready.simplified:.2g} mm further out"
+    # The conditions hold for parts that are a little larger; of the parts as drawn that is no more than a good motion.
+    verdict = Verdict.STATIONARY if answer.verdict.ends else answer.verdict
+    return replace(answer, verdict=verdict, bound=Bound(None, None, 0.0, why))
+
+
+def _better(one: Answer, other: Answer) -> Answer:
+    """The answer with the larger motion."""
+    if one.objective is None or other.objective is None:
+        return one if one.objective is None else other
+    return other if other.objective > one.objective else one
+
+
+def _in_own_frame(ready: Prepared, query: MotionQuery) -> Answer | None:
+    """The answer, searched for in the frame that an assembly of few bodies has of its own; None where it must be searched for as it is."""
+    if int((~ready.bodies.fixed).sum()) > MAX_BODIES:
+        return None
+    frame = canonical_frame(ready.assembly, query.goals)
+
+    def told(progress: Progress) -> None:
+        query.tell(replace(progress, objective=progress.objective / frame.scale))
+
+    try:
+        own = prepare(frame.assembly, stop=query.stop)
+    except (InputError, StoppedError):
+        return None
+    found = with_quick_bound(_climbed(own, replace(query, goals=frame.goals, tell=told)), query.stop)
+    answer = frame.answer(found, ready.assembly, query.goals)
+    if not audit_path(ready.assembly, answer.waypoints).free:
+        return None  # rounding has moved a part too far
+    motion = of_bodies(ready.assembly, ready.bodies, answer.waypoints[-1:])[0]
+    goal = ready.objective(query.goals)
+    answer = replace(
+        answer,
+        objective=None if answer.objective is None else goal.value(motion),
+        deepest_overlap=overlaps(ready.bodies, motion, ready.ignored).deepest,
+        seconds=answer.seconds | {"total": time.perf_counter() - query.began},
+    )
+    return replace(answer, warm_start=carried_incumbent(ready, goal, query.solve, found, frame, answer.waypoints))
+
+
+def _climbed(ready: Prepared, query: MotionQuery) -> Answer:
+    """The answer, searched for in the frame of the assembly that was prepared."""
+    goal, search, from_rest = ready.objective(query.goals), query.search, query.start is None
+    climb = LocalSearch(ready, goal, query.solve, THOROUGH, query.stop, query.tell)
+    climb.seconds["freespace"] += time.perf_counter() - query.began
+    first = pulls(ready.bodies, goal, ready.clearance) if from_rest else ()
+    if first:
+        return _from_several(climb, first, query)
+    turned = turned_in_place(ready, goal) if from_rest and search != 0 else None
+    begin: Start | Incumbent
+    if turned is not None and ready.simplified:  # from rest, corners of simplified curves would be climbed one by one
+        begin = turned
+    elif query.start is None:
+        begin = climbed(climb, start_at_rest(ready), FURTHER_CLIMBS if search is None else 0)
+    else:
+        begin = _incumbent(query.start, ready).start()
+    if isinstance(begin, Incumbent):
+        climb.best = begin
+    else:
+        climb.improve(begin)
+    if climb.stopped:
+        return _answer(climb, query)
+    before: tuple[float, ...] = ()
+    if turned is not None and not ready.simplified:
+        climb, before = better_climb(climb, turned)
+    elif turned is not None and search is None:
+        value, free = climb.certain_value()
+        if free or value >= goal.value(turned.inner):  # no turn gains more
+            return replace(_answer(climb, query), search=effort((value,), value))
+    climb, repeats = periodic_motion(climb, query.goals) if query.periods else (climb, None)
+    if search == 0 or repeats is not None:
+        return _answer(climb, query, repeats)
+    return _searched(climb, query, before)
+
+
+def _searched(climb: LocalSearch, query: MotionQuery, before: tuple[float, ...]) -> Answer:
+    """The answer after the search beyond the nearest hill; a body alone is searched completely, where that is left to do.
+
+    `before` are values at which other climbs ended.
+    """
+    search = query.search
+    ends: tuple[float, ...] = (*before, climb.certain_value()[0])
+    at_most = None
+    exact = not climb.ready.simplified  # a bound of larger parts is none of these
+    alone = exact and int((~climb.ready.bodies.fixed).sum()) == 1
+    if alone and search is None:
+        answer = with_quick_bound(_answer(climb, query), climb.stop)
+        if answer.verdict is Verdict.PROVEN:
+            return replace(answer, search=effort(ends, ends[-1]))
+    if alone or (exact and search is None):
+        from wiggleroom.search.complete_search import complete_search
+
+        found = complete_search(climb)
+        at_most = found.at_most
+        if search is None:
+            ends = (*before, *found.ends)
+        if found.best is not climb:
+            climb, repeats = periodic_motion(found.best, query.goals)
+            if repeats is not None:
+                return _answer(climb, query, repeats)
+    if alone and search is None:
+        answer = _bounded(_answer(climb, query), at_most)
+        if answer.verdict is Verdict.PROVEN:
+            return replace(answer, search=effort(ends, climb.certain_value()[0]))
+    further, done = search_on(climb, search, ends)
+    repeats = None
+    if further is not climb:
+        further, repeats = periodic_motion(further, query.goals)
+    return _bounded(replace(_answer(further, query, repeats), search=done), at_most)
+
+
+def _bounded(answer: Answer, at_most: float | None) -> Answer:
+    """The answer with what a complete search found that no motion exceeds."""
+    if at_most is None or not answer.objective:
+        return answer
+    return with_bound(answer, Bound(at_most, at_most / answer.objective - 1, 0.0))
+
+
+def _from_several(search: LocalSearch, first: Sequence[Objective], query: MotionQuery) -> Answer:
+    """Best answer of searches that begin at the ends of several pulls, for objectives without a direction at rest."""
+    answers = []
+    for pull in first:
+        escape = LocalSearch(search.ready, pull, search.solve, THOROUGH, search.stop, search.tell)
+        end = escape.improve(start_at_rest(search.ready))
+        again = LocalSearch(search.ready, search.objective, search.solve, THOROUGH, search.stop, search.tell)
+        again.improve(start_at_rest(search.ready) if end is None else end.start())
+        for stage in search.seconds:
+            search.seconds[stage] += escape.seconds[stage] + again.seconds[stage]
+        search.rounds += escape.rounds + again.rounds
+        search.iterations += escape.iterations + again.iterations
+        answers.append(_answer(again, query))
+        if answers[-1].objective is None or query.stopped:
+            break
+    best = max(answers, key=lambda a: (a.objective is None, a.collision_free, a.objective))
+    seconds = search.seconds | {"total": time.perf_counter() - query.began}
+    return replace(best, seconds=seconds, rounds=search.rounds, iterations=search.iterations)
+
+
+def _answer(climb: LocalSearch, query: MotionQuery, repeats: PeriodicMotion | None = None) -> Answer:
+    """What a search has come to, as an answer."""
+    return answer_of(climb, query.goals, query.solver, query.began, repeats)
+
+
+def _incumbent(start: Answer, ready: Prepared) -> Incumbent:
+    """How an earlier answer for the same prepared assembly was found."""
+    if start.warm_start is None or start.warm_start.program.bodies is not ready.bodies:
+        finding = "start: the earlier answer belongs to another prepared assembly; ask the same one, from prepare()"
+        raise InputError(finding)
+    return start.warm_start

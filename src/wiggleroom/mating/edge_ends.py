@@ -1,0 +1,74 @@
+"""Ends of the edges that carry fingers: of joints that fit equally well the one is likelier whose edges end together.
+
+Fingers of edges of different length may fit each other, where only the plain stretches at the ends differ. Edges that belong
+together end at the same place, or one reaches further by just the thickness of the plate that it covers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from wiggleroom.mating.beam_search import BeamState, Placement
+from wiggleroom.mating.flanks import FlankLine, SheetPlate
+
+Floats = NDArray[np.float64]
+
+SAME_END = 0.12
+"""Ends are together that are nearer than this share of the thickness."""
+INWARD = 0.9
+"""The ends of an edge are seen this many thicknesses inside of the line of its flanks, below its fingers."""
+
+
+def edge_ends(plate: SheetPlate, line: FlankLine) -> tuple[float, float] | None:
+    """Where the edge that carries a line of flanks begins and ends along it [mm]; None for rows of holes and slots within a panel."""
+    if not line.outward or len(line.rows) < 2:
+        return None
+    inside = (line.offset - line.outward * INWARD * plate.thickness) * line.across
+    reach = 2.0 * plate.radius
+    cut = plate.polygon.intersection(shapely.LineString([inside - reach * line.along, inside + reach * line.along]))
+    middle = float(line.at.mean())
+    for piece in shapely.get_parts(cut):
+        if piece.geom_type == "LineString":
+            low, high = np.sort(shapely.get_coordinates(piece) @ line.along).tolist()[:2]
+            if low <= middle <= high:
+                return low, high
+    return None
+
+
+def ends_together(own: tuple[float, float] | None, other: tuple[float, float] | None, thickness: float) -> float:
+    """How many of the ends of two edges, laid on each other, are together; 2 where an edge has no ends."""
+    if own is None or other is None:
+        return 2.0
+    return float(_together(np.array(own) - np.array(other), thickness).sum())
+
+
+def _together(apart: Floats, thickness: float) -> NDArray[np.bool_]:
+    apart = np.abs(apart)
+    return np.minimum(apart, np.abs(apart - thickness)) < SAME_END * thickness
+
+
+def aligned_ends(bench: BeamState, placed: Placement) -> float:
+    """Sum of `ends_together` over all joints of a placement."""
+    return sum(_joint_ends(bench, placed))
+
+
+def _joint_ends(bench: BeamState, placed: Placement) -> Iterator[float]:
+    place = {row: k for k, row in enumerate(placed.rows)}
+    for a, b, pairs in bench.met(placed)[0]:
+        i, j = place[a], place[b]
+        turn, move = placed.turns[i].T @ placed.turns[j], placed.turns[i].T @ (placed.moves[j] - placed.moves[i])
+        for line in bench.plates[a].lines:
+            met = pairs[np.isin(pairs[:, 0], line.rows)]
+            other = next((each for each in bench.plates[b].lines if len(met) and met[0, 1] in each.rows), None)
+            if other is None:
+                continue
+            own, its = edge_ends(bench.plates[a], line), edge_ends(bench.plates[b], other)
+            if its is not None:
+                points = np.outer(its, other.along) + other.offset * other.across
+                low, high = np.sort((points @ turn[:2, :2].T + move[:2]) @ line.along).tolist()
+                its = low, high
+            yield ends_together(own, its, bench.plates[a].thickness)

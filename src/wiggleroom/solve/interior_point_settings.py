@@ -1,0 +1,96 @@
+"""Parameters of the interior-point method, with their ranges and reasons."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+INITIAL_BARRIER = 0.1
+"""Complementarity to begin with, as a share of the objective's largest derivative."""
+WARM_START_GAP = 3e-2
+"""The next program starts at the last feasible iterate whose complementarity was still this share of the objective."""
+SLACK_TOLERANCE = 1e-12
+"""Slacks that are right to this share of `program.length` are exact."""
+MAX_LIFTS = 8
+"""Most steps that lift rows that are violated at the end."""
+MAX_PULLS = 60
+"""Most points tried between a feasible point and an end that violates rows."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """Parameters of the method.
+
+    Parameters
+    ----------
+    fraction_to_boundary : float in (0, 1)
+        Share of the step to the nearest bound that is taken; nearer to 1 is quicker and less safe.
+    max_correction : float > 1
+        Mehrotra's second-order term is kept within this multiple of mu; larger ones come from steps too long to trust.
+    min_step_length : float in (0, 1)
+        A shorter step is tried again with a stronger diagonal.
+    min_slack : float > 0 [program.length]
+        Slacks never become smaller: their reciprocals stay finite.
+    initial_slack : float > 0 [program.length]
+        Slacks begin no smaller: a wall right beside the start would block every step away from the others.
+    max_step_share : float in (0, 1)
+        Share of the horizon that a body may move in one iteration.
+    proximal_share : float in (0, 1)
+        Share of the tolerance that may be given up to stay near rest, so that bodies that nothing holds do not drift.
+    dual_error_ratio, dual_error_floor, dual_error_allowance : float in (0, 1)
+        Bound on dual residual times displacement since the start, relative to the duality gap; it counts where it exceeds the floor, a
+        share of the objective, as far as it exceeds the allowance. Without allowance it sets in with a jump, which is quick; in large
+        programs such jumps follow each other.
+    dual_tolerance : float in (0, 1)
+        Largest dual residual at the end, as a share of the objective's largest derivative.
+    min_iterations, max_iterations, max_monotone_iterations : int
+        Of the predictor-corrector method, and of the monotone barrier method that takes over where it fails.
+    max_stalled_iterations : int
+        After so many iterations that do not reduce the error the predictor-corrector method has failed.
+    max_saddle_escapes : int
+        Most escapes from saddle points, where the first-order conditions hold but the objective curves upwards.
+    max_free_shift : float > 0
+        A diagonal strengthened by more than this keeps steps short; then longer ones are tried.
+    hopeless_shift : float > 0
+        Where steps are too short even with a diagonal strengthened by this, a violated row whose slack has become nothing blocks them.
+    max_centring : float > 0
+        Where feasibility falls behind, complementarity becomes at most this multiple of what it was.
+    min_restoring_step, lifted_slack : float in (0, 1), float > 0 [program.length]
+        At the end of large programs, where steps that restore feasibility are shorter than the first, violated rows alone are
+        lifted; slacks below the second weigh no more there.
+    corrected_gap : float in (0, 1)
+        Centrality correctors lengthen the steps of large programs from this share of the objective on: before, they lead into worse basins.
+    """
+
+    fraction_to_boundary: float = 0.99
+    max_correction: float = 10.0
+    min_step_length: float = 0.05
+    min_slack: float = 1e-14
+    initial_slack: float = 1e-3
+    max_step_share: float = 0.1
+    proximal_share: float = 0.01
+    dual_error_ratio: float = 0.3
+    dual_error_floor: float = 0.05
+    dual_error_allowance: float = 0.0
+    dual_tolerance: float = 1e-3
+    min_iterations: int = 3
+    max_iterations: int = 100
+    max_monotone_iterations: int = 200
+    max_stalled_iterations: int = 30
+    max_saddle_escapes: int = 2
+    max_free_shift: float = 1e-3
+    hopeless_shift: float = 1e6
+    max_centring: float = 10.0
+    min_restoring_step: float = 0.7
+    lifted_slack: float = 1e-9
+    corrected_gap: float = 0.0
+
+
+SETTINGS = Settings()
+LARGE_PROGRAM = 300
+"""Programs of more variables are large: they take more iterations, so these are made to count, and roundings add up."""
+LARGE_SETTINGS = replace(SETTINGS, max_centring=1.0, dual_error_allowance=SETTINGS.dual_error_floor, corrected_gap=0.3)
+
+
+def settings_for(variables: int) -> Settings:
+    """Parameters for a program of so many variables."""
+    return LARGE_SETTINGS if variables > LARGE_PROGRAM else SETTINGS

@@ -1,0 +1,154 @@
+"""Any freedoms of a part may be locked: against closed forms, against sampled collisions, and along the whole way."""
+
+from __future__ import annotations
+
+import itertools
+
+import fcl
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.spatial.transform import Rotation
+
+import wiggleroom as wr
+from tests.test_spatial import PEG, PLATE, sound, spatial, square
+from wiggleroom.spatial.spatial_flex import flex_spatial
+from wiggleroom.spatial.spatial_model import SpatialPull, SpatialTurn
+
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+ARM = [[-3, -3, -3, 3, 3, 3], [3, -1, -1, 20, 1, 1]]
+POSTS = [
+    {"name": "right", "boxes": [[10, 2.5, -30, 12, 4.5, 30]], "fixed": True},
+    {"name": "left", "boxes": [[14, -6, -30, 16, -4, 30]], "fixed": True},
+    {"name": "above", "boxes": [[15, -30, 3.5, 18, 30, 5]], "fixed": True},
+    {"name": "below", "boxes": [[8, -30, -5, 9, 30, -2.5]], "fixed": True},
+]
+
+
+@pytest.mark.parametrize("turns", [t for k in range(4) for t in itertools.combinations(AXES[3:], k)], ids=str)
+@pytest.mark.parametrize("moves", [(), ("x",), ("y", "z")], ids=str)
+def test_a_lock_holds_along_the_whole_path(moves: tuple[str, ...], turns: tuple[str, ...]) -> None:
+    lock = [*moves, *turns]
+    assembly = spatial(PLATE, PEG | {"lock": lock})
+    rng = np.random.default_rng(len(lock))
+    goal = SpatialPull("peg", tuple(rng.normal(size=3)) if "z" in moves else (*rng.normal(size=2), 0.0), (5, 5, 20))
+    answer = flex_spatial(assembly, goal)
+    assert answer.collision_free
+    held = [k for k, axis in enumerate(AXES) if axis in lock]
+    for one, other in itertools.pairwise(answer.waypoints[:, 1]):
+        start, end = Rotation.from_rotvec(one[3:]), Rotation.from_rotvec(other[3:])
+        for share in (0.0, 0.3, 0.7, 1.0):
+            turn = (start * Rotation.from_rotvec(share * (start.inv() * end).as_rotvec())).as_rotvec()
+            between = np.concatenate([one[:3] + share * (other[:3] - one[:3]), turn])
+            assert np.abs(between[held]).max(initial=0.0) < 1e-12
+    if answer.verdict == "optimal":
+        freer = flex_spatial(spatial(PLATE, PEG | {"lock": lock[:-1]}), goal) if lock else answer
+        assert freer.objective is None or freer.objective >= answer.objective - 1e-7
+
+
+def test_a_peg_that_may_not_tilt_about_one_axis_moves_as_closed_forms_say() -> None:
+    tilt = brentq(lambda a: 10 / np.cos(a) + 12 * np.tan(a) - 10.4, 1e-4, 0.3)
+    twist = brentq(lambda a: 10 * (np.cos(a) + np.sin(a)) - 10.4, 1e-3, 0.3)
+    assembly = spatial(PLATE, PEG | {"lock": ["rx"]})
+    assert sound(flex_spatial(assembly, SpatialTurn("peg", (0, 1, 0)))).objective == pytest.approx(tilt, abs=1e-7)
+    assert sound(flex_spatial(assembly, SpatialTurn("peg", (0, 0, -1)))).objective == pytest.approx(twist, abs=1e-7)
+    about_locked = sound(flex_spatial(assembly, SpatialTurn("peg", (1, 0, 0))))
+    assert (about_locked.verdict, about_locked.objective) == ("optimal", pytest.approx(0.0, abs=1e-9))
+
+
+class Arm:
+    """The arm about its reference point, judged by a collision library; rotation vectors are across x."""
+
+    def __init__(self, reference: np.ndarray) -> None:
+        self.reference = reference
+        self.mine = [self._box(b) for b in ARM]
+        self.posts = [fcl.CollisionObject(*self._box(p["boxes"][0], np.zeros(3))) for p in POSTS]
+
+    def _box(self, box: list[float], about: np.ndarray | None = None) -> tuple[fcl.Box, fcl.Transform]:
+        low, high = np.array(box[:3], float), np.array(box[3:], float)
+        middle = (low + high) / 2 - (self.reference if about is None else about)
+        return fcl.Box(*(high - low)), fcl.Transform(np.eye(3), middle)
+
+    def free(self, turn: np.ndarray) -> bool:
+        R = Rotation.from_rotvec(turn).as_matrix()
+        for shape, at in self.mine:
+            moved = fcl.CollisionObject(shape, fcl.Transform(R, R @ at.getTranslation() + self.reference))
+            if any(fcl.collide(moved, post, fcl.CollisionRequest(), fcl.CollisionResult()) for post in self.posts):
+                return False
+        return True
+
+    def best(self, direction: np.ndarray, point: np.ndarray) -> float:
+        """Largest displacement of a point among the rotations that a flood from rest reaches, then nearer and nearer to it."""
+
+        def value(turn: np.ndarray) -> float:
+            R = Rotation.from_rotvec(turn).as_matrix()
+            return float(direction @ (R @ (point - self.reference) + self.reference - point))
+
+        step, start = 0.02, (0, 0)
+        seen, todo = {start}, [start]
+        while todo:
+            j, k = todo.pop()
+            for near in ((j + 1, k), (j - 1, k), (j, k + 1), (j, k - 1)):
+                if near not in seen and max(map(abs, near)) < 60 and self.free(np.array([0, *np.multiply(step, near)])):
+                    seen.add(near)
+                    todo.append(near)
+        middle = max((np.array([0, *np.multiply(step, at)]) for at in seen), key=value)
+        while step > 1e-5:
+            around = [middle + step * np.array([0, j, k]) for j, k in itertools.product(range(-12, 13), repeat=2)]
+            middle = max((t for t in around if self.free(t)), key=value)
+            step *= 0.6
+        return value(middle)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_an_arm_that_may_not_roll_reaches_what_sampling_finds(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    arm = {"name": "arm", "boxes": ARM, "lock": ["x", "y", "z", "rx"]}
+    assembly = spatial(*POSTS, arm)
+    direction, point = rng.normal(size=3) * [0.2, 1, 1], rng.uniform([-3, -3, -3], [20, 3, 3])
+    direction /= np.linalg.norm(direction)
+    answer = sound(flex_spatial(assembly, SpatialPull("arm", tuple(direction), tuple(point))))
+    assert answer.verdict == "optimal"
+    assert abs(answer.motion[4, 3]) < 1e-12
+    assert answer.objective == pytest.approx(Arm(assembly.reference[4]).best(direction, point), abs=2e-4)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_ipopt_says_the_same_of_locked_parts(seed: int) -> None:
+    pytest.importorskip("casadi")
+    rng = np.random.default_rng(10 + seed)
+    lock = [str(rng.choice(AXES[3:])), "z"]
+    assembly = spatial(PLATE, PEG | {"lock": lock})
+    goal = SpatialPull("peg", tuple(rng.normal(size=3)), tuple(rng.uniform(-5, 5, 3) * [1, 1, 4]))
+    ours, theirs = (wr.flex(assembly, goal, solver=s) for s in ("interior-point", "ipopt"))
+    assert ours.objective == pytest.approx(theirs.objective, rel=1e-6)
+
+
+def test_what_turns_without_limit_does_so_about_what_is_left_free() -> None:
+    pin = {"name": "pin", "boxes": [[-2, -2, -4, 2, 2, 4]], "lock": ["x", "y", "z", "rx"]}
+    assert wr.flex(spatial(PLATE, pin), wr.Turn("pin", (0, 0, 1))).turns == ("pin",)
+    leaning = {"name": "pin", "boxes": [[-2, -2, -4, 2, 2, 4]], "lock": ["x", "y", "z", "rx", "ry"]}
+    assert wr.flex(spatial(PLATE, leaning), wr.Turn("pin", (0.6, 0, 0.8))).turns == ("pin",)
+
+
+def test_studies_of_a_part_with_one_turn_locked_are_those_of_solving_again() -> None:
+    assembly = spatial(PLATE, PEG | {"lock": ["rx", "z"]}, gap=0.1)
+    goal = wr.Pull("peg", (1, 0.3, 0), (5, 5, 20))
+    by_forces, again = (wr.rank(assembly, goal, by=by) for by in ("duals", "differences"))
+    assert by_forces.looser == pytest.approx(again.looser, rel=1e-4)
+
+
+def test_a_lock_decides_whether_a_part_can_be_taken_out() -> None:
+    # a cap that only moves along z: locked there, it stays
+    cap = {"name": "cap", "boxes": [[-4, -4, 0, 4, 4, 2], [-1, -1, -3, 1, 1, 0]]}
+    floor = {
+        "name": "floor",
+        "outline": square(12),
+        "holes": [square(2.2)],
+        "thickness": 2,
+        "at": [0, 0, -2.1],
+        "fixed": True,
+    }
+    assert wr.check(spatial(floor, cap | {"lock": ["ry"]})).verdict == "comes apart"
+    held = wr.check(spatial(floor, cap | {"lock": ["z", "ry"]}))
+    assert held.verdict == "interlocked"

@@ -1,0 +1,144 @@
+/**
+ * The picture of the parts as a bitmap that is kept from frame to frame: only what has changed is painted anew.
+ *
+ * Where that is little, the region round it is painted in one frame. Where it is much, a second bitmap is painted over several frames while
+ * the first one stays: no frame waits for thousands of parts, and what is shown is always one motion of all of them.
+ */
+
+import type { Point } from "../protocol.ts";
+import { changed, clear, extentOf, painting, type Region, reaching, type Scene } from "./paint.ts";
+import { placed } from "./shapes.ts";
+import { type Size, toScreen, type View } from "./view.ts";
+
+/** Parts that moved by less than this [px] are left while the hand moves; when it rests everything is exact. */
+export const UNSEEN = 0.25;
+/** So many parts are painted in one frame at first, and at least; the number follows how long frames take. */
+const FIRST_RATE = 400;
+const LEAST_RATE = 60;
+/** Frames shorter than this may hold more parts, longer ones than that must hold fewer [ms]. */
+const QUICK = 21;
+const SLOW = 30;
+
+/** What is to be seen on a canvas. */
+export interface Picture { size: Size; ratio: number; view: View; scene: Scene }
+
+/** What a bitmap shows; `painted` differs from the motion of the scene by what cannot be seen. */
+interface Bitmap { g: CanvasRenderingContext2D; picture: Picture | null; painted: Float32Array }
+
+export class Retained {
+  #front = bitmap();
+  #back: Bitmap | null = null;
+  #steps: Generator<void> | null = null;
+  #rate = FIRST_RATE;
+
+  /** True while the bitmap shows an older motion than the last one that it was given. */
+  get behind(): boolean {
+    return this.#steps !== null;
+  }
+
+  /** How many parts fit into a frame follows the time that the last one took [ms]. */
+  tune(took: number): void {
+    if (took > SLOW) this.#rate = Math.max(this.#rate * 0.7, LEAST_RATE);
+    else if (took < QUICK) this.#rate *= 1.3;
+  }
+
+  /** Puts the parts onto a canvas, those under the hand left out, and gives the scene that it shows; parts moved by less than `least` [px] stay. */
+  show(g: CanvasRenderingContext2D, wanted: Picture, least: number): Scene {
+    const now = { ...wanted, scene: { ...wanted.scene, motion: wanted.scene.motion.slice() } };
+    const front = this.#front;
+    if (resized(front, g.canvas) || !front.picture || !alike(front.picture, now)) {
+      this.#steps = null;
+      for (const _ of repainting(front, now)) void _;
+    } else if (!this.#steps) {
+      const change = damage(front, now, least);
+      if (!change) front.picture = now;
+      else if (reaching(now.size, now.view, now.scene, change.region) <= this.#rate) for (const _ of repainting(front, now, change)) void _;
+      else this.#begin(g.canvas, now);
+    }
+    if (this.#steps) this.#goOn(g);
+    g.setTransform(1, 0, 0, 1, 0, 0);
+    g.drawImage(this.#front.g.canvas, 0, 0);
+    return this.#front.picture!.scene;
+  }
+
+  #begin(canvas: HTMLCanvasElement, now: Picture): void {
+    this.#back ??= bitmap();
+    resized(this.#back, canvas);
+    this.#steps = repainting(this.#back, now);
+  }
+
+  #goOn(g: CanvasRenderingContext2D): void {
+    for (let k = 0; k < this.#rate; k++) if (this.#steps!.next().done) {
+      [this.#front, this.#back, this.#steps] = [this.#back!, this.#front, null];
+      return;
+    }
+    g.setTransform(1, 0, 0, 1, 0, 0);
+    g.drawImage(this.#back!.g.canvas, 0, 0, 1, 1, 0, 0, 1, 1); // what was drawn is worked off now, not all at the end
+  }
+}
+
+const bitmap = (): Bitmap => ({ g: document.createElement("canvas").getContext("2d", { alpha: false })!, picture: null, painted: new Float32Array(0) });
+
+/** Gives a bitmap the size of a canvas; true where it had another. */
+function resized({ g }: Bitmap, { width, height }: HTMLCanvasElement): boolean {
+  if (g.canvas.width === width && g.canvas.height === height) return false;
+  [g.canvas.width, g.canvas.height] = [width, height];
+  return true;
+}
+
+/** Paints a picture, or of it what has changed, and notes what is to be seen then. */
+function* repainting(onto: Bitmap, now: Picture, change?: Damage): Generator<void> {
+  const { g } = onto;
+  const { size, ratio, view, scene } = now;
+  let { motion } = scene;
+  g.save();
+  if (change) {
+    const [x0, y0, x1, y1] = change.region;
+    g.setTransform(1, 0, 0, 1, 0, 0);
+    g.beginPath();
+    g.rect(Math.floor(x0 * ratio), Math.floor(y0 * ratio), Math.ceil((x1 - x0) * ratio) + 1, Math.ceil((y1 - y0) * ratio) + 1);
+    g.clip();
+    motion = onto.painted.slice();
+    for (const i of change.parts) motion.set(scene.motion.subarray(3 * i, 3 * i + 3), 3 * i);
+  }
+  clear(g, scene.colours);
+  yield* painting(g, size, ratio, view, { ...scene, motion }, false, change?.region);
+  g.restore();
+  onto.painted = motion;
+  onto.picture = now;
+}
+
+/** Whether two pictures differ in no more than parts may. */
+function alike(a: Picture, b: Picture): boolean {
+  const same = a.view === b.view && a.size === b.size && a.ratio === b.ratio && a.scene.factor === b.scene.factor;
+  return same && a.scene.shapes === b.scene.shapes && a.scene.colours === b.scene.colours;
+}
+
+/** Parts that look or lie otherwise than they were painted, and the region round them [px]. */
+interface Damage { parts: readonly number[]; region: Region }
+
+function damage({ picture, painted }: Bitmap, now: Picture, least: number): Damage | null {
+  const { scene: before } = picture!;
+  const { scene, view, size } = now;
+  const parts: number[] = [];
+  let [x0, y0, x1, y1] = [size.width, size.height, 0, 0];
+  scene.shapes.forEach((shape, i) => {
+    if (changed(shape, painted, scene.motion, i) * scene.factor * view.scale <= least && looks(before, i) === looks(scene, i)) return;
+    parts.push(i);
+    const far = extentOf(view, shape.radius);
+    const places: Point[] = [painted, scene.motion].map((motion) => {
+      const { x, y } = placed(shape, motion, i, scene.factor);
+      return [x, y];
+    });
+    for (const [x, y] of [...places, shape.at].map((at) => toScreen(view, size, at))) {
+      [x0, y0, x1, y1] = [Math.min(x0, x - far), Math.min(y0, y - far), Math.max(x1, x + far), Math.max(y1, y + far)];
+    }
+  });
+  if (!parts.length) return null;
+  return { parts, region: [Math.max(x0, 0), Math.max(y0, 0), Math.min(x1, size.width), Math.min(y1, size.height)] };
+}
+
+/** What of the looks of a part may change while the hand moves. */
+function looks({ roles, blame, chosen, hovered, held }: Scene, i: number): string {
+  return `${roles[i]} ${blame?.[i]} ${chosen.has(i)} ${hovered === i} ${held.has(i)}`;
+}
