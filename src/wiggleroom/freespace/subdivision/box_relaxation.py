@@ -82,63 +82,8 @@ def free_side_is_convex(edge, some, count, tiny):
 
 
 @njit(**COMPILED_CALLERS_ONLY)
-def _crossing(x, y, radius, edge, e, entering):
-    """Where an edge enters a disc, or leaves it."""
-    ax, ay = edge[e, 0] - x, edge[e, 1] - y
-    ex, ey = edge[e, 2] - edge[e, 0], edge[e, 3] - edge[e, 1]
-    a, b, c = ex * ex + ey * ey, ax * ex + ay * ey, ax * ax + ay * ay - radius * radius
-    root = np.sqrt(max(b * b - a * c, 0.0))
-    t = min(max((-b - root if entering else -b + root) / a, 0.0), 1.0)
-    return edge[e, 0] + t * ex, edge[e, 1] + t * ey
-
-
-@njit(**COMPILED_CALLERS_ONLY)
-def line_behind_chain(x, y, radius, edge, some, count, line):
-    """Fill `line` (nx, ny, offset) so that n . z >= offset for what is free in a disc; False where no such line is known.
-
-    The edges that meet the disc must be one chain across it. Its chord, moved back until no corner of the chain is behind it, cuts off a
-    piece of the disc that no edge meets; it lies on the material's side of the chain, so it is material.
-    """
-    first = -1
-    for i in range(count):
-        e = some[i]
-        if (edge[e, 0] - x) ** 2 + (edge[e, 1] - y) ** 2 > radius * radius:
-            if first >= 0:
-                return False
-            first = e
-    if first < 0:
-        return False
-    px, py = _crossing(x, y, radius, edge, first, True)
-    last, seen = first, 1
-    while (edge[last, 2] - x) ** 2 + (edge[last, 3] - y) ** 2 <= radius * radius:
-        following = -1
-        for i in range(count):
-            if edge[some[i], 0] == edge[last, 2] and edge[some[i], 1] == edge[last, 3]:
-                following = some[i]
-        seen += 1
-        if following < 0 or seen > count:
-            return False
-        last = following
-    if seen != count:
-        return False
-    qx, qy = _crossing(x, y, radius, edge, last, False)
-    dx, dy = qx - px, qy - py
-    long = np.sqrt(dx * dx + dy * dy)
-    if long < 0.1 * radius:
-        return False
-    nx, ny = dy / long, -dx / long
-    least = min(nx * px + ny * py, nx * qx + ny * qy)
-    for i in range(count):
-        e = some[i]
-        if e != first:
-            least = min(least, nx * edge[e, 0] + ny * edge[e, 1])
-    line[0], line[1], line[2] = nx, ny, least
-    return True
-
-
-@njit(**COMPILED_CALLERS_ONLY)
 def add_rows(
-    x, y, turn, half, swing, of_b, p_edge, p_disc, p_kid, q_edge, q_disc, q_kid, stack, nodes, some, first, line, rows, m
+    x, y, turn, half, swing, of_b, p_edge, p_disc, p_kid, q_edge, q_disc, q_kid, stack, nodes, some, first, rows, m
 ):  # fmt: skip
     """Append rows a . z <= b, z in [-1, 1]^3 the motions of the box, of the corners p of one body against edges q of the other.
 
@@ -171,25 +116,16 @@ def add_rows(
                 waiting += 2
             continue
         count = edges_within(zx, zy, reach, q_edge, q_disc, q_kid, stack, some)
-        if count == 0 or count > MAX_EDGES:
+        if count == 0 or count > MAX_EDGES or not free_side_is_convex(q_edge, some, count, tiny):
             continue
-        convex = free_side_is_convex(q_edge, some, count, tiny)
-        if not convex:
-            if not line_behind_chain(zx, zy, reach, q_edge, some, count, line):
-                continue
-            count = 1
         for k in range(count):
             if m == len(rows):
                 return m
-            if convex:
-                e = some[k]
-                ex, ey = q_edge[e, 2] - q_edge[e, 0], q_edge[e, 3] - q_edge[e, 1]
-                long = np.sqrt(ex * ex + ey * ey)
-                nx, ny = ey / long, -ex / long
-                room = nx * (zx - q_edge[e, 0]) + ny * (zy - q_edge[e, 1])
-            else:
-                nx, ny = line[0], line[1]
-                room = nx * zx + ny * zy - line[2] + tiny
+            e = some[k]
+            ex, ey = q_edge[e, 2] - q_edge[e, 0], q_edge[e, 3] - q_edge[e, 1]
+            long = np.sqrt(ex * ex + ey * ey)
+            nx, ny = ey / long, -ex / long
+            room = nx * (zx - q_edge[e, 0]) + ny * (zy - q_edge[e, 1])
             if of_b:
                 gx, gy, gt = nx, ny, ny * (zx - x) - nx * (zy - y)
                 room += far * swing * swing / 2

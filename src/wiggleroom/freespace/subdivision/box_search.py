@@ -176,7 +176,7 @@ def split_box(
     pieces = np.empty((128, 4))
     some = np.empty(MAX_EDGES + 1, dtype=np.int64)
     one = np.empty(1, dtype=np.int64)
-    line, rows, active, inverse = np.empty(3), np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
+    rows, active, inverse = np.empty((MAX_ROWS, 4)), np.empty((3, 4)), np.empty((3, 3))
     first[n] = count
     side = 0.5 ** (level[n] + 1)
     half, swing = scale[0] * side, scale[1] * side
@@ -191,18 +191,48 @@ def split_box(
             x, y, turn, half, swing, a_edge, a_normal, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, pieces, some
         )
         upper[m] = objective_bound(asked, x, y, turn, half, swing)
-        if state[m] != MIXED:
+        if state[m] != MIXED or asked[5] == np.inf:
             continue
         found = add_rows(
-            x, y, turn, half, swing, True, b_edge, b_disc, b_kid, a_edge, a_disc, a_kid, stack, nodes, some, one, line, rows, 0,
-        )  # fmt: skip
+            x,
+            y,
+            turn,
+            half,
+            swing,
+            True,
+            b_edge,
+            b_disc,
+            b_kid,
+            a_edge,
+            a_disc,
+            a_kid,
+            stack,
+            nodes,
+            some,
+            one,
+            rows,
+            0,
+        )
         found = add_rows(
-            x, y, turn, half, swing, False, a_edge, a_disc, a_kid, b_edge, b_disc, b_kid, stack, nodes, some, one, line, rows, found,
-        )  # fmt: skip
-        if asked[5] == np.inf:  # nothing is asked but whether there is any free motion in the box
-            if found and linear_program_maximum(0.31, 0.53, 0.79, rows, found, active, inverse) == -np.inf:
-                state[m] = FORBIDDEN
-            continue
+            x,
+            y,
+            turn,
+            half,
+            swing,
+            False,
+            a_edge,
+            a_disc,
+            a_kid,
+            b_edge,
+            b_disc,
+            b_kid,
+            stack,
+            nodes,
+            some,
+            one,
+            rows,
+            found,
+        )
         slope, bend = slope_and_curvature_bound(asked, turn)
         most = linear_program_maximum(half * asked[0], half * asked[1], swing * slope, rows, found, active, inverse)
         if most == -np.inf:
