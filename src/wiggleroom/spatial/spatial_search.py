@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -10,7 +10,12 @@ from numpy.typing import NDArray
 
 from wiggleroom.errors import Stop
 from wiggleroom.spatial.rigid import SpatialPose, near_pieces
-from wiggleroom.spatial.separating_plane_program import SeparatingPlaneProgram, best_axis, build_planes
+from wiggleroom.spatial.separating_plane_program import (
+    SeparatingPlanePoint,
+    SeparatingPlaneProgram,
+    best_axis,
+    build_planes,
+)
 from wiggleroom.spatial.separating_plane_solver import SeparatingPlaneSolution, SeparatingPlaneSolver
 from wiggleroom.spatial.spatial_objectives import Displacement, SumOfTerms, Twist
 from wiggleroom.spatial.spatial_path_check import refined
@@ -31,6 +36,8 @@ INSIDE_STARTS, INSIDE_ITERATIONS = 3, 150
 """Where iterates stay inside all rows: so many starts beside rest are tried, with so many iterations each."""
 MOST_ROWS_OF_STARTS = 20_000
 """Larger programs are started once."""
+MOST_PAIRS_UNDAMPED = 3000
+"""Programs of more pairs of pieces begin with damped rows, without the pairs that do not face each other."""
 MISSED = 1.0
 """Where pairs of pieces outside the program meet, all that come nearer than this multiple of the clearance join it."""
 DEPARTED = 0.25
@@ -90,9 +97,10 @@ class SpatialSearch:
             if self.begin is None
             else near_pieces(ready.grouping.bodies, self.begin, REACH * ready.clearance)
         )
-        best = self._attempt(None)
+        large = len(self.pieces) > MOST_PAIRS_UNDAMPED and self.solver != "ipopt"
+        best = self._attempt(None, damped=large)
         starts = range(INSIDE_STARTS if best.program.rows <= MOST_ROWS_OF_STARTS else 1)
-        damped_first = () if self.solver == "ipopt" else ((None, True),)
+        damped_first = () if self.solver == "ipopt" or large else ((None, True),)
         for seed, damped in (*damped_first, *((seed, False) for seed in starts)):
             if best.good or self._asked_to_stop():
                 break
@@ -123,9 +131,13 @@ class SpatialSearch:
                 done = self._departed(self._checked(program, found))
                 if done.good:
                     return done
-            missed = self._missed(program, found)
+            missed, rest_of_way = self._missed(program, found)
             if not len(missed) or self._asked_to_stop():
                 break
+            if found.status is SolverStatus.CONVERGED and rest_of_way:
+                done = self._checked(program, replace(found, way=tuple(rest_of_way)))
+                if done.good:
+                    return done
             self.pieces = np.unique(np.vstack([self.pieces, missed]), axis=0)
             self.met = np.unique(np.vstack([self.met, missed]), axis=0)
         return self._checked(program, found)
@@ -184,23 +196,35 @@ class SpatialSearch:
     def _asked_to_stop(self) -> bool:
         return self.stop is not None and self.stop.is_set()
 
-    def _missed(self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution) -> Ints:
-        """Pairs of pieces outside the program that come near at some way-point, if any of them meet; the end is looked at first."""
-        bodies = self.ready.grouping.bodies
+    def _missed(
+        self, program: SeparatingPlaneProgram, found: SeparatingPlaneSolution
+    ) -> tuple[Ints, list[SeparatingPlanePoint]]:
+        """Pairs of pieces outside the program that come near where some of them meet, and the way-points where none do.
+
+        Where they meet at the end, the way is not looked at.
+        """
         known = {tuple(sorted(((a, i), (b, j)))) for a, i, b, j in program.pieces.tolist()}
-        some = found.path[:: max(1, len(found.path) // 40)]
-        for points in (found.path[-1:], some):
-            new: dict[object, list[int]] = {}
-            met = False
-            for point in points:
-                for who in near_pieces(bodies, point.pose, MISSED * self.ready.clearance).tolist():
-                    key = tuple(sorted(((who[0], who[1]), (who[2], who[3]))))
-                    if key in known or key in new:
-                        continue
-                    apart = best_axis(bodies, point.pose, who, np.empty(3))[0]
-                    if apart < MISSED * self.ready.clearance:
-                        new[key] = who
-                        met |= apart <= 0
-            if met:
-                return np.array(list(new.values()), dtype=np.int64).reshape(-1, 4)
-        return np.zeros((0, 4), dtype=np.int64)
+        nothing = np.zeros((0, 4), dtype=np.int64)
+        at_end = self._near(known, found.path[-1:])
+        if len(at_end):
+            return at_end, []
+        some = [*found.path[:: max(1, len(found.path) // 40)], *found.path[-1:]]
+        near = [self._near(known, [point]) for point in some]
+        return np.unique(np.vstack([nothing, *near]), axis=0), [
+            p for p, n in zip(some, near, strict=True) if not len(n)
+        ]
+
+    def _near(self, known: set[tuple[tuple[int, int], ...]], points: Sequence[SeparatingPlanePoint]) -> Ints:
+        """Pairs of pieces that are not known and come near at some point, if any of them meet there."""
+        bodies, reach = self.ready.grouping.bodies, MISSED * self.ready.clearance
+        new: list[list[int]] = []
+        met = False
+        for point in points:
+            for who in near_pieces(bodies, point.pose, reach).tolist():
+                if tuple(sorted(((who[0], who[1]), (who[2], who[3])))) in known:
+                    continue
+                apart = best_axis(bodies, point.pose, who, np.empty(3))[0]
+                if apart < reach:
+                    new.append(who)
+                    met |= apart <= 0
+        return np.array(new if met else [], dtype=np.int64).reshape(-1, 4)
