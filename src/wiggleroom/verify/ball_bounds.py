@@ -449,9 +449,10 @@ def highest(alpha: arb, beta: arb, gamma: arb, low: arb, high: arb) -> arb:
 
     need(bool(low <= high), "a range is empty")
     best = value(low).max(value(high))
-    radius = (alpha * alpha + beta * beta).sqrt()
-    if not radius > 0:
-        return best + 2 * radius
+    square = alpha * alpha + beta * beta
+    if not square > 0:  # nothing but rounding, for all one can tell: no more than the two together
+        return best + 2 * (abs(alpha) + abs(beta))
+    radius = square.sqrt()
     if abs(gamma) > radius:
         return best  # it rises or falls throughout
     if not abs(gamma) < radius:
